@@ -95,26 +95,26 @@ def drawn(file, count, seed):
         )
 
 
-def witnessed(file, machines, places, asked):
+def witnessed(file, machines, places, options):
     """The records of hydraulic machines from the witness, side by side; each has noise of its own, by its place among all."""
-    signal = bench_signal(file, asked)
+    signal = bench_signal(file, options)
     many = witness.Machines.of(
-        **{name: [one[key] * factor for one in machines] for name, (key, factor) in witness.OF_FILE.items()}
+        **{name: [machine[key] * factor for machine in machines] for name, (key, factor) in witness.OF_FILE.items()}
     )
     piston = [file[f"potentiometer.{name}"] for name in ("bandwidth", "noise", "resolution")]
     sensors = witness.Sensors(piston[0], piston[1] / witness.INCH, piston[2] / witness.INCH)
-    randoms = [np.random.default_rng([asked.seed, 1, place]) for place in places]
+    randoms = [np.random.default_rng([options.seed, 1, index]) for index in places]
     periods = round(signal.time_s[-1] / witness.PERIOD_S) + 1
     noise = np.array([random.standard_normal(periods) for random in randoms]).T
-    exact = witness.run(many, signal.signal, asked.rate_hz, sensors, noise)
+    exact = witness.run(many, signal.signal, options.rate_hz, sensors, noise)
     for k, random in enumerate(randoms):
         channels = {"test_signal": signal.signal}
         for name, values in exact.items():
-            channels[name] = shown(file, name, values[k], asked, random)
+            channels[name] = reading(file, name, values[k], options, random)
         yield [BenchRecord("bench", Experiment.read("servo-closed"), signal.time_s, channels)]
 
 
-def shown(file, name, values, asked, random):
+def reading(file, name, values, options, random):
     """What a sensor of the file shows: behind its lag, by a spline of the samples in steps of a tenth, with noise and in steps."""
     normal = random.standard_normal(len(values))
     sensor = {"column_angle": "column_sensor", "piston_position": "potentiometer", "load_cell_force": "load_cell"}.get(
@@ -124,7 +124,7 @@ def shown(file, name, values, asked, random):
         return values + INSTRUMENT * values.std() * normal
     bandwidth, noise, step = (file[f"{sensor}.{part}"] for part in ("bandwidth", "noise", "resolution"))
     fine = CubicSpline(np.arange(len(values)), values)(np.arange(10 * len(values) - 9) / 10)
-    turn, lag, seen = bandwidth / asked.rate_hz / 10, fine[0], [fine[0]]
+    turn, lag, seen = bandwidth / options.rate_hz / 10, fine[0], [fine[0]]
     for before, now in pairwise(fine):
         slope = (now - before) / turn
         lag = now - slope + (lag - before + slope) * np.exp(-turn)
@@ -134,9 +134,9 @@ def shown(file, name, values, asked, random):
 
 def share_on(machine, name, law, plan):
     """Share of the settings that a law renders on a machine, and what fails first elsewhere."""
-    found = ff.find_envelope(machine, {name: law}, plan.grid, changes={}, arms=())
-    failing = {str(kind): share for kind, share in found.failure_shares(name).items() if share > 0}
-    return found.even_shares(name).nominal_share, failing
+    envelope = ff.find_envelope(machine, {name: law}, plan.grid, changes={}, arms=())
+    failing = {str(kind): share for kind, share in envelope.failure_shares(name).items() if share > 0}
+    return envelope.even_shares(name).nominal_share, failing
 
 
 def surely(machine):
@@ -147,7 +147,7 @@ def surely(machine):
 
 def commissioned(file, machine, data, plan):
     """What ``commission`` makes of a machine: the numbers of its row."""
-    found = dict.fromkeys(ROW, "") | {
+    row = dict.fromkeys(ROW, "") | {
         "share": 0.0,
         "friction_lb": machine[DRY] / witness.LBF,
         "breakaway": machine[BREAKAWAY] / machine[DRY],
@@ -155,21 +155,23 @@ def commissioned(file, machine, data, plan):
     try:
         step = identify_loader(file, data, plan)
         if step.loader is None:
-            return found | {"failing": step.outcome.verdict}
+            return row | {"failing": step.outcome.verdict}
         chosen, scored, _ = choose_law(step.loader, plan)
     except InputError as error:
-        return found | {"failing": str(error)}
+        return row | {"failing": str(error)}
     if not chosen.name:
-        return found | {"failing": chosen.verdict}
+        return row | {"failing": chosen.verdict}
     feel = np.vstack([own_feel(step.loader), scored.plan.settings.feel(scored.plan.loader)])
     law = ff.Law.of(chosen.name, step.loader, feel)
     share, failing = share_on(machine, chosen.name, law, plan)
     exact, _ = share_on(machine, chosen.name, ff.Law.of(chosen.name, surely(machine), feel), plan)
-    nominal = next(one.over.shares.nominal_share for one in scored.scores if one.name == chosen.name)
+    nominal = next(score.over.shares.nominal_share for score in scored.scores if score.name == chosen.name)
     off, key = max(
-        (abs(one.value / machine[one.key] - 1), one.key) for one in step.outcome.parameters if alone(one.key)
+        (abs(parameter.value / machine[parameter.key] - 1), parameter.key)
+        for parameter in step.outcome.parameters
+        if alone(parameter.key)
     )
-    return found | {
+    return row | {
         "share": share,
         "law": chosen.name,
         "identified": nominal,
@@ -210,7 +212,7 @@ def made(file, machines, done, time_, *, electric):
             yield row | {"machine": k + 1, "cpu_s": time.process_time() - begun}
 
 
-def told(row):
+def row_text(row):
     """A row as a line."""
     what = f"machine {row['machine']}, {row['friction_lb']:.2f} lb of friction: {row['share']:.1%} with {row['law'] or 'no law'}"
     if row["law"]:
@@ -229,15 +231,15 @@ def main():
     parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--electric", action="store_true")
     parser.add_argument("--out", type=Path, help="rows of the machines, a CSV; what stands in it is not made again")
-    asked = parser.parse_args()
-    time_ = BenchTime(asked.seconds, seed=asked.seed)
-    file = on_file(electric=asked.electric)
-    machines = list(drawn(file, asked.machines, asked.seed))
-    rows = Rows(asked.out, ROW, f"{file.name}, encoder of 20 bits, {asked.seconds:g} s, seed {asked.seed}")
-    for row in made(file, machines, rows.done(), time_, electric=asked.electric):
+    options = parser.parse_args()
+    time_ = BenchTime(options.seconds, seed=options.seed)
+    file = on_file(electric=options.electric)
+    machines = list(drawn(file, options.machines, options.seed))
+    rows = Rows(options.out, ROW, f"{file.name}, encoder of 20 bits, {options.seconds:g} s, seed {options.seed}")
+    for row in made(file, machines, rows.done(), time_, electric=options.electric):
         rows.add(row)
-        print(told(row), flush=True)
-    summed_up([row for row in rows.all() if row["machine"] <= asked.machines])
+        print(row_text(row), flush=True)
+    summed_up([row for row in rows.all() if row["machine"] <= options.machines])
 
 
 def summed_up(rows):
@@ -247,7 +249,7 @@ def summed_up(rows):
     laws = Counter(row["law"] or "none" for row in rows)
     for row in sorted(rows, key=lambda row: row["share"]):
         if row["share"] < PROMISED_TENTH:
-            print("short:", told(row))
+            print("short:", row_text(row))
     print(
         f"{len(shares)} machines, {sum(row['cpu_s'] for row in rows):.0f} s of CPU: mean share {shares.mean():.1%}, the worst "
         f"tenth {worst.mean():.1%} (at best {worst.max():.1%}), {(shares >= PROMISED_MEAN).sum()} of them 95 % and more; laws: "

@@ -52,31 +52,33 @@ def bounds(rows, machines):
     """By machine: its row, and the shares by what is changed."""
     plan = CommissionPlan()
     for row in rows:
-        found = what_ifs(surely(machines[row["machine"] - 1]), row["law"] or "robust", plan, EVERYTHING)
-        yield row, {"as identified": row["share"], **{one.change: one.passes for one in found}}
+        what_if_results = what_ifs(surely(machines[row["machine"] - 1]), row["law"] or "robust", plan, EVERYTHING)
+        yield row, {"as identified": row["share"], **{result.change: result.passes for result in what_if_results}}
 
 
-def lifting(shares, wanted):
+def lifting(shares, goal):
     """What asks least of the hardware and reaches a share."""
     changes = list(shares.items())[2:]
-    return next((change for change, share in changes if share >= wanted), "none of these alone")
+    return next((change for change, share in changes if share >= goal), "none of these alone")
 
 
-def draw(found, path):
+def draw(results, path):
     """A line for each machine, a mark for each share."""
-    figure, axes = plt.subplots(figsize=(8, 1.7 + 0.4 * len(found)), layout="constrained")
-    for at, (_, shares) in enumerate(found):
+    figure, axes = plt.subplots(figsize=(8, 1.7 + 0.4 * len(results)), layout="constrained")
+    for at, (_, shares) in enumerate(results):
         marks = [(name, share) for name, share in shares.items() if name in DRAWN]
         low, high = min(share for _, share in marks), max(share for _, share in marks)
         axes.plot([100 * low, 100 * high], [at, at], color="#cccccc", linewidth=1, zorder=1)
         for name, share in marks:
             marker, color, filled = DRAWN[name]
             style = {"color": color, "markerfacecolor": color if filled else "white", "markersize": 7, "linestyle": ""}
-            place = at + (BESIDE if name.startswith("a force sensor") else 0.0)  # it stands where no friction does
-            axes.plot(100 * share, place, marker, label=name if not at else None, zorder=2, **style)
+            x = at + (BESIDE if name.startswith("a force sensor") else 0.0)  # it stands where no friction does
+            axes.plot(100 * share, x, marker, label=name if not at else None, zorder=2, **style)
     axes.axvline(100 * PROMISED_TENTH, color="#888888", linewidth=0.8, linestyle=":")
-    axes.set_yticks(range(len(found)), [f"machine {row['machine']}, {row['friction_lb']:.1f} lb" for row, _ in found])
-    axes.set_ylim(len(found) - 0.4, -0.6)
+    axes.set_yticks(
+        range(len(results)), [f"machine {row['machine']}, {row['friction_lb']:.1f} lb" for row, _ in results]
+    )
+    axes.set_ylim(len(results) - 0.4, -0.6)
     axes.set_xlabel("settings within tolerance, %")
     axes.spines[["top", "right"]].set_visible(False)
     figure.legend(loc="outside upper center", ncols=2, frameon=False, fontsize="small")
@@ -89,20 +91,20 @@ def main():
     parser.add_argument("--below", type=float, default=PROMISED_TENTH)
     parser.add_argument("--seed", type=int, default=2026, help="of the rows")
     parser.add_argument("--figure", type=Path)
-    asked = parser.parse_args()
-    every = read(asked.rows, ROW)
-    rows = sorted((row for row in every if row["share"] < asked.below), key=lambda row: row["share"])
-    machines = list(drawn(on_file(), max(row["machine"] for row in every), asked.seed))
-    found = list(bounds(rows, machines))
-    for k, (row, shares) in enumerate(found):
+    options = parser.parse_args()
+    every = read(options.rows, ROW)
+    rows = sorted((row for row in every if row["share"] < options.below), key=lambda row: row["share"])
+    machines = list(drawn(on_file(), max(row["machine"] for row in every), options.seed))
+    results = list(bounds(rows, machines))
+    for k, (row, shares) in enumerate(results):
         if not k:
-            print("| machine | friction |", " | ".join(shares), f"| what asks least and reaches {asked.below:.0%} |")
+            print("| machine | friction |", " | ".join(shares), f"| what asks least and reaches {options.below:.0%} |")
             print("|---|---|", "---|" * (len(shares) + 1), sep="")
-        told = " | ".join(f"{share:.1%}" for share in shares.values())
-        print(f"| {row['machine']} | {row['friction_lb']:.2f} lb | {told} | {lifting(shares, asked.below)} |")
-    print(f"{len(found)} of {len(every)} machines are below {asked.below:.0%}")
-    if asked.figure and found:
-        draw(found, asked.figure)
+        text = " | ".join(f"{share:.1%}" for share in shares.values())
+        print(f"| {row['machine']} | {row['friction_lb']:.2f} lb | {text} | {lifting(shares, options.below)} |")
+    print(f"{len(results)} of {len(every)} machines are below {options.below:.0%}")
+    if options.figure and results:
+        draw(results, options.figure)
 
 
 if __name__ == "__main__":

@@ -57,29 +57,29 @@ an eighth of its own is 11 % from itself."""
 class Friction:
     """What laws recall of the friction that they know, by setting."""
 
-    def __init__(self, laws, heard):
+    def __init__(self, laws, feel_torque):
         n, numbers = laws.states, laws.friction
         self.rate, self.enters = numbers[:, : n + 5], numbers[:, n + 5 : -10]
         self.numbers = numbers[:, -10:].T
-        self.heard, self.push = heard.copy(), heard.copy()
-        self.learnt, self.trusted, self.way = np.zeros((3, len(heard)))
+        self.heard, self.push = feel_torque.copy(), feel_torque.copy()
+        self.learnt, self.trusted, self.way = np.zeros((3, len(feel_torque)))
 
     def sample(self, torque, known):
         """Torque that the feel hears of what is estimated, and by what the law's states move."""
         level, room, slow, leak, low, high, gain, hand, blur, trust = self.numbers
         rate = np.einsum("pj,pj->p", self.rate, known)
-        way, given = rate / np.hypot(rate, slow), level + self.learnt
-        friction = given * way
+        direction, compensated = rate / np.hypot(rate, slow), level + self.learnt
+        friction = compensated * direction
         least, most = (np.clip(2 * (rate + side * slow) / slow, -1, 1) for side in (-1, 1))
-        band, rest = given + room * (most - least) / 2, torque - friction
-        heard = np.clip(self.heard + leak * (rest - self.heard), rest + least * band, rest + most * band)
-        held, straight = np.abs(self.push) >= hand, way * self.way > TURNED
-        learnt = np.where(straight, np.clip(self.learnt - gain * way * torque, low, high), self.learnt)
+        band, rest = compensated + room * (most - least) / 2, torque - friction
+        feel_torque = np.clip(self.heard + leak * (rest - self.heard), rest + least * band, rest + most * band)
+        held, straight = np.abs(self.push) >= hand, direction * self.way > TURNED
+        learnt = np.where(straight, np.clip(self.learnt - gain * direction * torque, low, high), self.learnt)
         trusted = np.where(~held & straight, self.trusted + trust * (self.learnt - self.trusted), self.trusted)
         self.learnt = np.where(held, self.learnt + gain * (self.trusted - self.learnt), learnt)
-        self.heard, self.trusted = heard, trusted
-        self.push, self.way = self.push + blur * (torque - self.push), self.way + blur * (way - self.way)
-        return heard, self.enters * friction[:, None]
+        self.heard, self.trusted = feel_torque, trusted
+        self.push, self.way = self.push + blur * (torque - self.push), self.way + blur * (direction - self.way)
+        return feel_torque, self.enters * friction[:, None]
 
 
 class Shown:
@@ -112,21 +112,21 @@ def released(file, machine, laws, feel, record, random):
     y, xi, delta = settled(laws, m, feel, kind)
     motion, feels, waiting = kind.motion(m, y, HELD), feel_step(feel), m.held_by * y[:, 0]
     friction = Friction(laws, feel[:, 2] * delta[:, 0])
-    shown, limit, every = Shown(file, y, random), m.command_limit, round(record.step_s / witness.PERIOD_S)
+    reading, limit, every = Shown(file, y, random), m.command_limit, round(record.step_s / witness.PERIOD_S)
     angles = np.empty((len(feel), record.samples))
     for k in range((record.samples - 1) * every + 1):
         if k % every == 0:
             angles[:, k // every] = motion.z[:, kind.angle]
-        y = shown.sample()
-        heard = np.concatenate([xi, y, delta], 1)
-        e, torque = (np.einsum("pj,pj->p", law, heard) for law in (laws.command, laws.torque))
-        torque, moved = friction.sample(torque, heard)
-        told = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
-        xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, told) + moved
+        y = reading.sample()
+        feel_input = np.concatenate([xi, y, delta], 1)
+        e, torque = (np.einsum("pj,pj->p", law, feel_input) for law in (laws.command, laws.torque))
+        torque, moved = friction.sample(torque, feel_input)
+        law_input = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
+        xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, law_input) + moved
         delta = np.einsum("pij,pj->pi", feels, np.concatenate([delta, torque[:, None]], 1))
         for _ in range(round(witness.PERIOD_S / witness.STEP_S)):
             motion.run(waiting, witness.STEP_S)
-            shown.on(np.stack(motion.shown(), 1))
+            reading.on(np.stack(motion.shown(), 1))
         waiting = e
     return angles
 
@@ -144,45 +144,45 @@ def apart(file, machine):
     truth, record = machine.replace(exact, si=True), Record(witness.PERIOD_S, 4001)
     feel = feels_of(truth)
     law = Law.of("robust", machine, feel)
-    mine = released(file, machine, law.sampled, feel, record, None)
+    actual = released(file, machine, law.sampled, feel, record, None)
     scenario = Scenario(Release(HELD), record.duration_s, 1e-4, record.step_s)
     rows = truth.rows(FEEL_SETTING, feel)
-    theirs = simulate_batch(truth, scenario, rows, law, keep=["column_angle_rad"])["column_angle_rad"].values
-    return np.abs(mine - theirs).max(axis=1) / HELD
+    reference = simulate_batch(truth, scenario, rows, law, keep=["column_angle_rad"])["column_angle_rad"].values
+    return np.abs(actual - reference).max(axis=1) / HELD
 
 
 def curves(file, places, seconds):
     """Of each machine its number, friction, curves and the ideal's, and the margins."""
     machines = list(drawn(file, max(places), SEED))
-    some = [machines[place - 1] for place in places]
-    asked = BenchTime(seconds, seed=SEED)
-    for place, machine, data in zip(
-        places, some, witnessed(file, some, [place - 1 for place in places], asked), strict=True
+    some = [machines[number - 1] for number in places]
+    options = BenchTime(seconds, seed=SEED)
+    for number, machine, data in zip(
+        places, some, witnessed(file, some, [number - 1 for number in places], options), strict=True
     ):
-        found = identify_loader(file, data, CommissionPlan()).loader
-        name = choose_law(found, CommissionPlan())[0].name
-        feel, record = feels_of(found), Record.of(FREQUENCY_RAD_S, DAMPING)
-        laws = Law.of(name, found, feel).sampled
-        angles = released(file, machine, laws, feel, record, np.random.default_rng([SEED, place]))
-        wanted = np.array([ideal(one, HELD, record.time_s) for one in feel])
+        identified = identify_loader(file, data, CommissionPlan()).loader
+        name = choose_law(identified, CommissionPlan())[0].name
+        feel, record = feels_of(identified), Record.of(FREQUENCY_RAD_S, DAMPING)
+        laws = Law.of(name, identified, feel).sampled
+        angles = released(file, machine, laws, feel, record, np.random.default_rng([SEED, number]))
+        ideals = np.array([ideal(setting, HELD, record.time_s) for setting in feel])
         margins = [margin(*pair, record, edge=0) for pair in zip(angles, feel, strict=True)]
-        yield place, machine, name, record.time_s, angles, wanted, margins
+        yield number, machine, name, record.time_s, angles, ideals, margins
 
 
-def draw(found, path):
+def draw(drawn_curves, path):
     """A row for each machine, a column for each stiffness."""
-    rows = list(found)
+    rows = list(drawn_curves)
     columns = len(rows[0][4])
     figure, every = plt.subplots(
         len(rows), columns, figsize=(10, 1.9 * len(rows)), sharex=True, sharey=True, squeeze=False, layout="constrained"
     )
-    for (place, machine, _, time_s, angles, wanted, margins), axes in zip(rows, every, strict=True):
-        for ax, angle, ideal_, room, share in zip(axes, angles, wanted, margins, STIFFNESS, strict=True):
+    for (number, machine, _, time_s, angles, ideals, margins), axes in zip(rows, every, strict=True):
+        for ax, angle, ideal_, room, share in zip(axes, angles, ideals, margins, STIFFNESS, strict=True):
             ax.plot(time_s, np.degrees(ideal_), color=IDEAL, linestyle=":", label="ideal feel")
             ax.plot(time_s, np.degrees(angle), color=COMPLIANT, linewidth=1.2, label="machine")
             ax.set_title(f"{share:.0%} of the stiffness: {'within' if room > 0 else 'outside'}", fontsize="small")
             ax.spines[["top", "right"]].set_visible(False)
-        axes[0].set_ylabel(f"machine {place}, {machine[DRY] / witness.LBF:.1f} lb\ndeg", fontsize="small")
+        axes[0].set_ylabel(f"machine {number}, {machine[DRY] / witness.LBF:.1f} lb\ndeg", fontsize="small")
     for ax in every[-1]:
         ax.set_xlabel("s")
     every[0][0].legend(frameon=False, fontsize="small")
@@ -194,27 +194,27 @@ def main():
     parser.add_argument("machines", type=int, nargs="+", help="numbers as commission.py counts them")
     parser.add_argument("--seconds", type=float, default=60.0, help="of bench")
     parser.add_argument("--figure", type=Path)
-    asked = parser.parse_args()
-    file, found = on_file(), []
-    for place, machine in enumerate(drawn(file, max(asked.machines), SEED), 1):
-        if place in asked.machines:
+    options = parser.parse_args()
+    file, drawn_curves = on_file(), []
+    for number, machine in enumerate(drawn(file, max(options.machines), SEED), 1):
+        if number in options.machines:
             far = apart(file, machine)
-            told = ", ".join(f"{one:.0e}" for one in far)
-            print(f"machine {place}: at most {told} of the deflection from the engine's curves", flush=True)
+            text = ", ".join(f"{error:.0e}" for error in far)
+            print(f"machine {number}: at most {text} of the deflection from the engine's curves", flush=True)
             if not (far[0] < SOFTEST_APART and far[1:].max() < APART):
                 sys.exit(f"expected less than {SOFTEST_APART:g}, and less than {APART:g} but for the softest")
-    for one in curves(file, asked.machines, asked.seconds):
-        place, machine, name, _, angles, wanted, margins = one
-        off = np.abs(angles - wanted).max(axis=1) / HELD
-        told = ", ".join(f"{room:+.2f} (at most {far:.1%} off)" for room, far in zip(margins, off, strict=True))
+    for curve in curves(file, options.machines, options.seconds):
+        number, machine, name, _, angles, ideals, margins = curve
+        off = np.abs(angles - ideals).max(axis=1) / HELD
+        text = ", ".join(f"{room:+.2f} (at most {far:.1%} off)" for room, far in zip(margins, off, strict=True))
         friction = machine[DRY] / witness.LBF
         print(
-            f"machine {place}, {friction:.2f} lb, breakaway {machine[BREAKAWAY] / machine[DRY]:.2f}, {name}: margins {told}",
+            f"machine {number}, {friction:.2f} lb, breakaway {machine[BREAKAWAY] / machine[DRY]:.2f}, {name}: margins {text}",
             flush=True,
         )
-        found.append(one)
-    if asked.figure:
-        draw(found, asked.figure)
+        drawn_curves.append(curve)
+    if options.figure:
+        draw(drawn_curves, options.figure)
 
 
 if __name__ == "__main__":

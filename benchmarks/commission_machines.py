@@ -85,7 +85,7 @@ class Machines(OnLink):
     @classmethod
     def of(cls, **values):
         """Machines of numbers or arrays."""
-        return cls(**{name: np.atleast_1d(np.asarray(it, float)) for name, it in values.items()})
+        return cls(**{name: np.atleast_1d(np.asarray(value, float)) for name, value in values.items()})
 
     @property
     def held_by(self):
@@ -166,8 +166,8 @@ def run(m, signal, rate_hz, sensors, noise):
     kept = np.empty((samples, 6, many))
     for k in range((samples - 1) * per_sample + 1):
         if k % per_period == 0:
-            shown = np.round((lag + sensors.noise * noise[k // per_period]) / sensors.step) * sensors.step
-            held, waiting = waiting, -m.potentiometer_gain * shown
+            readings = np.round((lag + sensors.noise * noise[k // per_period]) / sensors.step) * sensors.step
+            held, waiting = waiting, -m.potentiometer_gain * readings
         at, part = divmod(k, per_sample)
         ahead = signal[min(at + 1, samples - 1)]
         middle = signal[at] + (part + 0.5) / per_sample * (ahead - signal[at])
@@ -178,18 +178,18 @@ def run(m, signal, rate_hz, sensors, noise):
         slope = (z[:, X] - before) / (sensors.bandwidth * STEP_S)
         lag = z[:, X] - slope + (lag - before + slope) * decay
     x, p, theta, _, _, current = np.moveaxis(kept, 0, 2)
-    shown = {
+    columns = {
         "column_angle": theta,
         "piston_position": x,
         "load_cell_force": m.area[:, None] * p,
         "load_pressure": p,
         "valve_current": current,
     }
-    return {name: SI[name] * values for name, values in shown.items()}
+    return {name: SI[name] * values for name, values in columns.items()}
 
 
 def some(m, which):
     """Some of the machines."""
     return Machines(
-        **{it.name: (v[which] if isinstance(v := getattr(m, it.name), np.ndarray) else v) for it in fields(m)}
+        **{field.name: (v[which] if isinstance(v := getattr(m, field.name), np.ndarray) else v) for field in fields(m)}
     )

@@ -49,8 +49,8 @@ def cyclictest(seconds: float, folder: Path) -> subprocess.Popen | None:
     """Begun beside the loop, on its period and at its priority."""
     if shutil.which("cyclictest") is None:
         return None
-    asked = f"-q -m -t1 -p{PRIORITY} -i{PERIOD_US} -D{round(seconds)} -h100000 --json={folder / 'latency.json'}"
-    return subprocess.Popen(["cyclictest", *asked.split()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    arguments = f"-q -m -t1 -p{PRIORITY} -i{PERIOD_US} -D{round(seconds)} -h100000 --json={folder / 'latency.json'}"
+    return subprocess.Popen(["cyclictest", *arguments.split()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def latencies(folder: Path) -> tuple[np.ndarray, int]:
@@ -67,7 +67,7 @@ def latencies(folder: Path) -> tuple[np.ndarray, int]:
 def cpu_s(console: ConsoleProcess) -> float:
     """What the server has used, and the thread of the loop's process that answers it."""
     fields = Path(f"/proc/{console.process_id}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    (answers,) = (it for it in threading.enumerate() if it.name == "forcefeel console")
+    (answers,) = (thread for thread in threading.enumerate() if thread.name == "forcefeel console")
     ticks = int(fields[11]) + int(fields[12])  # utime and stime, fields 14 and 15 of proc(5)
     return ticks / os.sysconf("SC_CLK_TCK") + time.clock_gettime(time.pthread_getcpuclockid(answers.ident))
 
@@ -80,8 +80,8 @@ def main() -> None:
         token = door.admission.watch
         url = door.watch_address.partition("?")[0].replace("http", "ws") + "live"
         watchers = [context.Process(target=watch, args=(url, token, SECONDS + 3, frames)) for _ in range(WATCHERS)]
-        for one in watchers:
-            one.start()
+        for watcher in watchers:
+            watcher.start()
         time.sleep(3.0)  # until all are there and the curve is drawn
         before, missed, cycle = cpu_s(console), running.state.missed, running.state.cycle
         late = running.timing.late.counts
@@ -90,22 +90,24 @@ def main() -> None:
         later = running.timing
         of_loop = ff.live.Histogram(later.late.edges_us, later.late.counts - late, later.late.worst_us)
         share, state = (cpu_s(console) - before) / (SECONDS - 1), running.state
-        for one in watchers:
-            one.join()
+        for watcher in watchers:
+            watcher.join()
     each = [frames.get() / (SECONDS + 3) for _ in watchers]
     print(f"{WATCHERS} watchers, {min(each):.1f} to {max(each):.1f} frames/s each, over {SECONDS:g} s")
     print(f"server: {100 * share:.1f} % of a core (at most {100 * MOST_SHARE:g} %)")
     print("; ".join(running.realtime_status))
-    mine = np.array([of_loop.quantile_us(share) for share in SHARES])
-    print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*mine))
+    loop_us = np.array([of_loop.quantile_us(share) for share in SHARES])
+    print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*loop_us))
     print(f"missed {state.missed - missed} of {state.cycle - cycle + state.missed - missed} cycles")
     if beside is None:
         print("cyclictest is not installed: apt-get install rt-tests")
     else:
         beside.wait()
-        its, would = latencies(folder)
-        print("cyclictest p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*its))
-        print(f"it would have missed {would}; ratio of p50 {mine[0] / its[0]:.2f}, of p99.9 {mine[2] / its[2]:.2f}")
+        idle_us, would = latencies(folder)
+        print("cyclictest p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*idle_us))
+        print(
+            f"it would have missed {would}; ratio of p50 {loop_us[0] / idle_us[0]:.2f}, of p99.9 {loop_us[2] / idle_us[2]:.2f}"
+        )
     sys.exit(share > MOST_SHARE)
 
 

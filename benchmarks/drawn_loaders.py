@@ -91,15 +91,15 @@ def drawn(seed: int, drive: str = HYDRAULIC) -> ff.Loader:
     name = ELECTRIC_LOADERS[seed % len(ELECTRIC_LOADERS)]
     nominal, keys = (ff.loader.electric(name), MOTOR) if electric else (ff.digital_elevator(), VALVE)
     factors = 2 ** np.random.default_rng(seed).uniform(-1, 1, len(keys))
-    found = {key: float(nominal[key] * factor) for key, factor in zip(keys, factors, strict=True)}
-    found["linkage.ratio"] = min(found["linkage.ratio"], 1.0)
+    values = {key: float(nominal[key] * factor) for key, factor in zip(keys, factors, strict=True)}
+    values["linkage.ratio"] = min(values["linkage.ratio"], 1.0)
     if electric:
-        return known(nominal.replace(found, si=True))
-    flow, drop = found["valve.rated_flow"], np.sqrt(1 - OPERATING_PRESSURE)
-    found["valve.flow_limit"] = flow
-    found["valve.current_gain"] = float(flow / nominal["valve.rated_current"] * drop)
-    found["valve.pressure_gain"] = float(flow * OPERATING_CURRENT / (2 * found["valve.supply_pressure"] * drop))
-    return known(nominal.replace(found, si=True))
+        return known(nominal.replace(values, si=True))
+    flow, drop = values["valve.rated_flow"], np.sqrt(1 - OPERATING_PRESSURE)
+    values["valve.flow_limit"] = flow
+    values["valve.current_gain"] = float(flow / nominal["valve.rated_current"] * drop)
+    values["valve.pressure_gain"] = float(flow * OPERATING_CURRENT / (2 * values["valve.supply_pressure"] * drop))
+    return known(nominal.replace(values, si=True))
 
 
 def known(loader: ff.Loader) -> ff.Loader:
@@ -117,34 +117,34 @@ def rendered(loader: ff.Loader, release_deg: float, law: str = "robust") -> Rend
     """What a law renders of a loader's settings."""
     names = [] if law == NO_LAW else [law]
     plan = make_plan(loader, names, GRID, changes={}, arms=(), angle_rad=radians(release_deg))
-    found = compute_few(plan, threads=1)
-    passes = found.allowed_shares(law).nominal_share if names else 0.0
-    return Rendered(1 - float(found.forbidden.settings.mean()), passes if np.isfinite(passes) else 1.0)
+    envelope = compute_few(plan, threads=1)
+    passes = envelope.allowed_shares(law).nominal_share if names else 0.0
+    return Rendered(1 - float(envelope.forbidden.settings.mean()), passes if np.isfinite(passes) else 1.0)
 
 
 def main() -> None:
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    asked.add_argument("loaders", type=int, nargs="?", default=LOADERS)
-    asked.add_argument("--drive", choices=DRIVES, default=HYDRAULIC)
-    asked.add_argument("--first-seed", type=int, default=FIRST_SEED)
-    asked.add_argument("--law", default=AUTO)
-    given = asked.parse_args()
-    count, first = given.loaders, given.first_seed
-    loaders = {seed: drawn(seed, given.drive) for seed in range(first, first + count)}
-    laws = {seed: taken(loader) if given.law == AUTO else given.law for seed, loader in loaders.items()}
-    if given.law == AUTO:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("loaders", type=int, nargs="?", default=LOADERS)
+    parser.add_argument("--drive", choices=DRIVES, default=HYDRAULIC)
+    parser.add_argument("--first-seed", type=int, default=FIRST_SEED)
+    parser.add_argument("--law", default=AUTO)
+    options = parser.parse_args()
+    count, first = options.loaders, options.first_seed
+    loaders = {seed: drawn(seed, options.drive) for seed in range(first, first + count)}
+    laws = {seed: taken(loader) if options.law == AUTO else options.law for seed, loader in loaders.items()}
+    if options.law == AUTO:
         print(f"auto takes {', '.join(f'{name} for {times}' for name, times in Counter(laws.values()).most_common())}")
         if refused := [seed for seed, name in laws.items() if name == NO_LAW]:
             print(f"no law is eligible for {', '.join(map(str, refused))}", flush=True)
     bad = []
     for release in RELEASES_DEG:
-        found = [rendered(loader, release, laws[seed]) for seed, loader in loaders.items()]
-        passes = np.array([one.passes for one in found])
-        short = {first + k: f"{one:.0%}" for k, one in enumerate(passes.tolist()) if one < GOOD}
+        results = [rendered(loader, release, laws[seed]) for seed, loader in loaders.items()]
+        passes = np.array([result.passes for result in results])
+        short = {first + k: f"{share:.0%}" for k, share in enumerate(passes.tolist()) if share < GOOD}
         good = int((passes >= GOOD).sum())
         print(
-            f"release from {release:g} deg: limits allow {np.mean([one.allowed for one in found]):.1%} of the settings, of which "
-            f"{given.law} renders {passes.mean():.1%}, the worst loader {passes.min():.1%}; "
+            f"release from {release:g} deg: limits allow {np.mean([result.allowed for result in results]):.1%} of the settings, "
+            f"of which {options.law} renders {passes.mean():.1%}, the worst loader {passes.min():.1%}; "
             f"{good} of {count} loaders reach {GOOD:.0%}" + (f"; short, by seed: {short}" if short else ""),
             flush=True,
         )

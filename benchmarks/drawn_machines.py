@@ -101,8 +101,8 @@ def machines(how_many, seed=1974):
 
 def further_loaders(how_many, seed=2024):
     """Loaders whose other parameters are the built-in one's times 1/2 to 2, one machine of each."""
-    random, report, found = np.random.default_rng(seed), bench_machine.Machine(), []
-    while len(found) < how_many:
+    random, report, loaders = np.random.default_rng(seed), bench_machine.Machine(), []
+    while len(loaders) < how_many:
         factors = FACTOR ** random.uniform(-1, 1, len(OTHERS))
         others = {
             key: float(getattr(report, name) * factor)
@@ -111,9 +111,12 @@ def further_loaders(how_many, seed=2024):
         others["linkage.ratio"] = min(others["linkage.ratio"], 1.0)  # l_2 / (l_1 + l_2)
         drawn = Drawn(others, FILE * _spread(random, 1))
         filed = Drawn(others, FILE[np.newaxis])
-        if max(bench_machine.poles(it.machine(), "servo-closed").real.max() for it in (drawn, filed)) < -SLOWEST_PER_S:
-            found.append(drawn)
-    return found
+        if (
+            max(bench_machine.poles(loader.machine(), "servo-closed").real.max() for loader in (drawn, filed))
+            < -SLOWEST_PER_S
+        ):
+            loaders.append(drawn)
+    return loaders
 
 
 def _spread(random, how_many):
@@ -135,10 +138,10 @@ def records(drawn, which, seed):
     time_s, signal = test_signal(drawn)
     exact = bench_machine.run(drawn.machine(which), "servo-closed", RATE_HZ, test_signal=signal)
     random = np.random.default_rng([*np.atleast_1d(seed), which.start])
-    shown = {}
+    readings = {}
     for channel, values in exact.items():
         size = NOISE * values.std(axis=1, keepdims=True)
-        shown[channel] = bench_machine.SI[channel] * (values + size * random.standard_normal(values.shape))
+        readings[channel] = bench_machine.SI[channel] * (values + size * random.standard_normal(values.shape))
     for k in range(len(drawn.truth[which])):
-        channels = {"test_signal": signal, **{channel: values[k] for channel, values in shown.items()}}
+        channels = {"test_signal": signal, **{channel: values[k] for channel, values in readings.items()}}
         yield BenchRecord(f"machine {which.start + k}", Experiment.read("servo-closed"), time_s, channels)

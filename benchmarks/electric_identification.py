@@ -47,16 +47,16 @@ LIMITS = ("current_loop.current_limit", "current_loop.voltage_limit")
 
 def further(name, random):
     """A loader of which every number is the built-in one's times 1/2 to 2, under which its law can be designed."""
-    given = bench.file_of(electric(name))
+    file = bench.file_of(electric(name))
     rows = [key for key in required("electric") if key.split(".")[0] in DRAWN and key not in KEPT]
     while True:
-        drawn = {key: given[key] * 2 ** random.uniform(-1, 1) for key in (*rows, *LIMITS)}
+        drawn = {key: file[key] * 2 ** random.uniform(-1, 1) for key in (*rows, *LIMITS)}
         try:
-            found = given.replace(drawn, si=True)
-            Law.of("robust", found)
+            loader = file.replace(drawn, si=True)
+            Law.of("robust", loader)
         except InputError:
             continue
-        return found
+        return loader
 
 
 def fitted(job):
@@ -72,10 +72,16 @@ def fitted(job):
     data = [bench.record(truth, law, "loader command_current", sine, 4.0, random=random, settle_s=settle)]
     if rough:
         data.append(bench.record(truth, law, "sweep", bench.slow(file), 6.0, random=random, settle_s=settle))
-    found = identify(file, [bench.measured(it, *MEASURED) for it in data], keys, law=law, starts=1)
+    identified = identify(file, [bench.measured(record, *MEASURED) for record in data], keys, law=law, starts=1)
     rows = [
-        (it.unknown.symbol, it.value, truth[it.unknown.key], it.deviation, it.low <= truth[it.unknown.key] <= it.high)
-        for it in found.estimates
+        (
+            estimate.unknown.symbol,
+            estimate.value,
+            truth[estimate.unknown.key],
+            estimate.deviation,
+            estimate.low <= truth[estimate.unknown.key] <= estimate.high,
+        )
+        for estimate in identified.estimates
     ]
     return job, rows
 
@@ -90,10 +96,10 @@ def asked_for():
 
 
 def main():
-    asked = asked_for()
-    jobs = [(name, 0, False, asked.seed + k) for name in NAMES for k in range(asked.machines)]
-    jobs += [(NAMES[k % 3], 1, False, asked.seed + k) for k in range(asked.loaders)]
-    jobs += [(name, 0, True, asked.seed + k) for name in NAMES for k in range(asked.rough)]
+    options = asked_for()
+    jobs = [(name, 0, False, options.seed + k) for name in NAMES for k in range(options.machines)]
+    jobs += [(NAMES[k % 3], 1, False, options.seed + k) for k in range(options.loaders)]
+    jobs += [(name, 0, True, options.seed + k) for name in NAMES for k in range(options.rough)]
     wrong, inside = [], {False: [], True: []}
     with ProcessPoolExecutor(cores()) as pool:
         for (name, drawn, rough, seed), rows in pool.map(fitted, jobs):

@@ -36,23 +36,23 @@ def main() -> None:
     loader = open_loader(name).replace({"column.coulomb_friction": friction} if friction else {}, si=True)
     loaders = {bits: with_encoder(loader, bits) for bits in BITS}
     own = [[loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")]]
-    for bits, one in loaders.items():
-        tuning = robust_tuning(one)
-        law = ff.laws.law_design("robust").design(one, own)
+    for bits, with_bits in loaders.items():
+        tuning = robust_tuning(with_bits)
+        law = ff.laws.law_design("robust").design(with_bits, own)
         gain = float(abs(law.command[0, law.states + 2]))
         print(
             f"{bits} bits: angle noise 10^{tuning.angle_noise.decades:.2f}, torque's walk 10^{tuning.torque_walk.decades:.2f}, "
             f"command for the angle's sample {gain:.3g} per rad"
         )
-    tunings = {bits: ff.laws.tuned(str(bits), "", robust_tuning(one)) for bits, one in loaders.items()}
+    tunings = {bits: ff.laws.tuned(str(bits), "", robust_tuning(loader)) for bits, loader in loaders.items()}
     bad = []
     for release in RELEASES_DEG:
         shares = {}
-        for bits, one in loaders.items():
+        for bits, with_bits in loaders.items():
             laws = {str(made): law for made, law in tunings.items()}
-            plan = make_plan(one, laws, GRID, changes={}, arms=(), angle_rad=radians(release))
-            found = compute_few(plan, threads=1)
-            shares[bits] = {made: found.shares(str(made)).nominal_share for made in BITS}
+            plan = make_plan(with_bits, laws, GRID, changes={}, arms=(), angle_rad=radians(release))
+            envelope = compute_few(plan, threads=1)
+            shares[bits] = {made: envelope.shares(str(made)).nominal_share for made in BITS}
         print(f"released from {release:g} deg; law for | on {', '.join(f'{bits} bits' for bits in BITS)}")
         for made in BITS:
             print(f"  {made} bits: {', '.join(share_text(shares[bits][made]) for bits in BITS)}", flush=True)

@@ -38,11 +38,11 @@ def whole():
     """Seconds by the wall and gigabytes for one compensator, everything included."""
     plan = make_plan(elevator(), ("published",), GRID)
     begin = time.perf_counter()
-    found = compute(plan)
+    envelope = compute(plan)
     spent = time.perf_counter() - begin
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    releases = found.data["outcome"].size
-    shares = found.shares("published")
+    releases = envelope.data["outcome"].size
+    shares = envelope.shares("published")
     print(
         f"{plan.settings.count:,} settings, {len(plan.cases)} cases: {releases:,} releases in {spent:.1f} s, {memory:.2f} GB"
     )
@@ -67,9 +67,9 @@ def parts():
         spent = []
         for _ in range(5):
             begin = time.process_time()
-            found = work()
+            result = work()
             spent.append(time.process_time() - begin)
-        return found, float(np.median(spent)) / len(which) * 1e6
+        return result, float(np.median(spent)) / len(which) * 1e6
 
     (stable, angles), of_release = timed(lambda: released(plan, plan.cases[:1], feel[which], some, record, 1))
     batch, of_measure = timed(lambda: measure_releases(record.time_s, angles, threads=1))

@@ -186,7 +186,7 @@ def of_hand(exported: ff.export.Exported, folder: Path) -> tuple[float, int, int
     parts, start = [], 0
     for size, width in zip(sizes, (9, 5, 15), strict=True):
         part = row[start : start + size].reshape(-1, width)
-        parts.append("{" + ",".join("{" + ",".join(f"{x!r}F" for x in one) + "}" for one in part.tolist()) + "}")
+        parts.append("{" + ",".join("{" + ",".join(f"{x!r}F" for x in row) + "}" for row in part.tolist()) + "}")
         start += size
     feel = {"b": f"{damping:.9e}", "g": f"{stiffness:.9e}", "per_i": f"{1 / inertia:.9e}"}
     matrices = dict(zip("ABC", parts, strict=True))
@@ -218,15 +218,15 @@ def main() -> None:
         ("firmware with supervisor, I, B, G", of_firmware, law(plain)),
         ("firmware, every nonlinear part", of_firmware, law(rough)),
     )
-    found = {}
+    measured = {}
     print(f"{'elevator-2khz, robust, float, Cortex-M4F':<42}{'instructions':>14}{'code, data B':>14}{'stack B':>10}")
     for name, of, exported in cases:
         with tempfile.TemporaryDirectory() as folder:
-            found[name] = of(exported, Path(folder))
-        instructions, size, bytes_of_stack = found[name]
+            measured[name] = of(exported, Path(folder))
+        instructions, size, bytes_of_stack = measured[name]
         print(f"{name:<42}{instructions:>14,.0f}{size:>14,}{bytes_of_stack or '-':>10}")
-    kept = max(found[name][0] for name in WITHIN) <= PROMISED_INSTRUCTIONS
-    if not kept or max(size for name, (_, size, _) in found.items() if name.startswith("C")) > PROMISED_BYTES:
+    kept = max(measured[name][0] for name in WITHIN) <= PROMISED_INSTRUCTIONS
+    if not kept or max(size for name, (_, size, _) in measured.items() if name.startswith("C")) > PROMISED_BYTES:
         sys.exit(f"promised: {PROMISED_INSTRUCTIONS} instructions, of {', '.join(WITHIN)}, and {PROMISED_BYTES} bytes")
 
 

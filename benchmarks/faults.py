@@ -41,14 +41,14 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
                 g = stiffness * 2 ** rng.uniform(-1.5, 0.7)
                 w, zeta = frequency * 2 ** rng.uniform(-0.5, 0.5), ratio * 2 ** rng.uniform(-0.5, 1)
                 feel = {"feel.inertia": g / w**2, "feel.damping": 2 * zeta * g / w, "feel.stiffness": g}
-                one = loader.replace(feel, si=True)
+                changed = loader.replace(feel, si=True)
                 try:
-                    made = ff.Law.of(law, one).sampled
+                    made = ff.Law.of(law, changed).sampled
                 except InputError as error:
                     print(f"{name}, {law}: left out: {error}")
                     continue
                 if made is not None:
-                    values.append(np.asarray(one.si_values, dtype=np.float64))
+                    values.append(np.asarray(changed.si_values, dtype=np.float64))
                     laws.append(made.rows()[0])
     return np.array(values), np.array(laws)
 
@@ -59,24 +59,24 @@ def main() -> None:
     values, laws = drawn()
     kinds, bad = _core.fault_kinds(), Counter[str]()
     for pairs in (False, True):
-        begin, stopped, given, share = time.perf_counter(), 0, 0.0, 0.0
+        begin, stopped, injected, share = time.perf_counter(), 0, 0.0, 0.0
         for first in range(0, cases // 2, PIECE):
             count = min(PIECE, cases // 2 - first)
-            found = _core.supervised_faults(
+            result = _core.supervised_faults(
                 values, laws, seed=7, first=first, count=count, pairs=pairs, threads=threads
             )
-            stopped += int((found[:, 3] >= 0).sum())
-            given, share = (
-                max(given, found[:, 6].max()),
-                max(share, (found[:, 6] / np.maximum(found[:, 7], 1e-9)).max()),
+            stopped += int((result[:, 3] >= 0).sum())
+            injected, share = (
+                max(injected, result[:, 6].max()),
+                max(share, (result[:, 6] / np.maximum(result[:, 7], 1e-9)).max()),
             )
-            for row in found[found[:, 5] != 0]:
+            for row in result[result[:, 5] != 0]:
                 what = ", ".join(name for bit, name in enumerate(WRONG) if int(row[5]) >> bit & 1)
                 bad[f"{kinds[int(row[0])]} and {kinds[int(row[1])]}: {what}"] += 1
         took = time.perf_counter() - begin
         print(
             f"{cases // 2} cases with {'two faults' if pairs else 'one fault'} in {took:.0f} s on {threads} threads: "
-            f"{stopped} loaders stopped; to the hand at most {given:.1f} J, {share:.0%} of the bound"
+            f"{stopped} loaders stopped; to the hand at most {injected:.1f} J, {share:.0%} of the bound"
         )
     for what, count in bad.most_common():
         print(f"WRONG {count} times: {what}")

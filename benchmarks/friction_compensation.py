@@ -130,8 +130,8 @@ def judged(plan, record, which, feel, angles):
     torque = SWINGS * plan.loader[ROWS[0]] * plan.loader["column.grip_arm"]
     swings = ~(np.ptp(end, axis=2) / 2 * feel[:, 2] <= torque)  # what diverged is no number
     passes = [
-        judge_releases(measured(plan, record, one, 1), ideal, plan.test, travel=plan.throw.travel_rad).passed
-        for one in angles
+        judge_releases(measured(plan, record, angle, 1), ideal, plan.test, travel=plan.throw.travel_rad).passed
+        for angle in angles
     ]
     return np.array(passes), swings
 
@@ -174,11 +174,11 @@ def with_arms(loader, design):
     for which, record in pieces(plan):
         made = replace(Law.of(design(plan.loader, feel[which]), plan.loader, name="way"), feel=feel[which])
         _, angles = released(plan, cases, feel[which], made, record, 1)
-        for k, one in enumerate(angles.reshape(len(cases), len(which), -1)):
+        for k, history in enumerate(angles.reshape(len(cases), len(which), -1)):
             felt = carrying(loader, feel[which], cases[k].arm)
             ideal = ideal_releases(felt, plan.release_rad, record.step_s, record.samples)
-            found = (measured(plan, record, it, 1) for it in (one, ideal))
-            passes[k, which] = judge_releases(*found, plan.test, travel=plan.throw.travel_rad).passed
+            measures = (measured(plan, record, angles_, 1) for angles_ in (history, ideal))
+            passes[k, which] = judge_releases(*measures, plan.test, travel=plan.throw.travel_rad).passed
     return {case.name: passes[k].mean() for k, case in enumerate(cases)}
 
 
@@ -215,17 +215,22 @@ def main():
         rubbed = loader.replace(values)
         print(f"{name}, {pound:g} lb: within tolerance / swings on, %; in all within 10 %, within 20 %")
         print(" " * 28 + "".join(f"{f'{off:+.0%}':>10}" for off in OFF) + f"{'10 %':>8}{'20 %':>8}")
-        for way, design in WAYS.items():
-            show(way, *tried(rubbed, design))
+        for design_name, design in WAYS.items():
+            show(design_name, *tried(rubbed, design))
         for volts in DITHER_V:
             show(
                 f"dither, {volts:g} {'V' if rubbed.drive == HYDRAULIC else 'A'}",
                 *tried(rubbed, WAYS["none"], shaken(volts)),
             )
-        for way in HANDS if name == "elevator-2khz" else ():
-            felt = ", ".join(f"{hertz:g} Hz {felt_by_hand(rubbed, WAYS[way], hertz=hertz):.0%}" for hertz in HERTZ)
-            arms = ", ".join(f"{name} {share:.0%}" for name, share in with_arms(rubbed, WAYS[way]).items())
-            print(f"{way:<28}a push of 20 N feels of the friction, at {felt}; within tolerance with {arms}", flush=True)
+        for design_name in HANDS if name == "elevator-2khz" else ():
+            felt = ", ".join(
+                f"{hertz:g} Hz {felt_by_hand(rubbed, WAYS[design_name], hertz=hertz):.0%}" for hertz in HERTZ
+            )
+            arms = ", ".join(f"{name} {share:.0%}" for name, share in with_arms(rubbed, WAYS[design_name]).items())
+            print(
+                f"{design_name:<28}a push of 20 N feels of the friction, at {felt}; within tolerance with {arms}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

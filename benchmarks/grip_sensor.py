@@ -74,8 +74,8 @@ def machines(loader, friction_lb, off, arm, count):
         return motors.Machines(**{name: np.full(count, value) for name, value in numbers.items()})
     numbers = {name: loader[key] * off.get(key, 1.0) * factor for name, (key, factor) in witness.OF_FILE.items()}
     numbers |= dict.fromkeys(("coulomb_friction", "static_friction"), friction_lb)
-    found = witness.Machines.of(**{name: np.full(count, value) for name, value in numbers.items()})
-    return replace(found, **{name: value / TORQUE for name, value in arms.items()})
+    many = witness.Machines.of(**{name: np.full(count, value) for name, value in numbers.items()})
+    return replace(many, **{name: value / TORQUE for name, value in arms.items()})
 
 
 class ValveMotion(witness.Motion):
@@ -133,8 +133,8 @@ def settled(laws, m, feel, kind):
     per_force, alone = per_force[:, :sensed], alone[:, :sensed]
     equations, right = np.zeros((count, n + 2, n + 2)), np.zeros((count, n + 2))
     equations[:, :n, :n] = np.eye(n) - laws.transition
-    told = np.concatenate([per_force, m.held_by[:, None]], 1)
-    equations[:, :n, n] = -np.einsum("pij,pj->pi", laws.input, told)
+    known = np.concatenate([per_force, m.held_by[:, None]], 1)
+    equations[:, :n, n] = -np.einsum("pij,pj->pi", laws.input, known)
     right[:, :n] = np.einsum("pij,pj->pi", laws.input[:, :, :sensed], alone)
     for row, law in ((n, laws.command), (n + 1, laws.torque)):
         equations[:, row, :n], equations[:, row, n + 1] = law[:, :n], law[:, n + sensed]
@@ -142,9 +142,9 @@ def settled(laws, m, feel, kind):
         right[:, row] = -np.einsum("pj,pj->p", law[:, n : n + sensed], alone)
     equations[:, n, n] -= m.held_by
     equations[:, n + 1, n + 1] -= feel[:, 2]
-    found = np.linalg.solve(equations, right[..., None])[..., 0]
-    y = alone + per_force * found[:, n : n + 1]
-    return y, found[:, :n], np.stack([found[:, n + 1], np.zeros(count)], 1)
+    solution = np.linalg.solve(equations, right[..., None])[..., 0]
+    y = alone + per_force * solution[:, n : n + 1]
+    return y, solution[:, :n], np.stack([solution[:, n + 1], np.zeros(count)], 1)
 
 
 def release(loader, laws, m, feel, record, random):
@@ -169,10 +169,10 @@ def release(loader, laws, m, feel, record, random):
         if random:
             y += noise * random.standard_normal(y.shape)
             y = np.where(step > 0, np.round(y / np.where(step > 0, step, 1.0)) * step, y)
-        heard = np.concatenate([xi, y, delta], 1)
-        e, torque = (np.einsum("pj,pj->p", law, heard) for law in (laws.command, laws.torque))
-        told = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
-        xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, told)
+        feel_input = np.concatenate([xi, y, delta], 1)
+        e, torque = (np.einsum("pj,pj->p", law, feel_input) for law in (laws.command, laws.torque))
+        law_input = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
+        xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, law_input)
         delta = np.einsum("pij,pj->pi", feels, np.concatenate([delta, torque[:, None]], 1))
         motion.run(waiting, witness.PERIOD_S)
         waiting = e
@@ -228,10 +228,10 @@ def laid_over(loader, friction_lb, off, arm):
     record = Record(witness.PERIOD_S, 4001)
     m = machines(exact, friction_lb, off, arm, len(feel))
     paths, _ = release(exact, LAW_DESIGNS[LAW].design(exact, feel), m, feel, record, None)
-    for one, path in zip(feel, paths, strict=True):
-        asked = exact.replace(dict(zip(FEEL_SETTING, one.tolist(), strict=True)), si=True)
-        truth = with_friction(asked.replace(machine, si=True), friction_lb)
-        run = simulate(truth, Scenario(Release(HELD), record.duration_s, 1e-4, record.step_s), Law.of(LAW, asked))
+    for setting, path in zip(feel, paths, strict=True):
+        at_setting = exact.replace(dict(zip(FEEL_SETTING, setting.tolist(), strict=True)), si=True)
+        truth = with_friction(at_setting.replace(machine, si=True), friction_lb)
+        run = simulate(truth, Scenario(Release(HELD), record.duration_s, 1e-4, record.step_s), Law.of(LAW, at_setting))
         worst.append(np.abs(run.history["column_angle_rad"].values - path).max() / HELD)
     return max(worst)
 
@@ -243,14 +243,14 @@ def main():
     parser.add_argument(
         "--long", type=float, help="instead: records of so many seconds of what is unstable by its poles"
     )
-    asked, begun, wrong = parser.parse_args(), time.perf_counter(), []
-    seed, built_in = asked.seed, ff.loader.electric("elevator-electric") if asked.electric else ff.digital_elevator()
+    chosen, begun, wrong = parser.parse_args(), time.perf_counter(), []
+    seed, built_in = chosen.seed, ff.loader.electric("elevator-electric") if chosen.electric else ff.digital_elevator()
     sensor = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
     loader = built_in.replace(sensor, si=True)
-    grid = MOTOR_GRID if asked.electric else DEFAULT_GRID
+    grid = MOTOR_GRID if chosen.electric else DEFAULT_GRID
     plan = make_plan(loader, [LAW], grid, changes=CHANGES)
-    if asked.long:
-        long_records(loader, plan, grid, asked.long, seed)
+    if chosen.long:
+        long_records(loader, plan, grid, chosen.long, seed)
         return
     cases = {case.name: case for case in plan.cases}
     drawn_over = {name: (2.0, cases[name]) for name in OVERLAID_CASES} | {
@@ -262,15 +262,17 @@ def main():
         if not apart < APART:
             wrong.append(f"the curves are {apart:.1e} apart, expected less than {APART:g}")
     for friction in FRICTION_LB:
-        asked = list(cases.values()) if friction == WITH_CASES_LB else [cases["nominal"]]
+        chosen = list(cases.values()) if friction == WITH_CASES_LB else [cases["nominal"]]
         rubbed = with_friction(loader, friction) if friction else loader
         program = ff.find_envelope(rubbed, (LAW,), grid, changes=CHANGES)
-        codes = program.codes(LAW)[: len(asked)]
-        passes, singing = np.moveaxis([judged(loader, plan, friction, *machine_of(case), seed) for case in asked], 1, 0)
-        for case, mine, sings, code in zip(asked, passes, singing, codes, strict=True):
-            differ = mine != (code == PASSES)
+        codes = program.codes(LAW)[: len(chosen)]
+        passes, singing = np.moveaxis(
+            [judged(loader, plan, friction, *machine_of(case), seed) for case in chosen], 1, 0
+        )
+        for case, passing, sings, code in zip(chosen, passes, singing, codes, strict=True):
+            differ = passing != (code == PASSES)
             print(
-                f"{friction:g} lb, {case.name}: {mine.mean():.1%} of {mine.size} settings, by the program "
+                f"{friction:g} lb, {case.name}: {passing.mean():.1%} of {passing.size} settings, by the program "
                 f"{(code == PASSES).mean():.1%}; {int(differ.sum())} verdicts differ; {int(sings.sum())} sing, "
                 f"{int((code == UNSTABLE).sum())} are unstable by their poles, {int((sings & (code == UNSTABLE)).sum())} both",
                 flush=True,

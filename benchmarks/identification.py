@@ -67,27 +67,29 @@ def fitted(loader, record, channels):
         record.time_s,
         {name: record.channels[name] for name in ("test_signal", *channels)},
     )
-    found = identify(loader, [seen], KEYS, starts=1)
-    return np.array([(it.value, it.deviation, it.low, it.high) for it in found.estimates]).T
+    identified = identify(loader, [seen], KEYS, starts=1)
+    return np.array(
+        [(estimate.value, estimate.deviation, estimate.low, estimate.high) for estimate in identified.estimates]
+    ).T
 
 
 def all_fitted(drawn, sets, seed):
     """What is found from each set of channels of as many machines as the set asks for: by set, (machines, 4, KEYS)."""
-    found = defaultdict(list)
+    estimates = defaultdict(list)
     most = max(sets.values())
     with ThreadPoolExecutor(cores()) as pool:
         for first in range(0, most, TOGETHER):
             which = slice(first, min(first + TOGETHER, most))
             data = list(records(drawn, which, seed))
-            for channels, wanted in sets.items():
-                asked = data[: max(0, wanted - first)]
-                found[channels] += pool.map(lambda it, c=channels: fitted(drawn.loader, it, c), asked)
-    return {channels: np.array(it) for channels, it in found.items()}
+            for channels, count in sets.items():
+                batch = data[: max(0, count - first)]
+                estimates[channels] += pool.map(lambda record, c=channels: fitted(drawn.loader, record, c), batch)
+    return {channels: np.array(rows) for channels, rows in estimates.items()}
 
 
-def check(name, found, truth):
+def check(name, estimates, truth):
     """Prints errors and coverage, and says what does not hold. ``found`` (machines, 4, KEYS), ``truth`` (machines, KEYS)."""
-    value, deviation, low, high = np.moveaxis(found, 1, 0)
+    value, deviation, low, high = np.moveaxis(estimates, 1, 0)
     error = np.abs(value / truth - 1)
     apart = np.abs(value - truth) / deviation
     inside = ((low <= truth) & (truth <= high)).mean(axis=0)
@@ -105,7 +107,7 @@ def check(name, found, truth):
         wrong.append(f"{apart.max():.1f} standard errors off, promised are {PROMISED_DEVIATIONS:.0f}")
     if len(truth) >= ENOUGH and not np.all((PROMISED_INSIDE[0] <= inside) & (inside <= PROMISED_INSIDE[1])):
         wrong.append(f"the intervals hold the truth in {np.round(100 * inside, 1)} %, promised are 90 to 99 %")
-    return [f"{name}: {it}" for it in wrong]
+    return [f"{name}: {sentence}" for sentence in wrong]
 
 
 def experiment(loader, time_s, signal):
@@ -141,15 +143,15 @@ def check_speed(drawn, record):
     """Times slopes and a fit; says if the fit takes too long."""
     loader, keys = drawn.loader, KEYS[:PROMISED_KEYS]
     names = ("test_signal", *SLOPES)
-    seen = BenchRecord(record.name, record.experiment, record.time_s, {it: record.channels[it] for it in names})
-    given = loader, record.time_s, record.channels["test_signal"], keys
+    seen = BenchRecord(record.name, record.experiment, record.time_s, {name: record.channels[name] for name in names})
+    arguments = loader, record.time_s, record.channels["test_signal"], keys
     run = RecordRun(seen, loader, None)
-    slopes, apart = run.at(loader.si_values, keys).slopes, differences(*given)
+    slopes, apart = run.at(loader.si_values, keys).slopes, differences(*arguments)
     largest = np.abs(slopes).max(axis=2, keepdims=True)
     agreement = float(np.max(np.abs(slopes - apart) / largest))
     assert agreement < 1e-3, f"slopes and differences are {agreement:.1e} apart"
     exact = median_seconds(lambda: run.at(loader.si_values, keys))
-    central = median_seconds(lambda: differences(*given))
+    central = median_seconds(lambda: differences(*arguments))
     longer = f"central differences {central / exact:.1f} times as long"
     print(f"\nfour slopes of {TIME_S:.0f} s: {exact:.3f} s on {cores()} cores, {longer}")
     print(f"they agree to {agreement:.0e} of the largest slope, which is what the differences are good for")
@@ -168,30 +170,32 @@ def asked_for():
     return parser.parse_args()
 
 
-def sets_asked_for(asked):
+def sets_asked_for(options):
     """How many machines by set of channels."""
-    if asked.measure:
-        channels = CHANNELS if asked.measure == "all" else tuple(asked.measure.split(","))
-        return {channels: asked.machines}
-    return dict.fromkeys(MAIN_SETS, asked.machines) | dict.fromkeys(OTHER_SETS, asked.others)
+    if options.measure:
+        channels = CHANNELS if options.measure == "all" else tuple(options.measure.split(","))
+        return {channels: options.machines}
+    return dict.fromkeys(MAIN_SETS, options.machines) | dict.fromkeys(OTHER_SETS, options.others)
 
 
 def main():
-    asked = asked_for()
-    sets = sets_asked_for(asked)
-    drawn = machines(max(sets.values()), asked.seed)
+    options = asked_for()
+    sets = sets_asked_for(options)
+    drawn = machines(max(sets.values()), options.seed)
     begun, wrong = time.perf_counter(), []
-    for channels, found in all_fitted(drawn, sets, asked.seed).items():
+    for channels, estimates in all_fitted(drawn, sets, options.seed).items():
         name = "all nine channels" if channels == CHANNELS else " + ".join(channels)
-        wrong += check(name, found, drawn.truth_si[: len(found)]) if len(found) else []
-    further, default = further_loaders(asked.loaders, asked.seed), {MAIN_SETS[-1]: 1}
-    results = [all_fitted(it, default, [asked.seed, k])[MAIN_SETS[-1]] for k, it in enumerate(further)]
+        wrong += check(name, estimates, drawn.truth_si[: len(estimates)]) if len(estimates) else []
+    further, default = further_loaders(options.loaders, options.seed), {MAIN_SETS[-1]: 1}
+    results = [
+        all_fitted(loader_set, default, [options.seed, k])[MAIN_SETS[-1]] for k, loader_set in enumerate(further)
+    ]
     if further:
-        truth = np.concatenate([it.truth_si for it in further])
+        truth = np.concatenate([loader_set.truth_si for loader_set in further])
         wrong += check("further loaders, " + " + ".join(MAIN_SETS[-1]), np.concatenate(results), truth)
     fits, took = sum(sets.values()) + len(further), time.perf_counter() - begun
     print(f"\n{fits} fits in {took:.0f} s, the records' making included")
-    wrong += check_speed(drawn, next(records(drawn, slice(0, 1), asked.seed)))
+    wrong += check_speed(drawn, next(records(drawn, slice(0, 1), options.seed)))
     if wrong:
         sys.exit("\n".join(wrong))
 

@@ -84,19 +84,19 @@ def own(rows, duration_s=case.DURATION, threads=1):
 def by_control(rows):
     """Exact responses: from the step on, as python-control draws straight lines between samples."""
     after = np.full(case.OUTPUTS - case.STEP_OUTPUT, 96 * POUND)
-    found = np.zeros((len(rows), case.OUTPUTS))
-    for angle, row in zip(found, rows, strict=True):
+    outputs = np.zeros((len(rows), case.OUTPUTS))
+    for angle, row in zip(outputs, rows, strict=True):
         model = compliant_model(Loader("one", "here", row))[0, 0]
         angle[case.STEP_OUTPUT :] = control.forced_response(model, case.TIMES[: len(after)], after).outputs
-    return found
+    return outputs
 
 
 def check_answers(parameters, rows, failed):
     expected = by_control(rows[:CHECKED])
-    found = {"forcefeel": own(rows[:CHECKED])}
+    answers = {"forcefeel": own(rows[:CHECKED])}
     if linear_kernel.available():
-        found |= {name: linear_kernel.run(parameters[:CHECKED], form) for form, name in linear_kernel.NAMES.items()}
-    for name, angles in found.items():
+        answers |= {name: linear_kernel.run(parameters[:CHECKED], form) for form, name in linear_kernel.NAMES.items()}
+    for name, angles in answers.items():
         error = np.abs(angles - expected).max() / np.abs(expected).max()
         print(f"{name:<28} differs from control.forced_response by {error:.0e} of the largest angle")
         if not error < AGREEMENT:

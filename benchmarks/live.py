@@ -64,10 +64,10 @@ def without_machine(loader, law, *, supervised):
         for _ in range(5):
             for read, least in took.items():
                 begun = time.process_time()
-                found = read(path)
+                record = read(path)
                 took[read] = min(least, time.process_time() - begun)
-        assert found.same
-    return 1e6 * (took[ff.live.replay] - took[ff.live.read_live_record]) / found.cycles
+        assert record.same
+    return 1e6 * (took[ff.live.replay] - took[ff.live.read_live_record]) / record.cycles
 
 
 def quantiles(counts: dict[int, int]) -> np.ndarray:
@@ -80,8 +80,8 @@ def quantiles(counts: dict[int, int]) -> np.ndarray:
 def cyclictest(seconds: int, period_us: int) -> dict[int, int]:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "latency.json"
-        asked = f"-q -m -t1 -p{PRIORITY} -i{period_us} -D{seconds} -h100000 --json={out}"
-        subprocess.run(["cyclictest", *asked.split()], check=True, capture_output=True)
+        arguments = f"-q -m -t1 -p{PRIORITY} -i{period_us} -D{seconds} -h100000 --json={out}"
+        subprocess.run(["cyclictest", *arguments.split()], check=True, capture_output=True)
         (thread,) = json.loads(out.read_text(encoding="utf-8"))["thread"].values()
     return {int(us): int(count) for us, count in thread["histogram"].items()}
 
@@ -96,8 +96,8 @@ def loop(seconds: int) -> tuple[dict[int, int], LiveSession]:
     return dict(zip(values.tolist(), counts.tolist(), strict=True)), running
 
 
-def added(one: dict[int, int], other: dict[int, int]) -> dict[int, int]:
-    return {key: one.get(key, 0) + other.get(key, 0) for key in one.keys() | other.keys()}
+def added(first: dict[int, int], other: dict[int, int]) -> dict[int, int]:
+    return {key: first.get(key, 0) + other.get(key, 0) for key in first.keys() | other.keys()}
 
 
 def main() -> None:
@@ -112,33 +112,33 @@ def main() -> None:
         )
         if p50 > PROMISED_WITH_MACHINE_US or p999 > PROMISED_P999_US:
             broken.append(f"{name}: promised {PROMISED_WITH_MACHINE_US} us, p99.9 {PROMISED_P999_US} us")
-        alone, unsupervised = (without_machine(loader, law, supervised=it) for it in (True, False))
+        alone, unsupervised = (without_machine(loader, law, supervised=supervised) for supervised in (True, False))
         of = f"of which the supervisor {alone - unsupervised:.2f}"
         print(f"{name}: law, feel and supervisor {alone:.2f} us a sample, {of}")
         if alone > PROMISED_US:
             broken.append(f"{name}: law, feel and supervisor: promised {PROMISED_US} us")
     period_us = round(ff.digital_elevator()["controller.period"] * 1e6)
     ours: dict[int, int] = {}
-    theirs: dict[int, int] = {}
+    tool_counts: dict[int, int] = {}
     turns = max(1, seconds // 5)
     missed = 0
     for _ in range(turns):
-        found, running = loop(5)
+        counts, running = loop(5)
         missed += running.state.missed
-        ours = added(ours, found)
+        ours = added(ours, counts)
         if shutil.which("cyclictest"):
-            theirs = added(theirs, cyclictest(5, period_us))
+            tool_counts = added(tool_counts, cyclictest(5, period_us))
     print("; ".join(running.realtime_status))
-    mine = quantiles(ours)
+    loop_us = quantiles(ours)
     of = [running.timing.work.quantile_us(share) for share in (0.5, 0.99, 0.999)]
     print("work of a cycle in real time, its caches cold: p50 {:.2f} us, p99 {:.2f}, p99.9 {:.2f}".format(*of))
-    print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*mine), f"missed {missed}")
-    if not theirs:
+    print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*loop_us), f"missed {missed}")
+    if not tool_counts:
         print("cyclictest is not installed: apt-get install rt-tests")
     else:
-        its = quantiles(theirs)
-        print("cyclictest p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*its))
-        ratio = mine / np.maximum(its, 1)
+        tool_us = quantiles(tool_counts)
+        print("cyclictest p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*tool_us))
+        ratio = loop_us / np.maximum(tool_us, 1)
         print(f"ratio      p50 {ratio[0]:.2f}, p99.9 {ratio[2]:.2f}")
         if max(ratio[0], ratio[2]) > PROMISED_RATIO:
             broken.append(f"wake-up: promised {PROMISED_RATIO} times cyclictest's at p50 and p99.9")

@@ -135,8 +135,8 @@ class Motion(Rubbing):
         m, z = self.machines, self.z
         z[:, COMMAND] = command
         back = PER_PHASE * m.torque_constant * z[:, V] / m.travel
-        asked = m.resistance * z[:, CURRENT] + back + m.bandwidth * m.inductance * (command - z[:, CURRENT])
+        voltage = m.resistance * z[:, CURRENT] + back + m.bandwidth * m.inductance * (command - z[:, CURRENT])
         before = self.deficit
-        self.deficit = (np.clip(asked, -m.voltage_limit, m.voltage_limit) - asked) / m.inductance
+        self.deficit = (np.clip(voltage, -m.voltage_limit, m.voltage_limit) - voltage) / m.inductance
         z[:, DEFICIT] = 1.5 * self.deficit - 0.5 * before
         self.advance()

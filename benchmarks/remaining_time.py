@@ -54,13 +54,13 @@ LINES: list[Watched] = []
 def ratios(line: Watched) -> list[float]:
     """Shown over actual remaining time at each of the marks; not a number where nothing is shown yet."""
     begun = line.told[0][0]
-    found = []
+    results = []
     for mark in MARKS:
         now = begun + mark * (line.ended - begun)
-        _, done, total = [one for one in line.told if one[0] <= now][-1]
-        shown = (now - begun) * (total - done) / done if done else float("nan")
-        found.append(shown / (line.ended - now))
-    return found
+        _, done, total = [report for report in line.told if report[0] <= now][-1]
+        remaining = (now - begun) * (total - done) / done if done else float("nan")
+        results.append(remaining / (line.ended - now))
+    return results
 
 
 if __name__ == "__main__":
@@ -76,5 +76,5 @@ if __name__ == "__main__":
                 pass
             os.chdir("/")
         line = LINES[-1]
-        shown = ", ".join(f"{ratio:.2f} at {mark:.0%}" for mark, ratio in zip(MARKS, ratios(line), strict=True))
-        print(f"{name}: {line.ended - line.told[0][0]:.1f} s; shown over actual: {shown}", flush=True)
+        text = ", ".join(f"{ratio:.2f} at {mark:.0%}" for mark, ratio in zip(MARKS, ratios(line), strict=True))
+        print(f"{name}: {line.ended - line.told[0][0]:.1f} s; shown over actual: {text}", flush=True)

@@ -52,7 +52,7 @@ class Rubbing:
         many, size, _ = rates.shape
         stuck = rates.copy()
         stuck[:, [places.angle, places.rate]] = 0.0
-        exact = (np.array([expm(step_s * one)[: places.states] for one in of]) for of in (rates, stuck))
+        exact = (np.array([expm(step_s * rate_matrix)[: places.states] for rate_matrix in of]) for of in (rates, stuck))
         self.slide, self.stick = exact
         self.places, (self.coulomb, self.breakaway) = places, friction
         self.z, self.rests = np.zeros((many, size)), np.ones(many, dtype=bool)
@@ -70,16 +70,18 @@ class Rubbing:
         z, rate, states = self.z, self.places.rate, self.places.states
         torque = self.push()
         self.rests &= np.abs(torque) <= self.breakaway
-        way = np.where(z[:, rate] != 0, np.sign(z[:, rate]), np.sign(torque))
-        z[:, self.places.dry] = -way * self.coulomb
+        direction = np.where(z[:, rate] != 0, np.sign(z[:, rate]), np.sign(torque))
+        z[:, self.places.dry] = -direction * self.coulomb
         after = (self.slide @ z[:, :, None])[:, :, 0]
-        turned = after[:, rate] * way < 0
+        turned = after[:, rate] * direction < 0
         if self.rests.any():
             after[self.rests] = (self.stick[self.rests] @ z[self.rests][:, :, None])[:, :, 0]
         # A column that turns round goes on with what is left of the step, if friction does not hold it.
         push = self.torque(after)
         held_now = turned & (np.abs(push) <= self.breakaway)
-        slower = np.clip((push + way * self.coulomb) / np.where(turned, push - way * self.coulomb, 1.0), 0.0, 1.0)
+        slower = np.clip(
+            (push + direction * self.coulomb) / np.where(turned, push - direction * self.coulomb, 1.0), 0.0, 1.0
+        )
         after[turned, rate] *= slower[turned]
         after[self.rests | held_now, rate] = 0.0
         self.rests |= held_now

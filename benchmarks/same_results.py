@@ -137,16 +137,16 @@ def compare(before: Path, after: Path) -> int:
     wrong, rounded, largest = 0, 0, 0.0
     names = sorted({path.name for folder in (before, after) for path in folder.glob("*.txt")})
     for name in names:
-        there, here = ((folder / name) for folder in (before, after))
-        if not (there.exists() and here.exists()):
-            print(f"{name}: only in {before if there.exists() else after}")
+        before_path, after_path = ((folder / name) for folder in (before, after))
+        if not (before_path.exists() and after_path.exists()):
+            print(f"{name}: only in {before if before_path.exists() else after}")
             wrong += 1
             continue
-        found = list(_differences(*(_read(path) for path in (there, here))))
-        lines = [line for line, size in found if size > ROUNDING]
+        differences = list(_differences(*(_read(path) for path in (before_path, after_path))))
+        lines = [line for line, size in differences if size > ROUNDING]
         wrong += bool(lines)
-        rounded += bool(found) and not lines
-        largest = max([largest, *(size for _, size in found if size <= ROUNDING)])
+        rounded += bool(differences) and not lines
+        largest = max([largest, *(size for _, size in differences if size <= ROUNDING)])
         for line in lines[:5]:
             print(f"{name}: {line}")
     print(f"{len(names)} results, {wrong} differ; {rounded} more by rounding, {largest:.1e} of a number at most")
@@ -161,28 +161,28 @@ def _read(path: Path) -> object:
         return [status, text]
 
 
-def _differences(there: object, here: object, place: str = "") -> Iterator[tuple[str, float]]:
+def _differences(before: object, after: object, path: str = "") -> Iterator[tuple[str, float]]:
     """Where two documents differ, and by how much of the number; infinitely where they are no numbers."""
-    if isinstance(there, dict) and isinstance(here, dict):
-        there = {_key_now(key, here): value for key, value in there.items()}
-        for key in {**there, **here}:
-            if key in there and key in here:
-                yield from _differences(there[key], here[key], f"{place}.{key}")
+    if isinstance(before, dict) and isinstance(after, dict):
+        before = {_key_now(key, after): value for key, value in before.items()}
+        for key in {**before, **after}:
+            if key in before and key in after:
+                yield from _differences(before[key], after[key], f"{path}.{key}")
             else:
-                yield f"{place}.{key}: only {'before' if key in there else 'after'}", inf
-    elif isinstance(there, list) and isinstance(here, list) and len(there) == len(here):
-        for k, (one, two) in enumerate(zip(there, here, strict=True)):
-            yield from _differences(one, two, f"{place}[{k}]")
-    elif there != here:
-        numbers = isinstance(there, float) and isinstance(here, float)
-        size = abs(there - here) / max(abs(there), abs(here)) if numbers else inf
-        yield f"{place}: {str(there)[:80]} before, {str(here)[:80]} after", size
+                yield f"{path}.{key}: only {'before' if key in before else 'after'}", inf
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        for k, (first, second) in enumerate(zip(before, after, strict=True)):
+            yield from _differences(first, second, f"{path}[{k}]")
+    elif before != after:
+        numbers = isinstance(before, float) and isinstance(after, float)
+        size = abs(before - after) / max(abs(before), abs(after)) if numbers else inf
+        yield f"{path}: {str(before)[:80]} before, {str(after)[:80]} after", size
 
 
-def _key_now(key: str, here: dict[str, object]) -> str:
+def _key_now(key: str, after: dict[str, object]) -> str:
     """What a key of before is called in the same document of now."""
     now = RENAMED.get(key, key)
-    return now if key not in here and now in here else key
+    return now if key not in after and now in after else key
 
 
 if __name__ == "__main__":

@@ -77,24 +77,24 @@ def median_ratio(run, other):
 
 def friction_given_back():
     """What a sample costs more with friction given back, after a look at what it does."""
-    told = digital_elevator().replace(RUBBED)
-    settings = random_settings(told, RUNS)
-    rows = told.rows(FEEL_SETTING, settings)
+    loader = digital_elevator().replace(RUBBED)
+    settings = random_settings(loader, RUNS)
+    rows = loader.rows(FEEL_SETTING, settings)
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
-    laws = [Law.of(LAW_DESIGNS["robust"], one, settings) for one in (told, digital_elevator())]
+    laws = [Law.of(LAW_DESIGNS["robust"], source, settings) for source in (loader, digital_elevator())]
 
     def released(law):
-        return simulate_batch(told, scenario, rows, law, keep=["column_angle_rad"], threads=1)[
+        return simulate_batch(loader, scenario, rows, law, keep=["column_angle_rad"], threads=1)[
             "column_angle_rad"
         ].values
 
-    wanted = ideal_releases(settings, 0.1, scenario.sample_s, round(scenario.duration_s / scenario.sample_s) + 1)
-    off = [float(np.median(np.abs(released(law) - wanted).max(axis=1))) for law in laws]
+    ideal = ideal_releases(settings, 0.1, scenario.sample_s, round(scenario.duration_s / scenario.sample_s) + 1)
+    off = [float(np.median(np.abs(released(law) - ideal).max(axis=1))) for law in laws]
     if not NEARER * off[0] < off[1]:
         sys.exit(
             f"friction: told of it {off[0]:.3g} rad off the ideal, untold {off[1]:.3g}; expected {NEARER:g} times nearer"
         )
-    ratio = median_ratio(*(lambda law=law: simulate_batch(told, scenario, rows, law, threads=1) for law in laws))
+    ratio = median_ratio(*(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1) for law in laws))
     print(
         f"friction given back: {ratio:.2f} times the step without, releases {off[1] / off[0]:.0f} times nearer to the ideal"
     )
@@ -107,11 +107,11 @@ def grip_designs():
     for loader in (digital_elevator(), electric("elevator-electric")):
         sensed, settings = loader.replace(SENSOR, si=True), random_settings(loader, SETTINGS)
         start = time.process_time()
-        found = LAW_DESIGNS["grip"].design(sensed, settings)
+        law = LAW_DESIGNS["grip"].design(sensed, settings)
         seconds = time.process_time() - start
         for k in range(0, SETTINGS, SETTINGS // PEER_SETTINGS):
             alone = LAW_DESIGNS["grip"].design(sensed, settings[k : k + 1])
-            apart = np.abs(found.command[k] - alone.command[0]).max() / np.abs(alone.command).max()
+            apart = np.abs(law.command[k] - alone.command[0]).max() / np.abs(alone.command).max()
             if not apart < AGREEMENT:
                 sys.exit(f"grip: a setting alone and among others {apart:.1e} apart; expected less than {AGREEMENT:g}")
         print(
@@ -134,8 +134,8 @@ def peer_gains(plant, ratio):
 def check(plant, ratios):
     worst = 0.0
     for ratio in ratios:
-        expected, found = peer_gains(plant, ratio), regulate(plant, ROBUST, ratio).gains
-        worst = max(worst, float(np.abs(found - expected).max() / np.abs(expected).max()))
+        expected, gains = peer_gains(plant, ratio), regulate(plant, ROBUST, ratio).gains
+        worst = max(worst, float(np.abs(gains - expected).max() / np.abs(expected).max()))
     if not worst < AGREEMENT:
         sys.exit(f"gains differ by {worst:.1e}; expected less than {AGREEMENT:g}")
     return worst
@@ -171,8 +171,8 @@ def main():
         name: median_seconds(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1))
         for name, law in laws.items()
     }
-    for name, one in seconds.items():
-        print(f"releases under {name:<9}{RUNS / one:>8.0f} runs/s{1e9 * one / steps:>8.0f} ns a sample")
+    for name, duration in seconds.items():
+        print(f"releases under {name:<9}{RUNS / duration:>8.0f} runs/s{1e9 * duration / steps:>8.0f} ns a sample")
     extra = (seconds["observer"] - seconds["gains"]) / steps
     share = OBSERVER_FLOPS / extra / peak_flops() if extra > 0 else np.nan
     ratio = seconds["observer"] / seconds["gains"]

@@ -93,8 +93,8 @@ def compete(contest, loader, settings, peak):
     """Checks the answer, prints one row of the table and returns how many times faster the schedule is."""
     problems = [whole_problem(loader, s, continuous=contest.continuous) for s in settings[:PEER_SETTINGS]]
     expected = np.array([-contest.solve(*matrices)[0][0] / scale for matrices, scale in problems])
-    found = schedule_gains(loader, settings[:PEER_SETTINGS], continuous=contest.continuous).gains
-    error = np.max(np.abs(found / expected - 1))
+    gains = schedule_gains(loader, settings[:PEER_SETTINGS], continuous=contest.continuous).gains
+    error = np.max(np.abs(gains / expected - 1))
     if not error < AGREEMENT:
         sys.exit(f"{contest.name}: the gains differ by {error:.1e}; expected less than {AGREEMENT:g}")
     peer = float(np.median([median_seconds(lambda m=m: contest.solve(*m)) for m, _ in problems]))

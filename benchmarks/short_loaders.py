@@ -42,31 +42,33 @@ SHOWN_S, DRAWN = 0.16, 3
 
 def lifts(loader: ff.Loader) -> dict[str, float]:
     """The least share by which each part must be better, infinite where none of ``STEPS`` does."""
-    found = {}
+    lifts_ = {}
     for name, keys in BETTER.items():
         steps = (known(loader.replace({key: step * loader[key] for key in keys}, si=True)) for step in STEPS)
-        good = (step - 1 for step, one in zip(STEPS, steps, strict=True) if rendered(one, RELEASE_DEG).passes >= GOOD)
-        found[name] = next(good, np.inf)
-    return found
+        good = (
+            step - 1 for step, loader in zip(STEPS, steps, strict=True) if rendered(loader, RELEASE_DEG).passes >= GOOD
+        )
+        lifts_[name] = next(good, np.inf)
+    return lifts_
 
 
 def worst(loader: ff.Loader) -> tuple[np.ndarray, str]:
     """I, B, G of the setting that fails by most among those that are allowed, and by what."""
     plan = make_plan(loader, ["robust"], GRID, changes={}, arms=(), angle_rad=radians(RELEASE_DEG))
-    found = compute_few(plan, threads=1)
-    margin, outcome = (found.data[name].values[0, 0].ravel() for name in ("margin", "outcome"))
-    counted = np.where((outcome != 0) & ~found.forbidden.settings, np.nan_to_num(margin, nan=-np.inf), np.inf)
-    place = int(np.argmin(counted))
-    return plan.settings.feel(loader)[place], found.outcomes[outcome[place]]
+    envelope = compute_few(plan, threads=1)
+    margin, outcome = (envelope.data[name].values[0, 0].ravel() for name in ("margin", "outcome"))
+    counted = np.where((outcome != 0) & ~envelope.forbidden.settings, np.nan_to_num(margin, nan=-np.inf), np.inf)
+    index = int(np.argmin(counted))
+    return plan.settings.feel(loader)[index], envelope.outcomes[outcome[index]]
 
 
 def draw(axes: np.ndarray, loader: ff.Loader, seed: int) -> None:
     """The release of the worst setting over its ideal, and the flow."""
     feel, why = worst(loader)
     rows = dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), feel.tolist(), strict=True))
-    one = loader.replace(rows, si=True)
+    loader_ = loader.replace(rows, si=True)
     history = ff.simulate(
-        one, ff.Scenario(ff.Release(radians(RELEASE_DEG)), duration_s=SHOWN_S), ff.Law.of("robust", one)
+        loader_, ff.Scenario(ff.Release(radians(RELEASE_DEG)), duration_s=SHOWN_S), ff.Law.of("robust", loader_)
     ).history
     time = np.asarray(history["time_s"])
     ideal = ideal_releases(feel[None], RELEASE_DEG, float(time[1] - time[0]), len(time))[0]
@@ -87,18 +89,18 @@ def draw(axes: np.ndarray, loader: ff.Loader, seed: int) -> None:
 
 
 def main() -> None:
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    asked.add_argument("--first-seed", type=int, default=6000)
-    asked.add_argument("--out", type=Path)
-    given = asked.parse_args()
-    seeds = range(given.first_seed, given.first_seed + LOADERS)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--first-seed", type=int, default=6000)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    seeds = range(options.first_seed, options.first_seed + LOADERS)
     shares = {seed: rendered(drawn(seed), RELEASE_DEG).passes for seed in seeds}
     short = sorted((seed for seed in seeds if shares[seed] < GOOD), key=shares.__getitem__)
     for seed in short:
-        better = sorted(lifts(drawn(seed)).items(), key=lambda one: one[1])
-        found = ", ".join(f"{name} +{share:.0%}" for name, share in better if share < np.inf)
-        print(f"{seed}: {shares[seed]:.1%}, lifted by {found or 'none of these alone'}", flush=True)
-    if given.out:
+        better = sorted(lifts(drawn(seed)).items(), key=lambda lift: lift[1])
+        text = ", ".join(f"{name} +{share:.0%}" for name, share in better if share < np.inf)
+        print(f"{seed}: {shares[seed]:.1%}, lifted by {text or 'none of these alone'}", flush=True)
+    if options.out:
         figure, axes = plt.subplots(2, DRAWN, figsize=(11, 5), sharex="col", squeeze=False)
         for column, seed in zip(axes.T, short, strict=False):
             draw(column, drawn(seed), seed)
@@ -106,7 +108,7 @@ def main() -> None:
         for row in axes:
             row[0].legend(fontsize=8)
         figure.tight_layout()
-        figure.savefig(given.out, metadata={"Date": None})
+        figure.savefig(options.out, metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -136,7 +136,7 @@ def reference(parameters):
     machines = (replace(bare, **dict(zip(WITNESS, row.tolist(), strict=True))) for row in parameters)
     push, solver = [(case.STEP_TIME, 96.0)], witness.Solver("LSODA", 1e-10)
     return np.array(
-        [witness.simulate(one, push, case.DURATION, case.TIMES, solver=solver)["theta"] for one in machines]
+        [witness.simulate(machine, push, case.DURATION, case.TIMES, solver=solver)["theta"] for machine in machines]
     )
 
 
@@ -201,17 +201,19 @@ def main():
     timed = fresh(RUNS)
     rates, failed = {}, []
     print(f"{'':44} {'runs/s':>9} {'P90':>9} {'worst':>9}   errors as shares of {case.TRAVEL:g} rad of travel")
-    for one in contestants():
-        error = case.errors(one.run(samples), truth)
+    for contestant in contestants():
+        error = case.errors(contestant.run(samples), truth)
         p90, worst = np.percentile(error, 90), error.max()
-        rates[one] = rate(lambda one=one: one.run(timed[: one.runs]), one.runs)
+        rates[contestant] = rate(
+            lambda contestant=contestant: contestant.run(timed[: contestant.runs]), contestant.runs
+        )
         good = p90 <= case.ALLOWED_P90 and worst <= case.ALLOWED_WORST
         print(
-            f"{one.name:44} {rates[one]:9,.0f} {p90:9.1e} {worst:9.1e}   {'' if good else 'error too large'}",
+            f"{contestant.name:44} {rates[contestant]:9,.0f} {p90:9.1e} {worst:9.1e}   {'' if good else 'error too large'}",
             flush=True,
         )
-        if one.kind == "own" and not good:
-            failed.append(f"{one.name}: error {p90:.1e}, {worst:.1e}")
+        if contestant.kind == "own" and not good:
+            failed.append(f"{contestant.name}: error {p90:.1e}, {worst:.1e}")
     report(rates, failed)
     for failure in failed:
         print("FAILED", failure)
@@ -220,11 +222,11 @@ def main():
 
 def report(rates, failed):
     """Ratios, the single run, and both cores."""
-    own_rate = next(rate for one, rate in rates.items() if one.kind == "own")
-    for one, peer_rate in rates.items():
-        if one.kind != "own":
-            print(f"forcefeel's batch in steps of 2 ms is {own_rate / peer_rate:8.2f} times {one.name}")
-    plain = next(rate for one, rate in rates.items() if "plain" in one.name)
+    own_rate = next(rate for contestant, rate in rates.items() if contestant.kind == "own")
+    for contestant, peer_rate in rates.items():
+        if contestant.kind != "own":
+            print(f"forcefeel's batch in steps of 2 ms is {own_rate / peer_rate:8.2f} times {contestant.name}")
+    plain = next(rate for contestant, rate in rates.items() if "plain" in contestant.name)
     single = rate(lambda: [simulate(LOADER, scenario(FASTEST)) for _ in range(20)], 20)
     measured = rate(lambda: simulate_batch(LOADER, scenario(FASTEST), values(fresh(RUNS)), threads=1), RUNS)
     peak, steps = peak_flops(), case.DURATION / FASTEST
@@ -236,7 +238,7 @@ def report(rates, failed):
     print(f"a single run: {single:,.0f} a second, {single / plain:.0f} times SciPy's LSODA")
     check(failed, "batch over SciPy's LSODA", own_rate / plain, PROMISED_OVER_SCIPY)
     check(failed, "single run over SciPy's LSODA", single / plain, PROMISED_SINGLE)
-    compiled = [rate for one, rate in rates.items() if one.name == numbalsoda_lsoda.NAME]
+    compiled = [rate for contestant, rate in rates.items() if contestant.name == numbalsoda_lsoda.NAME]
     if compiled:
         check(failed, "batch over compiled LSODA", own_rate / compiled[0], PROMISED_OVER_COMPILED)
     both_cores()

@@ -54,13 +54,13 @@ def draw(keys, decades, count):
 
 
 def matrices(varied, law, count):
-    found = np.empty((count, 8, 8))
+    systems = np.empty((count, 8, 8))
     values = LOADER.si_values.copy()
     for k in range(count):
         for key, column in varied.items():
             values[INDEX[key]] = column[k]
-        found[k] = _core.compliant(values, law or _core.GainLaw.original(values))[0]
-    return found
+        systems[k] = _core.compliant(values, law or _core.GainLaw.original(values))[0]
+    return systems
 
 
 def wrong(varied, law, systems):
@@ -86,12 +86,12 @@ def main():
             varied = draw(keys, decades, LOOPS)
             systems = matrices(varied, law, CHECKED)
             errors, _, stable = wrong(varied, law, systems)
-            found = stability_batch(LOADER, varied, law, threads=1)
-            here = cpu_seconds(lambda v=varied, law=law: stability_batch(LOADER, v, law, threads=1)) / LOOPS
+            verdicts = stability_batch(LOADER, varied, law, threads=1)
+            own_seconds = cpu_seconds(lambda v=varied, law=law: stability_batch(LOADER, v, law, threads=1)) / LOOPS
             peer = cpu_seconds(lambda s=systems: np.linalg.eigvals(s)) / CHECKED
-            ratio = peer / here
-            proved = f"{found.proved.values.mean():9.3%}"
-            speed = f"{here * 1e6:6.2f} us{peer * 1e6:7.2f} us{ratio:7.1f}{FLOPS / here / peak:9.0%}"
+            ratio = peer / own_seconds
+            proved = f"{verdicts.proved.values.mean():9.3%}"
+            speed = f"{own_seconds * 1e6:6.2f} us{peer * 1e6:7.2f} us{ratio:7.1f}{FLOPS / own_seconds / peak:9.0%}"
             print(f"{name:<30}{law_name:<10}{errors:>6}{stable:9.1%}{proved}{speed}", flush=True)
             if errors:
                 failed.append(f"{name}, {law_name}: {errors} verdicts are not those of the eigenvalues")

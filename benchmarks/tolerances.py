@@ -93,8 +93,8 @@ def feel_step(feel):
     decay = np.exp(mean * PERIOD_S)
     even = (decay * np.cosh(turned)).real
     odd = (decay * np.where(np.abs(turned) < 1e-9, PERIOD_S, np.sinh(turned) / np.where(s == 0, 1, s))).real
-    one, two, other = even - mean * odd, odd, even + mean * odd
-    rows = [[one, two, (1 - one) / stiffness], [-stiffness / inertia * two, other, two / inertia]]
+    first, second, other = even - mean * odd, odd, even + mean * odd
+    rows = [[first, second, (1 - first) / stiffness], [-stiffness / inertia * second, other, second / inertia]]
     return np.moveaxis(np.array(rows), 2, 0)
 
 
@@ -144,8 +144,8 @@ def release(pairs, laws, record):
         equations[:, row, n + 1] = law[:, n + 3]
         right[:, row] = -np.einsum("pj,pj->p", law[:, n : n + 3], known)
     equations[:, n + 1, n + 1] -= pairs.feel[:, 2]
-    found = np.linalg.solve(equations, right[..., None])[..., 0]
-    xi, force, delta = found[:, :n], found[:, n], np.stack([found[:, n + 1], np.zeros(count)], axis=1)
+    solution = np.linalg.solve(equations, right[..., None])[..., 0]
+    xi, force, delta = solution[:, :n], solution[:, n], np.stack([solution[:, n + 1], np.zeros(count)], axis=1)
 
     zero = np.zeros(count)
     y = np.array([v["lever"] * HELD + force / v["k"], force / v["A"], zero, zero, np.full(count, HELD), zero])
@@ -155,8 +155,8 @@ def release(pairs, laws, record):
         if k % every == 0:
             angles[:, k // every] = y[4]
         measured = np.stack([v["A"] * y[1], y[0], y[4]], axis=1)
-        heard = np.concatenate([xi, measured, delta], axis=1)
-        e, torque = np.einsum("pj,pj->p", c, heard), np.einsum("pj,pj->p", t, heard)
+        feel_input = np.concatenate([xi, measured, delta], axis=1)
+        e, torque = np.einsum("pj,pj->p", c, feel_input), np.einsum("pj,pj->p", t, feel_input)
         answered = np.clip(e, -CURRENT / NOMINAL["amplifier.admittance"], CURRENT / NOMINAL["amplifier.admittance"])
         xi = np.einsum("pij,pj->pi", a, xi) + np.einsum(
             "pij,pj->pi", b, np.concatenate([measured, answered[:, None]], 1)
@@ -174,47 +174,49 @@ def release(pairs, laws, record):
 
 def margin(path, feel, record, edge=EDGE):
     """Least margin as a share of its tolerance; below zero fails, not a number where the count of overshoots is at its edge."""
-    wanted = features(record.time_s, ideal(feel, HELD, record.time_s))
+    reference = features(record.time_s, ideal(feel, HELD, record.time_s))
     steady = path[-len(path) // 10 :].mean()  # an observer's leak leaves it a little off zero for a while
     try:
-        mine = features(record.time_s, path - steady)
+        actual = features(record.time_s, path - steady)
     except (IndexError, ValueError):  # it never comes back, or it is no longer finite
         return -np.inf
-    if any(abs(size - 0.05) < edge for one in (mine, wanted) for size in one[2][:2]):
+    if any(abs(size - 0.05) < edge for figures in (actual, reference) for size in figures[2][:2]):
         return np.nan
-    return min(least_margin(mine, wanted), 1 - abs(steady / path[0]) / 0.05)
+    return min(least_margin(actual, reference), 1 - abs(steady / path[0]) / 0.05)
 
 
 def margins(settings, feel, cases):
     """Margins (cases, settings) of machines with arms; a case is factors by parameter and an arm."""
-    found = np.empty((len(cases), len(feel)))
+    margins_ = np.empty((len(cases), len(feel)))
     laws = LAW_DESIGNS[LAW].design(ff.digital_elevator(), feel)
     for frequency in settings.frequency:
         which = np.flatnonzero(settings.rows[:, 1] == frequency)
         record = Record.of(frequency, settings.damping[0])
-        place = [(k, setting) for k in range(len(cases)) for setting in which]
-        case, law = (np.array(column) for column in zip(*place, strict=True))
+        pairs = [(k, setting) for k in range(len(cases)) for setting in which]
+        case, law = (np.array(column) for column in zip(*pairs, strict=True))
         factors = {key: np.array([cases[k][0].get(key, 1.0) for k in case]) for key in NOMINAL}
         arm = np.array([cases[k][1] for k in case])
         paths = release(Pairs(factors, feel[law], arm, law), laws, record)
         carried = feel[law] + arm * NOMINAL["column.grip_arm"] ** 2
-        found[case, law] = [margin(*pair, record) for pair in zip(paths, carried, strict=True)]
-    return found
+        margins_[case, law] = [margin(*pair, record) for pair in zip(paths, carried, strict=True)]
+    return margins_
 
 
-def compare(name, mine, codes):
+def compare(name, actual, codes):
     """Prints how the two reckonings agree; the sentence of a failure, or nothing."""
-    clear, stable = np.abs(mine) > NEAR, codes != UNSTABLE
-    differ = int((clear & stable & ((mine > 0) != (codes == PASSES))).sum())
-    print(f"{name}: of {mine.size:,} releases {differ} verdicts differ; {int((~clear).sum())} at an edge are left out")
-    slow = int((~stable & (mine > NEAR)).sum())
+    clear, stable = np.abs(actual) > NEAR, codes != UNSTABLE
+    differ = int((clear & stable & ((actual > 0) != (codes == PASSES))).sum())
+    print(
+        f"{name}: of {actual.size:,} releases {differ} verdicts differ; {int((~clear).sum())} at an edge are left out"
+    )
+    slow = int((~stable & (actual > NEAR)).sum())
     print(f"  {slow} more are unstable by their poles and would pass, since they grow slowly")
-    return [f"{name}: {differ} verdicts differ"] if differ > APART * mine.size else []
+    return [f"{name}: {differ} verdicts differ"] if differ > APART * actual.size else []
 
 
-def settled(mine, codes):
+def settled(actual, codes):
     """Which pass here; what is at the edge of the count of overshoots, as the program has it."""
-    return np.where(np.isnan(mine), codes == PASSES, mine > 0)
+    return np.where(np.isnan(actual), codes == PASSES, actual > 0)
 
 
 def shares(passes):
@@ -227,38 +229,38 @@ def drawn(corners):
     """All tolerances at once by both reckonings."""
     noisy, draws = ff.digital_elevator(), Draws(MACHINES, SEED, corners)
     both = [
-        ff.find_envelope(one, (LAW,), GRID, changes=KNOWN, arms=(), draws=draws)
-        for one in (noisy.replace(EXACT, si=True), noisy)
+        ff.find_envelope(loader, (LAW,), GRID, changes=KNOWN, arms=(), draws=draws)
+        for loader in (noisy.replace(EXACT, si=True), noisy)
     ]
     plan = both[0].plan
     cases = [({key: 1 + share for key, share in machine.off.items()}, NO_ARM) for machine in plan.machines]
-    mine = margins(plan.settings, plan.settings.feel(plan.loader), cases)
-    exact, with_noise = (one.data["drawn_outcome"].values[0].reshape(mine.shape) for one in both)
+    actual = margins(plan.settings, plan.settings.feel(plan.loader), cases)
+    exact, with_noise = (envelope.data["drawn_outcome"].values[0].reshape(actual.shape) for envelope in both)
     name = "at the corners" if corners else "at random"
     for whose, passes in (
-        ("here", settled(mine, exact)),
+        ("here", settled(actual, exact)),
         ("program", exact == PASSES),
         ("program, with noise", with_noise == PASSES),
     ):
         numbers = "settings {:.1%}, machines {:.1%}, mean {:.1%}, worst machine {:.1%}".format(*shares(passes))
         print(f"all at once, {name}, {whose}: {numbers}")
-    return compare(name, mine, exact)
+    return compare(name, actual, exact)
 
 
 def one_at_a_time():
     """The cases on a grid that is even in proportion on all three axes, by both reckonings."""
     noisy = ff.digital_elevator()
-    both = [ff.find_envelope(one, (LAW,), EVEN) for one in (noisy.replace(EXACT, si=True), noisy)]
+    both = [ff.find_envelope(loader, (LAW,), EVEN) for loader in (noisy.replace(EXACT, si=True), noisy)]
     plan = both[0].plan
     cases = [
         ({key: 1 + share for key, share in case.off.items()}, case.arm.values if case.arm else NO_ARM)
         for case in plan.cases
     ]
-    mine = margins(plan.settings, plan.settings.feel(plan.loader), cases)
-    passes = [settled(mine, both[0].codes(LAW)), *(one.passes(LAW) for one in both)]
-    for whose, found in zip(("here", "program", "program, with noise"), passes, strict=True):
-        print(f"even grid, {whose}: nominally {found[0].mean():.1%}, in every case {found.all(axis=0).mean():.1%}")
-    return compare("cases", mine, both[0].codes(LAW))
+    actual = margins(plan.settings, plan.settings.feel(plan.loader), cases)
+    passes = [settled(actual, both[0].codes(LAW)), *(envelope.passes(LAW) for envelope in both)]
+    for whose, passing in zip(("here", "program", "program, with noise"), passes, strict=True):
+        print(f"even grid, {whose}: nominally {passing[0].mean():.1%}, in every case {passing.all(axis=0).mean():.1%}")
+    return compare("cases", actual, both[0].codes(LAW))
 
 
 def any_law():
@@ -270,11 +272,11 @@ def any_law():
     off = np.array([0.2 * plan.loader["column.inertia"], 0.0, 0.0])
     linear, possible = inertia_bound(plan, (0.2,)).shares[0], np.zeros(plan.settings.count, dtype=bool)
     for referee in referees(plan, cores()):
-        asked = [replace(referee, feel=referee.feel + k * off, _ideal={}) for k in (0.0, 0.5, 1.0, 1.5, 2.0)]
+        shifted = [replace(referee, feel=referee.feel + k * off, _ideal={}) for k in (0.0, 0.5, 1.0, 1.5, 2.0)]
         for lean in np.linspace(0, 2, 9):
             for damping in DAMPINGS:
                 motion = referee.feel * [1, damping, 1] + lean * off
-                possible[referee.which] |= np.all([one.passes(motion) for one in asked], axis=0)
+                possible[referee.which] |= np.all([referee_.passes(motion) for referee_ in shifted], axis=0)
     print(
         f"inertia known to 20 %: {linear:.1%} are left to a linear law, {possible.mean():.1%} to any law that must be right"
     )

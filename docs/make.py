@@ -41,12 +41,12 @@ def factors() -> str:
     """Pint's factors between the units that the program writes: of the parameters, and of every `Unit` of every module."""
     for module in pkgutil.walk_packages(ff.__path__, "forcefeel."):
         import_module(module.name)
-    own = [one for one in gc.get_objects() if isinstance(one, units.Unit)]
+    own = [thing for thing in gc.get_objects() if isinstance(thing, units.Unit)]
     rows = set()
-    for one in [*own, *map(unit, (TABLE | ALTERNATIVES).values())]:
-        for shown in {one.si, one.metric, one.us}:
-            rows |= {(shown, one.si), (one.si, shown)}
-    lines = [f"{one},{other},{units.factor_by_pint(one, other)!r}" for one, other in sorted(rows)]
+    for known in [*own, *map(unit, (TABLE | ALTERNATIVES).values())]:
+        for name in {known.si, known.metric, known.us}:
+            rows |= {(name, known.si), (known.si, name)}
+    lines = [f"{name},{other},{units.factor_by_pint(name, other)!r}" for name, other in sorted(rows)]
     return "\n".join(["unit,in,factor", *lines]) + "\n"
 
 

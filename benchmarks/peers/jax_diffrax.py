@@ -33,7 +33,7 @@ def simulator():
     def derivative(y, push, moving, c):
         """Rates of the state, and the column's acceleration if it were free to move."""
         Z, Q, Q1, X, V, D, D1 = y
-        r_z, t_p, a_p, _, _, stop, k_s, d_s, g_z, g_x, g_p, limit, w2, zw, d_p, d_1, d_0, _, one = c
+        r_z, t_p, a_p, _, _, stop, k_s, d_s, g_z, g_x, g_p, limit, w2, zw, d_p, d_1, d_0, _, unit = c
         size, sign = jnp.abs(Q), jnp.where(Q < 0, -1.0, 1.0)
         W = 1.0 - sign * (Z - V)
         square = Q * Q + jnp.abs(W)
@@ -45,12 +45,12 @@ def simulator():
         push = push - jnp.where(over > 0, side * jnp.maximum(k_s * over + d_s * side * V, 0.0), 0.0)
         Z1 = r_z * (2.0 * Q * U - V)
         E = t_p / square * u * (Z1 + 2.0 * U * Q1 - jnp.where(moving, push + a_p * P, 0.0))
-        P = (P - u * E) / one
+        P = (P - u * E) / unit
         free = push + a_p * P
         Q2 = w2 * (jnp.clip(D - g_z * Z - g_x * X + g_p * P, -limit, limit) - Q) - zw * Q1
         D2 = -(d_p * P + d_1 * D1 + d_0 * D)
         V1 = jnp.where(moving, free, 0.0)
-        return ((Z1 + r_z * size * E) / one, Q1, Q2 / one, V, V1 / one, D1, D2 / one), free
+        return ((Z1 + r_z * size * E) / unit, Q1, Q2 / unit, V, V1 / unit, D1, D2 / unit), free
 
     def advance(y, force, c):
         """State after one step."""

@@ -128,12 +128,12 @@ def stepper(width):
     def simulate_all(C, theta):
         B, out = aligned(ROWS * width), aligned(case.OUTPUTS * width)
         for first in range(0, theta.shape[0], width):
-            here = min(width, theta.shape[0] - first)
+            count = min(width, theta.shape[0] - first)
             for row in range(ROWS):
                 for i in range(width):
-                    B[row * width + i] = C[row, first + min(i, here - 1)]
+                    B[row * width + i] = C[row, first + min(i, count - 1)]
             simulate(B, out)
-            for i in range(here):
+            for i in range(count):
                 for n in range(case.OUTPUTS):
                     theta[first + i, n] = out[n * width + i]
 

@@ -110,10 +110,15 @@ def feel_step():
     rate = damping / (2 * inertia)
     swing = sqrt(stiffness / inertia - rate**2)
     decay, turn = exp(-rate * PERIOD_S), swing * PERIOD_S
-    one = decay * (np.cos(turn) + rate / swing * np.sin(turn))
-    two = decay * np.sin(turn) / swing
+    from_angle = decay * (np.cos(turn) + rate / swing * np.sin(turn))
+    from_rate = decay * np.sin(turn) / swing
     other = decay * (np.cos(turn) - rate / swing * np.sin(turn))
-    return np.array([[one, two, (1 - one) / stiffness], [-stiffness / inertia * two, other, two / inertia]])
+    return np.array(
+        [
+            [from_angle, from_rate, (1 - from_angle) / stiffness],
+            [-stiffness / inertia * from_rate, other, from_rate / inertia],
+        ]
+    )
 
 
 def sensed(value, noise, resolution, normal):
@@ -143,11 +148,11 @@ def record(duration_s: float) -> dict[str, np.ndarray]:
     """What the bench records."""
     force = shaken(duration_s)
     columns = np.column_stack([force, list(run(force))])
-    found = {"time (s)": np.arange(len(force)) / RATE_HZ}
+    record_columns = {"time (s)": np.arange(len(force)) / RATE_HZ}
     for k, (name, (noise, step)) in enumerate(RECORDED.items()):
-        shown = columns[:, k] + noise * np.random.default_rng([3, k]).standard_normal(len(force))
-        found[name] = (np.round(shown / step) * step).astype(np.float32)
-    return found
+        reading = columns[:, k] + noise * np.random.default_rng([3, k]).standard_normal(len(force))
+        record_columns[name] = (np.round(reading / step) * step).astype(np.float32)
+    return record_columns
 
 
 def believed() -> ff.Loader:

@@ -84,8 +84,10 @@ class Machine:
 
     def each(self):
         """The same with (machines,) in every place."""
-        values = np.broadcast_arrays(*(np.atleast_1d(np.asarray(getattr(self, it.name), float)) for it in fields(self)))
-        return Machine(**{it.name: value for it, value in zip(fields(self), values, strict=True)})
+        values = np.broadcast_arrays(
+            *(np.atleast_1d(np.asarray(getattr(self, field.name), float)) for field in fields(self))
+        )
+        return Machine(**{field.name: value for field, value in zip(fields(self), values, strict=True)})
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ def run(  # noqa: PLR0913  what a bench has
     step = 1 / (rate_hz * per_sample)
     many, samples = (
         machine.each(),
-        next(np.shape(it)[-1] for it in (test_signal, command_signal, force) if it is not None),
+        next(np.shape(signal)[-1] for signal in (test_signal, command_signal, force) if signal is not None),
     )
     e, e_rate = _on_steps(test_signal, samples, per_sample, staircase)
     added, added_rate = _on_steps(command_signal, samples, per_sample, staircase)
@@ -176,11 +178,11 @@ def held(machine: Machine, loop: str, angle: float) -> np.ndarray:
     many = machine.each()
     free = [X, P, QI, QI_RATE] + ([DELTA, DELTA_RATE] if loop == "loader" else [])
     stuck = _modes(many, loop, digital=False).rates[mode(0, 0)]
-    found = np.zeros((len(many.area), 8))
-    found[:, THETA] = angle
+    states = np.zeros((len(many.area), 8))
+    states[:, THETA] = angle
     right = -angle * stuck[:, free, THETA]
-    found[:, free] = np.linalg.solve(stuck[np.ix_(range(len(found)), free, free)], right[..., np.newaxis])[..., 0]
-    return found
+    states[:, free] = np.linalg.solve(stuck[np.ix_(range(len(states)), free, free)], right[..., np.newaxis])[..., 0]
+    return states
 
 
 def poles(machine: Machine, loop: str) -> np.ndarray:
@@ -208,9 +210,9 @@ def _modes(m, loop, digital):
         raise ValueError(f"loop: expected {', '.join(LOOPS)}, got {loop!r}")
     rows = _rows(m, loop, digital)
     lever = m.ratio * m.base_arm
-    found = np.zeros((9, len(m.area), SIZE, SIZE))
+    modes = np.zeros((9, len(m.area), SIZE, SIZE))
     for motion, current in product((-1, 0, 1), repeat=2):
-        a = found[mode(motion, current)]
+        a = modes[mode(motion, current)]
         # x' = (A p - k s) / c + alpha R_b w                                                               eq. (9)
         a[:, X, P], a[:, X, X] = m.area / m.link_damping, -m.link_stiffness / m.link_damping
         a[:, X, THETA], a[:, X, W] = lever * m.link_stiffness / m.link_damping, lever
@@ -219,11 +221,11 @@ def _modes(m, loop, digital):
         compressed[:, P] -= m.pressure_gain
         a[:, P] = (4 * m.bulk_modulus / m.oil_volume)[:, np.newaxis] * compressed  # eqs. (4), (5)
         a[:, QI, QI_RATE] = 1.0
-        asked = (m.current_gain * m.valve_frequency**2)[:, np.newaxis]
+        gain = (m.current_gain * m.valve_frequency**2)[:, np.newaxis]
         if current:
-            a[:, QI_RATE, ONE] = current * asked[:, 0] * np.where(np.isinf(m.current_limit), 0.0, m.current_limit)
+            a[:, QI_RATE, ONE] = current * gain[:, 0] * np.where(np.isinf(m.current_limit), 0.0, m.current_limit)
         else:
-            a[:, QI_RATE] = asked * rows[:, 2]
+            a[:, QI_RATE] = gain * rows[:, 2]
         a[:, QI_RATE, QI] -= m.valve_frequency**2
         a[:, QI_RATE, QI_RATE] -= 2 * m.valve_damping * m.valve_frequency
         if motion:
@@ -238,7 +240,7 @@ def _modes(m, loop, digital):
             if not digital:
                 a[:, DELTA_RATE, P] = -m.maximum_stiffness * m.load_cell_gain * m.area / m.feel_inertia
         a[:, E, E_RATE] = a[:, FORCE, FORCE_RATE] = 1.0
-    return Modes(found, rows, W, m.grip_arm * np.maximum(m.static_friction, m.coulomb_friction), m.current_limit)
+    return Modes(modes, rows, W, m.grip_arm * np.maximum(m.static_friction, m.coulomb_friction), m.current_limit)
 
 
 class _Sampled:
@@ -271,8 +273,8 @@ class _Sampled:
 
 def _channels(m, kept):
     """What sensors without fault would show, (machines, samples), of `KEPT` and the current that was asked at each sample."""
-    x, p, q_i, theta, w, asked = np.moveaxis(kept, 0, 2)
-    each = {it.name: getattr(m, it.name)[:, np.newaxis] for it in fields(m)}
+    x, p, q_i, theta, w, command = np.moveaxis(kept, 0, 2)
+    each = {field.name: getattr(m, field.name)[:, np.newaxis] for field in fields(m)}
     force = each["area"] * p
     return {
         "column_angle": theta,
@@ -281,7 +283,7 @@ def _channels(m, kept):
         "load_cell_force": force,
         "load_pressure": p,
         "actuator_flow": q_i - each["pressure_gain"] * p,
-        "valve_current": np.clip(asked, -each["current_limit"], each["current_limit"]),
+        "valve_current": np.clip(command, -each["current_limit"], each["current_limit"]),
         "potentiometer": each["potentiometer_gain"] * x,
         # Positive when the pilot pushes, which loads the link backwards, eq. (6).
         "load_cell": -each["load_cell_gain"] * force,

@@ -61,9 +61,9 @@ class ExactSteps:
 
     def begin(self, z):
         """Modes that fit the state at the start."""
-        w, torque, asked = np.einsum("mij,mj->im", self.modes.rows, z)
+        w, torque, command = np.einsum("mij,mj->im", self.modes.rows, z)
         self.motion = np.where(w != 0, np.sign(w), self._leaving(torque, self.each)).astype(int)
-        self.current = self._limited(asked, self.each)
+        self.current = self._limited(command, self.each)
         self.whole = self.parts[0, self._mode(self.each), self.each]
         self.low, self.high = self._held_within(self.each)
 
@@ -97,9 +97,9 @@ class ExactSteps:
         ]
         return np.stack(low, axis=1), np.stack(high, axis=1)
 
-    def _limited(self, asked, which):
+    def _limited(self, command, which):
         """Limit that the current is at; 0: none."""
-        return np.where(np.abs(asked) > self.modes.limit[which], np.sign(asked), 0).astype(int)
+        return np.where(np.abs(command) > self.modes.limit[which], np.sign(command), 0).astype(int)
 
     def _leaving(self, torque, which):
         """Direction in which a column at rest moves off; 0: it sticks."""
@@ -143,7 +143,7 @@ class ExactSteps:
     def _switched(self, before, after, which):
         """States at the end of a smallest part with a switch in it, of the second order in its length; sets the new modes."""
         first, last = (np.einsum("mij,mj->mi", self.modes.rows[which], z) for z in (before, after))
-        margins = [np.minimum(it - self.low[which], self.high[which] - it) for it in (first, last)]
+        margins = [np.minimum(edge - self.low[which], self.high[which] - edge) for edge in (first, last)]
         passed = margins[1] < 0
         good, over = np.where(passed, np.maximum(margins[0], 0.0), 0.0), np.where(passed, -margins[1], 1.0)
         shares = np.where(passed, good / (good + over), np.inf)  # of the part, until the margin is used up
@@ -152,8 +152,8 @@ class ExactSteps:
         column, amplifier = left[:, 0] | left[:, 1], left[:, 2]
         z = before + share[:, np.newaxis] * (after - before)
         z[column, self.modes.w] = 0.0
-        there = np.einsum("mj,mj->m", self.modes.rows[which, 1], z)
-        leaving = np.where(self.motion[which] == 0, np.sign(last[:, 1]), self._leaving(there, which))
+        position = np.einsum("mj,mj->m", self.modes.rows[which, 1], z)
+        leaving = np.where(self.motion[which] == 0, np.sign(last[:, 1]), self._leaving(position, which))
         self.motion[which] = np.where(column, leaving, self.motion[which])
         self.current[which] = np.where(amplifier, self._limited(last[:, 2], which), self.current[which])
         self._enter(which)

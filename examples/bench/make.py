@@ -57,9 +57,9 @@ def seen(signals, names, rate_hz, seed):
     columns = {"time (s)": np.round(np.arange(samples) / rate_hz, 6)}
     for name in names:
         unit, size, noise, step = SENSORS[name]
-        shown = signals[name.replace(" ", "_")] / size
-        shown = shown + noise * random.standard_normal(samples)
-        columns[f"{name} ({unit})"] = np.round(np.round(shown / step) * step, 6) + 0.0
+        reading = signals[name.replace(" ", "_")] / size
+        reading = reading + noise * random.standard_normal(samples)
+        columns[f"{name} ({unit})"] = np.round(np.round(reading / step) * step, 6) + 0.0
     return columns
 
 
@@ -95,17 +95,17 @@ def response(loop, channel, volts, out):
     fast = under_test_signal(loop, volts, (channel,), 2000.0, 2)
     record = out / f"{loop}-record.csv"
     csv(record, [f"experiment: {loop}"], fast)
-    found = ff.bench.estimate_response(ff.bench.read_bench_record(record), channel.replace(" ", "_"))
+    estimate = ff.bench.estimate_response(ff.bench.read_bench_record(record), channel.replace(" ", "_"))
     record.unlink()  # of the analyser only the response is left
     unit, size, _, _ = SENSORS[channel]
-    gain = np.abs(found.value) / (size * bench_machine.SI[channel.replace(" ", "_")])
+    gain = np.abs(estimate.value) / (size * bench_machine.SI[channel.replace(" ", "_")])
     about = [f"experiment: {loop}", "from: test_signal (V)", f"to: {channel.replace(' ', '_')} ({unit})"]
     columns = {
-        "frequency (Hz)": found.frequency_hz,
+        "frequency (Hz)": estimate.frequency_hz,
         "gain (dB)": np.round(20 * np.log10(gain), 3),
-        "phase (deg)": np.round(np.degrees(np.unwrap(np.angle(found.value))), 2),
-        "coherence": np.round(found.coherence, 6),
-        "deviation": np.round(found.deviation, 6),
+        "phase (deg)": np.round(np.degrees(np.unwrap(np.angle(estimate.value))), 2),
+        "coherence": np.round(estimate.coherence, 6),
+        "deviation": np.round(estimate.deviation, 6),
     }
     csv(out / f"{loop}.csv", about, columns)
 

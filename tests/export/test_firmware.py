@@ -202,7 +202,7 @@ def test_a_target_that_is_not_installed_is_named_and_nothing_is_written(tmp_path
 
 def test_without_cargo_nothing_is_written(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(ff.InputError, match="compiled by cargo, which is not found"):
+    with pytest.raises(ff.InputError, match="requires cargo, which was not found"):
         exported(motor(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
 

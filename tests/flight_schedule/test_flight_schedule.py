@@ -206,7 +206,7 @@ def test_knots_by_i_b_g_and_an_axis_without_unit(tmp_path: Path) -> None:
         (
             "0,7000,200,1.4,0.7\n",
             "",
-            "full grid of 2 by 2 knots, got 3: missing: flaps 0 deg, dynamic pressure 200",
+            "full grid of 2 by 2 knots, got 3; missing: flaps 0 deg, dynamic pressure 200",
         ),
         (
             "0,7000,200,1.4",

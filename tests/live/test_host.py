@@ -101,7 +101,7 @@ def test_run_listens_to_a_simulator(monkeypatch: pytest.MonkeyPatch, capsys, tmp
 
 
 def test_without_a_supervisor_nobody_would_fade_a_host_out() -> None:
-    with pytest.raises(ff.InputError, match="only the supervisor"):
+    with pytest.raises(ff.InputError, match="requires the supervisor"):
         ff.live.start(ff.digital_elevator(), host=0, supervised=False)
 
 

@@ -45,27 +45,27 @@ class TerminalBlock(SphinxDirective):
             return [self._shown(line, "") for line in commands(body)]
         answers = terminal(self.env.docname).run(body)
         _must_show(self.options, answers, self.get_location())
-        return [self._shown(one.command, self._cut(one.output)) for one in answers]
+        return [self._shown(answer.command, self._cut(answer.output)) for answer in answers]
 
     def _cut(self, output: str) -> str:
         lines = [line.rstrip() for line in output.strip("\n").splitlines()]
         if "lines" in self.options:
-            low, high = (int(one) if one else None for one in self.options["lines"].split("-"))
+            low, high = (int(text) if text else None for text in self.options["lines"].split("-"))
             first, last = (low or 1) - 1, high or len(lines)
             lines = ["..."] * (first > 0) + lines[first:last] + ["..."] * (last < len(lines))
         return "\n".join(lines)
 
     def _shown(self, command: str, output: str) -> nodes.Node:
         typed = f"$ {command}".replace("\n", "\n> ")
-        shown = nodes.container("", nodes.literal_block(typed, typed, language="shell-session"), classes=["terminal"])
+        block = nodes.container("", nodes.literal_block(typed, typed, language="shell-session"), classes=["terminal"])
         if output:
-            shown += nodes.literal_block(output, output, language="text", classes=["output"])
-        return shown
+            block += nodes.literal_block(output, output, language="text", classes=["output"])
+        return block
 
 
-def _must_show(given: dict[str, Any], answers: list[Answer], where: str) -> None:
-    wanted = tuple(one.strip() for one in given.get("shows", "").split("|") if one.strip())
-    lost = missing(wanted, answers)
+def _must_show(options: dict[str, Any], answers: list[Answer], where: str) -> None:
+    expected = tuple(text.strip() for text in options.get("shows", "").split("|") if text.strip())
+    lost = missing(expected, answers)
     if lost:
         raise ExtensionError(f"{where}: not printed: {lost}; printed: {answers[-1].output[-2000:]}")
 
@@ -91,17 +91,17 @@ class RunPython(SphinxDirective):
             exec(compile(code, self.get_location(), "exec"), _NAMES.setdefault(self.env.docname, {}))
         output = printed.getvalue()
         _must_show(self.options, [Answer("", output, 0)], self.get_location())
-        found: list[nodes.Node] = [source]
+        result: list[nodes.Node] = [source]
         if output.strip():
-            found.append(nodes.literal_block(output, output, language="text", classes=["output"]))
+            result.append(nodes.literal_block(output, output, language="text", classes=["output"]))
         if pyplot.get_fignums():
             name = f"{self.env.docname.replace('/', '-')}-{self.lineno}.png"
             picture = Path(self.env.srcdir, PICTURES, name)
             picture.parent.mkdir(exist_ok=True)
             pyplot.savefig(picture, dpi=140, bbox_inches="tight")
             pyplot.close("all")
-            found.append(_image(self, f"/{PICTURES}/{name}", self.options.get("alt", "")))
-        return found
+            result.append(_image(self, f"/{PICTURES}/{name}", self.options.get("alt", "")))
+        return result
 
 
 class Picture(SphinxDirective):
@@ -119,8 +119,8 @@ class Picture(SphinxDirective):
         if "alt" not in self.options:
             raise self.error("a picture has a text for those who cannot see it: give :alt:")
         if not (self.config.manual_pictures and self.config.manual_runs):
-            told = nodes.paragraph("", f"(A picture that this build leaves out: {self.options['alt']})")
-            return [told]
+            note = nodes.paragraph("", f"(A picture that this build leaves out: {self.options['alt']})")
+            return [note]
         page = (terminal(self.env.docname).folder / self.arguments[0]).resolve()
         name = f"{self.env.docname.replace('/', '-')}-{self.lineno}.png"
         _CAMERA.take(

@@ -38,8 +38,10 @@ def drawn(latex: str) -> str:
     style = (
         f"width:{float(width) * em:.3f}em;height:{float(height) * em:.3f}em;vertical-align:{-depth * em / 1.0:.3f}em"
     )
-    told = latex.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
-    head = f'<svg class="equation" role="img" aria-label="{told}" style="{style}" viewBox="{box}" fill="currentColor">'
+    escaped = latex.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+    head = (
+        f'<svg class="equation" role="img" aria-label="{escaped}" style="{style}" viewBox="{box}" fill="currentColor">'
+    )
     return head + paths.strip()
 
 

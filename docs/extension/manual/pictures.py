@@ -34,10 +34,10 @@ class Camera:
         if not selector:
             page.screenshot(path=picture)
             return
-        found = page.locator(selector).first
-        if not found.count():
+        element = page.locator(selector).first
+        if not element.count():
             raise ExtensionError(f"picture: {page_file.name} has nothing that {selector!r} finds")
-        found.screenshot(path=picture, timeout=_PATIENCE_MS)
+        element.screenshot(path=picture, timeout=_PATIENCE_MS)
 
     def close(self) -> None:
         """Ends the Chromium, if one was started."""

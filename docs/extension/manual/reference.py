@@ -104,9 +104,9 @@ def public_modules() -> Iterator[ModuleType]:
     """The package, then those of its folders that list public names; the commands and the pages are no part of it."""
     package = importlib.import_module("forcefeel")
     yield package
-    for found in pkgutil.iter_modules(package.__path__):
-        if found.ispkg and found.name not in {"cli", "page"}:
-            module = importlib.import_module(f"forcefeel.{found.name}")
+    for info in pkgutil.iter_modules(package.__path__):
+        if info.ispkg and info.name not in {"cli", "page"}:
+            module = importlib.import_module(f"forcefeel.{info.name}")
             if hasattr(module, "__all__"):
                 yield module
 
@@ -153,12 +153,12 @@ _AS_WRITTEN: dict[str, list[str]] = {}
 """Docstrings of properties, which napoleon would cut at their first colon."""
 
 
-def _keep(app: Sphinx, what: str, name: str, thing: object, given: object, lines: list[str]) -> None:
+def _keep(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
     if what in {"property", "attribute"}:
         _AS_WRITTEN[name] = list(lines)
 
 
-def _restore(app: Sphinx, what: str, name: str, thing: object, given: object, lines: list[str]) -> None:
+def _restore(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
     written = _AS_WRITTEN.pop(name, [])
     if written and not any(re.fullmatch(r"(Raises|Returns|Args):", line) for line in written):
         lines[:] = written

@@ -57,8 +57,8 @@ def blocks(text: str) -> Iterator[Block]:
     A comment ``<!-- small: --runs 100000 => --runs 200 -->`` over a block says what is changed where it is tried.
     ``;`` parts several.
     """
-    found = [*_FENCE.finditer(text), *_HIDDEN.finditer(text)]
-    for match in sorted(found, key=lambda one: one.start()):
+    matches = [*_FENCE.finditer(text), *_HIDDEN.finditer(text)]
+    for match in sorted(matches, key=lambda match: match.start()):
         parts = match.groupdict()
         body = parts["body"]
         for swap in filter(None, (parts.get("swaps") or "").split(";")):
@@ -67,14 +67,14 @@ def blocks(text: str) -> Iterator[Block]:
                 raise ValueError(f"the block below 'small:' does not hold {long!r}")
             body = body.replace(long, short)
         stated = re.search(r"^:shows:(.*)$", parts.get("options") or "", re.MULTILINE)
-        shows = tuple(one.strip() for one in stated[1].split("|")) if stated else ()
+        shows = tuple(text.strip() for text in stated[1].split("|")) if stated else ()
         yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows)
 
 
 def missing(shows: tuple[str, ...], answers: list[Answer]) -> list[str]:
     """What should have been printed and was not; lines may break anywhere."""
-    printed = _flat("".join(one.output for one in answers))
-    return [one for one in shows if _flat(one) not in printed]
+    printed = _flat("".join(answer.output for answer in answers))
+    return [show for show in shows if _flat(show) not in printed]
 
 
 def _flat(text: str) -> str:
@@ -156,7 +156,7 @@ def answered(words: list[str], folder: Path) -> tuple[int, str]:
 @contextmanager
 def _window(typed: list[str], folder: Path) -> Iterator[io.StringIO]:
     """The process as a command finds it that was typed in a folder; afterwards as it was."""
-    here, argv, environment = Path.cwd(), sys.argv, dict(os.environ)
+    previous, argv, environment = Path.cwd(), sys.argv, dict(os.environ)
     started = sys.modules["__main__"]
     package, started.__package__ = started.__package__, None  # by which a program knows that "python -m" started it
     printed = io.StringIO()
@@ -167,7 +167,7 @@ def _window(typed: list[str], folder: Path) -> Iterator[io.StringIO]:
         with redirect_stdout(printed), redirect_stderr(printed):
             yield printed
     finally:
-        os.chdir(here)
+        os.chdir(previous)
         sys.argv = argv
         started.__package__ = package
         os.environ.clear()

@@ -110,7 +110,7 @@ def test_no_token_but_on_this_machine(running):
 
 
 def test_a_port_that_is_taken_is_told(running, console):
-    with pytest.raises(InputError, match=f"--port {console.admission.port}.*give another"):
+    with pytest.raises(InputError, match=f"--port {console.admission.port}.*use another"):
         Console(running, port=console.admission.port)
 
 

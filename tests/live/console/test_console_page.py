@@ -107,7 +107,7 @@ def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, runnin
     push(page, [0.6, 0.0])
     until(page, lambda: running.hand_force_n > 10)
     page.click("#take")
-    page.locator("#holder", has_text="Nobody").wait_for()
+    page.locator("#holder", has_text="No client").wait_for()
     page.wait_for_timeout(300)
     assert running.hand_force_n == 0
     assert page.inner_text("#holder") == "No client has control."
@@ -125,7 +125,7 @@ def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, runnin
 
 def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, console, running):
     page.click("#take")
-    page.locator("#holder", has_text="Nobody").wait_for()
+    page.locator("#holder", has_text="No client").wait_for()
     other = browser.new_context(viewport=page.viewport_size)
     window = other.new_page()
     window.goto(console.address)  # which takes control, since it is free
@@ -137,7 +137,7 @@ def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, con
     page.locator("#on:disabled").wait_for()
     other.close()
     until(page, lambda: running.hand_force_n == 0)
-    page.locator("#holder", has_text="Nobody").wait_for()
+    page.locator("#holder", has_text="No client").wait_for()
     assert running.state.name == "active"
     page.click("#take")
     page.locator("#holder", has_text="You have control.").wait_for()

@@ -208,7 +208,7 @@ def test_a_sweep_that_the_supervisor_would_stop_is_refused_with_the_remedy(runni
     talk.send(do="test", test="sweep")
     reason = talk.notice("test")["reason"]
     assert "up to 104 lb" in reason
-    assert "safety.force_limit, 75 lb," in reason
+    assert "safety.force_limit of 75 lb" in reason
     assert running.hand_force_n == 0
 
 
