@@ -14,7 +14,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.ld')
 
-.PHONY: report test lint bench docs site links wheel clean
+.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs site links wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -22,22 +22,35 @@ report: report/report.html
 report/report.html: $(VENV)/built $(PACKAGE)
 	$(BIN)/forcefeel design elevator-2khz --out report --replace
 
-# The crates as the extension has them: built once, and tested as they run.
-test: $(VENV)/built dist/built
-	tests/browser/install
-	tests/export/install
-	cargo test --release --workspace --locked --quiet
+# The crates as the extension has them: built once, and tested as they run. What is fetched for the tests comes meanwhile.
+test: $(VENV)/equipped target/wheel/built
+	$(MAKE) --no-print-directory --jobs=2 tested-crates fetched
 	$(BIN)/pytest
 
-lint: $(VENV)/built
+tested-crates:
+	cargo test --release --workspace --locked --quiet
+
+# The tests are compiled for the workers, once.
+fetched: $(VENV)/equipped
+	tests/browser/install
+	tests/export/install
+	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
+
+# Clippy in the release profile too: the macros of other crates are there already.
+lint: $(VENV)/equipped
+	$(MAKE) --no-print-directory --jobs=2 linted-rust linted-python
+
+linted-rust:
 	cargo fmt --all --check
-	cargo clippy --locked --workspace --all-targets --quiet -- --deny warnings
+	cargo clippy --release --locked --workspace --all-targets --quiet -- --deny warnings
+
+linted-python:
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest forcefeel._core
 
-bench: $(VENV)/built
+bench: $(VENV)/equipped
 	$(BIN)/python benchmarks/schedule.py
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/linear.py
@@ -50,38 +63,49 @@ bench: $(VENV)/built
 	tests/export/install
 	$(BIN)/python benchmarks/export.py
 
-docs: $(VENV)/built
+docs: $(VENV)/equipped
 	$(BIN)/python docs/make.py
 	$(BIN)/python docs/house.py
 
 SPHINX = $(BIN)/python -m sphinx -W -n --keep-going --quiet
 
-site: $(VENV)/built
+site: $(VENV)/equipped
 	tests/browser/install
 	PICTURES=$(PICTURES) $(SPHINX) docs site
 	@echo "The site is $(CURDIR)/site/index.html"
 
 # Links to other people's pages, which a machine without a network cannot follow.
-links: $(VENV)/built
+links: $(VENV)/equipped
 	$(SPHINX) -b linkcheck -D manual_runs=0 docs site/links
 
-wheel: dist/built
-	$(BIN)/pytest -n 0 tests/wheel
+MATURIN = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --compatibility pypi --auditwheel check
+
+# What others get runs on all vector instructions.
+wheel: $(VENV)/equipped
+	rm -rf dist
+	$(MATURIN) --features pyo3/extension-module,every-machine --out dist
+	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
 
-# From the crates that the extension was built from: nothing is compiled twice.
-dist/built: $(VENV)/built $(PACKAGE) LICENSE README.md
-	rm -rf dist
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --compatibility pypi --auditwheel check --out dist
+# For the tests, from the crates that the extension was built from: nothing is compiled twice.
+target/wheel/built: $(VENV)/equipped $(PACKAGE) LICENSE README.md
+	rm -rf target/wheel
+	$(MATURIN) --out target/wheel
 	touch $@
 
 clean:
 	rm -rf $(VENV) target report dist site
 
-# The extension is built while the other packages are fetched: each takes a minute. It is built again only when Rust changes; the
+# The extension is built while the other packages are fetched: each takes its time. It is built again only when Rust changes; the
 # Python package is used from where it lies.
 $(VENV)/built: $(VENV)/backend pyproject.toml $(RUST)
 	$(MAKE) --no-print-directory --jobs=2 $(VENV)/extension $(VENV)/dependencies
+	touch $@
+
+# With all that tests, checks and documents it.
+$(VENV)/equipped: $(VENV)/backend pyproject.toml $(RUST)
+	$(MAKE) --no-print-directory --jobs=2 $(VENV)/extension $(VENV)/tools
+	$(MAKE) --no-print-directory $(VENV)/built
 	touch $@
 
 $(VENV)/extension: $(VENV)/backend pyproject.toml $(RUST)
@@ -93,16 +117,22 @@ $(VENV)/extension: $(VENV)/backend pyproject.toml $(RUST)
 FMI := libforcefeel_fmi.so
 
 # The locked dependencies, once per lock file. Python compiles what is imported when it is, and keeps that; where it may not, every command
-# would compile all of it anew.
+# would compile all of it anew. What a report imports is compiled here, while there is a core to spare.
 unexport PYTHONDONTWRITEBYTECODE
-$(VENV)/dependencies: $(VENV)/backend
-	$(PIP) --no-compile --require-hashes --no-deps -r requirements.lock
+LOCKED = $(PIP) --no-compile --require-hashes --no-deps -r
+$(VENV)/dependencies: $(VENV)/backend requirements.lock
+	$(LOCKED) requirements.lock
+	$(BIN)/python -c "import control, cyclopts, jinja2, pint, plotly.subplots, pydantic, rich.markdown, tomlkit, xarray"
+	touch $@
+
+$(VENV)/tools: $(VENV)/dependencies requirements-dev.lock
+	$(LOCKED) requirements-dev.lock
 	touch $@
 
 # What builds the extension, from the same lock file.
-$(VENV)/backend: requirements.lock
+$(VENV)/backend: requirements-dev.lock
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "forcefeel needs Python 3.11 or newer; set PYTHON=")'
 	$(PYTHON) -m venv $(VENV)
-	sed -n '/^maturin==/,/[^\\]$$/p' requirements.lock > $(VENV)/backend.lock
+	sed -n '/^maturin==/,/[^\\]$$/p' requirements-dev.lock > $(VENV)/backend.lock
 	$(PIP) --require-hashes --no-deps -r $(VENV)/backend.lock
 	touch $@

@@ -42,7 +42,7 @@ FASTEST = 2e-3
 """Longest step, in s; a sample each 1 ms all the same."""
 
 OPERATIONS = 494, 10, 176
-"""Sums and products, divisions and roots, the rest of a step and run, as crates/simulate/tests/operations.rs counts them."""
+"""Sums and products, divisions and roots, the rest of a step and run, as crates/batch/tests/all/operations.rs counts them."""
 
 RUNS = 4096
 REPEATS = 5

@@ -36,7 +36,7 @@ def identified(files, plan):
 
 def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
     found, commission = identified(files, CommissionPlan(fit=("k",)))
-    estimate = found.found[STIFFNESS]
+    estimate = found.identification[STIFFNESS]
     assert abs(estimate.value - files[1][STIFFNESS]) > BIASED * estimate.deviation
     assert not found.outcome.good
     (wanting,) = found.outcome.wanting
@@ -46,7 +46,7 @@ def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
     assert row.good == "no"
     assert row.result.endswith("1 wanting")
     assert wanting in commission_conclusions(commission).findings
-    assert not identification_conclusions(found.found, UnitSystem.US).ok
+    assert not identification_conclusions(found.identification, UnitSystem.US).ok
     assert "than noise, so parameters can be off" in commission_page(commission)
 
 
@@ -77,5 +77,5 @@ def test_noise_that_moves_the_machine_is_no_error_of_the_model():
 def test_what_is_explained_is_good(files):
     found, commission = identified(files, CommissionPlan())
     assert found.outcome.good
-    assert identification_conclusions(found.found, UnitSystem.US).ok
+    assert identification_conclusions(found.identification, UnitSystem.US).ok
     assert glance(commission)[0].good == "yes"

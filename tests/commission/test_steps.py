@@ -9,7 +9,15 @@ import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.page.folder import check_folder, write_commission
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, ParameterFound, RuleTests, WhatIf
+from forcefeel.commission.result import (
+    Checked,
+    Commission,
+    Identified,
+    IdentifiedParameter,
+    LawChosen,
+    RuleTests,
+    WhatIf,
+)
 from forcefeel.commission.steps import STATE, State, digest
 
 
@@ -77,7 +85,9 @@ def test_an_interrupted_step_leaves_those_before_it_done(tmp_path):
 
 
 LOADER = ff.digital_elevator()
-INERTIA = ParameterFound("column.inertia", LOADER["column.inertia"], 1.1 * LOADER["column.inertia"], 2e-4, "identified")
+INERTIA = IdentifiedParameter(
+    "column.inertia", LOADER["column.inertia"], 1.1 * LOADER["column.inertia"], 2e-4, "identified"
+)
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ def host() -> ModuleType:
 
 def test_the_packet_has_the_bytes_of_the_rust_encoder(host: ModuleType) -> None:
     values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0)
-    expected = (ROOT / "crates/model/tests/host/packet.hex").read_text().strip()
+    expected = (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
     assert host.encode(7, host.ACTIVE | host.AUTOPILOT, values).hex() == expected
 
 

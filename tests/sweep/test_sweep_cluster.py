@@ -85,7 +85,7 @@ def test_another_engine_on_a_worker_is_named(workers, monkeypatch):
 
 @pytest.mark.parametrize(
     ("found", "said"),
-    [("0.0.1", "has forcefeel 0.0.1, here is"), (PackageNotFoundError("forcefeel"), "has no forcefeel; install")],
+    [("0.0.1", "has forcefeel 0.0.1, expected"), (PackageNotFoundError("forcefeel"), "has no forcefeel; install")],
 )
 def test_a_worker_with_another_forcefeel_or_none_is_named(workers, monkeypatch, found, said):
     monkeypatch.setattr("distributed.Client.run", lambda self, *args, **options: {"tcp://far:1": found})

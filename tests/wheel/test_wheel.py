@@ -1,4 +1,7 @@
-"""The wheel of ``make wheel``: one for every Python from 3.11 on, and it runs where nothing else of the project is."""
+"""The wheel: one for every Python from 3.11 on, and it runs where nothing else of the project is.
+
+``make test`` tests the one that it builds from the extension's own crates, ``make wheel`` the one for others.
+"""
 
 import json
 import os
@@ -16,9 +19,9 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def wheel() -> Path:
-    found = sorted((ROOT / "dist").glob("*.whl"))
+    found = sorted((ROOT / os.environ.get("FORCEFEEL_WHEELS", "target/wheel")).glob("*.whl"))
     if not found and not int(os.environ.get("FORCEFEEL_REQUIRE_WHEEL", "0")):
-        pytest.skip("no wheel in dist/: make wheel builds it")
+        pytest.skip("no wheel in target/wheel/: make target/wheel/built builds it")
     (only,) = found
     return only
 

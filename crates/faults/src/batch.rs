@@ -3,11 +3,11 @@
 use crate::case::Case;
 use crate::oracle::{Outcome, judge};
 use crate::run::{LawOf, Moving, run};
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
-use forcefeel_solve::threads::{NoThreads, pool};
-use rayon::prelude::*;
+use forcefeel_model::with_drive;
+use forcefeel_solve::threads::{NoThreads, each};
 
 /// Loaders with a law each: one with an observer, or none for the original loop.
 #[derive(Debug, Clone, Copy)]
@@ -23,10 +23,8 @@ impl Loaders<'_> {
     pub fn outcome(&self, seed: (u64, u64), pairs: bool) -> Option<Outcome> {
         let case = Case::drawn(self.values, seed, pairs);
         let law = self.observers.map(|laws| &laws[case.loader]);
-        match DriveKind::of(&case.values) {
-            DriveKind::Hydraulic => of_drive::<OfHydraulic>(&case, law, DriveKind::Hydraulic),
-            DriveKind::Electric => of_drive::<OfElectric>(&case, law, DriveKind::Electric),
-        }
+        let kind = DriveKind::of(&case.values);
+        with_drive!(kind, K => of_drive::<K>(&case, law, kind))
     }
 
     /// The outcomes of the cases `first..first + count`.
@@ -40,8 +38,12 @@ impl Loaders<'_> {
         pairs: bool,
         threads: usize,
     ) -> Result<Vec<Option<Outcome>>, NoThreads> {
-        let each = |number| self.outcome((seed, number), pairs);
-        Ok(pool(threads)?.install(|| (first..first + count).into_par_iter().map(each).collect()))
+        let mut outcomes = Vec::new();
+        outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
+        each(threads, (first..).zip(&mut outcomes), |(number, outcome)| {
+            *outcome = self.outcome((seed, number), pairs)
+        })?;
+        Ok(outcomes)
     }
 }
 

@@ -13,7 +13,7 @@ use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::outputs::Output;
-use forcefeel_solve::sampled_loops::without_steps;
+use forcefeel_solve::smooth::without_steps;
 use forcefeel_solve::start::Start;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

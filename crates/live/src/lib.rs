@@ -8,7 +8,7 @@
 //! | what is asked of a running loop | [`request`] |
 //! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
-//! | records that stay whole, room for them, their reader, their replay | [`record`], [`room`], [`mcap_reader`], [`replay`] |
+//! | records that stay whole, room for them, the format of their files, their replay | [`record`], [`room`], [`mcap`], [`mcap_writer`], [`mcap_reader`], [`replay`] |
 //!
 //! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry requests to
 //! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
@@ -21,7 +21,9 @@ pub mod cycle;
 pub mod host_control;
 pub mod host_link;
 pub mod input_output;
+pub mod mcap;
 pub mod mcap_reader;
+pub mod mcap_writer;
 pub mod priority;
 pub mod record;
 pub mod replay;

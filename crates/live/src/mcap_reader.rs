@@ -1,11 +1,9 @@
 //! The records of an MCAP file: every length is held against the bytes that are there before anything is made of it.
 //!
-//! A reader of damaged files must neither panic nor take memory for what a damaged length promises; that of the crate `mcap` does both
-//! (0.26, `linear_reader.rs`: the sum of a length of 2^64 - 1 and nine). Here nothing is copied, and a chunk's check sum is looked at
-//! before its records.
+//! A reader of damaged files must neither panic nor take memory for what a damaged length promises. Here nothing is copied, and a chunk's
+//! check sum is looked at before its records.
 
-use mcap::MAGIC;
-use mcap::records::op;
+use crate::mcap::{MAGIC, op};
 use std::collections::BTreeMap;
 
 /// Records in the order of the file, those in chunks among them, up to the end of the data; or where it is damaged, and how.
@@ -26,7 +24,7 @@ impl<'a> Records<'a> {
     /// # Errors
     /// If it does not begin as an MCAP file does.
     pub fn of(file: &'a [u8]) -> Result<Self, String> {
-        let rest = file.strip_prefix(MAGIC).ok_or("is no MCAP file: it does not begin as one")?;
+        let rest = file.strip_prefix(&MAGIC).ok_or("is no MCAP file: it does not begin as one")?;
         Ok(Self { file, rest, chunk: &[], cut_off: None, over: false })
     }
 
@@ -118,7 +116,7 @@ fn unpacked(body: &[u8]) -> Result<&[u8], String> {
 
 /// Looks at the footer, which begins with where the summary does and ends with the sum from there on; nothing where it is not there.
 fn check_end(file: &[u8]) -> Option<Result<(), String>> {
-    let before_sum = file.strip_suffix(MAGIC)?.len().checked_sub(4)?;
+    let before_sum = file.strip_suffix(&MAGIC)?.len().checked_sub(4)?;
     let footer = before_sum.checked_sub(1 + 8 + 16)?;
     let mut fields = Fields(&file[footer..]);
     if fields.take(1)? != [op::FOOTER] || fields.u64()? != 20 {

@@ -3,11 +3,10 @@
 //! Rows and requests are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
 //! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next once that is there.
 
+use crate::mcap::MAGIC;
+use crate::mcap_writer::Writer;
 use crate::room::reserve;
 use crate::row::{COLUMNS, NAMES, Row};
-use mcap::records::{MessageHeader, Metadata};
-use mcap::write::NoSeek;
-use mcap::{McapError, McapResult, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
@@ -37,7 +36,7 @@ pub struct Size {
 
 /// A record under way.
 pub struct Record {
-    writer: Writer<NoSeek<WholeFile>>,
+    writer: Writer<WholeFile>,
     rows: u16,
     lists: u16,
     sequence: u32,
@@ -66,7 +65,7 @@ impl Record {
         start_ns: u64,
         about: &BTreeMap<String, String>,
         setup: &[(&'static str, Vec<f64>)],
-    ) -> McapResult<Self> {
+    ) -> io::Result<Self> {
         let file = File::create(path)?;
         let begun = Self::begin(file, size, start_ns, about, setup);
         if begun.is_err() {
@@ -82,7 +81,7 @@ impl Record {
         start_ns: u64,
         about: &BTreeMap<String, String>,
         setup: &[(&'static str, Vec<f64>)],
-    ) -> McapResult<Self> {
+    ) -> io::Result<Self> {
         let reserved = expected.saturating_mul(ROW_BYTES).saturating_add(ROOM).max(AHEAD).min(most);
         reserve(&file, 0, reserved).map_err(|error| {
             let text =
@@ -91,34 +90,24 @@ impl Record {
         })?;
         let whole =
             WholeFile { file: file.try_clone()?, written: 0, pending: Vec::with_capacity(1 << 20), given_up: false };
-        let options = WriteOptions::new().compression(None).chunk_size(None).disable_seeking(true);
-        let mut writer = options.library("forcefeel").create(NoSeek::new(whole))?;
-        writer.write_metadata(&Metadata { name: ABOUT.to_string(), metadata: about.clone() })?;
+        let mut writer = Writer::begin(whole, "forcefeel")?;
+        writer.metadata(ABOUT, about)?;
         let columns: String = NAMES.iter().flat_map(|name| ["float64 ", name, "\n"]).collect();
-        let of_rows = writer.add_schema("forcefeel_msgs/msg/Cycle", "ros2msg", columns.as_bytes())?;
-        let of_lists = writer.add_schema(
-            "forcefeel_msgs/msg/List",
-            "ros2msg",
-            b"string name\nuint64 cycle\nfloat64[] numbers\n",
-        )?;
-        let none = BTreeMap::new();
-        let rows = writer.add_channel(of_rows, ROWS, "cdr", &none)?;
-        let lists = writer.add_channel(of_lists, LISTS, "cdr", &none)?;
+        let rows = writer.channel(ROWS, "forcefeel_msgs/msg/Cycle", &columns);
+        let list = "string name\nuint64 cycle\nfloat64[] numbers\n";
+        let lists = writer.channel(LISTS, "forcefeel_msgs/msg/List", list);
         let (sequence, disk_full, left) = (0, None, most);
         let mut record =
             Self { writer, rows, lists, sequence, start_ns, most, left, file, reserved, disk_full, taken: 0, kept: 0 };
         for (name, numbers) in setup {
-            record.list(name, 0, 0.0, numbers)?;
+            record.list(name, 0, 0.0, numbers);
         }
         record.flush()?;
         Ok(record)
     }
 
     /// A row.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn row(&mut self, row: &Row) -> McapResult<()> {
+    pub fn row(&mut self, row: &Row) {
         let mut data = [0; 4 + 8 * COLUMNS];
         data[..4].copy_from_slice(&CDR);
         for (k, number) in row.numbers().into_iter().enumerate() {
@@ -129,14 +118,11 @@ impl Record {
         if self.bytes() + ROOM > self.reserved {
             self.reserve_ahead();
         }
-        self.message(self.rows, row.time_s, &data)
+        self.message(self.rows, row.time_s, &data);
     }
 
     /// A list of numbers with its name, from a cycle on.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn list(&mut self, name: &str, cycle: u64, time_s: f64, numbers: &[f64]) -> McapResult<()> {
+    pub fn list(&mut self, name: &str, cycle: u64, time_s: f64, numbers: &[f64]) {
         let mut data = CDR.to_vec();
         let length = |count: usize| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         data.extend(length(name.len() + 1));
@@ -147,17 +133,16 @@ impl Record {
         data.extend(length(numbers.len()));
         align(&mut data, 8);
         data.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-        self.message(self.lists, time_s, &data)
+        self.message(self.lists, time_s, &data);
     }
 
-    fn message(&mut self, channel_id: u16, time_s: f64, data: &[u8]) -> McapResult<()> {
+    fn message(&mut self, channel: u16, time_s: f64, data: &[u8]) {
         self.sequence = self.sequence.wrapping_add(1);
         // With its index: as much again as two numbers.
         self.left = self.left.saturating_sub(data.len() as u64 + MESSAGE_BYTES);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time since the start")]
-        let log_time = self.start_ns + (time_s * 1e9) as u64;
-        let header = MessageHeader { channel_id, sequence: self.sequence, log_time, publish_time: log_time };
-        self.writer.write_to_known_channel(&header, data)
+        let time_ns = self.start_ns + (time_s * 1e9) as u64;
+        self.writer.message(channel, self.sequence, time_ns, data);
     }
 
     /// Bytes so far, those included that are still to be brought to the file.
@@ -180,7 +165,7 @@ impl Record {
     ///
     /// # Errors
     /// If the file cannot be written; what was brought to it before stays.
-    pub fn flush(&mut self) -> McapResult<()> {
+    pub fn flush(&mut self) -> io::Result<()> {
         self.left = self.left.saturating_sub(CHUNK_BYTES);
         self.writer.flush()?;
         self.kept = self.taken;
@@ -204,26 +189,14 @@ impl Record {
     ///
     /// # Errors
     /// If the file cannot be written; what was brought to it before stays.
-    pub fn finish(mut self, why: &str) -> Result<u64, (u64, McapError)> {
-        let before = self.kept;
-        let mut end = || {
-            let about = BTreeMap::from([(WHY.to_string(), why.to_string())]);
-            self.writer.write_metadata(&Metadata { name: END.to_string(), metadata: about })?;
-            self.writer.finish()?;
-            Ok(())
+    pub fn finish(mut self, why: &str) -> Result<u64, (u64, io::Error)> {
+        let end = || {
+            self.writer.metadata(END, &BTreeMap::from([(WHY.to_string(), why.to_string())]))?;
+            let mut file = self.writer.finish()?;
+            file.write_pending(&[])?;
+            file.file.set_len(file.written)
         };
-        end().map_err(|error| (before, error))?;
-        let mut file = self.writer.into_inner().into_inner();
-        let ended = file.write_pending(&[]).and_then(|()| file.file.set_len(file.written));
-        ended.map(|()| self.taken).map_err(|error| (before, error.into()))
-    }
-}
-
-/// What went wrong, in words: of input and output, the system's own.
-pub fn reason(error: &McapError) -> String {
-    match error {
-        McapError::Io(error) => error.to_string(),
-        other => other.to_string(),
+        end().map(|()| self.taken).map_err(|error| (self.kept, error))
     }
 }
 
@@ -316,10 +289,9 @@ const NO_INDEX: [u8; 50] = {
     (end[0], end[1]) = (0x0f, 4);
     // Code and length of the footer, then where the summary is, that of its offsets, its check sum.
     (end[13], end[14]) = (0x02, 20);
-    let magic = mcap::MAGIC;
     let mut k = 0;
     while k < 8 {
-        end[42 + k] = magic[k];
+        end[42 + k] = MAGIC[k];
         k += 1;
     }
     end

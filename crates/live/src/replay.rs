@@ -2,13 +2,13 @@
 
 use crate::controller::Controller;
 use crate::input_output::Sampled;
+use crate::mcap::op;
 use crate::mcap_reader::{Fields, Records};
 use crate::record::{ABOUT, END, LISTS, ROWS, WHY};
 use crate::request::LoopRequest;
 use crate::row::{COLUMNS, NAMES, Row};
 use crate::setup::Setup;
 use forcefeel_model::control::Sample;
-use mcap::records::op;
 use std::collections::BTreeMap;
 
 /// What is in a record.

@@ -6,12 +6,11 @@ use crate::cycle::Cycles;
 use crate::host_link::{self, HostStatus};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask};
-use crate::record::{Record, WITH_THE_RUN, reason};
+use crate::record::{Record, WITH_THE_RUN};
 use crate::request::LoopRequest;
 use crate::row::{COLUMNS, Row};
 use crate::status::Status;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use mcap::McapResult;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::io;
@@ -257,7 +256,10 @@ impl Keeper {
         while let Ok((cycle, request)) = self.requests.pop() {
             let (name, numbers) = request.numbers();
             let time_s = self.time_s;
-            self.write(|record| record.list(name, cycle, time_s, &numbers));
+            self.write(|record| {
+                record.list(name, cycle, time_s, &numbers);
+                Ok(())
+            });
         }
         for _ in 0..rows {
             let Ok(row) = self.rows.pop() else { break };
@@ -265,7 +267,10 @@ impl Keeper {
             if self.record.is_none() && self.kept.record_ended.get().is_some() {
                 self.kept.unrecorded.fetch_add(1, Relaxed);
             }
-            self.write(|record| record.row(&row));
+            self.write(|record| {
+                record.row(&row);
+                Ok(())
+            });
             let mut kept = locked(&self.kept.rows);
             if kept.len() >= self.history {
                 kept.pop_front();
@@ -275,13 +280,13 @@ impl Keeper {
     }
 
     /// Writes to the record, and ends it where that fails or it is full.
-    fn write(&mut self, write: impl FnOnce(&mut Record) -> McapResult<()>) {
+    fn write(&mut self, write: impl FnOnce(&mut Record) -> io::Result<()>) {
         let Some(record) = &mut self.record else { return };
         let written = write(record);
         self.kept.recorded.store(record.bytes(), Relaxed);
         let (full, rows) = (record.full(), record.rows());
         match written {
-            Err(error) => self.ended_early(rows, reason(&error)),
+            Err(error) => self.ended_early(rows, error.to_string()),
             Ok(()) => {
                 if let Some(why) = full {
                     self.end(&why);
@@ -296,7 +301,7 @@ impl Keeper {
         let Some(record) = self.record.take() else { return };
         let taken = record.rows().0;
         if let Err((kept, error)) = record.finish(why) {
-            self.ended_early((taken, kept), reason(&error));
+            self.ended_early((taken, kept), error.to_string());
         }
     }
 

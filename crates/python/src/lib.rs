@@ -21,8 +21,11 @@ mod statics;
 
 use pyo3::prelude::*;
 
-#[pymodule]
-fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+/// Puts everything into the module.
+///
+/// # Errors
+/// If Python has no memory for it.
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("ArgumentError", py.get_type::<errors::ArgumentError>())?;
     module.add("ThreadsError", py.get_type::<errors::ThreadsError>())?;

@@ -7,7 +7,7 @@ use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
-use forcefeel_live::record::{Record, Size, reason};
+use forcefeel_live::record::{Record, Size};
 use forcefeel_live::replay::{Contents, read, replay};
 use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::{COLUMNS, NAMES};
@@ -152,7 +152,7 @@ impl LiveLoop {
                 let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
                 let now = u64::try_from(now).unwrap_or(0);
                 let made = Record::create(&path, Size { most_bytes, rows }, now, &about, &setup.numbers());
-                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {}", path.display(), reason(&error))))?)
+                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
             }
             None => None,
         };

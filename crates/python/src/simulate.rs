@@ -16,11 +16,11 @@ use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_simulate::batch::{Change, Job, Sampling};
 use forcefeel_simulate::measures::{Peaks, Samples, measure, measures};
-use forcefeel_simulate::record_slopes::SlopeJob;
+use forcefeel_slopes::record_slopes::SlopeJob;
+use forcefeel_slopes::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::{ELECTRIC_OUTPUTS, OUTPUTS, Output, outputs};
-use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::start::Start;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -178,7 +178,7 @@ impl Simulation {
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
         let into = writable.as_slice_mut()?;
-        let measures = answered(py.detach(|| job.run(threads, into)))?;
+        let measures = answered(py.detach(|| forcefeel_batch::run(&job, threads, into)))?;
         drop(writable);
         Ok((
             PyArray1::from_vec(py, measures.into_flattened())

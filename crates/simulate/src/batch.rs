@@ -1,4 +1,4 @@
-//! Many runs: side by side in vector lanes, groups of sixteen over the cores.
+//! Many runs: groups of sixteen, side by side in vector lanes.
 //!
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
@@ -9,22 +9,20 @@ use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::observer::{NUMBERS, Observer};
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
 use forcefeel_solve::rest::{angle_at_rest, is_pulled};
 use forcefeel_solve::return_on_vectors;
 use forcefeel_solve::start::{Beginning, Start};
-use forcefeel_solve::threads::{NoThreads, pool};
 use forcefeel_solve::wide::Wide;
-use rayon::prelude::*;
 
-/// Runs of a group.
-const WIDTH: usize = 2 * LANES;
+/// Runs of a group at most.
+pub const WIDTH: usize = 2 * LANES;
 
 /// The measures of one run, in the order of [`MEASURES`].
 pub type Values = [f64; MEASURES.len()];
@@ -85,44 +83,15 @@ impl Job<'_> {
         }
     }
 
-    /// Runs them all on so many threads: the measures of each run, and its histories run by run, output by output, sample by
-    /// sample into `histories`.
-    ///
-    /// # Errors
-    /// If the system gives no threads.
-    ///
-    /// # Panics
-    /// If `histories` has not the size of what is asked for.
-    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Result<Vec<Values>, NoThreads> {
-        let size = self.outputs.len() * self.samples();
-        assert_eq!(histories.len(), self.values.len() * size, "histories");
-        let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
-        let pool = pool(threads)?;
-        let level = Level::new();
-        let kind = self.values.first().map_or(DriveKind::Hydraulic, DriveKind::of);
-        pool.install(|| {
-            let groups = measures.par_chunks_mut(WIDTH).enumerate();
-            if size == 0 {
-                groups.for_each(|(group, measures)| self.dispatch(kind, level, group * WIDTH, measures, &mut []));
-            } else {
-                let with_histories = groups.zip(histories.par_chunks_mut(WIDTH * size));
-                with_histories.for_each(|((group, measures), histories)| {
-                    self.dispatch(kind, level, group * WIDTH, measures, histories);
-                });
-            }
-        });
-        Ok(measures)
-    }
-
-    fn dispatch(&self, kind: DriveKind, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        match kind {
-            DriveKind::Hydraulic => self.on_vectors::<OfHydraulic>(level, first, measures, histories),
-            DriveKind::Electric => self.on_vectors::<OfElectric>(level, first, measures, histories),
-        }
-    }
-
-    /// A group on the widest instructions that the machine has; a run alone needs none.
-    fn on_vectors<K: Kind>(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    /// The group of runs from `first` on, on the widest instructions that the machine has; a run alone needs none. `measures` has room for each,
+    /// and so has `histories`, if any outputs are to be kept.
+    pub fn group_on_vectors<K: Kind>(
+        &self,
+        level: Level,
+        first: usize,
+        measures: &mut [Values],
+        histories: &mut [f64],
+    ) {
         if self.values.len() > 1 {
             return_on_vectors!(
                 level,
@@ -331,8 +300,9 @@ impl<T: Wide> Recorder<'_, T> {
 const CACHE_LINE: usize = 8;
 
 impl Change {
+    /// The same for a run with these parameters.
     #[inline(always)]
-    pub(crate) fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
+    pub fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
         let like = parameters.column.inertia;
         let changed = Parameters::from_values(&self.values.map(|value| like.constant(value)));
         FeelChange {
@@ -343,6 +313,7 @@ impl Change {
     }
 }
 
+#[inline]
 #[expect(clippy::cast_precision_loss, reason = "a number of steps, far below 2^52")]
 fn number(count: usize) -> f64 {
     count as f64

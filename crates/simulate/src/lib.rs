@@ -1,11 +1,12 @@
 //! Nonlinear runs in time: a loader, or many side by side, through the steps of their inputs.
 //!
+//! All of it is generic over the drive and the number: compiled for each drive in `forcefeel-batch`, on dual numbers in `forcefeel-slopes`.
+//!
 //! | question | file |
 //! |---|---|
 //! | a run | [`run`](mod@run) |
-//! | many runs, in vector lanes over the cores | [`batch`], [`pair`] |
+//! | many runs, in vector lanes | [`batch`], [`pair`] |
 //! | what is asked of a run | [`measures`] |
-//! | runs and their slopes along parameters | [`record_slopes`] |
 //! | noise of the sensors | [`noise`] |
 #![forbid(unsafe_code)]
 
@@ -13,5 +14,4 @@ pub mod batch;
 pub mod measures;
 pub mod noise;
 pub mod pair;
-pub mod record_slopes;
 pub mod run;

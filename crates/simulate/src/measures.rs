@@ -309,6 +309,7 @@ impl Swings {
     }
 }
 
+#[inline]
 #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
 fn number(count: usize) -> f64 {
     count as f64

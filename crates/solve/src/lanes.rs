@@ -1,7 +1,7 @@
 //! Eight runs at once: a number with a lane for each.
 //!
-//! The vector instructions are chosen when the program runs: AVX-512 or AVX2 where the machine has them, else what every
-//! machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
+//! The vector instructions are chosen when the program runs: AVX-512 or AVX2 where the machine has them and they were compiled for
+//! (`build.rs`), else what every machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
 //! same run alone in double precision, on whatever machine.
 //!
 //! The operations are `#[inline]` and not `#[inline(always)]`: each is then made simple by itself before the step takes it in. With
@@ -136,6 +136,9 @@ impl<S: Simd> Scalar for Lanes<S> {
     }
 }
 
+/// Whether runs are compiled for AVX-512, and for AVX2: see `build.rs`.
+pub const COMPILED_FOR: (bool, bool) = (cfg!(avx512), cfg!(avx2));
+
 /// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none. Those whose
 /// registers hold a number of eight runs, and those that need several, may be given different things to do.
 #[macro_export]
@@ -145,10 +148,18 @@ macro_rules! return_on_vectors {
     };
     ($level:expr, $whole:ident => $in_one:expr, $parted:ident => $in_several:expr) => {
         #[cfg(target_arch = "x86_64")]
-        if let Some($whole) = $level.as_avx512() {
-            return $in_one;
-        } else if let Some($parted) = $level.as_avx2() {
-            return $in_several;
+        {
+            // Of constants, so that the compiler leaves out what is not compiled for.
+            if $crate::lanes::COMPILED_FOR.0
+                && let Some($whole) = $level.as_avx512()
+            {
+                return $in_one;
+            }
+            if $crate::lanes::COMPILED_FOR.1
+                && let Some($parted) = $level.as_avx2()
+            {
+                return $in_several;
+            }
         }
         #[cfg(target_arch = "aarch64")]
         if let Some($parted) = $level.as_neon() {

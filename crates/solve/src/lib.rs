@@ -1,10 +1,9 @@
 //! Algorithms over a model. No physics here: what is asked of a loader is in `forcefeel-model`. Its nonlinear runs in time are in
-//! `forcefeel-simulate`, which compiles beside this one.
+//! `forcefeel-simulate`.
 //!
 //! | question | file |
 //! |---|---|
 //! | state-space matrices of a model | [`linearize`](mod@linearize) |
-//! | matrices and their slopes along parameters | [`slopes`] |
 //! | state transition over one step | [`discretize`](mod@discretize) |
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
@@ -14,6 +13,7 @@
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
+//! | a loader that has slopes | [`smooth`] |
 //! | features of a control that is let go | [`release`], [`local_fit`] |
 //! | their releases, the pilot's arm at the grip | [`releases`] |
 #![forbid(unsafe_code)]
@@ -35,9 +35,8 @@ pub mod release;
 pub mod releases;
 pub mod rest;
 pub mod riccati;
-pub mod sampled_loops;
 pub mod schedule;
-pub mod slopes;
+pub mod smooth;
 pub mod stability;
 pub mod start;
 pub mod threads;

@@ -13,12 +13,11 @@ use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::outputs::Output;
 use crate::return_on_vectors;
 use crate::start::Start;
-use crate::threads::{NoThreads, pool};
+use crate::threads::{NoThreads, each};
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
 use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
-use rayon::prelude::*;
 
 /// Samples that come from one state.
 const BLOCK: usize = 2 * LANES;
@@ -94,14 +93,10 @@ impl LinearJob<'_> {
         if histories.is_empty() {
             return Ok(());
         }
-        let pool = pool(threads)?;
         let level = Level::new();
         let still = self.still();
-        pool.install(|| {
-            let groups = histories.par_chunks_mut(LANES * size).enumerate();
-            groups.for_each(|(group, histories)| self.dispatch(level, &still, group * LANES, histories));
-        });
-        Ok(())
+        let groups = histories.chunks_mut(LANES * size).enumerate();
+        each(threads, groups, |(group, histories)| self.dispatch(level, &still, group * LANES, histories))
     }
 
     /// For each sample but the last, how many samples the force stands still from there on.

@@ -2,9 +2,8 @@
 
 use crate::balance::balance;
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
-use crate::threads::{NoThreads, pool};
+use crate::threads::{NoThreads, each};
 use nalgebra::{Complex, SMatrix, Schur};
-use rayon::prelude::*;
 
 /// The poles of one loop, in no order.
 pub type Poles = [Complex<f64>; STATES];
@@ -31,9 +30,13 @@ impl Loops<'_> {
     /// # Errors
     /// If the system gives no threads.
     pub fn poles(&self, threads: usize) -> Result<Vec<Poles>, NoThreads> {
-        let pool = pool(threads)?;
         let unknown = [Complex::new(f64::NAN, f64::NAN); STATES];
-        let of = |run| poles(&state_matrix(&self.models::<f64>((), run))).unwrap_or(unknown);
-        Ok(pool.install(|| (0..self.count).into_par_iter().map(of).collect()))
+        let mut found = vec![unknown; self.count];
+        each(threads, found.iter_mut().enumerate(), |(run, found)| {
+            if let Some(poles) = poles(&state_matrix(&self.models::<f64>((), run))) {
+                *found = poles;
+            }
+        })?;
+        Ok(found)
     }
 }

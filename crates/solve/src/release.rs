@@ -8,8 +8,10 @@
 //! Instants and extrema are those of a polynomial through the samples around them ([`local_fit`](crate::local_fit)).
 
 use crate::local_fit::{Instant, LocalFit};
-use crate::threads::{NoThreads, pool};
-use rayon::prelude::*;
+use crate::threads::{NoThreads, each};
+
+/// Releases that a thread takes at a time.
+const PIECE: usize = 16;
 
 /// Full cycles that are kept.
 pub const CYCLES: usize = 8;
@@ -198,17 +200,12 @@ impl Measuring<'_> {
         let samples = self.time.len();
         assert_eq!(positions.len() % samples, 0, "a position for each time");
         let mut features = vec![f64::NAN; positions.len() / samples * FEATURES];
-        let rows = |features: &mut [f64], position: &[f64]| features.copy_from_slice(&self.measure(position).values);
-        if threads == 1 {
-            let pairs = features.chunks_exact_mut(FEATURES).zip(positions.chunks_exact(samples));
-            pairs.for_each(|(features, position)| rows(features, position));
-            return Ok(features);
-        }
-        let pool = pool(threads)?;
-        pool.install(|| {
-            let pairs = features.par_chunks_exact_mut(FEATURES).zip(positions.par_chunks_exact(samples));
-            pairs.for_each(|(features, position)| rows(features, position));
-        });
+        let pieces = features.chunks_mut(PIECE * FEATURES).zip(positions.chunks(PIECE * samples));
+        each(threads, pieces, |(features, positions)| {
+            for (features, position) in features.chunks_exact_mut(FEATURES).zip(positions.chunks_exact(samples)) {
+                features.copy_from_slice(&self.measure(position).values);
+            }
+        })?;
         Ok(features)
     }
 

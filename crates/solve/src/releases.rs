@@ -15,12 +15,11 @@ use crate::lanes::{LANES, Lanes};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::return_on_vectors;
 use crate::stability::{Verdict, hurwitz, verdict};
-use crate::threads::{NoThreads, pool};
+use crate::threads::{NoThreads, each};
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};
 use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
-use rayon::prelude::*;
 
 /// Samples that come from one state.
 const BLOCK: usize = 2 * LANES;
@@ -63,11 +62,8 @@ impl Releases<'_> {
             groups.push((group * LANES, verdicts, room));
             angles = rest;
         }
-        let pool = pool(threads)?;
         let level = Level::new();
-        pool.install(|| {
-            groups.into_par_iter().for_each(|(first, verdicts, angles)| self.dispatch(level, first, verdicts, angles));
-        });
+        each(threads, groups.into_iter(), |(first, verdicts, angles)| self.dispatch(level, first, verdicts, angles))?;
         Ok(verdicts)
     }
 

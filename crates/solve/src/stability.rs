@@ -26,10 +26,9 @@ use crate::lanes::{LANES, Lanes};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
 use crate::return_on_vectors;
-use crate::threads::{NoThreads, pool};
+use crate::threads::{NoThreads, each};
 use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
-use rayon::prelude::*;
 
 /// What is known of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,12 +56,9 @@ impl Loops<'_> {
     /// If the system gives no threads.
     pub fn stability(&self, threads: usize) -> Result<Vec<Verdict>, NoThreads> {
         let mut verdicts = vec![Verdict::Unknown; self.count];
-        let pool = pool(threads)?;
         let level = Level::new();
-        pool.install(|| {
-            let pieces = verdicts.par_chunks_mut(PIECE).enumerate();
-            pieces.for_each(|(piece, verdicts)| self.judge_piece(level, piece * PIECE, verdicts));
-        });
+        let pieces = verdicts.chunks_mut(PIECE).enumerate();
+        each(threads, pieces, |(piece, verdicts)| self.judge_piece(level, piece * PIECE, verdicts))?;
         Ok(verdicts)
     }
 

@@ -1,8 +1,8 @@
-"""What a bench measures: its experiments and channels, its files, frequency responses from its records.
+"""Bench data: experiments and channels, files, frequency responses from records.
 
-To read in this order: ``experiments`` and ``channels``, what is done and seen; ``responses`` and ``records``, what comes of it;
-``data_file``, their files, and ``response_checks``, ``record_checks``, what is wrong with them; ``estimate``, frequency responses
-from records; ``plausibility``, responses that are not what they are said to be; ``resonance``, the quick way to a link.
+Read in this order: ``experiments`` and ``channels``, inputs and measured quantities; ``responses`` and ``records``, the data;
+``data_file``, their files; ``response_checks`` and ``record_checks``, faults in them; ``estimate``, frequency responses from
+records; ``plausibility``, mislabeled responses; ``resonance``, a quick estimate of the link.
 """
 
 from forcefeel.public_names import public_names

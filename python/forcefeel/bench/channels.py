@@ -1,4 +1,4 @@
-"""What a bench measures: the channels, their SI units and how headers call them."""
+"""Channels of a bench, their SI units and their names in headers."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -31,7 +31,7 @@ _INPUTS: Mapping[str, Mapping[str, str]] = {
 
 @cache
 def inputs(drive: str) -> Mapping[str, str]:
-    """What drives the bench of a loader with that drive, and its SI unit, in the order of the model's.
+    """Input channels of a bench with that drive and their SI units, in the order of the model.
 
     The signal at the amplifier, e_T, or the current asked of the current loop; the pilot's force F_p at the grip; and a signal e_C
     that a digital controller adds to its command, so that it is sampled and comes with the controller's delay.
@@ -41,35 +41,35 @@ def inputs(drive: str) -> Mapping[str, str]:
 
 @cache
 def outputs(drive: str) -> Mapping[str, str]:
-    """What is measured of it, and its SI unit, in the order of the model's channels."""
+    """Measured channels and their SI units, in the order of the model."""
     return MappingProxyType(dict(_core.channels(drive)))
 
 
 INPUTS = MappingProxyType({name: si for drive in DRIVES for name, si in inputs(drive).items()})
-"""What drives a bench, whatever the drive of its loader."""
+"""Input channels of a bench, of either drive."""
 
 OUTPUTS = MappingProxyType({name: si for drive in DRIVES for name, si in outputs(drive).items()})
-"""What is measured of it."""
+"""Measured channels of a bench."""
 
 CHANNELS = MappingProxyType({**INPUTS, **OUTPUTS})
-"""What of a bench is held against the model."""
+"""Channels that are compared with the model."""
 
 GRIP_FORCE = "grip_force"
-"""What a force sensor between hand and column shows, in a record in time: of the hand and not of the machine."""
+"""Reading of a force sensor between hand and column in a time record; a quantity of the hand, not of the machine."""
 
 RECORDED = MappingProxyType({**CHANNELS, GRIP_FORCE: "N"})
-"""What a record in time may hold."""
+"""Channels of a time record."""
 
 
-def channel(given: str) -> str:
-    """The channel that a header or an option calls ``given``: ``column angle`` is ``column_angle``.
+def channel(text: str) -> str:
+    """The channel that a header or an option names: ``column angle`` is ``column_angle``.
 
     Raises:
         InputError: If there is none.
     """
-    name = "_".join(given.strip().lower().split())
+    name = "_".join(text.strip().lower().split())
     if name not in CHANNELS:
-        raise InputError(f"unknown channel {show(given)}; the channels are {', '.join(CHANNELS)}")
+        raise InputError(f"unknown channel {show(text)}; the channels are {', '.join(CHANNELS)}")
     return name
 
 
@@ -79,15 +79,16 @@ def channel_and_unit(text: str) -> tuple[str, str]:
     Raises:
         InputError: If there is no such channel.
     """
-    found = heading(text, CHANNELS)
-    return channel(found.name), found.unit
+    column = heading(text, CHANNELS)
+    return channel(column.name), column.unit
 
 
 _UNITS = {
-    one.si: one for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
+    quantity.si: quantity
+    for quantity in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
 }
 _AMPERES = ("motor_current", "test_current", "command_current")
-"""Currents that are no valve's: people read them in A."""
+"""Motor currents, which are stated in A."""
 
 
 def channel_unit(channel: str) -> Unit:

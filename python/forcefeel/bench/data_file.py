@@ -25,7 +25,7 @@ def read_bench_data(  # noqa: PLR0913  what options say of a file
     hold: Hold | None = None,
     between_s: Times = ALL,
 ) -> Response | BenchRecord:
-    """Reads a frequency response or a record: a response has a column ``frequency``, a record one ``time``.
+    """Read a frequency response or a record: a response has a column ``frequency``, a record a column ``time``.
 
     Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``hold`` and ``between_s`` are
     refused, with a record ``input`` and ``output``.
@@ -53,9 +53,9 @@ def read_bench_data(  # noqa: PLR0913  what options say of a file
         )
     cut = between_s if between_s != ALL else None
     strangers = {"hold": hold, "between_s": cut} if is_response else {"input": input, "output": output}
-    if given := [name for name, value in strangers.items() if value]:
+    if stray := [name for name, value in strangers.items() if value]:
         kind = "frequency response" if is_response else "record in time"
-        raise InputError(f"{table.path}: is a {kind}, to which the argument {given[0]} does not apply; leave it out")
+        raise InputError(f"{table.path}: is a {kind}, to which the argument {stray[0]} does not apply; leave it out")
     if is_response:
         return response_file.response_of(table, experiment, (input, output), own, units or {})
     return record_file.record_of(table, experiment, own, units or {}, hold, between_s)

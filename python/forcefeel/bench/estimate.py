@@ -16,20 +16,20 @@ from forcefeel.errors import InputError
 from forcefeel.units import show
 
 SEGMENTS = 8
-"""Segments that a record without periods is cut into, if nothing else is said."""
+"""Default number of segments of a record without periods."""
 
 _JITTER = 0.01
-"""Share of a step by which samples may come early or late."""
+"""Largest jitter of the samples, as a share of a step."""
 _ON_SAMPLE = 1e-3
-"""Share of a sample by which a period that is given may miss a whole number of them."""
+"""Largest distance of a given period from a whole number of samples, in samples."""
 _DRIVEN_PERIODIC = 1e-4
 """Least power of a line as a share of the strongest: whole periods leak nothing, but noise and resolution are on every line."""
 _DRIVEN = 1e-3
-"""The same for Hann segments, whose first side lobe has 7e-4 of a strong line's power: what is below may be another line's."""
+"""The same for Hann segments, whose first side lobe has 7e-4 of a strong line's power: less may leak from another line."""
 _SHORTEST = 16
-"""Samples of a Hann segment at least."""
+"""Least number of samples of a Hann segment."""
 _ROUNDING = float(np.finfo(np.float64).eps)
-"""Least ``1 - gamma^2`` that can be told from none."""
+"""Least ``1 - gamma^2`` distinguishable from zero."""
 _AT_ONCE = ("valve_current",)
 """Channels that jump when the drive does: their samples follow the drive's samples, however it runs between them."""
 
@@ -44,24 +44,24 @@ def estimate_response(
 ) -> Response:
     """The frequency response between two channels of a record: ``G = S_uy / S_uu``, where the input has power.
 
-    A drive that repeats itself is cut into its periods, without those at the beginning in which the output still settles: nothing
-    leaks from line to line. Any other one is cut into Hann segments that overlap by half. Means are taken out of each.
+    A periodic drive is cut into its periods, without those at the beginning in which the output still settles: nothing
+    leaks from line to line. Any other drive is cut into Hann segments that overlap by half. The mean of each is removed.
 
     Coherence is ``gamma^2 = |S_uy|^2 / (S_uu S_yy)``. The deviation of a line, of its gain as a share and of its phase in rad, is
-    ``sqrt((1 - gamma^2) / (2 (n - 1) gamma^2))``: of n averages the response takes one. n counts periods; of overlapping segments
-    it is fewer, see ``spectra.independent_averages``. With one average both are ``None``. The deviation is that by noise at the
+    ``sqrt((1 - gamma^2) / (2 (n - 1) gamma^2))``: the response uses one of n averages. n counts periods; overlapping segments
+    count as fewer, see ``spectra.independent_averages``. With one average both are ``None``. The deviation is due to noise at the
     output; noise at the input lowers the gain, and segments without periods leak where a response changes within a line.
 
-    Between samples the drive runs as ``record.hold`` says, and the response is that to this drive: its spectrum is that of its
-    samples times ``exp(-i pi f T) sinc(f T)`` for a staircase, ``sinc(f T)^2`` for straight lines. The valve's current jumps
-    with the drive, and a measured input is taken as it was sampled: no such factor for them.
+    ``record.hold`` defines the drive between samples, and the response is to this drive: its spectrum is that of its
+    samples times ``exp(-i pi f T) sinc(f T)`` for a staircase, ``sinc(f T)^2`` for straight lines. The factor is omitted for the
+    valve current, which jumps with the drive, and for a measured input.
 
     Args:
         record: The record; evenly sampled, to 1 % of a step.
-        output: Channel that the response leads to.
-        input: Channel it leads from; the one that drives the experiment if not given.
-        period_s: Period of the drive; found if not given.
-        segments: How many periods at the end of the record, or how many Hann segments; all of them, or ``SEGMENTS``, if not given.
+        output: Output channel of the response.
+        input: Input channel; default, the drive of the experiment.
+        period_s: Period of the drive; default, detected.
+        segments: Number of periods at the end of the record, default all; or of Hann segments, default ``SEGMENTS``.
 
     Raises:
         InputError: If a channel is missing, samples are uneven, the drive does not have that period, the record is too short,
@@ -92,21 +92,21 @@ def estimate_response(
         raise InputError(f"{record.name}: segments: expected a whole number above 0, got {show(segments)}")
     step = _step(record)
     u, y = record.channels[start], record.channels[end]
-    found = _periods(record, drive, step, period_s)
-    spectra = _spectra(record, (u, y), step, found, segments)
-    kept = spectra.uu >= (_DRIVEN if found is None else _DRIVEN_PERIODIC) * np.max(spectra.uu)
+    periods = _periods(record, drive, step, period_s)
+    spectra = _spectra(record, (u, y), step, periods, segments)
+    driven = spectra.uu >= (_DRIVEN if periods is None else _DRIVEN_PERIODIC) * np.max(spectra.uu)
     f = spectra.frequency_hz
-    if (lines := int(np.count_nonzero(kept))) < FEWEST_LINES:
+    if (lines := int(np.count_nonzero(driven))) < FEWEST_LINES:
         raise InputError(
-            f"{record.name}: {start} drives {lines} lines; expected {FEWEST_LINES} at least; drive with a multisine, a chirp "
+            f"{record.name}: {start} drives {lines} lines; expected at least {FEWEST_LINES}; drive with a multisine, a chirp "
             "or noise, or record for longer"
         )
-    value = spectra.uy[kept] / spectra.uu[kept]
+    value = spectra.uy[driven] / spectra.uu[driven]
     if start == drive and end not in _AT_ONCE:
-        value = value / _between_samples(record.hold, f[kept] * step)
-    coherence, deviation = _quality(spectra, kept)
+        value = value / _between_samples(record.hold, f[driven] * step)
+    coherence, deviation = _quality(spectra, driven)
     name = f"{record.name} {start} to {end}"
-    response = Response(name, record.experiment, start, end, f[kept], value, coherence, deviation, record.data_hash)
+    response = Response(name, record.experiment, start, end, f[driven], value, coherence, deviation, record.data_hash)
     check_response(response)
     return response
 
@@ -133,26 +133,26 @@ def _periods(record: BenchRecord, drive: str, step: float, period_s: float | Non
             f"{record.name}: period_s: expected a whole number of steps of {step:.9g} s, got {period_s:.9g} s, "
             f"which is {samples:.6g} of them; sample at a multiple of the drive's frequency, or leave period_s out"
         )
-    found = None if u is None else find_periods(u, round(samples))
-    if found is None:
+    periods = None if u is None else find_periods(u, round(samples))
+    if periods is None:
         raise InputError(
-            f"{record.name}: {drive} does not repeat itself every {period_s:.6g} s for two periods; expected a periodic drive; "
+            f"{record.name}: {drive} does not repeat every {period_s:.6g} s for two periods; expected a periodic drive; "
             "correct period_s or leave it out"
         )
-    return found
+    return periods
 
 
 def _spectra(
-    record: BenchRecord, signals: Signals, step: float, found: Periods | None, segments: int | None
+    record: BenchRecord, signals: Signals, step: float, periods: Periods | None, segments: int | None
 ) -> Spectra:
     """Spectra of the periods, or of Hann segments if there are none."""
-    if found is not None:
-        count = settled(found, signals[1]).count if segments is None else segments
-        if count > found.count:
-            came = f"{found.count} at most, as many as there are periods, got {count}"
-            raise InputError(f"{record.name}: segments: expected {came}; take fewer")
-        u, y = (it[found.end - count * found.samples : found.end] for it in signals)
-        return by_periods((u, y), step, found.samples)
+    if periods is not None:
+        count = settled(periods, signals[1]).count if segments is None else segments
+        if count > periods.count:
+            counts = f"{periods.count} at most, as many as there are periods, got {count}"
+            raise InputError(f"{record.name}: segments: expected {counts}; take fewer")
+        u, y = (signal[periods.end - count * periods.samples : periods.end] for signal in signals)
+        return by_periods((u, y), step, periods.samples)
     count = SEGMENTS if segments is None else segments
     samples = len(signals[0]) // (count + 1) * 2 if count > 1 else len(signals[0]) // 2 * 2
     if samples < _SHORTEST:
@@ -163,18 +163,18 @@ def _spectra(
 
 
 def _between_samples(hold: str, cycles: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """A drive's spectrum over that of its samples; ``cycles`` are f T."""
+    """Ratio of a drive's spectrum to that of its samples; ``cycles`` is f T."""
     straight = np.sinc(cycles).astype(np.complex128)
     return straight * (straight if hold == "straight" else np.exp(-1j * np.pi * cycles))
 
 
 def _quality(
-    spectra: Spectra, kept: NDArray[np.bool_]
+    spectra: Spectra, driven: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
     """Coherence and deviation of each line."""
     if spectra.averages <= 1:
         return None, None
-    power = spectra.uu[kept] * spectra.yy[kept]
-    coherence = np.clip(np.abs(spectra.uy[kept]) ** 2 / power, _ROUNDING, 1.0)
-    left = np.maximum(1 - coherence, _ROUNDING)
-    return coherence, np.sqrt(left / (2 * (spectra.averages - 1) * coherence))
+    power = spectra.uu[driven] * spectra.yy[driven]
+    coherence = np.clip(np.abs(spectra.uy[driven]) ** 2 / power, _ROUNDING, 1.0)
+    incoherent = np.maximum(1 - coherence, _ROUNDING)
+    return coherence, np.sqrt(incoherent / (2 * (spectra.averages - 1) * coherence))

@@ -1,4 +1,4 @@
-"""Experiments on a bench: which loop is closed, and what moves the loader."""
+"""Experiments on a bench: the closed loop and the drive."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -29,7 +29,7 @@ class Loop(StrEnum):
 
 
 class Drive(StrEnum):
-    """What moves it.
+    """Input that moves the loader.
 
     Example:
         >>> import forcefeel as ff
@@ -60,23 +60,23 @@ _MADE_FOR = {
     Drive.TEST_CURRENT: ELECTRIC,
     Drive.COMMAND_CURRENT: ELECTRIC,
 }
-"""Whose loaders alone have it; all have the others."""
+"""Loops and drives that only loaders with one kind of drive have."""
 
 _ALONE = {Loop.MOTOR_OPEN: Drive.TEST_CURRENT, Loop.LOADER: Drive.PILOT_FORCE}
-"""What drives a loop of which no more is said; the others, the test signal."""
+"""Default drive of a loop; of the others, the test signal."""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A loop and what drives it.
+    """A closed loop and its drive.
 
     Attributes:
         loop: Which loop is closed.
-        drive: What moves the loader.
+        drive: Input that moves the loader.
 
     Raises:
-        InputError: When built, if the open servo or the open motor is released, which nothing holds, or a valve's loop is driven
-            as a motor's is.
+        InputError: When built, if the open servo or the open motor is released, or loop and drive belong to different kinds of
+        loader.
 
     Example:
         >>> import forcefeel as ff
@@ -109,21 +109,20 @@ class Experiment:
 
     @property
     def made_for(self) -> str | None:
-        """The drive, hydraulic or electric, whose loaders alone have it; ``None`` if all have."""
+        """The kind of loader, hydraulic or electric, if only one kind has this experiment; else ``None``."""
         return _MADE_FOR.get(self.loop) or _MADE_FOR.get(self.drive)
 
     @classmethod
-    def read(cls, given: str) -> "Experiment":
+    def read(cls, text: str) -> "Experiment":
         """An experiment from text: ``servo-closed``, ``loader test_signal``, ``servo-closed release``, ``release``, ``sweep``.
 
-        A servo alone is driven by the test signal unless something else is said, ``motor-open`` by the test current, the loader by
-        the pilot's force; ``release`` and
-        ``sweep`` by themselves are the loader let go and the loader under a pilot's force.
+        Default drives: the test signal for a servo, the test current for ``motor-open``, the pilot's force for the loader.
+        ``release`` and ``sweep`` alone mean the loader released and the loader under a pilot's force.
 
         Raises:
-            InputError: If the words are no experiment.
+            InputError: If the text names no experiment.
         """
-        words = given.strip().lower().replace(",", " ").split()
+        words = text.strip().lower().replace(",", " ").split()
         match words:
             case ["sweep"]:
                 return cls(Loop.LOADER, Drive.PILOT_FORCE)
@@ -134,8 +133,8 @@ class Experiment:
             case [loop, drive] if loop in set(Loop) and drive in set(Drive):
                 return cls(Loop(loop), Drive(drive))
         raise InputError(
-            f"experiment: expected {', '.join(Loop)}, release or sweep, or a loop and what drives it ({', '.join(Drive)}), such as "
-            f"'servo-closed release'; got {show(given)}"
+            f"experiment: expected {', '.join(Loop)}, release or sweep, or a loop and its drive ({', '.join(Drive)}), such as "
+            f"'servo-closed release'; got {show(text)}"
         )
 
 
@@ -146,10 +145,10 @@ _INSTEAD = {
 
 
 def check_experiment(experiment: Experiment, loader: Loader, where: str = "experiment") -> None:
-    """Refuses an experiment that the drive of a loader has not.
+    """Refuse an experiment that the drive of a loader does not support.
 
     Raises:
-        InputError: If so, with those that it has.
+        InputError: If so, with the supported experiments.
     """
     if experiment.made_for not in (None, loader.drive):
         raise InputError(

@@ -1,16 +1,16 @@
-"""Whether the record of a live run has what an experiment takes."""
+"""Check of the channels of a live record for an experiment."""
 
 from forcefeel.bench.experiments import Experiment, Loop
 from forcefeel.bench.stated import drive_channel
 from forcefeel.errors import InputError
-from forcefeel.tables.table import Found, Table
+from forcefeel.tables.table import LocatedColumns, Table
 
 
-def check_live_columns(table: Table, found: Found, experiment: Experiment) -> None:
-    """Refuses an experiment that no live run is.
+def check_live_columns(table: Table, located: LocatedColumns, experiment: Experiment) -> None:
+    """Refuse an experiment that a live record cannot be of.
 
     Raises:
-        InputError: If the servo alone is to be moved, or what moves the loader was not recorded, with the remedy.
+        InputError: If the experiment moves the servo alone, or the drive was not recorded, with the remedy.
     """
     if experiment.loop is not Loop.LOADER:
         raise InputError(
@@ -18,7 +18,7 @@ def check_live_columns(table: Table, found: Found, experiment: Experiment) -> No
             f"{experiment}; expected 'loader pilot_force' or 'release'; leave it out"
         )
     drive = drive_channel(experiment)
-    if drive is not None and drive not in found:
+    if drive is not None and drive not in located:
         raise InputError(
             f"{table.path}: has no {drive}: nothing measured it in this run, whose machine is {table.run.get('machine', 'real')}; "
             "hold the grip, let it go, and give that part as a release, by the argument experiment; or record the force at "

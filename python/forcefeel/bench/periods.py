@@ -1,4 +1,4 @@
-"""The periods of a drive that repeats itself, found in its record."""
+"""Detection of the periods of a periodic drive."""
 
 from dataclasses import dataclass
 
@@ -7,18 +7,18 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 _ROUNDING = 1e-9
-"""Share of its range by which a drive that rests may move."""
+"""Largest motion of a resting drive, as a share of its range."""
 _ALIKE = 0.9
 """Least correlation of one period with the next, ramps at both ends of the record included."""
 _SAME = 0.03
 """Share of its r.m.s. by which a period may differ from the next: by noise of 2 %, or by half a sample in a period of
 1000 at its 10th harmonic."""
 _MOST = 0.5
-"""Least share of what moves that repeats itself; a slow chirp resembles itself for a while too."""
+"""Least periodic share of the moving part; a slow chirp resembles itself for a while too."""
 _SHORTEST = 16
-"""Samples that a period has at least."""
+"""Least number of samples of a period."""
 _SETTLED = 2.0
-"""A first period that differs from the next by more than so many times what the last two differ is transient."""
+"""Ratio of the difference of the first two periods to that of the last two, above which the first is transient."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Periods:
 
 
 def find_periods(drive: NDArray[np.float64], samples: int | None = None) -> Periods | None:
-    """The periods of a drive; ``None`` if it does not repeat itself for two periods and half of the time that it moves.
+    """The periods of a drive; ``None`` if it does not repeat for two periods and half of the time that it moves.
 
     Args:
         drive: The drive at even steps of time, (samples,).
@@ -54,12 +54,12 @@ def find_periods(drive: NDArray[np.float64], samples: int | None = None) -> Peri
     end = len(drive) - max(int(np.argmin(rests[::-1])) - 1, 0)
     moving = drive[begin:end] - np.mean(drive[begin:end])
     for candidate in [samples] if samples is not None else _candidates(moving):
-        first, length = _stretch(moving, candidate)
+        start, length = _stretch(moving, candidate)
         if length >= max(2 * candidate, _MOST * len(moving)):
             count = length // candidate
             return Periods(
-                begin + first + length - count * candidate, candidate, count
-            )  # what settles is at the beginning
+                begin + start + length - count * candidate, candidate, count
+            )  # transients are at the beginning
     return None
 
 
@@ -74,7 +74,7 @@ def settled(periods: Periods, output: NDArray[np.float64]) -> Periods:
 
 
 def _candidates(x: NDArray[np.float64]) -> list[int]:
-    """Lengths after which a signal resembles itself, shortest first."""
+    """Candidate periods in samples, shortest first."""
     longest = len(x) // 2
     if longest <= _SHORTEST:
         return []
@@ -87,17 +87,17 @@ def _candidates(x: NDArray[np.float64]) -> list[int]:
     inner = alike[1:-1]
     peaks = 1 + np.flatnonzero((inner >= alike[:-2]) & (inner > alike[2:]) & (inner > _ALIKE))
     if alike[-1] > max(_ALIKE, alike[-2]):
-        peaks = np.append(peaks, longest)  # two periods and no sample more
-    return [int(it) for it in peaks if it >= _SHORTEST]
+        peaks = np.append(peaks, longest)  # exactly two periods
+    return [int(peak) for peak in peaks if peak >= _SHORTEST]
 
 
 def _stretch(x: NDArray[np.float64], samples: int) -> tuple[int, int]:
-    """Beginning and length of the longest stretch in which each period is the one before."""
-    off = np.concatenate(([0.0], np.cumsum((x[samples:] - x[:-samples]) ** 2)))
-    windows = len(off) - samples
+    """Start and length of the longest periodic stretch."""
+    differences = np.concatenate(([0.0], np.cumsum((x[samples:] - x[:-samples]) ** 2)))
+    windows = len(differences) - samples
     if windows < 1:
         return 0, 0
-    same = off[samples:] - off[:windows] <= samples * (_SAME**2) * np.mean(x**2)
+    same = differences[samples:] - differences[:windows] <= samples * (_SAME**2) * np.mean(x**2)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
     if not len(edges):
         return 0, 0

@@ -1,4 +1,4 @@
-"""What is most likely wrong with a response that a model predicts quite differently."""
+"""Most likely labeling error of a response far from its prediction."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,37 +10,37 @@ from forcefeel.errors import InputError
 from forcefeel.units import factor
 
 CLEAR = 1 / 3
-"""Share of its distance as read to which a response must come when it is read in another way."""
+"""Distance of a response in another reading over its distance as read, at most."""
 LIKELY = 1 / 2
-"""The same where something else, that no loader off its file does, speaks for that reading too."""
+"""The same where further evidence, beyond wrong loader values, supports that reading."""
 FAR = 0.8
 """Distance below which neither sign, nor direction, nor frequencies are suspected."""
 
 _FLATTER = 8.0
-"""A phase that turns less than the prediction's by this factor was divided by 57."""
+"""Factor of phase turn below the prediction at which the phase was divided by 57."""
 _LARGEST_RAD = 0.25
 """Phases in degrees as large as those in rad of eight poles, read as degrees."""
 _TURNS = 0.3
-"""Turn of the predicted phase over the band, rad, from which its unit can be told."""
+"""Least turn of the predicted phase over the band that determines its unit, rad."""
 _WANDERS = (20.0, 4.0)
 """A phase that turns from line to line more than the prediction's by the first factor was multiplied by 57; by the second if it
 turns by more than 0.3 rad from line to line, so that whole turns may be lost."""
 _GAIN_FITS = 1.0
-"""Median of |ln gain ratio| up to which it is the phase alone that is wrong."""
+"""Largest median of |ln gain ratio| with only the phase in error."""
 _LEAST_SPAN = 0.7
-"""Span of the logarithm of the predicted gain from which ratios and dB can be told apart: a factor of two."""
+"""Least span of the logarithm of the predicted gain that separates ratios from dB: a factor of two."""
 _SPANS = 3.0
-"""Factor between the spans of two logarithmic gains that no loader makes."""
+"""Factor between the spans of two logarithmic gains beyond that of any loader."""
 _SPAN_FITS = 1.5
 """Factor within which the spans of two logarithmic gains may be those of one machine."""
 _MOST_DECIBELS = 400.0
-"""No gain of a machine has more."""
+"""Largest gain of a machine."""
 _AGAINST = -0.5
-"""Correlation of two logarithmic responses below which one runs against the other."""
+"""Correlation of two logarithmic responses below which they run in opposite directions."""
 _FEWEST = 3
 """Lines on which two responses are compared."""
 
-# What a bench may have been recorded in, by SI unit.
+# Units in use on benches, by SI unit.
 _USUAL = {
     "rad": ("rad", "deg"),
     "rad/s": ("rad/s", "deg/s"),
@@ -62,10 +62,10 @@ def distance(value: Complex, predicted: Complex) -> float:
 
 
 def misreading(response: Response, predicted: Complex) -> str | None:
-    """The most likely cause why a response is far from its prediction, in a sentence; ``None`` if none stands out.
+    """The most likely labeling error of a response far from its prediction; ``None`` if none stands out.
 
-    The same numbers are read in other ways. A reading is suspected where it brings the response clearly nearer to the prediction
-    and shows what no loader does whose values are merely off:
+    The same numbers are read in other units, signs or directions. A reading is suspected if it brings the response clearly nearer
+    to the prediction and wrong loader values cannot explain the difference:
 
     =========================  ===================================================================================
     the other sign             distance down to ``CLEAR``
@@ -79,7 +79,7 @@ def misreading(response: Response, predicted: Complex) -> str | None:
 
     Args:
         response: As measured and read.
-        predicted: What the model predicts at the same lines in SI units, (lines,).
+        predicted: Response of the model at the same lines in SI units, (lines,).
 
     Raises:
         InputError: As ``check_response``; if there are not as many predictions as lines, or one is not finite or zero.
@@ -93,7 +93,7 @@ def misreading(response: Response, predicted: Complex) -> str | None:
     if not (np.isfinite(predicted) & (predicted != 0)).all():
         raise InputError("predicted: expected finite numbers other than zero")
     g, ratios = response.value, _ratios(response)
-    turned = f"it seems to lead from {response.output} to {response.input}, the inverse of what is said; exchange from and to"
+    turned = f"it seems to lead from {response.output} to {response.input}; exchange from and to"
     readings = [
         (_reversed(g, predicted), "its polarity seems reversed; turn the sign of one channel"),
         (min(_inverse(g, predicted, ratio) for ratio in ratios), turned),
@@ -125,13 +125,13 @@ def misreading(response: Response, predicted: Complex) -> str | None:
 
 
 def _reversed(g: Complex, predicted: Complex) -> float:
-    """How far ``-G`` is from the prediction, r.m.s.; infinite, as for the others, if nothing speaks for it."""
+    """R.m.s. distance of ``-G`` from the prediction; infinite, as for the others, without evidence."""
     as_read = distance(g, predicted)
     return _rms(_apart(-g, predicted)) if as_read > FAR and distance(-g, predicted) < CLEAR * as_read else np.inf
 
 
 def _inverse(g: Complex, predicted: Complex, ratio: float) -> float:
-    """``1/G``, in the units ``ratio`` of which it was read."""
+    """Distance of ``1/G``, in the units ``ratio`` of the reading."""
     turned, as_read = ratio**2 / g, distance(g, predicted)
     if as_read <= FAR or distance(turned, predicted) >= LIKELY * as_read:
         return np.inf
@@ -139,61 +139,63 @@ def _inverse(g: Complex, predicted: Complex, ratio: float) -> float:
 
 
 def _other_phase(g: Complex, predicted: Complex) -> float:
-    """The phase times 57."""
+    """Distance with the phase times 57."""
     phase, expected = np.angle(g), np.unwrap(np.angle(predicted))
     turns = float(np.ptp(expected))
     if turns < _TURNS or np.ptp(phase) * _FLATTER > turns or np.max(np.abs(phase)) > _LARGEST_RAD:
         return np.inf
     read = np.abs(g) * np.exp(1j * np.degrees(phase))
-    before, after = (_rms(_apart(it, predicted).imag) for it in (g, read))
+    before, after = (_rms(_apart(gains, predicted).imag) for gains in (g, read))
     return _rms(_apart(read, predicted)) if after < before else np.inf
 
 
 def _was_ratio(g: Complex, predicted: Complex, ratio: float) -> float:
-    """The number whose ``10^(r / 20)`` was taken."""
+    """Distance if the gain was a ratio, read as dB."""
     numbers = 20 * np.log10(np.abs(g) / ratio)
     return _other_gain(g, ratio * numbers, predicted) if np.min(numbers) > 0 else np.inf
 
 
 def _was_decibels(g: Complex, predicted: Complex, ratio: float) -> float:
-    """``10^(g / 20)`` of the number that was taken as it was."""
+    """Distance if the gain was in dB, read as a ratio."""
     numbers = np.abs(g) / ratio
     return _other_gain(g, ratio * 10 ** (numbers / 20), predicted) if np.max(numbers) < _MOST_DECIBELS else np.inf
 
 
 def _other_gain(g: Complex, gain: NDArray[np.float64], predicted: Complex) -> float:
-    """How far another gain is, if it is clearly nearer and alone spans what is predicted."""
+    """Distance with another gain, if it is clearly nearer and only its span fits the prediction."""
     read = gain * g / np.abs(g)
     expected = _span(predicted)
-    before, after = (abs(np.log(_span(it) / expected)) for it in (g, read))
+    before, after = (abs(np.log(_span(gains) / expected)) for gains in (g, read))
     if expected < _LEAST_SPAN or before < np.log(_SPAN_FITS) or after > np.log(_SPAN_FITS):
         return np.inf
     share = LIKELY if before > np.log(_SPANS) else CLEAR
-    off, left = (_rms(_apart(it, predicted).real) for it in (g, read))
-    return _rms(_apart(read, predicted)) if left < share * off else np.inf
+    misfit, residual = (_rms(_apart(gains, predicted).real) for gains in (g, read))
+    return _rms(_apart(read, predicted)) if residual < share * misfit else np.inf
 
 
 def _other_frequency(response: Response, predicted: Complex, scale: float) -> float:
-    """The response at ``scale`` times its frequencies, on the lines where that is within those of the prediction."""
+    """Distance at ``scale`` times the frequencies, on the lines within the band of the prediction."""
     f = np.log(response.frequency_hz)
     inside = (f + np.log(scale) >= f[0]) & (f + np.log(scale) <= f[-1])
     if np.count_nonzero(inside) < _FEWEST or distance(response.value, predicted) <= FAR:
         return np.inf
 
-    def apart(by: float) -> float:
-        at = f[inside] + by * np.log(scale)
-        there = np.interp(at, f, np.log(np.abs(predicted))) + 1j * np.interp(at, f, np.unwrap(np.angle(predicted)))
-        return _rms(_apart(response.value[inside], np.exp(there)))
+    def apart(shift: float) -> float:
+        shifted = f[inside] + shift * np.log(scale)
+        reference = np.interp(shifted, f, np.log(np.abs(predicted))) + 1j * np.interp(
+            shifted, f, np.unwrap(np.angle(predicted))
+        )
+        return _rms(_apart(response.value[inside], np.exp(reference)))
 
     return apart(1.0) if apart(1.0) < min(LIKELY * apart(0.0), apart(0.5)) else np.inf
 
 
 def _wanders(g: Complex, predicted: Complex) -> bool:
-    """Whether the phase was multiplied by 57: whole turns of it are lost, so that no reading can be compared."""
-    turns, expected = (float(np.sum(np.abs(np.angle(it[1:] / it[:-1])))) for it in (g, predicted))
-    most = _WANDERS[0] if turns < _TURNS * (len(g) - 1) else _WANDERS[1]
+    """Whether the phase was multiplied by 57, and whole turns are lost."""
+    turns, expected = (float(np.sum(np.abs(np.angle(gains[1:] / gains[:-1])))) for gains in (g, predicted))
+    limit = _WANDERS[0] if turns < _TURNS * (len(g) - 1) else _WANDERS[1]
     fits = float(np.median(np.abs(_apart(g, predicted).real))) < _GAIN_FITS
-    return fits and turns > most * expected and turns > _TURNS * _WANDERS[0]
+    return fits and turns > limit * expected and turns > _TURNS * _WANDERS[0]
 
 
 def _ratios(response: Response) -> list[float]:
@@ -211,14 +213,14 @@ def _rms(values: NDArray[np.generic]) -> float:
 
 
 def _span(value: Complex) -> float:
-    """How far the logarithm of the gain reaches, the outermost tenths aside; never quite nothing."""
+    """Span of the logarithm of the gain without the outermost tenths; above zero."""
     low, high = np.quantile(np.log(np.abs(value)), (0.1, 0.9))
     return max(float(high - low), 1e-3)
 
 
 def _correlation(value: Complex, predicted: Complex) -> float:
-    """Of two complex logarithms over the lines, -1 to 1."""
-    a, b = (np.log(np.abs(it)) + 1j * np.unwrap(np.angle(it)) for it in (value, predicted))
+    """Correlation of two complex logarithms over the lines, -1 to 1."""
+    a, b = (np.log(np.abs(gains)) + 1j * np.unwrap(np.angle(gains)) for gains in (value, predicted))
     a, b = a - np.mean(a), b - np.mean(b)
     size = _rms(a) * _rms(b)
     return float(np.mean((a * b.conj()).real) / size) if size > 0 else 0.0

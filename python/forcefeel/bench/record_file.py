@@ -11,7 +11,7 @@ from forcefeel.bench.records import HOLDS, BenchRecord, Hold
 from forcefeel.bench.stated import drive_channel, stated, stated_experiment
 from forcefeel.errors import InputError
 from forcefeel.tables.between import ALL, Times, take_between
-from forcefeel.tables.header import by_wanted_name, locate, need
+from forcefeel.tables.header import by_standard_name, locate, need
 from forcefeel.tables.table import Table
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
@@ -29,24 +29,24 @@ def read_bench_record(
     hold: Hold | None = None,
     between_s: Times = ALL,
 ) -> BenchRecord:
-    """Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or of a live run, ``.mcap``, by the ending of its name.
+    """Read a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or the ``.mcap`` record of a live run.
 
     The columns are ``time`` and channels with their units: ``column angle (deg)``, ``load_cell_force [lb]``, ``test_signal_v``; in
-    a MATLAB file the variables, or the fields of a structure. Others may stand beside them and are not read. Lines that begin with
-    ``#`` at the top of a CSV file, metadata of a Parquet file or text variables of a MATLAB file say what it is:
-    ``experiment: servo-closed``, ``hold: staircase``. The record of a live run is of the whole loader under its law, while that
-    drove, and of the pilot's force, unless it is said to be a release.
+    a MATLAB file the variables, or the fields of a structure. Other columns are not read. Lines that begin with ``#`` at the top of
+    a CSV file, metadata of a Parquet file or text variables of a MATLAB file describe the record: ``experiment: servo-closed``,
+    ``hold: staircase``. The record of a live run is of the whole loader while its law drove it, under the pilot's force unless
+    stated to be a release.
 
     Args:
         path: The file.
-        experiment: Under which it was recorded, for a file that does not say so.
+        experiment: The experiment, for a file that does not state it.
         columns: The file's own name of a channel or of ``time``: ``{"column_angle": "theta"}``.
         units: Units where the header has none, by channel or by the file's own name: ``{"theta": "deg"}``.
-        hold: How the drive runs between samples, for a file that does not say so; straight if neither does.
-        between_s: First and last time that is read, s; all if left out.
+        hold: Course of the drive between samples, for a file that does not state it; default straight.
+        between_s: First and last time to read, s; default all.
 
     Raises:
-        InputError: With the file, the line or row, what is wrong, what was expected and the remedy.
+        InputError: With the file, the line or row, the fault, the expected value and the remedy.
 
     Example:
         >>> import forcefeel as ff
@@ -65,28 +65,28 @@ def record_of(
     hold: str | None,
     between_s: Times = ALL,
 ) -> BenchRecord:
-    """The record in a table that was opened; arguments as of ``read_bench_record``.
+    """The record in an open table; arguments as of ``read_bench_record``.
 
     Raises:
         InputError: As ``read_bench_record``.
     """
-    wanted = {"time": ("s",), **{name: (unit,) for name, unit in RECORDED.items()}}
-    columns = by_wanted_name(str(table.path), "columns", columns, wanted)
-    units = by_wanted_name(str(table.path), "units", units, (*wanted, *columns.values()))
+    accepted = {"time": ("s",), **{name: (unit,) for name, unit in RECORDED.items()}}
+    columns = by_standard_name(str(table.path), "columns", columns, accepted)
+    units = by_standard_name(str(table.path), "units", units, (*accepted, *columns.values()))
     under = stated_experiment(table, experiment)
     runs = stated(table, "hold", hold, "hold") or "straight"
     if runs not in HOLDS:
         raise InputError(f"{table.path}: hold: expected straight or staircase, got {show(runs)}")
-    found = locate(table, wanted, units, columns)
+    located = locate(table, accepted, units, columns)
     if table.run:
-        check_live_columns(table, found, under)
-    need(table, found, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
-    if not any(name in OUTPUTS for name in found):
+        check_live_columns(table, located, under)
+    need(table, located, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
+    if not any(name in OUTPUTS for name in located):
         raise InputError(
-            f"{table.where}: has nothing that was measured; expected one at least of {', '.join(OUTPUTS)}; the file's own name of "
-            f"one is given by the argument columns; got {show(','.join(table.header))}"
+            f"{table.where}: has no measured channel; expected at least one of {', '.join(OUTPUTS)}, got "
+            f"{show(','.join(table.header))}; name the file's own columns by the argument columns"
         )
-    read = take_between(table, found, between_s)
+    read = take_between(table, located, between_s)
     channels = {name: values for name, values in read.values.items() if name != "time"}
     for values in read.values.values():
         values.setflags(write=False)

@@ -1,4 +1,4 @@
-"""A record in time from a bench."""
+"""A time record from a bench."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from forcefeel.bench.experiments import Experiment
 Hold = Literal["straight", "staircase"]
 
 HOLDS: Mapping[str, Hold] = MappingProxyType({"straight": "straight", "staircase": "staircase"})
-"""How files and options say it."""
+"""Names in files and options."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,14 +21,14 @@ class BenchRecord:
     """Channels over time as recorded, SI units.
 
     Attributes:
-        name: What messages and pictures call it.
-        experiment: Under which it was recorded. A record of a test signal or a force holds that channel; in a release the column's
-            angle says where the grip was held and when it was let go.
+        name: Name in messages and pictures.
+        experiment: The experiment. A record of a test signal or a force holds that channel; in a release the column's
+            angle shows where the grip was held and when it was released.
         time_s: Rising times, (samples,).
-        channels: Values by channel, (samples,) each; those of the drive and at least one that is measured.
-        hold: How the drive runs between two samples: straight, or as a staircase that keeps each value until the next.
-        data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
-        run: What the record of a live run says of it: loader, law, machine; empty of other records.
+        channels: Values by channel, (samples,) each; the drive and at least one measured channel.
+        hold: Course of the drive between two samples: straight, or as a staircase that keeps each value until the next.
+        data_hash: SHA-256 of its file, in hexadecimal; empty without a file.
+        run: Loader, law and machine of a live record; empty for other records.
 
     Example:
         >>> import forcefeel as ff

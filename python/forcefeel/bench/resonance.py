@@ -1,4 +1,4 @@
-"""The quick way: frequency and damping ratio of one resonance, read off a measured response, and the link that has them."""
+"""Frequency and damping ratio of one resonance of a measured response, and the stiffness and damping of the link."""
 
 import math
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from forcefeel.loader.loader import Loader
 Kind = Literal["receptance", "mobility"]
 
 FEWEST_LINES = 3
-"""Lines from one half-power point to the other, below which nothing is read from them."""
+"""Least number of lines between the half-power points."""
 FEWEST_IN_BAND = 5
-"""Lines in which a peak is looked for at all, and through which a circle goes."""
+"""Least number of lines in the band and of a circle."""
 
 _HALF_POWER_DB = 10 * math.log10(2)
 _VELOCITIES = ("column_velocity", "actuator_flow", "motor_speed")
@@ -27,12 +27,12 @@ _VELOCITIES = ("column_velocity", "actuator_flow", "motor_speed")
 
 @dataclass(frozen=True)
 class Reading:
-    """A resonance as one method reads it.
+    """A resonance by one method.
 
     Attributes:
         frequency_hz: Undamped natural frequency, Hz; ``None`` if it cannot be read.
         damping_ratio: Damping ratio; ``None`` likewise.
-        note: How it was read, or why it cannot be.
+        note: Details of the reading, or the reason why there is none.
     """
 
     frequency_hz: float | None
@@ -82,10 +82,10 @@ class Resonance:
 
 
 def read_resonance(response: Response, band_hz: tuple[float, float] | None = None) -> Resonance:
-    """Frequency and damping ratio of the highest peak of a response.
+    """Read frequency and damping ratio of the highest peak of a response.
 
-    Of one mode, ``G = R / (w_n^2 - w^2 + 2 j zeta w_n w)`` (receptance) or ``j w`` times that (mobility), with the gain at
-    ``w_1`` and ``w_2`` the root of a half of the peak's:
+    For one mode, ``G = R / (w_n^2 - w^2 + 2 j zeta w_n w)`` (receptance) or ``j w`` times that (mobility), with the gain at
+    ``w_1`` and ``w_2`` the square root of half of the peak's:
 
     * receptance: ``zeta = sin(phi / 2)``, ``tan phi = (w_2^2 - w_1^2) / (w_2^2 + w_1^2)``,
       ``w_n^2 = (w_1^2 + w_2^2) / (2 (1 - 2 zeta^2))``;
@@ -96,7 +96,7 @@ def read_resonance(response: Response, band_hz: tuple[float, float] | None = Non
 
     Args:
         response: A measured response; its input should be like a force.
-        band_hz: From which to which frequency the peak is looked for; all of the response if not given.
+        band_hz: Lower and upper frequency of the search; default, the whole response.
 
     Raises:
         InputError: If the band does not rise or has fewer than five lines.
@@ -139,15 +139,15 @@ def read_resonance(response: Response, band_hz: tuple[float, float] | None = Non
 
 
 def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: float) -> tuple[float, float]:
-    """Stiffness k and damping c of the link on which the column swings at this frequency with this damping ratio.
+    """Stiffness k and damping c of the link for a natural frequency and damping ratio of the column.
 
-    The drive's end stands still: ``J theta'' + (alpha R_b)^2 (c theta' + k theta) = 0``. On a machine it does not, unless it is
-    blocked; a rotor that turns makes the resonance higher.
-    The elevator's link is one of 12 Hz and 0.1; with its servo the column swings at 11.8 Hz and 0.169 when the loop is open, at
-    11.4 Hz and 0.164 when it is closed, from which c comes out too large by 60 %. A fit of the whole model knows the oil.
+    The drive's end is fixed: ``J theta'' + (alpha R_b)^2 (c theta' + k theta) = 0``. On a machine this holds only if the drive is
+    blocked; a free rotor raises the resonance.
+    The elevator's link has 12 Hz and 0.1. With its servo the column resonates at 11.8 Hz and 0.169 in open loop, at 11.4 Hz and
+    0.164 in closed loop, which gives c too large by 60 %. A fit of the whole model includes the oil.
 
     Args:
-        loader: The loader, of which the column's inertia and arm are taken.
+        loader: The loader, for the column's inertia and arm.
         frequency_hz: Undamped natural frequency, Hz, above 0.
         damping_ratio: Damping ratio, above 0.
 
@@ -165,14 +165,14 @@ def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: floa
         >>> f"{k:.4g} N/m, {c:.4g} N s/m"
         '1.07e+06 N/m, 2837 N s/m'
     """
-    for name, given in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
-        if not 0 < given < math.inf:
-            raise InputError(f"{name}: expected a number above 0, got {given}")
+    for name, value in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
+        if not 0 < value < math.inf:
+            raise InputError(f"{name}: expected a number above 0, got {value}")
     return _core.linkage_from_resonance(loader.si_values, 2 * math.pi * frequency_hz, damping_ratio)
 
 
 def _peak(spline: CubicSpline) -> float | str:
-    """Logarithm of the frequency at which the gain is largest, or why that is no peak."""
+    """Logarithm of the frequency at the largest gain, or the reason why it is no peak."""
     turning = spline.derivative().roots(extrapolate=False)
     candidates = np.concatenate((spline.x, turning[np.isfinite(turning)]))
     peak = float(candidates[int(np.argmax(spline(candidates)))])
@@ -184,13 +184,15 @@ def _peak(spline: CubicSpline) -> float | str:
 def _by_half_power(spline: CubicSpline, peak: float, kind: Kind) -> Reading:
     crossings = spline.solve(float(spline(peak)) - _HALF_POWER_DB, extrapolate=False)
     below, above = crossings[crossings < peak], crossings[crossings > peak]
-    at = f"the peak at {math.exp(peak):.4g} Hz"
+    where = f"the peak at {math.exp(peak):.4g} Hz"
     if not len(below) or not len(above):
         side = "above" if len(below) else "below"
-        return Reading(None, None, f"not read: the gain does not fall by 3 dB {side} {at}; measure further {side} it")
+        return Reading(
+            None, None, f"not read: the gain does not fall by 3 dB {side} {where}; measure further {side} it"
+        )
     low, high = float(below.max()), float(above.min())
     if (lines := int(np.count_nonzero((spline.x >= low) & (spline.x <= high)))) < FEWEST_LINES:
-        few = f"{lines} lines lie within 3 dB of {at}; expected {FEWEST_LINES} at least"
+        few = f"{lines} lines lie within 3 dB of {where}; expected at least {FEWEST_LINES}"
         return Reading(None, None, f"not read: {few}; measure at more frequencies about it")
     low, high = math.exp(low), math.exp(high)
     note = f"half power at {low:.4g} Hz and {high:.4g} Hz"
@@ -219,8 +221,8 @@ def _by_circle(f: NDArray[np.float64], mobility: NDArray[np.complex128], peak: f
 
 
 def _holds_for(response: Response, kind: Kind) -> str:
-    of = "a displacement or a force" if kind == "receptance" else "a velocity or a flow"
-    said = f"{response.output} is read as {of}: the {kind} of one mode by itself, driven by a force"
+    quantities = "a displacement or a force" if kind == "receptance" else "a velocity or a flow"
+    reading = f"{response.output} is read as {quantities}: the {kind} of one mode by itself, driven by a force"
     if response.input == "pilot_force":
-        return said
-    return f"{said}; {response.input} is none, so that half power is off by the order of the damping ratio; the circle by less"
+        return reading
+    return f"{reading}; {response.input} is none, so that half power is off by the order of the damping ratio; the circle by less"

@@ -1,4 +1,4 @@
-"""What is wrong with a measured frequency response, without a model."""
+"""Faults of a measured frequency response that show without a model."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,23 +10,23 @@ from forcefeel.errors import InputError
 from forcefeel.tables.header import DECIBEL
 
 FEWEST_LINES = 3
-"""Lines that a response has at least."""
+"""Least number of lines of a response."""
 LEAST_COHERENCE = 0.3
-"""Of at least one line: below it more than two thirds of what is measured is not from the input."""
+"""Least coherence of the best line: below it more than two thirds of the output do not come from the input."""
 
 _MOST_DECIBELS = 400.0
-"""A gain of 10^20 is of no machine."""
+"""Largest gain in dB, a ratio of 10^20."""
 
 
 def fault_of_values(
     columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str], most_phase_rad: float
 ) -> tuple[int, str] | None:
-    """The first row at fault, counted from 1, and what is wrong with it; what a complex number would hide.
+    """The first faulty row, counted from 1, and its fault, for faults that complex numbers would hide.
 
     Args:
         columns: Columns of a response by name.
         units: Their SI units or ``DECIBEL``.
-        most_phase_rad: Largest phase that is one.
+        most_phase_rad: Largest credible phase.
     """
     for i in range(len(columns["frequency"])):
         row = {name: float(values[i]) for name, values in columns.items()}
@@ -49,7 +49,7 @@ def fault_of_values(
 
 
 def check_response(response: Response, places: Sequence[str] | None = None) -> None:
-    """Refuses a response that no model can be held against.
+    """Refuse a response that cannot be compared with a model.
 
     Args:
         response: The response.
@@ -74,12 +74,12 @@ def check_response(response: Response, places: Sequence[str] | None = None) -> N
     if response.coherence is not None and (best := float(np.max(response.coherence))) < LEAST_COHERENCE:
         raise InputError(
             f"{_place(response, places, None)}: the coherence is {best:.2g} at best; expected {LEAST_COHERENCE:g} at some line; "
-            "what was measured does not come from this input: drive harder, average longer, or check the cables"
+            "the output does not come from this input: drive harder, average longer, or check the cables"
         )
 
 
 def _wrong(response: Response, i: int) -> str | None:
-    """What is wrong with line ``i``."""
+    """The fault of line ``i``."""
     f, before = float(response.frequency_hz[i]), float(response.frequency_hz[i - 1]) if i else 0.0
     if not np.isfinite(f) or not np.isfinite(response.value[i]):
         return f"expected finite numbers, got {response.value[i]} at {f} Hz; leave the line out"
@@ -88,16 +88,16 @@ def _wrong(response: Response, i: int) -> str | None:
     if response.value[i] == 0:
         return f"the gain is zero at {f:.6g} Hz; expected one above 0; leave the line out"
     if response.coherence is not None and not 0 <= response.coherence[i] <= 1:
-        came = f"the coherence is {response.coherence[i]:.6g}"
-        return f"{came}; expected 0 to 1; is it in percent? Say so, as in 'coherence (%)'"
+        fault = f"the coherence is {response.coherence[i]:.6g}"
+        return f"{fault}; expected 0 to 1; is it in percent? Say so, as in 'coherence (%)'"
     if response.deviation is not None and not 0 < response.deviation[i] < np.inf:
-        came = f"the deviation is {response.deviation[i]:.6g}"
-        return f"{came}; expected a share above 0 of the gain; leave the column out"
+        fault = f"the deviation is {response.deviation[i]:.6g}"
+        return f"{fault}; expected a share above 0 of the gain; leave the column out"
     return None
 
 
 def _wrong_order(f: float, before: float, *, first: bool) -> str:
-    """What is wrong with a frequency that does not rise from the one before, or the first from zero."""
+    """The fault of a frequency that does not rise from the previous one, or from zero."""
     if f <= 0 or first:
         return f"the frequency is {f:.6g} Hz; expected one above 0; leave the line out"
     if f == before:

@@ -13,15 +13,15 @@ class Response:
     """A frequency response ``G = output / input`` as measured, SI units.
 
     Attributes:
-        name: What messages and pictures call it.
-        experiment: Under which it was measured.
-        input, output: Channels it leads from and to.
+        name: Name in messages and pictures.
+        experiment: The experiment.
+        input, output: Input and output channel.
         frequency_hz: Rising frequencies, (lines,).
         value: Complex response in SI units of output per input, (lines,).
-        coherence: Coherence gamma^2 at each line, 0 to 1, (lines,); ``None`` where it is not known.
+        coherence: Coherence gamma^2 at each line, 0 to 1, (lines,); ``None`` if unknown.
         deviation: Standard deviation of each line's relative error, (lines,): that of ``|G|`` in shares and of its phase in rad;
-            ``None`` where it is not known.
-        data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+            ``None`` if unknown.
+        data_hash: SHA-256 of its file, in hexadecimal; empty without a file.
 
     Example:
         >>> import forcefeel as ff

@@ -9,7 +9,7 @@ from scipy import signal
 Signals = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 _LOBE = 2
-"""Lines on which Hann segments see what was taken out as their mean."""
+"""Lines of Hann segments that the removed mean affects."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Spectra:
     Attributes:
         frequency_hz: Lines above zero and below half of the sampling rate, (lines,).
         uu, uy, yy: ``S_uu``, ``S_uy = mean(U* Y)`` and ``S_yy`` on them.
-        averages: How many independent averages they are.
+        averages: Number of independent averages.
     """
 
     frequency_hz: NDArray[np.float64]
@@ -40,7 +40,7 @@ def by_hann(signals: Signals, step_s: float, samples: int) -> Spectra:
 
 
 def independent_averages(window: NDArray[np.float64], shift: int, count: int) -> float:
-    """How many independent segments ``count`` segments are that overlap, for spectra that are smooth.
+    """Number of independent segments in ``count`` overlapping segments of a smooth spectrum.
 
     ``n = K / (1 + 2 sum_j (1 - j/K) rho_j)``, ``rho_j = (sum w_k w_(k + j D))^2 / (sum w_k^2)^2`` for segments D apart.
 
@@ -63,9 +63,15 @@ def independent_averages(window: NDArray[np.float64], shift: int, count: int) ->
 def _spectra(signals: Signals, step_s: float, window: NDArray[np.float64], shift: int, first: int) -> Spectra:
     u, y = signals
     samples = len(window)
-    how = {"fs": 1 / step_s, "window": window, "nperseg": samples, "noverlap": samples - shift, "detrend": "constant"}
-    frequency, uu = signal.welch(u, **how)
+    options = {
+        "fs": 1 / step_s,
+        "window": window,
+        "nperseg": samples,
+        "noverlap": samples - shift,
+        "detrend": "constant",
+    }
+    frequency, uu = signal.welch(u, **options)
     lines = slice(first, (samples + 1) // 2)
-    cross, yy = signal.csd(u, y, **how)[1], signal.welch(y, **how)[1]
+    cross, yy = signal.csd(u, y, **options)[1], signal.welch(y, **options)[1]
     averages = independent_averages(window, shift, (len(u) - samples) // shift + 1)
     return Spectra(frequency[lines], uu[lines], cross[lines], yy[lines], averages)

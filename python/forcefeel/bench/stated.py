@@ -1,4 +1,4 @@
-"""What a file of bench data says of itself, and its reader's arguments say of it."""
+"""Properties of bench data stated in the file or by the arguments of its reader."""
 
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
@@ -7,17 +7,17 @@ from forcefeel.units import show
 
 
 def stated(table: Table, key: str, argument: str | None, name: str) -> str | None:
-    """What a file says of itself or the argument ``name`` says of it.
+    """The property ``key`` from the file or from the argument ``name``.
 
     Raises:
         InputError: If they contradict each other.
     """
-    said = table.notes.get(key)
-    if said is not None and argument is not None and said.split() != argument.split():
+    note = table.notes.get(key)
+    if note is not None and argument is not None and note.split() != argument.split():
         raise InputError(
-            f"{table.path}: says '{key}: {said}' of itself, and the argument {name} is {show(argument)}; leave one of them out"
+            f"{table.path}: states '{key}: {note}', but the argument {name} is {show(argument)}; leave one of them out"
         )
-    return argument if said is None else said
+    return argument if note is None else note
 
 
 def stated_experiment(table: Table, argument: Experiment | str | None) -> Experiment:
@@ -26,21 +26,21 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
     Raises:
         InputError: If neither does, they contradict each other, or it is none.
     """
-    said = table.notes.get("experiment")
-    in_file = None if said is None else _experiment(f"{table.path}: ", said)
-    given = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
-    if in_file is not None and given is not None and in_file != given:
+    note = table.notes.get("experiment")
+    in_file = None if note is None else _experiment(f"{table.path}: ", note)
+    from_argument = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
+    if in_file is not None and from_argument is not None and in_file != from_argument:
         raise InputError(
-            f"{table.path}: says that it is of {in_file}, and the argument experiment is {given}; leave one of them out"
+            f"{table.path}: states {in_file}, but the argument experiment is {from_argument}; leave one of them out"
         )
-    if (experiment := in_file or given or (OF_A_RUN if table.run else None)) is None:
-        remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
-        raise InputError(f"{table.path}: does not say under which experiment it was recorded; {remedy}")
+    if (experiment := in_file or from_argument or (OF_A_RUN if table.run else None)) is None:
+        remedy = "state it at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
+        raise InputError(f"{table.path}: has no experiment; {remedy}")
     return experiment
 
 
 OF_A_RUN = Experiment(Loop.LOADER, Drive.PILOT_FORCE)
-"""What the record of a live run is taken for: the whole loader under its law, and a hand at the grip."""
+"""Default experiment of a live record: the whole loader under its law, driven by the pilot."""
 
 
 def drive_channel(experiment: Experiment) -> str | None:
@@ -48,8 +48,8 @@ def drive_channel(experiment: Experiment) -> str | None:
     return None if experiment.drive is Drive.RELEASE else str(experiment.drive)
 
 
-def _experiment(before: str, text: str) -> Experiment:
+def _experiment(prefix: str, text: str) -> Experiment:
     try:
         return Experiment.read(text)
     except InputError as error:  # which begins with the word experiment
-        raise InputError(f"{before}{error}") from error
+        raise InputError(f"{prefix}{error}") from error

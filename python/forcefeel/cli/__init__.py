@@ -22,6 +22,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a stream without the letters of a name shows their numbers
             stream.reconfigure(errors="backslashreplace")
+    # The engine has threads of its own; on matrices of ten rows those of BLAS wait for one another, turning.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from forcefeel.cli import app
 

@@ -9,37 +9,37 @@ from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
 
 
-def commission_json(found: Commission) -> dict[str, Json]:
+def commission_json(commission: Commission) -> dict[str, Json]:
     """What each step came to; numbers in the plan's units."""
-    units = found.plan.units
+    units = commission.plan.units
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "loader": found.before.name,
-        "good": found.good,
-        "required_share": found.plan.share,
-        "rule": found.plan.rule,
-        "conclusions": json_value(commission_conclusions(found), units),
+        "loader": commission.before.name,
+        "good": commission.good,
+        "required_share": commission.plan.share,
+        "rule": commission.plan.rule,
+        "conclusions": json_value(commission_conclusions(commission), units),
         "identification": {
-            "good": found.identified.good,
-            "verdict": found.identified.verdict,
-            "wanting": list(found.identified.wanting),
-            "next_experiment": list(found.identified.advice),
-            "noticed": list(found.identified.noticed),
+            "good": commission.identified.good,
+            "verdict": commission.identified.verdict,
+            "wanting": list(commission.identified.wanting),
+            "next_experiment": list(commission.identified.advice),
+            "noticed": list(commission.identified.noticed),
             "parameters": {
-                one.key: {
-                    "file": quantity(one.before, unit(TABLE[one.key]), units),
-                    "value": quantity(one.value, unit(TABLE[one.key]), units),
-                    "standard_error": one.error,
-                    "state": one.state,
+                parameter.key: {
+                    "file": quantity(parameter.before, unit(TABLE[parameter.key]), units),
+                    "value": quantity(parameter.value, unit(TABLE[parameter.key]), units),
+                    "standard_error": parameter.error,
+                    "state": parameter.state,
                 }
-                for one in found.identified.parameters
+                for parameter in commission.identified.parameters
             },
         },
-        "law": None if found.chosen is None else json_value(asdict(found.chosen), units),
-        "envelope": None if found.checked is None else json_value(_numbers(found.checked), units),
-        "tests": None if found.tested is None else json_value(asdict(found.tested), units),
-        "folders": dict(found.folders),
+        "law": None if commission.chosen is None else json_value(asdict(commission.chosen), units),
+        "envelope": None if commission.checked is None else json_value(_numbers(commission.checked), units),
+        "tests": None if commission.tested is None else json_value(asdict(commission.tested), units),
+        "folders": dict(commission.folders),
     }
 
 

@@ -31,25 +31,25 @@ def check_law(
         progress: Called with the releases that are done and all there are.
     """
     draws = Draws(plan.draws, seed=_SEED)
-    known = {key: one for key, one in deviations_of(loader).items() if one.size > _EXACT}
-    asked = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=known, draws=draws)
-    found = compute(asked, threads=plan.threads, progress=progress)
-    even = found.even_shares(name)
-    drawn = (found.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ asked.settings.weights
+    toleranced = {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size > _EXACT}
+    envelope_plan = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=toleranced, draws=draws)
+    envelope = compute(envelope_plan, threads=plan.threads, progress=progress)
+    even = envelope.even_shares(name)
+    drawn = (envelope.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ envelope_plan.settings.weights
     short = min(even.nominal_share, float(drawn.mean())) < plan.share
     return (
         Checked(
-            settings=asked.settings.count,
+            settings=envelope_plan.settings.count,
             passes=even.nominal_share,
             every_case=even.worst_case_share,
             machines=plan.draws,
             drawn=float(drawn.mean()),
             drawn_least=float(drawn.min()),
-            findings=envelope_conclusions(found, plan.units).findings,
+            findings=envelope_conclusions(envelope, plan.units).findings,
             what_ifs=what_ifs(loader, name, plan, even.nominal_share) if short else (),
-            outcomes=_outcomes(found, name),
+            outcomes=_outcomes(envelope, name),
         ),
-        found,
+        envelope,
     )
 
 

@@ -14,45 +14,57 @@ _MOST = 3
 
 
 @of_result
-def commission_conclusions(found: Commission) -> Conclusions:
+def commission_conclusions(commission: Commission) -> Conclusions:
     """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
-    lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
-    lines += found.identified.noticed
-    if found.loader is not None:
-        lines += [_sorted(found, state) for state in (CARRIED, AT_END, NOTHING, UNSEEN)]
-    if found.checked is not None:
-        lines += [_envelope(found), *_more(found)]
-    if found.tested is not None and not found.tested.fulfilled:
-        lines += found.tested.reasons
-    if found.chosen is not None:
-        lines += found.chosen.findings[:1]
-    lines.append(_handed(found))
-    return Conclusions(found.good, _verdict(found), tuple(line for line in lines if line))
+    lines = [
+        *commission.identified.wanting,
+        *(f"The next experiment: {sentence}" for sentence in commission.identified.advice),
+    ]
+    lines += commission.identified.noticed
+    if commission.loader is not None:
+        lines += [_sorted(commission, state) for state in (CARRIED, AT_END, NOTHING, UNSEEN)]
+    if commission.checked is not None:
+        lines += [_envelope(commission), *_more(commission)]
+    if commission.tested is not None and not commission.tested.fulfilled:
+        lines += commission.tested.reasons
+    if commission.chosen is not None:
+        lines += commission.chosen.findings[:1]
+    lines.append(_handed(commission))
+    return Conclusions(commission.good, _verdict(commission), tuple(line for line in lines if line))
 
 
-def _verdict(found: Commission) -> str:
-    name = found.before.name
-    if found.loader is None:
-        return f"{name} is not set up: {_small(found.identified.verdict)}"
-    known = [one for one in found.identified.parameters if one.state == IDENTIFIED]
-    counted = f"{len(known)} parameter of {name} is" if len(known) == 1 else f"{len(known)} parameters of {name} are"
-    said = f"{counted} identified"
-    if found.chosen is None or not found.chosen.name or found.checked is None or found.tested is None:
-        return f"{said}, and no law is eligible: {_small(found.chosen.verdict) if found.chosen else ''}"
-    law, checked = found.chosen.name, found.checked
+def _verdict(commission: Commission) -> str:
+    name = commission.before.name
+    if commission.loader is None:
+        return f"{name} is not set up: {_small(commission.identified.verdict)}"
+    identified = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
+    counted = (
+        f"{len(identified)} parameter of {name} is"
+        if len(identified) == 1
+        else f"{len(identified)} parameters of {name} are"
+    )
+    text = f"{counted} identified"
+    if (
+        commission.chosen is None
+        or not commission.chosen.name
+        or commission.checked is None
+        or commission.tested is None
+    ):
+        return f"{text}, and no law is eligible: {_small(commission.chosen.verdict) if commission.chosen else ''}"
+    law, checked = commission.chosen.name, commission.checked
     renders = (
         f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
         f"{share_text(checked.drawn)} on average of machines with all its tolerances at once"
     )
-    asked = "" if found.reaches else f", less than the {share_text(found.plan.share)} that are asked for"
-    tests = "passes the rule's tests" if found.tested.fulfilled else "does not pass the rule's tests"
+    shortfall = "" if commission.reaches else f", less than the {share_text(commission.plan.share)} that are asked for"
+    tests = "passes the rule's tests" if commission.tested.fulfilled else "does not pass the rule's tests"
     end = (
         ""
-        if found.good or not found.identified.wanting
+        if commission.good or not commission.identified.wanting
         else " It is not to be handed over: something that it needs is not known."
     )
-    joint = "and" if found.tested.fulfilled is found.reaches else "but"
-    return f"{said}; {renders}{asked}, {joint} it {tests}.{end}"
+    joint = "and" if commission.tested.fulfilled is commission.reaches else "but"
+    return f"{text}; {renders}{shortfall}, {joint} it {tests}.{end}"
 
 
 def _small(text: str) -> str:
@@ -61,8 +73,8 @@ def _small(text: str) -> str:
     return text if first.isupper() or "." in first or not first[1:].islower() else text[:1].lower() + text[1:]
 
 
-def _sorted(found: Commission, state: str) -> str:
-    keys = [one.key for one in found.identified.parameters if one.state == state]
+def _sorted(commission: Commission, state: str) -> str:
+    keys = [parameter.key for parameter in commission.identified.parameters if parameter.state == state]
     if not keys:
         return ""
     named = f"{', '.join(keys[:-1])} and {keys[-1]}" if len(keys) > 1 else keys[0]
@@ -83,13 +95,13 @@ def _sorted(found: Commission, state: str) -> str:
     return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
 
 
-def _envelope(found: Commission) -> str:
-    one = found.checked
-    if one is None:
+def _envelope(commission: Commission) -> str:
+    checked = commission.checked
+    if checked is None:
         return ""
     return (
-        f"Over {one.settings} settings, equal steps in proportion counting the same: {share_text(one.passes)} nominally, "
-        f"{share_text(one.every_case)} in every case, pilots' arms included; {_drawn(one)}."
+        f"Over {checked.settings} settings, equal steps in proportion counting the same: {share_text(checked.passes)} nominally, "
+        f"{share_text(checked.every_case)} in every case, pilots' arms included; {_drawn(checked)}."
     )
 
 
@@ -101,22 +113,24 @@ def _drawn(checked: Checked) -> str:
     return f"of {checked.machines} machines with all tolerances at once the worst renders {least}"
 
 
-def _more(found: Commission) -> list[str]:
+def _more(commission: Commission) -> list[str]:
     """What would make it pass more."""
-    if found.checked is None or found.reaches:
+    if commission.checked is None or commission.reaches:
         return []
-    if not found.checked.what_ifs:
+    if not commission.checked.what_ifs:
         return [
             "Nothing of what was tried of the hardware (friction, sensors, controller, limits of the drive) would render more."
         ]
-    most = sorted(found.checked.what_ifs, key=lambda one: -one.passes)[:_MOST]
-    parts = [f"{one.change}: {share_text(one.passes)}" for one in most]
-    enough = next((one for one in found.checked.what_ifs if one.passes >= found.plan.share), None)
-    asked = share_text(found.plan.share)
+    most = sorted(commission.checked.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
+    parts = [f"{what_if.change}: {share_text(what_if.passes)}" for what_if in most]
+    sufficient = next(
+        (what_if for what_if in commission.checked.what_ifs if what_if.passes >= commission.plan.share), None
+    )
+    required = share_text(commission.plan.share)
     least = (
-        f"What asks least of the machine and reaches {asked}: {enough.change}, {share_text(enough.passes)}."
-        if enough
-        else f"None of them alone reaches {asked}."
+        f"What asks least of the machine and reaches {required}: {sufficient.change}, {share_text(sufficient.passes)}."
+        if sufficient
+        else f"None of them alone reaches {required}."
     )
     return [
         f"What would make it pass more, one thing at a time, a law made for it, run to the end: {'; '.join(parts)}.",
@@ -124,10 +138,10 @@ def _more(found: Commission) -> list[str]:
     ]
 
 
-def _handed(found: Commission) -> str:
-    if found.law is None:
+def _handed(commission: Commission) -> str:
+    if commission.law is None:
         return "No law is handed over."
-    if found.good:
+    if commission.good:
         return f"Handed over: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
     return f"No law is handed over as good; the one that comes nearest is in {OTHER_LAW}, to be looked at."
 
@@ -150,36 +164,41 @@ class Row:
 
 
 @of_result
-def glance(found: Commission) -> tuple[Row, ...]:
+def glance(commission: Commission) -> tuple[Row, ...]:
     """Each step in a line."""
     rows = (
         [Row("bench, simulated", "a record of the machine that is simulated", "yes", f"{BENCH}/bench.csv")]
-        if BENCH in found.folders
+        if BENCH in commission.folders
         else []
     )
-    determined = [one for one in found.identified.parameters if one.state == IDENTIFIED]
+    determined = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
+    worst = max((parameter.error for parameter in determined), default=0.0)
     what = (
-        f"{len(determined)} parameter{'s' * (len(determined) > 1)}, to {_percent(max(one.error for one in determined))} at worst"
+        f"{len(determined)} parameter{'s' * (len(determined) > 1)}, to {_percent(worst)} at worst"
         if determined
         else "no loader"
     )
-    wanting = f"; {len(found.identified.wanting)} wanting" if found.identified.wanting else ""
+    wanting = f"; {len(commission.identified.wanting)} wanting" if commission.identified.wanting else ""
     rows.append(
-        Row("identification", what + wanting, _yes(found.identified.good), f"{IDENTIFICATION}/identification.html")
+        Row("identification", what + wanting, _yes(commission.identified.good), f"{IDENTIFICATION}/identification.html")
     )
-    if found.chosen is not None:
+    if commission.chosen is not None:
         rows.append(
-            Row("law", found.chosen.name or "none is eligible", _yes(bool(found.chosen.name)), f"{LAW}/compensate.html")
+            Row(
+                "law",
+                commission.chosen.name or "none is eligible",
+                _yes(bool(commission.chosen.name)),
+                f"{LAW}/law.html",
+            )
         )
-    if found.checked is not None:
-        shares = (
-            f"{share_text(found.checked.passes)} nominal, {share_text(found.checked.drawn)} with all tolerances at once"
-        )
-        rows.append(Row("envelope", shares, _yes(found.reaches), f"{ENVELOPE}/envelope.html"))
-    if found.tested is not None:
-        passed = sum(one == "passed" for one in found.tested.outcomes.values())
-        result = f"{passed} of {len(found.tested.outcomes)} passed"
-        rows.append(Row("tests of the rule", result, _yes(found.tested.fulfilled), f"{TESTS}/qualification.html"))
+    if commission.checked is not None:
+        nominal, joint = share_text(commission.checked.passes), share_text(commission.checked.drawn)
+        shares = f"{nominal} nominal, {joint} with joint tolerances"
+        rows.append(Row("envelope", shares, _yes(commission.reaches), f"{ENVELOPE}/envelope.html"))
+    if commission.tested is not None:
+        passed = sum(outcome == "passed" for outcome in commission.tested.outcomes.values())
+        result = f"{passed} of {len(commission.tested.outcomes)} passed"
+        rows.append(Row("tests of the rule", result, _yes(commission.tested.fulfilled), f"{TESTS}/qualification.html"))
     return tuple(rows)
 
 

@@ -29,12 +29,12 @@ class Fits:
     """What became of the parameters of a loader.
 
     Attributes:
-        found: The last fit.
-        without: Parameters that no number was found for, by their state.
+        identification: The last fit.
+        without: Parameters without a value, by their state.
         friction_open: Whether the data leave the column's dry friction open.
     """
 
-    found: Identification
+    identification: Identification
     without: Mapping[str, Sequence[str]] = field(default_factory=dict)
     friction_open: bool = False
 
@@ -59,62 +59,64 @@ def fit_what_is_seen(
         InputError: If the data are not what they are said to be.
     """
     progress("what the data see")
-    begun = with_friction(loader)
-    seen = seen_by(begun, data, candidates(begun), law)
-    keys, friction_open = list(seen.fitted), DRY not in seen.fitted
-    unseen, ended, nothing = list(seen.unseen), list[str](), list[str]()
+    start = with_friction(loader)
+    observed = seen_by(start, data, candidates(start), law)
+    keys, friction_open = list(observed.fitted), DRY not in observed.fitted
+    unseen, ended, nothing = list(observed.unseen), list[str](), list[str]()
     if friction_open:
-        keys, begun = _left_out(DRY, keys, begun)
-    if BREAKAWAY not in keys or BREAKAWAY in unseen_from_afar(begun, data, keys, law):
-        keys, begun = _left_out(BREAKAWAY, keys, begun)
+        keys, start = _left_out(DRY, keys, start)
+    if BREAKAWAY not in keys or BREAKAWAY in unseen_from_afar(start, data, keys, law):
+        keys, start = _left_out(BREAKAWAY, keys, start)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
         try:
-            found = identify(begun, data, keys, law=law, starts=plan.starts)
+            identification = identify(start, data, keys, law=law, starts=plan.starts)
         except InputError as error:
             # A breakaway that the data do not determine stays where the search began, and may lie below the dry friction.
             if BREAKAWAY not in keys or BREAKAWAY not in str(error):
                 raise
-            keys, begun = _left_out(BREAKAWAY, keys, begun)
-            found = identify(begun, data, keys, law=law, starts=plan.starts)
-        status = {one.unknown.key: one for one in found.estimates}
-        none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one)]
-        weak = [key for key, one in status.items() if _is_open(one)]
+            keys, start = _left_out(BREAKAWAY, keys, start)
+            identification = identify(start, data, keys, law=law, starts=plan.starts)
+        status = {estimate.unknown.key: estimate for estimate in identification.estimates}
+        none = [key for key, estimate in status.items() if key in (DRY, BREAKAWAY) and _is_none(estimate)]
+        weak = [key for key, estimate in status.items() if _is_open(estimate)]
         if BREAKAWAY in weak:
             weak = [BREAKAWAY]  # the jumps that it makes leave others open too, which are determined without it
-        held = [key for key, one in status.items() if _at_end(one, loader[key])]
-        if not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
+        at_end = [key for key, estimate in status.items() if _at_end(estimate, loader[key])]
+        if not (none or weak or at_end) or len(none) + len(weak) + len(at_end) == len(keys):
             break
         friction_open |= DRY in weak and DRY not in none
         unseen += [key for key in weak if key not in (DRY, BREAKAWAY)]
-        ended += held
+        ended += at_end
         nothing += {DRY} & set(none)
-        for key in {*none, *weak, *held}:
-            keys, begun = _left_out(key, keys, begun)
-    return Fits(found, {CARRIED: seen.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open)
+        for key in {*none, *weak, *at_end}:
+            keys, start = _left_out(key, keys, start)
+    return Fits(
+        identification, {CARRIED: observed.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open
+    )
 
 
 def _left_out(key: str, keys: Sequence[str], loader: Loader) -> tuple[list[str], Loader]:
     """What is fitted without a parameter, and the loader: a friction is none then, and none has no breakaway force."""
     out = (DRY, BREAKAWAY) if key == DRY else (key,)
-    rest = [one for one in keys if one not in out]
+    rest = [key for key in keys if key not in out]
     if key not in (DRY, BREAKAWAY):
         return rest, loader
     bare = loader.with_tolerances(dict.fromkeys(row for row in out if row in loader.tolerances))
     return rest, bare.replace(dict.fromkeys(out))
 
 
-def _is_none(one: Estimate) -> bool:
+def _is_none(estimate: Estimate) -> bool:
     """Whether a friction is none: all of its 95 % interval is next to nothing, or it is itself but for rounding."""
-    return one.high < _NEGLIGIBLE * one.unknown.scale or one.value < _ROUNDING * one.unknown.scale
+    return estimate.high < _NEGLIGIBLE * estimate.unknown.scale or estimate.value < _ROUNDING * estimate.unknown.scale
 
 
-def _is_open(one: Estimate) -> bool:
+def _is_open(estimate: Estimate) -> bool:
     """Whether the data do not determine a parameter: of a friction, whether it may be none and may be more."""
-    dry = one.unknown.key in (DRY, BREAKAWAY)
-    return one.status is Status.UNDETERMINED or (dry and one.low <= 0 and not _is_none(one))
+    dry = estimate.unknown.key in (DRY, BREAKAWAY)
+    return estimate.status is Status.UNDETERMINED or (dry and estimate.low <= 0 and not _is_none(estimate))
 
 
-def _at_end(one: Estimate, stated: float) -> bool:
+def _at_end(estimate: Estimate, stated: float) -> bool:
     """Whether an estimate ended at the end of its range, where the file's value stands."""
-    return one.status is Status.AT_BOUND and bool(stated) and abs(one.value / stated - 1) < _ROUNDING
+    return estimate.status is Status.AT_BOUND and bool(stated) and abs(estimate.value / stated - 1) < _ROUNDING

@@ -10,7 +10,7 @@ from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.findings import first_two, identification_conclusions
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.fitted_loader import normal_about
-from forcefeel.bench.identification.grip_sensor import GripSensorFound, find_grip_sensor
+from forcefeel.bench.identification.grip_sensor import GripSensorEstimate, find_grip_sensor
 from forcefeel.bench.identification.misfit import beyond_noise, runs_on_and_jumps
 from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.identification.unknowns import parameter_keys
@@ -20,7 +20,7 @@ from forcefeel.commission.curve import curve_of
 from forcefeel.commission.fits import Fits, fit_what_is_seen
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, Identified, ParameterFound
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, Identified, IdentifiedParameter
 from forcefeel.commission.sensor_lag import SENSOR_OF, without_lag
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
@@ -45,12 +45,12 @@ class IdentifiedLoader:
 
     Attributes:
         outcome: In numbers and sentences.
-        found: The last fit.
+        identification: The last fit.
         loader: The loader; ``None`` where the data do not do.
     """
 
     outcome: Identified
-    found: Identification
+    identification: Identification
     loader: Loader | None
 
 
@@ -72,84 +72,98 @@ def identify_loader(
         InputError: If data are not of this loader, or not what they are said to be.
     """
     check_bench(loader, data)
-    given = parameter_keys(tuple(plan.fit), loader.drive) if plan.fit else ()
+    requested = parameter_keys(tuple(plan.fit), loader.drive) if plan.fit else ()
     bare = without_grip_sensor(loader)  # the machine is the same, and no law on a bench uses what is yet to be tried
     if not plan.own_instruments:
-        data = [without_lag(one, loader) if isinstance(one, BenchRecord) else one for one in data]
+        data = [
+            without_lag(measurement, loader) if isinstance(measurement, BenchRecord) else measurement
+            for measurement in data
+        ]
     # The bench ran under the law of the file, which knows of no friction that is only a place to begin from.
     law = Law.of(None, bare) if loader.drive == ELECTRIC else None
-    if given:
-        progress(f"fit of {len(given)} parameters")
-        fits = Fits(identify(bare, data, given, law=law, starts=plan.starts))
+    if requested:
+        progress(f"fit of {len(requested)} parameters")
+        fits = Fits(identify(bare, data, requested, law=law, starts=plan.starts))
     else:
         fits = fit_what_is_seen(bare, data, law, plan, progress)
-    found = fits.found
-    identified, grip = None, GripSensorFound()
-    if found.loader is not None:
-        with_sensor = found.loader.replace({key: loader[key] for key in TABLE if loader[key] != bare[key]}, si=True)
+    identification = fits.identification
+    identified, grip = None, GripSensorEstimate()
+    if identification.loader is not None:
+        with_sensor = identification.loader.replace(
+            {key: loader[key] for key in TABLE if loader[key] != bare[key]}, si=True
+        )
         completed = _completed(with_sensor, loader, fits)
         grip = find_grip_sensor(completed, data, law)
-        identified = _with_found(completed, grip)
+        identified = _with_grip_sensor(completed, grip)
     open_friction, remedy = ((_FRICTION_OPEN,), (_RECORD_FRICTION,)) if fits.friction_open else ((), ())
-    missed = _missed(found, plan) if identified else ()
-    wanting = (*open_friction, *missed, *grip.wrong, *_noise_wanting(loader, found, grip.noise))
-    good = identified is not None and not wanting
-    conclusions = identification_conclusions(replace(found, loader=identified), plan.units)
+    missed = _missed(identification, plan) if identified else ()
+    wanting = (*open_friction, *missed, *grip.wrong, *_noise_wanting(loader, identification, grip.noise))
+    ok = identified is not None and not wanting
+    conclusions = identification_conclusions(replace(identification, loader=identified), plan.units)
     outcome = Identified(
-        good=good,
+        good=ok,
         verdict=" ".join((conclusions.verdict, *_beside_the_fit(grip))),
         findings=conclusions.findings,
         parameters=_parameters(loader, fits, grip) if identified else (),
         wanting=wanting,
-        advice=(*(one.sentence for one in found.advice), *remedy, *grip.advice),
-        noticed=grip.said,
-        curve=curve_of(found.fitted) if identified and found.fitted else None,
+        advice=(*(advice.sentence for advice in identification.advice), *remedy, *grip.advice),
+        noticed=grip.notes,
+        curve=curve_of(identification.fitted) if identified and identification.fitted else None,
     )
-    return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
+    return IdentifiedLoader(outcome, replace(identification, loader=identified), identified)
 
 
-def _completed(found: Loader, loader: Loader, fits: Fits) -> Loader:
+def _completed(identified: Loader, loader: Loader, fits: Fits) -> Loader:
     """The loader of a fit, with the tolerances of its file where its value stands and none where the estimates carry them."""
     carried = [*fits.without.get(CARRIED, ()), *fits.without.get(AT_END, ())]
-    told = {*fits.found.keys, *carried, *((DRY, BREAKAWAY) if fits.without.get(NOTHING) else ())}
-    stands = [key for key in loader.tolerances if key not in told and found[key] == loader[key]]
-    kept = {key: loader.tolerances[key] for key in stands}
-    return found.with_tolerances({**kept, **{key: normal_about(key, found[key], 0.0) for key in carried}})
+    known = {*fits.identification.keys, *carried, *((DRY, BREAKAWAY) if fits.without.get(NOTHING) else ())}
+    unchanged = [key for key in loader.tolerances if key not in known and identified[key] == loader[key]]
+    tolerances = {key: loader.tolerances[key] for key in unchanged}
+    return identified.with_tolerances(
+        {**tolerances, **{key: normal_about(key, identified[key], 0.0) for key in carried}}
+    )
 
 
-def _with_found(loader: Loader, grip: GripSensorFound) -> Loader:
+def _with_grip_sensor(loader: Loader, grip: GripSensorEstimate) -> Loader:
     """The loader with what its grip's sensor showed, as sure as that is."""
     bare = loader.with_tolerances(dict.fromkeys(key for key in grip.rows if key in loader.tolerances))
-    told = bare.replace({key: value for key, (value, _) in grip.rows.items()}, si=True)
-    return told.with_tolerances({key: normal_about(key, *it) for key, it in grip.rows.items()})
+    completed = bare.replace({key: value for key, (value, _) in grip.rows.items()}, si=True)
+    return completed.with_tolerances({key: normal_about(key, *row) for key, row in grip.rows.items()})
 
 
-def _beside_the_fit(grip: GripSensorFound) -> tuple[str, ...]:
+def _beside_the_fit(grip: GripSensorEstimate) -> tuple[str, ...]:
     """What is identified of the grip's sensor, which no motion of the loader shows."""
     return (f"{GRIP_FORCE} determines {' and '.join(grip.rows)} beside them.",) if grip.rows else ()
 
 
-def _parameters(loader: Loader, fits: Fits, grip: GripSensorFound) -> tuple[ParameterFound, ...]:
+def _parameters(loader: Loader, fits: Fits, grip: GripSensorEstimate) -> tuple[IdentifiedParameter, ...]:
     rows = [
-        ParameterFound(
-            one.unknown.key, loader[one.unknown.key], one.value, one.deviation / abs(one.value or 1.0), IDENTIFIED
+        IdentifiedParameter(
+            estimate.unknown.key,
+            loader[estimate.unknown.key],
+            estimate.value,
+            estimate.deviation / abs(estimate.value or 1.0),
+            IDENTIFIED,
         )
-        for one in fits.found.estimates
+        for estimate in fits.identification.estimates
     ]
     rows += [
-        ParameterFound(key, loader[key], value, deviation / abs(value), IDENTIFIED)
+        IdentifiedParameter(key, loader[key], value, deviation / abs(value), IDENTIFIED)
         for key, (value, deviation) in grip.rows.items()
     ]
     for state, keys in fits.without.items():
-        rows += [ParameterFound(key, loader[key], fits.found.before[key], 0.0, state) for key in dict.fromkeys(keys)]
+        rows += [
+            IdentifiedParameter(key, loader[key], fits.identification.before[key], 0.0, state)
+            for key in dict.fromkeys(keys)
+        ]
     order = list(TABLE)
     finite = [replace(row, before=row.before if np.isfinite(row.before) else 0.0) for row in rows]
     return tuple(sorted(finite, key=lambda row: order.index(row.key)))
 
 
-def _missed(found: Identification, plan: CommissionPlan) -> tuple[str, ...]:
+def _missed(identification: Identification, plan: CommissionPlan) -> tuple[str, ...]:
     """What the fitted model misses beyond noise: its parameters are off by more than their tolerances say."""
-    missed = [one for one in found.fitted if beyond_noise(one)]
+    missed = [fitted for fitted in identification.fitted if beyond_noise(fitted)]
     if not missed:
         return ()
     remedy = (
@@ -161,12 +175,12 @@ def _missed(found: Identification, plan: CommissionPlan) -> tuple[str, ...]:
     )
 
 
-def _noise_wanting(loader: Loader, found: Identification, at_grip: float | None) -> tuple[str, ...]:
+def _noise_wanting(loader: Loader, identification: Identification, at_grip: float | None) -> tuple[str, ...]:
     """Sensors whose noise is declared as zero, with what the records show; a law for them is made for sensors that nobody has."""
     measured = {
-        SENSOR_OF[one.channel]: runs_on_and_jumps(one.measured.real - one.modelled.real)[1]
-        for one in found.fitted
-        if one.channel in SENSOR_OF and isinstance(one.data, BenchRecord)
+        SENSOR_OF[fitted.channel]: runs_on_and_jumps(fitted.measured.real - fitted.modelled.real)[1]
+        for fitted in identification.fitted
+        if fitted.channel in SENSOR_OF and isinstance(fitted.data, BenchRecord)
     } | ({} if at_grip is None else {GRIP_SENSOR: at_grip})
     lines = []
     for sensor, variance in zip(sensors_of(loader), sample_variance(loader), strict=True):
@@ -175,14 +189,14 @@ def _noise_wanting(loader: Loader, found: Identification, at_grip: float | None)
         key = f"{sensor}.noise"
         if sensor in measured:
             least = value_text(TABLE[key], measured[sensor], 2)
-            shown = f"the records show {least} r.m.s."
+            evidence = f"the records show {least} r.m.s."
             remedy = f'state it in the loader file, or with --set {key}="{least}"'
         else:
-            shown, remedy = (
+            evidence, remedy = (
                 "no record says how large it is",
                 "state it in the loader file, from the sensor's data sheet",
             )
         lines.append(
-            f"{key} is declared as zero, and {shown}: a law designed for it trusts the sensor without limit; {remedy}."
+            f"{key} is declared as zero, and {evidence}: a law designed for it trusts the sensor without limit; {remedy}."
         )
     return tuple(lines)

@@ -40,17 +40,19 @@ def choose_law(
     """
     threads = threads_or_cores(plan.threads)
     digital = [name for name in names_for(loader) if name not in NAMED_DESIGNS]
-    asked = make_plan(loader, digital or names_for(loader), plan.grid, rule=plan.rule, changes=_sizing(loader))
+    envelope_plan = make_plan(loader, digital or names_for(loader), plan.grid, rule=plan.rule, changes=_sizing(loader))
     progress("laws at the own setting")
-    scores, refused = at_own_setting(asked, threads)
+    scores, refused = at_own_setting(envelope_plan, threads)
     period = loader["controller.period"]
     able = [score.name for score in scores if not obstacles(score, period, MEASURED)]
-    scored = LawScores(replace(asked, laws={one.name: asked.laws[one.name] for one in scores}), tuple(scores))
+    scored = LawScores(
+        replace(envelope_plan, laws={score.name: envelope_plan.laws[score.name] for score in scores}), tuple(scores)
+    )
     if able:
-        tried = replace(asked, laws={name: asked.laws[name] for name in able})
-        progress(f"{len(able)} laws over {asked.settings.count} settings")
-        found = compute(tried, threads=threads)
-        over = {score.name: score_over(tried, score, found) for score in scores if score.name in able}
+        tried = replace(envelope_plan, laws={name: envelope_plan.laws[name] for name in able})
+        progress(f"{len(able)} laws over {envelope_plan.settings.count} settings")
+        envelope = compute(tried, threads=threads)
+        over = {score.name: score_over(tried, score, envelope) for score in scores if score.name in able}
         scored = replace(scored, scores=tuple(over.get(score.name, score) for score in scores))
     choice, failed = _passing(scored, plan, progress)
     lesser: tuple[str, ...] = ()
@@ -59,9 +61,9 @@ def choose_law(
             f"{capital(choice.chosen)} has less in reserve than is usual: {'; '.join(short)}. No design with more renders the "
             "share that is asked for, and for a loader that is measured 3.5 dB and 25 deg will do.",
         )
-    said = choice_conclusions(scored, choice, plan.units)
-    remarks = tuple(one.sentence for one in choice.remarks if one.name != choice.chosen)
-    return LawChosen(choice.chosen or "", said.verdict, (*lesser, *failed, *remarks, *refused)), scored, choice
+    conclusions = choice_conclusions(scored, choice, plan.units)
+    remarks = tuple(remark.sentence for remark in choice.remarks if remark.name != choice.chosen)
+    return LawChosen(choice.chosen or "", conclusions.verdict, (*lesser, *failed, *remarks, *refused)), scored, choice
 
 
 def _passing(
@@ -70,29 +72,31 @@ def _passing(
     """The first choice that passes the rule's tests, of those that render the share; the first of all where none does."""
     first = choice = _choice(scored, plan.share)
     failed: list[str] = []
-    left = scored
-    while choice.chosen and _passes(left, choice) >= plan.share:
+    remaining = scored
+    while choice.chosen and _passes(remaining, choice) >= plan.share:
         progress(f"tests of the rule with {choice.chosen}")
         loader = scored.plan.given
         tested, _ = run_tests(loader, choice.chosen, Law.of(choice.chosen, loader), plan)
         if tested.fulfilled:
-            others = tuple(one for one in first.remarks if one.name != choice.chosen)
+            others = tuple(remark for remark in first.remarks if remark.name != choice.chosen)
             return Choice(choice.chosen, (choice.remarks[0], *others)), tuple(failed)
         why = f": {tested.reasons[0]}" if tested.reasons else "."
         failed.append(f"{capital(choice.chosen)} renders the share and does not pass the rule's tests{why}")
-        left = replace(left, scores=tuple(one for one in left.scores if one.name != choice.chosen))
-        choice = _choice(left, plan.share)
+        remaining = replace(remaining, scores=tuple(score for score in remaining.scores if score.name != choice.chosen))
+        choice = _choice(remaining, plan.share)
     return first, tuple(failed)
 
 
 def _choice(scored: LawScores, share: float) -> Choice:
     """By the usual reserve, if what it leaves renders the share; else by that of a loader that is measured."""
-    usual = choose(scored, share)
-    if usual.chosen and _passes(scored, usual) >= share:
-        return usual
+    preferred = choose(scored, share)
+    if preferred.chosen and _passes(scored, preferred) >= share:
+        return preferred
     measured = choose(scored, share, MEASURED)
-    better = measured.chosen and (not usual.chosen or _passes(scored, measured) >= _passes(scored, usual) + CLOSE)
-    return measured if better else usual
+    better = measured.chosen and (
+        not preferred.chosen or _passes(scored, measured) >= _passes(scored, preferred) + CLOSE
+    )
+    return measured if better else preferred
 
 
 def _score(scored: LawScores, choice: Choice) -> Score:
@@ -106,4 +110,4 @@ def _passes(scored: LawScores, choice: Choice) -> float:
 
 def _sizing(loader: Loader) -> dict[str, Deviation]:
     """The deviations that make a case."""
-    return {key: one for key, one in deviations_of(loader).items() if one.size >= SIZED}
+    return {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size >= SIZED}

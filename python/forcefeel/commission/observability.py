@@ -75,12 +75,12 @@ def with_friction(loader: Loader) -> Loader:
     friction, by a normal tolerance, says where to begin. A parameter's estimate carries the share of others that cannot be told
     from it, and may so lie beyond its own tolerance.
     """
-    bounds = [key for key, it in loader.tolerances.items() if it.deviation is None]
+    bounds = [key for key, tolerance in loader.tolerances.items() if tolerance.deviation is None]
     bare = loader.with_tolerances(dict.fromkeys(bounds))
-    known = bool({DRY, BREAKAWAY} & set(bare.tolerances))
-    usual = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
-    dry = bare[DRY] if known and bare[DRY] else max(bare[DRY], usual)
-    breakaway = bare[BREAKAWAY] if known and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
+    with_tolerance = bool({DRY, BREAKAWAY} & set(bare.tolerances))
+    typical = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
+    dry = bare[DRY] if with_tolerance and bare[DRY] else max(bare[DRY], typical)
+    breakaway = bare[BREAKAWAY] if with_tolerance and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
     return bare.replace({DRY: dry, BREAKAWAY: breakaway}, si=True)
 
 
@@ -98,29 +98,31 @@ def seen_by(
 ) -> Seen:
     """Sorts parameters by what the data see of them at the file's values, the bench under a law."""
     slopes = sensitivities(loader, data, keys, law)
-    one_way = not any(turns_round(one) for one in data if isinstance(one, BenchRecord))
-    found: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
+    one_way = not any(turns_round(measurement) for measurement in data if isinstance(measurement, BenchRecord))
+    sorted_keys: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
     basis: list[NDArray[np.float64]] = []
     for key, column in zip(keys, slopes, strict=True):
-        left, size = column.copy(), float(np.linalg.norm(column))
+        residual, size = column.copy(), float(np.linalg.norm(column))
         for _ in range(2):  # twice, for rounding
-            for one in basis:
-                left -= (one @ left) * one
-        rest = float(np.linalg.norm(left))
+            for vector in basis:
+                residual -= (vector @ residual) * vector
+        norm = float(np.linalg.norm(residual))
         if not size > _LEAST_SEEN or (key in (DRY, BREAKAWAY) and one_way):
-            found["unseen"].append(key)
-        elif rest > max(_LEAST_SEEN, _OWN * size):
-            found["fitted"].append(key)
-            basis.append(left / rest)
+            sorted_keys["unseen"].append(key)
+        elif norm > max(_LEAST_SEEN, _OWN * size):
+            sorted_keys["fitted"].append(key)
+            basis.append(residual / norm)
         else:
-            found["carried"].append(key)
-    return Seen(*(tuple(found[name]) for name in ("fitted", "carried", "unseen")))
+            sorted_keys["carried"].append(key)
+    return Seen(*(tuple(sorted_keys[name]) for name in ("fitted", "carried", "unseen")))
 
 
 def turns_round(record: BenchRecord) -> bool:
     """Whether what moves in a record goes both ways, or the record does not show it."""
-    shown = [record.channels[name] for name in _DISPLACEMENTS if name in record.channels]
-    return not shown or any(_less_way(one) > _WAY_BACK * np.ptp(one) for one in shown)
+    displacements = [record.channels[name] for name in _DISPLACEMENTS if name in record.channels]
+    return not displacements or any(
+        _less_way(displacement) > _WAY_BACK * np.ptp(displacement) for displacement in displacements
+    )
 
 
 def _less_way(x: NDArray[np.float64]) -> float:
@@ -135,12 +137,12 @@ def sensitivities(
     """Derivative of all points by each parameter in shares of its value, over 1 % of what each should be, (keys, points)."""
     values = np.array([loader[key] for key in keys])
     rows = []
-    for one in data:
+    for measurement in data:
         observed = (
-            ResponseObservation(one, LinearModel(loader, one.experiment.loop, law), keys)
-            if isinstance(one, Response)
-            else RecordObservation(RecordRun(one, loader, law, COARSE_STEP_S), keys)
+            ResponseObservation(measurement, LinearModel(loader, measurement.experiment.loop, law), keys)
+            if isinstance(measurement, Response)
+            else RecordObservation(RecordRun(measurement, loader, law, COARSE_STEP_S), keys)
         )
-        found = observed.compare(values, observed.own).slopes[:, : len(keys)]
-        rows.append(np.where(np.isfinite(found), found, 0.0).T * values[:, np.newaxis])
+        slopes = observed.compare(values, observed.own).slopes[:, : len(keys)]
+        rows.append(np.where(np.isfinite(slopes), slopes, 0.0).T * values[:, np.newaxis])
     return np.hstack(rows)

@@ -19,8 +19,10 @@ def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tupl
         plan: What is asked.
     """
     setup = QualificationSetup(laws={name: law}, rule=plan.rule, system=plan.units)
-    found = qualify_loader(loader, setup)
-    (section,) = found.sections
-    outcomes = {one.trial.key: str(one.outcome) for one in section.results}
-    why = tuple(reasons(section, found))
-    return RuleTests(section.fulfilled, rule_text(found), standing_text(section), outcomes, why, caveats(found)), found
+    qualification = qualify_loader(loader, setup)
+    (section,) = qualification.sections
+    outcomes = {result.trial.key: str(result.outcome) for result in section.results}
+    why = tuple(reasons(section, qualification))
+    return RuleTests(
+        section.fulfilled, rule_text(qualification), standing_text(section), outcomes, why, caveats(qualification)
+    ), qualification

@@ -13,7 +13,7 @@ AT_END, NOTHING = "at the end of its range", "none"
 
 
 @dataclass(frozen=True)
-class ParameterFound:
+class IdentifiedParameter:
     """One parameter of the plant.
 
     Attributes:
@@ -74,7 +74,7 @@ class Identified:
     good: bool
     verdict: str
     findings: tuple[str, ...] = ()
-    parameters: tuple[ParameterFound, ...] = ()
+    parameters: tuple[IdentifiedParameter, ...] = ()
     wanting: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
     noticed: tuple[str, ...] = ()

@@ -133,54 +133,58 @@ def _set_up(
     state = State.of(out)
     if bench is not None:
         data = _simulated(state, loader, bench, bench_time or BenchTime(), work.progress)
-    text = digest(loader.to_toml(UnitSystem.SI), [_text_of(one) for one in data], _asked(plan))
+    text = digest(loader.to_toml(UnitSystem.SI), [_text_of(measurement) for measurement in data], _asked(plan))
     identified = state.step(IDENTIFICATION, text, Identified, lambda folder: work.identify(folder, loader, data))
-    told = Commission(plan, loader, identified, folders=_folders(bench))
+    commission = Commission(plan, loader, identified, folders=_folders(bench))
     if input_kind(out / IDENTIFICATION / LOADER) is not Kind.FILE:
-        return replace(told, folders=_some(told.folders, IDENTIFICATION), resumed=tuple(state.resumed))
-    found = load(out / IDENTIFICATION / LOADER)
-    text = digest(text, found.fingerprint)
-    chosen = state.step(LAW, text, LawChosen, lambda folder: work.choose(folder, found))
-    told = replace(told, loader=found, chosen=chosen)
+        return replace(commission, folders=_some(commission.folders, IDENTIFICATION), resumed=tuple(state.resumed))
+    identified_loader = load(out / IDENTIFICATION / LOADER)
+    text = digest(text, identified_loader.fingerprint)
+    chosen = state.step(LAW, text, LawChosen, lambda folder: work.choose(folder, identified_loader))
+    commission = replace(commission, loader=identified_loader, chosen=chosen)
     if not chosen.name:
-        return replace(told, folders=_some(told.folders, LAW), resumed=tuple(state.resumed))
-    feel = Settings.of(plan.grid).feel(found)
+        return replace(commission, folders=_some(commission.folders, LAW), resumed=tuple(state.resumed))
+    feel = Settings.of(plan.grid).feel(identified_loader)
     law = replace(
-        Law.of(out / LAW / LAW_FILE_NAME, found, np.unique(np.vstack([own_feel(found), feel]), axis=0)),
+        Law.of(
+            out / LAW / LAW_FILE_NAME,
+            identified_loader,
+            np.unique(np.vstack([own_feel(identified_loader), feel]), axis=0),
+        ),
         name=chosen.name,
     )
     text = digest(text, (out / LAW / LAW_FILE_NAME).read_text(encoding="utf-8"))
-    checked = state.step(ENVELOPE, text, Checked, lambda folder: work.check(folder, found, law))
-    tested = state.step(TESTS, text, RuleTests, lambda folder: work.test(folder, found, law))
-    return replace(told, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
+    checked = state.step(ENVELOPE, text, Checked, lambda folder: work.check(folder, identified_loader, law))
+    tested = state.step(TESTS, text, RuleTests, lambda folder: work.test(folder, identified_loader, law))
+    return replace(commission, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
 
 
 @contextmanager
 def _left_as_it_was(out: Path) -> Iterator[None]:
     """Makes the folder; takes it away again where bad input ends the work before anything is in it."""
-    there = output_kind(out)
+    kind = output_kind(out)
     make_folder(out)
     try:
         yield
     except InputError:
-        if not there and not any(out.iterdir()):
+        if not kind and not any(out.iterdir()):
             out.rmdir()
         raise
 
 
 def _simulated(
-    state: State, loader: Loader, bench: Loader, asked: BenchTime, progress: Progress
+    state: State, loader: Loader, bench: Loader, bench_time: BenchTime, progress: Progress
 ) -> list[Response | BenchRecord]:
     """The record of a simulated machine, as its file has it."""
 
     def make(folder: Path) -> bool:
-        progress(BENCH, f"{asked.time_s:g} s of record")
-        (record,) = simulated_records(loader, bench, asked)
+        progress(BENCH, f"{bench_time.time_s:g} s of record")
+        (record,) = simulated_records(loader, bench, bench_time)
         make_folder(folder)
         write_whole(folder / RECORD, record_csv(record))
         return True
 
-    text = digest(loader.to_toml(UnitSystem.SI), bench.to_toml(UnitSystem.SI), asdict(asked))
+    text = digest(loader.to_toml(UnitSystem.SI), bench.to_toml(UnitSystem.SI), asdict(bench_time))
     state.step(BENCH, text, bool, make)
     return [read_bench_record(state.out / BENCH / RECORD)]
 
@@ -201,8 +205,8 @@ class _Work:
 
     def identify(self, folder: Path, loader: Loader, data: Sequence[Response | BenchRecord]) -> Identified:
         identified = identify_loader(loader, data, self.plan, lambda part: self.progress(IDENTIFICATION, part))
-        _keep(folder / LOADER, identified.loader and identified.loader.to_toml(self.plan.units))
-        self.writers.identification(identified.found, folder)
+        _keep(folder / LOADER, None if identified.loader is None else identified.loader.to_toml(self.plan.units))
+        self.writers.identification(identified.identification, folder)
         return identified.outcome
 
     def choose(self, folder: Path, loader: Loader) -> LawChosen:
@@ -248,8 +252,8 @@ def _some(folders: Mapping[str, str], last: str) -> dict[str, str]:
 
 def _asked(plan: CommissionPlan) -> dict[str, object]:
     """What of the plan has a say in the numbers and the pages."""
-    asked = {name: value for name, value in vars(plan).items() if name != "threads"}
-    return {**asked, "grid": dict(plan.grid), "units": str(plan.units)}
+    bench_time = {name: value for name, value in vars(plan).items() if name != "threads"}
+    return {**bench_time, "grid": dict(plan.grid), "units": str(plan.units)}
 
 
 def _text_of(data: Response | BenchRecord) -> list[object]:
@@ -257,6 +261,6 @@ def _text_of(data: Response | BenchRecord) -> list[object]:
     if data.data_hash:
         return [data.name, str(data.experiment), data.data_hash, getattr(data, "hold", "")]
     if isinstance(data, BenchRecord):
-        values = [[name, it.tobytes().hex()] for name, it in data.channels.items()]
+        values = [[name, bench_time.tobytes().hex()] for name, bench_time in data.channels.items()]
         return [data.name, str(data.experiment), data.hold, data.time_s.tobytes().hex(), values]
     return [data.name, str(data.experiment), data.input, data.output, data.value.tobytes().hex()]

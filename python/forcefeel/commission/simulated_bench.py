@@ -74,17 +74,19 @@ class BenchTime:
     seed: int = 1974
 
 
-def bench_signal(loader: Loader, asked: BenchTime) -> Excitation:
+def bench_signal(loader: Loader, bench_time: BenchTime) -> Excitation:
     """The signal for the bench of a loader as its file has it, within the limits of its drive.
 
     Raises:
         InputError: If the time is too short.
     """
-    plan = ExcitationPlan(time_s=asked.time_s, rate_hz=asked.rate_hz, to_hz=_TO_HZ, measured=MEASURED[loader.drive])
+    plan = ExcitationPlan(
+        time_s=bench_time.time_s, rate_hz=bench_time.rate_hz, to_hz=_TO_HZ, measured=MEASURED[loader.drive]
+    )
     return excite(loader, _FIT[loader.drive], _EXPERIMENT[loader.drive], plan)
 
 
-def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = None) -> list[BenchRecord]:
+def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | None = None) -> list[BenchRecord]:
     """What a bench records of a machine under the signal that is designed for its loader file.
 
     The signal knows the file alone, the record the machine: its sensors' lag, noise and steps;
@@ -93,7 +95,7 @@ def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = N
     Args:
         loader: The loader as its file has it.
         truth: The machine.
-        asked: Length, rate and seed.
+        bench_time: Length, rate and seed.
 
     Raises:
         InputError: If the machine has another drive, or runs away under the signal.
@@ -107,13 +109,13 @@ def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = N
         >>> len(record.time_s)
         2000
     """
-    asked = asked or BenchTime()
+    bench_time = bench_time or BenchTime()
     if loader.drive != truth.drive:
         raise InputError(
             f"bench: {truth.name} has {a_drive(truth.drive)}, and {loader.name} {a_drive(loader.drive)}; expected a machine of "
             "this loader: its file with other numbers"
         )
-    signal = bench_signal(loader, asked)
+    signal = bench_signal(loader, bench_time)
     experiment = Experiment.read(_EXPERIMENT[loader.drive])
     blank = dict.fromkeys(MEASURED[loader.drive], np.zeros_like(signal.signal))
     drive = {str(experiment.drive): signal.signal}
@@ -129,9 +131,9 @@ def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = N
         )
     if has_grip_sensor(truth):
         exact[GRIP_FORCE] = grip_force(truth, moments(asked_of, truth, law)) + truth["grip_sensor.offset"]
-    random = np.random.default_rng(asked.seed)
-    shown = {name: _shown(truth, name, values, asked.rate_hz, random) for name, values in exact.items()}
-    record = BenchRecord("bench", experiment, signal.time_s, {**drive, **shown})
+    random = np.random.default_rng(bench_time.seed)
+    readings = {name: _shown(truth, name, values, bench_time.rate_hz, random) for name, values in exact.items()}
+    record = BenchRecord("bench", experiment, signal.time_s, {**drive, **readings})
     check_bench(loader, [record])
     return [record]
 
@@ -145,10 +147,10 @@ def _shown(
         return values + _INSTRUMENT * float(values.std()) * normal
     sensor = SENSOR_OF[channel]
     noise, step = truth[f"{sensor}.noise"], truth[f"{sensor}.resolution"]
-    at = np.arange((len(values) - 1) * _FINER + 1) / _FINER
-    fine = CubicSpline(np.arange(len(values)), values)(at)
-    seen = lagged(fine, truth[f"{sensor}.bandwidth"] / rate_hz / _FINER)[::_FINER] + noise * normal
-    return np.round(seen / step) * step if step else seen
+    fine_times = np.arange((len(values) - 1) * _FINER + 1) / _FINER
+    fine = CubicSpline(np.arange(len(values)), values)(fine_times)
+    reading = lagged(fine, truth[f"{sensor}.bandwidth"] / rate_hz / _FINER)[::_FINER] + noise * normal
+    return np.round(reading / step) * step if step else reading
 
 
 def lagged(values: NDArray[np.float64], turn: float) -> NDArray[np.float64]:

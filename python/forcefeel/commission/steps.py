@@ -66,21 +66,21 @@ class State:
             make: Makes it: writes its folder, returns the outcome.
         """
         adapter = TypeAdapter(kind)
-        known = self.done.get(name)
-        if isinstance(known, dict) and known.get("inputs") == inputs and known.get("files") == self._files(name):
+        stored = self.done.get(name)
+        if isinstance(stored, dict) and stored.get("inputs") == inputs and stored.get("files") == self._files(name):
             try:
-                found = adapter.validate_python(known.get("outcome"))
+                outcome = adapter.validate_python(stored.get("outcome"))
             except ValidationError:
                 pass
             else:
                 self.resumed.append(name)
-                return found
-        found = make(self.out / name)
-        self.done = {key: it for key, it in self.done.items() if key < name}  # what follows was made from another
-        outcome = adapter.dump_python(found, mode="json")
-        self.done[name] = {"inputs": inputs, "files": self._files(name), "outcome": outcome}
+                return outcome
+        outcome = make(self.out / name)
+        self.done = {key: entry for key, entry in self.done.items() if key < name}  # what follows was made from another
+        dumped = adapter.dump_python(outcome, mode="json")
+        self.done[name] = {"inputs": inputs, "files": self._files(name), "outcome": dumped}
         write_whole(self.out / STATE, json.dumps(self.done, indent=1) + "\n")
-        return found
+        return outcome
 
     def _files(self, name: str) -> Mapping[str, str]:
         """SHA-256 of every file of a step's folder."""

@@ -45,32 +45,34 @@ def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tup
         plan: What is asked.
         now: The share that the machine renders as it is.
     """
-    found = []
+    candidates = []
     for change, law, other in _others(loader, name):
         try:
-            asked = make_plan(other, [law], plan.grid, rule=plan.rule, changes={}, arms=())
-            found.append(WhatIf(change, compute(asked, threads=plan.threads).even_shares(law).nominal_share))
+            envelope_plan = make_plan(other, [law], plan.grid, rule=plan.rule, changes={}, arms=())
+            candidates.append(
+                WhatIf(change, compute(envelope_plan, threads=plan.threads).even_shares(law).nominal_share)
+            )
         except InputError:  # no law of this design for such a machine
             continue
-    return tuple(one for one in found if one.passes >= now + _GAIN)
+    return tuple(candidate for candidate in candidates if candidate.passes >= now + _GAIN)
 
 
 def _others(loader: Loader, name: str) -> Iterator[tuple[str, str, Loader]]:
     """What is changed, the law, and the machine."""
     # The law follows how well the rest is known.
-    kept = _without_tolerances(loader, {BREAKAWAY})
-    if kept[DRY]:
-        exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * kept[DRY], (1 + _EXACT) * kept[DRY])
-        yield "dry friction known exactly", name, kept.with_tolerances({DRY: exact})
-    for words, rows in _electronics(kept).items():
-        yield words, name, _without_tolerances(kept, rows).replace(rows, si=True)
-    if kept[DRY]:
-        yield "half the dry friction", name, _rubbing(kept, 0.5)
-        yield "no dry friction", name, _rubbing(kept, 0.0)
-    if kept["controller.period"] and not has_grip_sensor(kept):
-        least = _GRIP_SHARE * kept["pilot.force"]
+    reduced = _without_tolerances(loader, {BREAKAWAY})
+    if reduced[DRY]:
+        exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * reduced[DRY], (1 + _EXACT) * reduced[DRY])
+        yield "dry friction known exactly", name, reduced.with_tolerances({DRY: exact})
+    for words, rows in _electronics(reduced).items():
+        yield words, name, _without_tolerances(reduced, rows).replace(rows, si=True)
+    if reduced[DRY]:
+        yield "half the dry friction", name, _rubbing(reduced, 0.5)
+        yield "no dry friction", name, _rubbing(reduced, 0.0)
+    if reduced["controller.period"] and not has_grip_sensor(reduced):
+        least = _GRIP_SHARE * reduced["pilot.force"]
         rows = {"grip_sensor.gain": 1.0, "grip_sensor.noise": least, "grip_sensor.resolution": least}
-        yield f"a force sensor at the grip (law {GRIP})", GRIP, kept.replace(rows, si=True)
+        yield f"a force sensor at the grip (law {GRIP})", GRIP, reduced.replace(rows, si=True)
 
 
 def _without_tolerances(loader: Loader, rows: Iterable[str]) -> Loader:
@@ -79,30 +81,30 @@ def _without_tolerances(loader: Loader, rows: Iterable[str]) -> Loader:
 
 def _electronics(loader: Loader) -> dict[str, dict[str, float | None]]:
     """Rows of other sensors, another controller, another amplifier."""
-    found: dict[str, dict[str, float | None]] = {}
+    rows: dict[str, dict[str, float | None]] = {}
     lags = [key for sensor in SENSORS if np.isfinite(loader[key := f"{sensor}.bandwidth"])]
     if lags:
-        found["sensors without lag"] = dict.fromkeys(lags)
+        rows["sensors without lag"] = dict.fromkeys(lags)
     step = 2 * pi / 2**_BITS
     coarse = [key for part in ("noise", "resolution") if loader[key := f"column_sensor.{part}"] > step]
     if coarse:
-        found[f"encoder of {_BITS} bits at the column"] = dict.fromkeys(coarse, step)
+        rows[f"encoder of {_BITS} bits at the column"] = dict.fromkeys(coarse, step)
     noisy = [key for sensor in SENSORS for part in ("noise", "resolution") if loader[key := f"{sensor}.{part}"]]
     if noisy:
-        found["a tenth of the sensors' noise"] = {key: loader[key] / 10 for key in noisy}
+        rows["a tenth of the sensors' noise"] = {key: loader[key] / 10 for key in noisy}
     if loader["controller.period"]:
         keys = ("controller.period", "controller.delay")
-        found["half the controller's period and delay"] = {key: loader[key] / 2 for key in keys}
+        rows["half the controller's period and delay"] = {key: loader[key] / 2 for key in keys}
     limits = ("amplifier.current_limit", "valve.flow_limit", "current_loop.current_limit", "current_loop.voltage_limit")
     narrow = [key for key in limits if key in loader.given and np.isfinite(loader[key])]
     if narrow:
-        found["twice the drive's limits"] = {key: 2 * loader[key] for key in narrow}
-    return found
+        rows["twice the drive's limits"] = {key: 2 * loader[key] for key in narrow}
+    return rows
 
 
 def _rubbing(loader: Loader, share: float) -> Loader:
     """The machine with a share of its dry friction, which is known to the same share of itself."""
-    known = loader.tolerances.get(DRY)
+    tolerance = loader.tolerances.get(DRY)
     bare = _without_tolerances(loader, {DRY, BREAKAWAY})
     if not share:
         return bare.replace({DRY: None, BREAKAWAY: None})
@@ -110,8 +112,8 @@ def _rubbing(loader: Loader, share: float) -> Loader:
     less = bare.replace(
         {DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None}, si=True
     )
-    if known is None:
+    if tolerance is None:
         return less
-    values = {at: getattr(known, at) for at in ("low", "high", "peak", "deviation", "nominal")}
-    scaled: dict[str, Any] = {at: None if it is None else share * it for at, it in values.items()}
-    return less.with_tolerances({DRY: replace(known, **scaled)})
+    values = {at: getattr(tolerance, at) for at in ("low", "high", "peak", "deviation", "nominal")}
+    scaled: dict[str, Any] = {at: None if value is None else share * value for at, value in values.items()}
+    return less.with_tolerances({DRY: replace(tolerance, **scaled)})

@@ -5,9 +5,8 @@ from math import pi
 
 from forcefeel.design.law_loop import LawLoop, law_loop
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
-from forcefeel.laws.law import DEFAULTS
+from forcefeel.laws.law import ROBUST
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.printable import table_html
 
 
@@ -63,12 +62,12 @@ class MotorDesign(MotorAnalysis):
         return self.programmed.assessment.stable
 
 
-def design_motor(loader: Loader, law: str = DEFAULTS[ELECTRIC]) -> MotorDesign:
+def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
     """Analyzes an electric loader, and assesses it under a law. To find the best law, use ``choice.best_law``.
 
     Args:
         loader: The loader.
-        law: Name of a law for a motor. Default: the default law of electric loaders.
+        law: Name of a law for a motor. Default: ``robust``.
 
     Raises:
         InputError: If ``loader`` is no loader, has a valve or no ``controller.period``; if there is no such law for it.

@@ -181,7 +181,7 @@ def design_loader(
     if loader.drive == ELECTRIC:
         if settings is not None:
             check_hydraulic(
-                loader, "recursion (22)", "a motor's law is by method, such as design.design_motor(loader, 'robust')"
+                loader, "recursion (22)", "a motor takes a sampled law, such as design.design_motor(loader, 'robust')"
             )
         return design_motor(loader)
     return design_servo(loader, settings, progress)

@@ -192,7 +192,7 @@ class Run:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> run
-        <Run of 'elevator', 2 s, exact: settled at 1.241 s>
+        <Run of 'elevator-1974', 2 s, exact: settled at 1.241 s>
     """
 
     loader: Loader

@@ -58,7 +58,7 @@ def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief 
     """
     loader = drive.loader
     try:
-        law = Law.of(LAW if loader["controller.period"] else None, loader)
+        law = Law.of(None, loader)
     except InputError:
         return None
     outputs = [name for name, _ in _core.simulation_outputs(loader.drive)]

@@ -34,16 +34,16 @@ def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict
         "significance_level": summary.chance,
         "varied": {
             key: {
-                "distribution": str(it.distribution),
-                "low": quantity(it.low, unit(TABLE[key]), units),
-                "high": quantity(it.high, unit(TABLE[key]), units),
+                "distribution": str(tolerance.distribution),
+                "low": quantity(tolerance.low, unit(TABLE[key]), units),
+                "high": quantity(tolerance.high, unit(TABLE[key]), units),
             }
-            for key, it in sweep.varied.items()
+            for key, tolerance in sweep.varied.items()
         },
         "grid": {
             key: {
                 "unit": unit(TABLE[key]).shown(units),
-                "values": [unit(TABLE[key]).from_si(one, units) for one in values],
+                "values": [unit(TABLE[key]).from_si(value, units) for value in values],
             }
             for key, values in sweep.axes.items()
         },
@@ -71,16 +71,16 @@ def _without_unknown(share: Json) -> Json:
 def _spread(spread: Spread, units: UnitSystem) -> dict[str, Json]:
     measured_in = spread.unit
 
-    def shown(value: float) -> float | None:
+    def converted(value: float) -> float | None:
         return measured_in.from_si(value, units) if isfinite(value) else None
 
     return {
         "unit": measured_in.shown(units),
         "runs": spread.runs,
-        "nominal": shown(spread.nominal),
-        "lowest": shown(spread.lowest),
-        "highest": shown(spread.highest),
-        "quantiles": {f"{share:g}": shown(value) for share, value in zip(QUANTILES, spread.quantiles, strict=True)},
+        "nominal": converted(spread.nominal),
+        "lowest": converted(spread.lowest),
+        "highest": converted(spread.highest),
+        "quantiles": {f"{share:g}": converted(value) for share, value in zip(QUANTILES, spread.quantiles, strict=True)},
     }
 
 

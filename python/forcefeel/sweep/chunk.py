@@ -23,18 +23,18 @@ def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np
     Returns:
         A row for each run, in the order of ``outcome.measures_of`` the drive; not numbers for a machine that cannot be.
     """
-    found = histories(sweep, runs, (), threads)
+    data = histories(sweep, runs, (), threads)
     measures = measures_of(sweep.loader.drive)
     measured = np.full((len(runs), len(measures)), np.nan)
-    measured[found["run"].values - runs.start] = columns(found, measures)
+    measured[data["run"].values - runs.start] = columns(data, measures)
     return measured
 
 
 def nominal(sweep: Sweep) -> NDArray[np.float64]:
     """Measures of the nominal loader."""
     values = sweep.loader.si_values[np.newaxis]
-    found = simulate_batch(sweep.loader, sweep.scenario, values, sweep.law_of(values), threads=1)
-    return np.asarray(columns(found, measures_of(sweep.loader.drive))[0])
+    run = simulate_batch(sweep.loader, sweep.scenario, values, sweep.law_of(values), threads=1)
+    return np.asarray(columns(run, measures_of(sweep.loader.drive))[0])
 
 
 def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | None = None) -> xr.Dataset:
@@ -49,10 +49,10 @@ def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | Non
     # Something must run in their place, so that the noise of the others stays theirs.
     values[failed] = sweep.loader.si_values
     law = sweep.law_of(values)
-    found = simulate_batch(sweep.loader, sweep.scenario, values, law, keep=keep, first_run=runs.start, threads=threads)
-    return found.isel(run=~failed)
+    data = simulate_batch(sweep.loader, sweep.scenario, values, law, keep=keep, first_run=runs.start, threads=threads)
+    return data.isel(run=~failed)
 
 
-def columns(found: xr.Dataset, measures: Iterable[str]) -> NDArray[np.float64]:
+def columns(data: xr.Dataset, measures: Iterable[str]) -> NDArray[np.float64]:
     """These measures as rows."""
-    return np.column_stack([found[name].values for name in measures])
+    return np.column_stack([data[name].values for name in measures])

@@ -111,13 +111,14 @@ def _check_workers(client: "Client", address: str) -> None:
             f"--scheduler: {address} has no workers; start some on the machines that are to compute: dask worker {address}"
         ) from error
     # Asked by a function of the standard library: one of this package would end a worker that has it not.
-    for worker, found in client.run(version, "forcefeel", on_error="return").items():
-        if isinstance(found, PackageNotFoundError):
+    for worker, worker_version in client.run(version, "forcefeel", on_error="return").items():
+        if isinstance(worker_version, PackageNotFoundError):
             raise InputError(f"--scheduler: the worker {worker} has no forcefeel; install {version('forcefeel')} there")
-        if found != version("forcefeel"):
-            here = version("forcefeel")
+        if worker_version != version("forcefeel"):
+            own_version = version("forcefeel")
             raise InputError(
-                f"--scheduler: the worker {worker} has forcefeel {found}, here is {here}; install {here} there"
+                f"--scheduler: the worker {worker} has forcefeel {worker_version}, expected {own_version}; install that "
+                "version there"
             )
 
 
@@ -152,7 +153,7 @@ def _result(future: "Future", address: str) -> NDArray[np.float64]:
     if future.status == "cancelled":
         raise InputError(f"--scheduler: {address} is lost; start it again, then resume")
     try:
-        found: Any = future.result(timeout=CONNECT_S)
+        result: Any = future.result(timeout=CONNECT_S)
     except ImportError as error:
         raise InputError(
             f"--scheduler: a worker of {address} cannot import what it needs ({error}); install forcefeel there"
@@ -163,7 +164,7 @@ def _result(future: "Future", address: str) -> NDArray[np.float64]:
         ) from error
     except (OSError, asyncio.CancelledError) as error:
         raise InputError(f"--scheduler: {address} is lost ({_line(error)}); start it again, then resume") from error
-    return np.asarray(found, dtype=np.float64)
+    return np.asarray(result, dtype=np.float64)
 
 
 @contextlib.contextmanager

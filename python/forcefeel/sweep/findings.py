@@ -67,8 +67,8 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
         words.impossible(),
         result.sweep.nominal_law.made_for_another(result.sweep.loader),
     ]
-    good = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
-    return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))
+    ok = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
+    return Conclusions(ok, words.verdict(measures), tuple(filter(None, sentences)))
 
 
 def value_with_unit(measured_in: Unit, value: float, units: UnitSystem) -> str:
@@ -80,8 +80,8 @@ def number_of(measured_in: Unit, value: float, units: UnitSystem) -> str:
     """A measure's SI value in the unit that people read, a dash where there is none; rounding errors are zero."""
     if not isfinite(value):
         return "–"
-    shown = measured_in.from_si(value, units) if abs(value) > _NOTHING else 0.0
-    return to_text(shown, 3).replace("-", "\N{MINUS SIGN}")
+    number = measured_in.from_si(value, units) if abs(value) > _NOTHING else 0.0
+    return to_text(number, 3).replace("-", "\N{MINUS SIGN}")
 
 
 def correlation_text(rho: float) -> str:
@@ -114,14 +114,20 @@ class _Words:
     def _settling(self) -> str:
         total = self._result.sweep.total
         settled, diverged = (self._summary.share(str(status)) for status in (RunStatus.SETTLED, RunStatus.DIVERGED))
-        what = f"{total:,} {self._noun}"
+        machines = f"{total:,} {self._noun}"
         if keeps_moving(self._result.sweep.scenario.force):
-            moved = total - diverged.runs - self._summary.share(IMPOSSIBLE).runs
-            found = f"All {what} stay" if moved == total else f"{share_text(moved / total)} of {what} stay"
-            found = f"{found} within bounds"
+            simulated = total - diverged.runs - self._summary.share(IMPOSSIBLE).runs
+            sentence = (
+                f"All {machines} stay" if simulated == total else f"{share_text(simulated / total)} of {machines} stay"
+            )
+            sentence = f"{sentence} within bounds"
         else:
-            found = f"All {what} settle" if settled.runs == total else f"{share_text(settled.share)} of {what} settle"
-        return f"{found}, {share_text(diverged.share)} diverge" if diverged.runs else found
+            sentence = (
+                f"All {machines} settle"
+                if settled.runs == total
+                else f"{share_text(settled.share)} of {machines} settle"
+            )
+        return f"{sentence}, {share_text(diverged.share)} diverge" if diverged.runs else sentence
 
     def ended(self) -> str:
         """How many moved on or diverged, and how sure that is."""
@@ -148,13 +154,13 @@ class _Words:
 
     def spread(self, name: str) -> str:
         """How a measure is spread, and what makes it differ."""
-        found = self._summary.spreads[name]
-        nominal = value_with_unit(found.unit, found.nominal, self._units) if isfinite(found.nominal) else "none"
-        middle = self._range(name, found.quantile(0.05), found.quantile(0.95))
-        whole = self._range(name, found.lowest, found.highest)
-        ranking = [one for one in self._summary.ranking(name) if abs(one[1]) >= _WEAK][:_LISTED]
-        of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
-        goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
+        spread = self._summary.spreads[name]
+        nominal = value_with_unit(spread.unit, spread.nominal, self._units) if isfinite(spread.nominal) else "none"
+        middle = self._range(name, spread.quantile(0.05), spread.quantile(0.95))
+        whole = self._range(name, spread.lowest, spread.highest)
+        ranking = [influence for influence in self._summary.ranking(name) if abs(influence[1]) >= _WEAK][:_LISTED]
+        influences = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
+        goes = f" It goes with {influences.replace('(', '(rank correlation ', 1)}." if influences else ""
         spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
         return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
@@ -170,23 +176,25 @@ class _Words:
         if not np.isfinite(over.values).any():
             return ""
         places, measured_in = [], self._summary.spreads[name].unit
-        for what, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
+        for extreme, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
             spot = np.unravel_index(int(find(over.values)), over.shape)
-            at = " and ".join(
+            setting = " and ".join(
                 f"{key} = {_setting(key, float(over[key].values[k]), self._units)}"
                 for key, k in zip(self._result.sweep.axes, spot, strict=True)
             )
-            places.append(f"{what} with {value_with_unit(measured_in, float(over.values[spot]), self._units)} at {at}")
-        of = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
-        return f"{capital(measure_name(name))}{of}: {', '.join(places)}."
+            places.append(
+                f"{extreme} with {value_with_unit(measured_in, float(over.values[spot]), self._units)} at {setting}"
+            )
+        statistic = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
+        return f"{capital(measure_name(name))}{statistic}: {', '.join(places)}."
 
     def demand(self) -> str:
         """How far the drive is used at most."""
         loader = self._result.sweep.loader
         parts = [
-            f"{to_text(100 * found.highest / loader[row.whole], 3)} % of {row.whole_name}"
+            f"{to_text(100 * spread.highest / loader[row.whole], 3)} % of {row.whole_name}"
             for row in demanded(loader)
-            if row.peak and (found := self._summary.spreads[row.peak]).runs
+            if row.peak and (spread := self._summary.spreads[row.peak]).runs
         ]
         used = f"{', '.join(parts[:-1])} and {parts[-1]} are" if len(parts) > 1 else f"{''.join(parts)} is"
         return f"At most {used} used; the ratings are the nominal ones." if parts else ""

@@ -72,9 +72,9 @@ class Folder:
         for path in self.path.glob(".*"):
             if _HALF_WRITTEN.fullmatch(path.name):
                 path.unlink()
-        there = self._stored_plan() if not replace else None
-        if there is not None:
-            self._check(there, resume=resume)
+        stored = self._stored_plan() if not replace else None
+        if stored is not None:
+            self._check(stored, resume=resume)
             return
         if not replace:
             self._check_empty()
@@ -82,43 +82,43 @@ class Folder:
         write_whole(self.path / PLAN, json_text(self.plan))
         (self.path / CHUNKS).mkdir(exist_ok=True)
 
-    def _check(self, there: Mapping[str, Any], *, resume: bool) -> None:
+    def _check(self, stored: Mapping[str, Any], *, resume: bool) -> None:
         """Refuses a folder whose plan is another one, or this one if it is not to go on."""
-        if there.get("sweep") != self.plan["sweep"]:
-            found = differences(there, self.plan)
-            more = f", and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
+        if stored.get("sweep") != self.plan["sweep"]:
+            changes = differences(stored, self.plan)
+            more = f", and {len(changes) - _SHOWN} more" if len(changes) > _SHOWN else ""
             raise InputError(
-                f"{self.path}: holds another sweep ({'; '.join(found[:_SHOWN])}{more}); name another folder with --out, or "
+                f"{self.path}: holds another sweep ({'; '.join(changes[:_SHOWN])}{more}); name another folder with --out, or "
                 "--replace to replace it"
             )
         if not resume:
             state = "all" if self.finished else f"{self.kept_runs():,} of"
-            what = f"{state} {self.sweep.total:,} runs of this very sweep"
+            contents = f"{state} {self.sweep.total:,} runs of this very sweep"
             go_on = "write its page anew" if self.finished else "go on with it"
-            raise InputError(f"{self.path}: holds {what}; --resume to {go_on}, --replace to begin anew")
+            raise InputError(f"{self.path}: holds {contents}; --resume to {go_on}, --replace to begin anew")
 
     def _check_empty(self) -> None:
         """Refuses a folder without a plan that holds files of the names that a sweep writes: they may be somebody's."""
         self._check_chunks()
-        found = [name for name in (RUNS, *REPORT) if (self.path / name).exists()]
-        if found:
+        existing = [name for name in (RUNS, *REPORT) if (self.path / name).exists()]
+        if existing:
             raise InputError(
-                f"{self.path}: holds {found[0]}, but no {PLAN} that says of what sweep; name another folder, or --replace to "
+                f"{self.path}: holds {existing[0]}, but no {PLAN} that says of what sweep; name another folder, or --replace to "
                 "replace it"
             )
 
     def _stored_plan(self) -> dict[str, Any] | None:
         """The plan in the folder; nothing if there is none."""
-        place = self.path / PLAN
+        path = self.path / PLAN
         try:
-            found = json.loads(place.read_text(encoding="utf-8"))
+            stored = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:  # brackets a thousand deep
-            raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
-        if not isinstance(found, dict):
-            raise InputError(f"{place}: is no plan of a sweep; --replace to begin anew")
-        return found
+            raise InputError(f"{path}: cannot be read ({error}); --replace to begin anew") from error
+        if not isinstance(stored, dict):
+            raise InputError(f"{path}: is no plan of a sweep; --replace to begin anew")
+        return stored
 
     def _clear(self) -> None:
         """Removes a sweep but for its plan, which is what says that the chunks that are left are of a sweep."""
@@ -178,27 +178,27 @@ class Folder:
         """The finished chunks by their index; one that is damaged is not finished."""
         if self.finished:
             return self._all_kept()
-        found = {}
+        chunks = {}
         for index, runs in enumerate(self.sweep.chunks):
             try:
                 measured = np.load(self._chunk(index), allow_pickle=False)
             except (OSError, ValueError, EOFError):
                 continue
             if measured.shape == (len(runs), len(self._measures)) and measured.dtype == np.float64:
-                found[index] = measured
-        return found
+                chunks[index] = measured
+        return chunks
 
     def _all_kept(self) -> dict[int, NDArray[np.float64]]:
         """The chunks of a sweep that is done, from its results."""
-        place = self.path / RUNS
+        folder = self.path / RUNS
         try:
-            with xr.open_dataset(io.BytesIO(place.read_bytes()), engine="scipy") as stored:
+            with xr.open_dataset(io.BytesIO(folder.read_bytes()), engine="scipy") as stored:
                 measured = np.column_stack([stored[name].values for name in self._measures])
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
+            raise InputError(f"{folder}: cannot be read ({error}); --replace to begin anew") from error
         if measured.shape != (self.sweep.total, len(self._measures)):
             raise InputError(
-                f"{place}: holds {len(measured):,} runs, not {self.sweep.total:,}; --replace to begin anew"
+                f"{folder}: holds {len(measured):,} runs, not {self.sweep.total:,}; --replace to begin anew"
             )
         return {index: measured[runs.start : runs.stop] for index, runs in enumerate(self.sweep.chunks)}
 

@@ -50,8 +50,8 @@ def identity(sweep: Sweep) -> dict[str, Any]:
         "grid": sweep.axes,
         "nominal": dict(zip(measures_of(loader.drive), nominal(sweep).tolist(), strict=True)),
     }
-    found: dict[str, Any] = json.loads(json.dumps(_exact(document), allow_nan=False))
-    return found
+    exact: dict[str, Any] = json.loads(json.dumps(_exact(document), allow_nan=False))
+    return exact
 
 
 def digest(document: Mapping[str, Any]) -> str:
@@ -59,21 +59,27 @@ def digest(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+def differences(stored: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """What of two plans differs: ``runs.total: 1000 there, 500 here``."""
-    there, here = dict(_leaves(old)), dict(_leaves(new))
-    keys = [key for key in {**there, **here} if there.get(key) != here.get(key) and key not in _DERIVED]
-    asked = [key for key in keys if not key.startswith(_NOMINAL)]
-    found = [f"{key}: {there.get(key, 'nothing')} there, {here.get(key, 'nothing')} here" for key in asked]
-    return found or ["the engine here gives other numbers for the nominal loader than the one that began it"]
+    old_leaves, new_leaves = dict(_leaves(stored)), dict(_leaves(new))
+    keys = [
+        key
+        for key in {**old_leaves, **new_leaves}
+        if old_leaves.get(key) != new_leaves.get(key) and key not in _DERIVED
+    ]
+    changed_keys = [key for key in keys if not key.startswith(_NOMINAL)]
+    lines = [
+        f"{key}: {old_leaves.get(key, 'nothing')} there, {new_leaves.get(key, 'nothing')} here" for key in changed_keys
+    ]
+    return lines or ["the engine here gives other numbers for the nominal loader than the one that began it"]
 
 
-def _leaves(document: Any, place: str = "") -> Iterator[tuple[str, str]]:
+def _leaves(document: Any, path: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(document, Mapping):
         for key, value in document.items():
-            yield from _leaves(value, f"{place}.{key}" if place else key)
+            yield from _leaves(value, f"{path}.{key}" if path else key)
     else:
-        yield place, json.dumps(document)
+        yield path, json.dumps(document)
 
 
 def _exact(value: Any) -> Any:
@@ -88,8 +94,8 @@ def _exact(value: Any) -> Any:
         case np.ndarray() | list() | tuple():
             return _row(value)
     if is_dataclass(value):
-        shown = {field.name: _exact(getattr(value, field.name)) for field in fields(value)}
-        return {"kind": type(value).__name__, **shown}
+        values = {field.name: _exact(getattr(value, field.name)) for field in fields(value)}
+        return {"kind": type(value).__name__, **values}
     return value
 
 

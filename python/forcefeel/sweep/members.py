@@ -16,14 +16,14 @@ def impossible(values: NDArray[np.float64]) -> dict[str, NDArray[np.bool_]]:
     The same relations that a loader file must keep: a lower stop below the upper one, static friction no smaller than
     Coulomb's.
     """
-    found: dict[str, NDArray[np.bool_]] = {}
+    ruled_out: dict[str, NDArray[np.bool_]] = {}
     for low_key, high_key in BELOW:
         low, high = values[:, INDEX[low_key]], values[:, INDEX[high_key]]
         with np.errstate(invalid="ignore"):  # both ends may be infinite, which is far apart
             close = np.isfinite(low) & np.isfinite(high) & (np.abs(high - low) <= _ROUNDING * np.abs(low))
-        found[f"{low_key} is not below {high_key}"] = ~(low < high) | close
-    for key, least in AT_LEAST:
+        ruled_out[f"{low_key} is not below {high_key}"] = ~(low < high) | close
+    for key, minimum in AT_LEAST:
         value = values[:, INDEX[key]]
-        given = value != OFF[key]
-        found[f"{key} is below {least}"] = given & (value < values[:, INDEX[least]] * (1 - _ROUNDING))
-    return {sentence: which for sentence, which in found.items() if which.any()}
+        present = value != OFF[key]
+        ruled_out[f"{key} is below {minimum}"] = present & (value < values[:, INDEX[minimum]] * (1 - _ROUNDING))
+    return {sentence: which for sentence, which in ruled_out.items() if which.any()}

@@ -95,7 +95,7 @@ class Sweep:
         if self.runs is not None:
             _check_whole("runs", self.runs, 1, MOST_RUNS)
         _check_whole("seed", self.seed, 0, LARGEST_SEED)
-        axes = {key: _axis(key, given) for key, given in self.grids.items()}
+        axes = {key: _axis(key, values) for key, values in self.grids.items()}
         if len(axes) > _MOST_AXES:
             remedy = "vary the others, --vary and --runs"
             raise InputError(f"grid: expected one or two parameters, got {len(axes)}; {remedy}")
@@ -105,7 +105,7 @@ class Sweep:
         if self.vary and axes and self.runs is None:
             raise InputError("vary: at a grid say how many machines stand at each point (--runs), or leave it out")
         drawn = _tolerances(self.loader, self.vary) if not axes or self.runs is not None else {}
-        varied = {key: it for key, it in drawn.items() if key not in axes}
+        varied = {key: values for key, values in drawn.items() if key not in axes}
         object.__setattr__(self, "axes", MappingProxyType(axes))
         object.__setattr__(self, "varied", MappingProxyType(varied))
         if wrong := [*beyond(varied), *_without_effect(self.loader, axes)]:
@@ -125,8 +125,8 @@ class Sweep:
             same = "no tolerances, so all machines at a point are the same"
             raise InputError(f"runs: {same}; leave --runs out, or add --vary")
         if self.total > MOST_RUNS:
-            most = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
-            raise InputError(f"runs: expected {most}; take fewer at each point")
+            expected = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
+            raise InputError(f"runs: expected {expected}; take fewer at each point")
 
     def _check_design(self) -> None:
         """Refuses to design the law anew where it would come out the same, or not fit the machine's geometry."""
@@ -139,10 +139,10 @@ class Sweep:
                 f"law: to be designed for each setting of the feel, but none of {rows} varies; give one law, or leave "
                 "--redesign out"
             )
-        if found := [key for key in _GEOMETRY if key in changed]:
+        if geometry := [key for key in _GEOMETRY if key in changed]:
             raise InputError(
-                f"law: designed for each setting it takes {found[0]} from each machine, where the nominal one is meant; "
-                f"keep that as it is, such as --vary {found[0]}=none"
+                f"law: designed for each setting it takes {geometry[0]} from each machine, where the nominal one is meant; "
+                f"keep that as it is, such as --vary {geometry[0]}=none"
             )
         self.law_of(self.loader.si_values[np.newaxis])  # a design that cannot be is refused now
 
@@ -156,17 +156,17 @@ class Sweep:
     def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
         # A law's file need not be where the pieces are computed.
         law = self._one_law if isinstance(self.law, str | Path) else self.law
-        given = (self.loader, self.scenario, law, self.runs, self.seed)
-        return Sweep, (*given, dict(self.vary), dict(self.axes))
+        arguments = (self.loader, self.scenario, law, self.runs, self.seed)
+        return Sweep, (*arguments, dict(self.vary), dict(self.axes))
 
     def law_of(self, values: NDArray[np.float64]) -> Law:
         """The law of machines with these values (SI, a row each)."""
         if not isinstance(self.law, DesignSettings):
             return self._one_law
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
-        settings, which = np.unique(feel, axis=0, return_inverse=True)
+        settings, index = np.unique(feel, axis=0, return_inverse=True)
         gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
-        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[which]
+        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[index]
         return Law.of(gains, self.loader)
 
     @cached_property
@@ -208,15 +208,15 @@ class Sweep:
 
     def drawn(self, runs: range) -> dict[str, NDArray[np.float64]]:
         """The SI values of what varies, in some runs: of the grid's parameters, then of those with a tolerance."""
-        found: dict[str, NDArray[np.float64]] = {}
+        columns: dict[str, NDArray[np.float64]] = {}
         points = np.arange(runs.start, runs.stop) // self.machines
         for (key, values), places in zip(self.axes.items(), _unravel(points, self.shape), strict=True):
-            found[key] = np.array(values)[places]
+            columns[key] = np.array(values)[places]
         for key, tolerance in self.varied.items():
-            found[key] = tolerance.quantile(
+            columns[key] = tolerance.quantile(
                 self._of_machines(lambda *span, key=key: shares(self.seed, key, *span), runs)
             )
-        return found
+        return columns
 
     def values(self, runs: range) -> NDArray[np.float64]:
         """The SI values of all parameters, a row for each of some runs."""
@@ -238,24 +238,24 @@ def _unravel(points: NDArray[np.int64], shape: tuple[int, ...]) -> tuple[NDArray
     return tuple(np.unravel_index(points, shape)) if shape else ()
 
 
-def _check_whole(name: str, given: object, least: int, most: int) -> None:
-    if not isinstance(given, int) or isinstance(given, bool) or not least <= given <= most:
-        raise InputError(f"{name}: expected a whole number from {least:,} to {most:,}, got {show(given)}")
+def _check_whole(name: str, value: object, least: int, most: int) -> None:
+    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+        raise InputError(f"{name}: expected a whole number from {least:,} to {most:,}, got {show(value)}")
 
 
-def _axis(key: str, given: str | Sequence[float]) -> tuple[float, ...]:
+def _axis(key: str, spec: str | Sequence[float]) -> tuple[float, ...]:
     """The values (SI) of a grid's parameter."""
     try:
         text.check_key(key)
-        if isinstance(given, str):
-            return text.grid(key, given)
-        values = tuple(map(float, given))
+        if isinstance(spec, str):
+            return text.grid(key, spec)
+        values = tuple(map(float, spec))
         for value in values:
             text.check_in_range(key, value)
     except InputError as error:
         raise InputError(f"grid: {error}") from error
     except (TypeError, ValueError) as error:
-        raise InputError(f"grid: {key}: expected text or numbers, got {show(given)}") from error
+        raise InputError(f"grid: {key}: expected text or numbers, got {show(spec)}") from error
     if not 2 <= len(values) <= text.MOST_STEPS or list(values) != sorted(set(values)):
         raise InputError(f"grid: {key}: expected 2 to {text.MOST_STEPS:,} rising values, got {len(values)}")
     return values
@@ -270,13 +270,16 @@ def _without_effect(loader: Loader, axes: Mapping[str, tuple[float, ...]]) -> li
 def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
     """The loader's tolerances, changed as asked."""
     try:
-        wanted = {key: text.tolerance(key, it) if isinstance(it, str) else it for key, it in vary.items()}
-        for key in {**loader.tolerances, **wanted}:
-            if wanted.get(key, key) is not None:
+        tolerances = {
+            key: text.tolerance(key, tolerance) if isinstance(tolerance, str) else tolerance
+            for key, tolerance in vary.items()
+        }
+        for key in {**loader.tolerances, **tolerances}:
+            if tolerances.get(key, key) is not None:
                 text.check_key(key)
     except InputError as error:
         raise InputError(f"vary: {error}") from error
     try:
-        return loader.with_tolerances(wanted).tolerances
+        return loader.with_tolerances(tolerances).tolerances
     except InputError as error:
         raise InputError(str(error).replace("tolerances.", "vary: ")) from error

@@ -97,8 +97,8 @@ class SweepResult:
         The machines are random, so the first ones are a fair sample. With a grid it is that of its first point.
         """
         first = range(min(ENVELOPE_RUNS, self.sweep.machines))
-        found = histories(self.sweep, first, [_ANGLE])
-        stayed = found.isel(run=~np.isfinite(found["diverged_at_s"].values))
+        runs = histories(self.sweep, first, [_ANGLE])
+        stayed = runs.isel(run=~np.isfinite(runs["diverged_at_s"].values))
         angle = stayed[_ANGLE].values
         edges = (
             np.quantile(angle, list(BANDS.values()), axis=0)
@@ -106,18 +106,18 @@ class SweepResult:
             else np.full((len(BANDS), angle.shape[1]), np.nan)
         )
         data = {"column_angle_rad": (("edge", "time_s"), edges, {"units": "rad"})}
-        times = ("time_s", found["time_s"].values, {"units": "s"})
+        times = ("time_s", runs["time_s"].values, {"units": "s"})
         return xr.Dataset(data, {"edge": list(BANDS), "time_s": times}, {"runs": len(angle)})
 
     @cached_property
     def reasons(self) -> Mapping[str, int]:
         """Why machines cannot be, and how many."""
-        found: Counter[str] = Counter()
+        counts: Counter[str] = Counter()
         for runs in self.sweep.chunks:  # all at once may not fit in memory
-            found.update(
+            counts.update(
                 {sentence: int(which.sum()) for sentence, which in impossible(self.sweep.values(runs)).items()}
             )
-        return found
+        return counts
 
     def map(self, measure: str, share: float = 0.5) -> xr.DataArray:
         """A measure over the grid.
@@ -139,10 +139,12 @@ class SweepResult:
 
     def _over_grid(self, values: NDArray[np.float64], share: float) -> xr.DataArray:
         points = values.reshape(*self.sweep.shape, self.sweep.machines)
-        here = np.isfinite(points).any(axis=-1)
-        found = np.full(self.sweep.shape, np.nan)
-        found[here] = np.nanquantile(np.where(np.isfinite(points[here]), points[here], np.nan), share, axis=-1)
-        return xr.DataArray(found, self._coordinates, tuple(self.sweep.axes))
+        covered = np.isfinite(points).any(axis=-1)
+        quantiles = np.full(self.sweep.shape, np.nan)
+        quantiles[covered] = np.nanquantile(
+            np.where(np.isfinite(points[covered]), points[covered], np.nan), share, axis=-1
+        )
+        return xr.DataArray(quantiles, self._coordinates, tuple(self.sweep.axes))
 
     @property
     def _coordinates(self) -> dict[str, xr.Variable]:

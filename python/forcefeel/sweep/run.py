@@ -50,8 +50,8 @@ def run_sweep(
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
-        >>> len(found.runs.to_dataframe())
+        >>> result = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> len(result.runs.to_dataframe())
         32
     """
     expect("sweep", sweep, Sweep, "a Sweep, which says of which loader and scenario")
@@ -63,19 +63,19 @@ def run_sweep(
     store = None if folder is None else Folder(Path(folder), sweep)
     if store is not None:
         store.open(resume=resume, replace=replace)
-    found = store.kept() if store is not None else {}
-    missing = [index for index in range(len(sweep.chunks)) if index not in found]
-    done = sum(map(len, found.values()))
+    measures = store.kept() if store is not None else {}
+    missing = [index for index in range(len(sweep.chunks)) if index not in measures]
+    done = sum(map(len, measures.values()))
     report = progress or (lambda _done, _total: None)
     report(done, sweep.total)
     with closing(_computed(sweep, missing, scheduler, threads)) as chunks:
         for index, measured in chunks:
-            found[index] = measured
+            measures[index] = measured
             if store is not None:
                 store.keep(index, measured)
             done += len(measured)
             report(done, sweep.total)
-    result = SweepResult.of(sweep, np.concatenate([found[index] for index in range(len(sweep.chunks))]))
+    result = SweepResult.of(sweep, np.concatenate([measures[index] for index in range(len(sweep.chunks))]))
     if store is not None and not store.finished:
         store.finish(result.runs)
     return result

@@ -85,15 +85,15 @@ def damping_map(sweep: Sweep) -> xr.DataArray | None:
     if np.prod(sweep.shape) > MOST_POINTS:
         return None
     keys, axes = list(sweep.axes), [np.array(axis) for axis in sweep.axes.values()]
-    found = np.empty(int(np.prod(sweep.shape)))
-    for first in range(0, len(found), _AT_A_TIME):
-        points = slice(first, first + _AT_A_TIME)
-        places = np.unravel_index(np.arange(len(found))[points], sweep.shape)
-        table = np.column_stack([axis[place] for axis, place in zip(axes, places, strict=True)])
+    damping = np.empty(int(np.prod(sweep.shape)))
+    for start in range(0, len(damping), _AT_A_TIME):
+        points = slice(start, start + _AT_A_TIME)
+        places = np.unravel_index(np.arange(len(damping))[points], sweep.shape)
+        table = np.column_stack([axis[index] for axis, index in zip(axes, places, strict=True)])
         poles = _poles(sweep, keys, table)
-        found[points] = np.min(-poles.real / np.maximum(np.abs(poles), np.finfo(float).tiny), axis=1)
+        damping[points] = np.min(-poles.real / np.maximum(np.abs(poles), np.finfo(float).tiny), axis=1)
     coordinates = {key: (key, axis, {"units": TABLE[key].unit_si}) for key, axis in zip(keys, axes, strict=True)}
-    return xr.DataArray(found.reshape(sweep.shape), coordinates, tuple(keys), "least_damping_ratio")
+    return xr.DataArray(damping.reshape(sweep.shape), coordinates, tuple(keys), "least_damping_ratio")
 
 
 def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -98,13 +98,16 @@ class Summary:
 
     def share(self, status: str) -> Share:
         """How many ended with ``status``."""
-        return next(one for one in self.shares if one.status == status)
+        return next(share for share in self.shares if share.status == status)
 
     def ranking(self, measure: str) -> list[tuple[str, float]]:
         """The parameters that ``measure`` depends on beyond chance, the most important first, with their correlation."""
         row = self.correlations.sel(measure=measure)
-        found = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
-        return sorted((one for one in found if abs(one[1]) > self.chance), key=lambda one: -abs(one[1]))
+        influences = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
+        return sorted(
+            (influence for influence in influences if abs(influence[1]) > self.chance),
+            key=lambda influence: -abs(influence[1]),
+        )
 
 
 def summarize(result: SweepResult) -> Summary:
@@ -139,8 +142,8 @@ def summarize(result: SweepResult) -> Summary:
 def measure_unit(measure: str, drive: str) -> Unit:
     """The units of a measure of a drive; a share is shown in percent."""
     hint = get_type_hints(KINDS[drive], include_extras=True)[measure]
-    found: Unit = hint.__metadata__[0]
-    return PERCENT if found is RATIO and measure == "overshoot" else found
+    unit: Unit = hint.__metadata__[0]
+    return PERCENT if unit is RATIO and measure == "overshoot" else unit
 
 
 def measure_name(measure: str) -> str:
@@ -156,11 +159,11 @@ def _share(status: str, count: int, total: int, random: bool) -> Share:
 
 
 def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
-    known = values[np.isfinite(values)]
-    if not len(known):
+    finite = values[np.isfinite(values)]
+    if not len(finite):
         return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
-    lowest, *quantiles, highest = np.quantile(known, (0.0, *QUANTILES, 1.0)).tolist()
-    return Spread(name, nominal, len(known), lowest, highest, tuple(quantiles), measured_in)
+    lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0)).tolist()
+    return Spread(name, nominal, len(finite), lowest, highest, tuple(quantiles), measured_in)
 
 
 def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:
@@ -169,13 +172,13 @@ def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str
     table = np.full((len(measured), len(parameters)), np.nan)
     columns = np.array(list(parameters.values()))
     for row, values in zip(table, measured.values(), strict=True):
-        known = np.isfinite(values)
-        if known.sum() < FEWEST or np.ptp(values[known]) == 0:
+        finite = np.isfinite(values)
+        if finite.sum() < FEWEST or np.ptp(values[finite]) == 0:
             continue
-        same = np.packbits(known).tobytes()
+        same = np.packbits(finite).tobytes()
         if same not in ranks:
-            ranks[same] = _standard(rankdata(columns[:, known], axis=1))
-        row[:] = ranks[same] @ _standard(rankdata(values[known]))
+            ranks[same] = _standard(rankdata(columns[:, finite], axis=1))
+        row[:] = ranks[same] @ _standard(rankdata(values[finite]))
     return xr.DataArray(table, {"measure": list(measured), "parameter": list(parameters)}, ("measure", "parameter"))
 
 

@@ -34,28 +34,28 @@ def assignment(text: str, example: str) -> tuple[str, str]:
     Raises:
         InputError: If it is not of that form.
     """
-    key, what = (part.strip() for part in text.partition("=")[::2])
-    if not (key and what):
+    key, value = (part.strip() for part in text.partition("=")[::2])
+    if not (key and value):
         raise InputError(f"expected part.name=value such as {example!r}, got {show(text)}")
-    return key, what
+    return key, value
 
 
-def assignments(option: str, given: Sequence[str] | None, example: str) -> dict[str, str]:
+def assignments(option: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
     """All that an option says that may be given again, by key.
 
     Raises:
         InputError: If one is not of the form of ``example``, or a key stands twice.
     """
-    found: dict[str, str] = {}
-    for one in given or ():
+    values: dict[str, str] = {}
+    for text in texts or ():
         try:
-            key, what = assignment(one, example)
+            key, value = assignment(text, example)
         except InputError as error:
             raise InputError(f"{option}: {error}") from error
-        if key in found:
+        if key in values:
             raise InputError(f"{option}: {key} is given twice; give it once")
-        found[key] = what
-    return found
+        values[key] = value
+    return values
 
 
 def check_key(key: str) -> None:
@@ -122,8 +122,10 @@ def check_in_range(key: str, value: float) -> None:
     """
     row = TABLE[key]
     if not in_range(row, value):
-        came = value_text(row, value)
-        raise InputError(f"{key}: out of range: expected values within {range_text(row)}, got {came}; narrow it")
+        value_with_unit = value_text(row, value)
+        raise InputError(
+            f"{key}: out of range: expected values within {range_text(row)}, got {value_with_unit}; narrow it"
+        )
 
 
 def _ends(span: str) -> tuple[str, str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from forcefeel.errors import InputError
 from forcefeel.tables.column_names import by_stem
-from forcefeel.tables.table import Columns, Found, Places, Table
+from forcefeel.tables.table import Columns, LocatedColumns, Places, Table
 from forcefeel.units import parse, show
 
 Times = tuple[float, float]
@@ -17,7 +17,7 @@ Times = tuple[float, float]
 ALL: Times = (-inf, inf)
 
 
-def take_between(table: Table, found: Found, between_s: Times) -> Columns:
+def take_between(table: Table, located: LocatedColumns, between_s: Times) -> Columns:
     """The numbers of the columns that were found, between two times; ``time`` is one of them.
 
     Raises:
@@ -28,7 +28,7 @@ def take_between(table: Table, found: Found, between_s: Times) -> Columns:
         raise InputError(
             f"{table.path}: the argument between_s: expected a time and a later one, got {start:g} s and {end:g} s"
         )
-    read = table.take(found)
+    read = table.take(located)
     time = read.values["time"]
     if table.broken and not (len(time) and end <= time[-1]):
         until = (
@@ -58,12 +58,12 @@ def times_by_stem(
     Raises:
         InputError: If one is no time, or no file is given.
     """
-    for option, given in (("--from", starts), ("--until", ends)):
-        if given and not stems:
+    for option, texts in (("--from", starts), ("--until", ends)):
+        if texts and not stems:
             raise InputError(f"{option}: cuts a record, and no file is given; leave it out")
     first, last = (
-        {stem: _seconds(option, text) for stem, text in by_stem(option, given, stems).items()}
-        for option, given in (("--from", starts), ("--until", ends))
+        {stem: _seconds(option, text) for stem, text in by_stem(option, texts, stems).items()}
+        for option, texts in (("--from", starts), ("--until", ends))
     )
     return {stem: (first.get(stem, -inf), last.get(stem, inf)) for stem in first.keys() | last.keys()}
 

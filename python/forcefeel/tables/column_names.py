@@ -34,8 +34,8 @@ class ColumnNames:
         Raises:
             InputError: If one is bad, or there is no file that it could be of.
         """
-        for option, given in (("--column", columns), ("--unit", units)):
-            if given and not stems:
+        for option, texts in (("--column", columns), ("--unit", units)):
+            if texts and not stems:
                 raise InputError(f"{option}: is about a file's columns, and no file is given; leave it out")
         return cls(names_by_stem("--column", columns, stems), names_by_stem("--unit", units, stems))
 
@@ -44,32 +44,32 @@ class ColumnNames:
         return {"columns": self.columns.get(stem, {}), "units": self.units.get(stem, {})}
 
 
-def by_stem(option: str, given: Sequence[str] | None, stems: Sequence[str]) -> dict[str, str]:
+def by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]) -> dict[str, str]:
     """What ``[STEM=]TEXT`` says of each file; what names a file goes before what holds for all.
 
     Raises:
         InputError: If a stem is none of the files', nothing is said, or one file is spoken of twice.
     """
     named: dict[str, str] = {}
-    for text in given or ():
-        stem, said = _split(option, text, "=", stems)
-        if not said:
+    for text in texts or ():
+        stem, value = _split(option, text, "=", stems)
+        if not value:
             raise InputError(f"{option}: expected words after {show(text)}, got none")
         if stem in named:
             raise InputError(f"{option}: is given twice{f' for {stem}' if stem else ''}; give it once for each file")
-        named[stem] = said
+        named[stem] = value
     general = {} if "" not in named else dict.fromkeys(stems, named.pop(""))
     return general | named
 
 
-def names_by_stem(option: str, given: Sequence[str] | None, stems: Sequence[str]) -> dict[str, dict[str, str]]:
+def names_by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]) -> dict[str, dict[str, str]]:
     """What ``[STEM:]name=value`` says of each file, by name; what names a file goes before what holds for all.
 
     Raises:
         InputError: If one is not of this form, a stem is none of the files', or a name stands twice.
     """
     named: dict[str, dict[str, str]] = {}
-    for text in given or ():
+    for text in texts or ():
         stem, rest = _split(option, text, ":", stems)
         name, equals, value = (part.strip() for part in rest.partition("="))
         if not (name and equals and value):
@@ -89,8 +89,8 @@ def _split(option: str, text: str, mark: str, stems: Sequence[str]) -> tuple[str
     for stem in sorted(stems, key=len, reverse=True):
         if text.startswith(stem + mark):
             return stem, text.removeprefix(stem + mark).strip()
-    before, found, _ = text.partition(mark)
-    if found and "=" not in before:
+    before, separator, _ = text.partition(mark)
+    if separator and "=" not in before:
         raise InputError(
             f"{option}: {show(before)} is none of the files; expected one of {', '.join(stems)} before '{mark}', or nothing for all"
         )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from forcefeel.errors import InputError
-from forcefeel.tables.table import MOST_ROWS, NOTES, Columns, Found, Places, Table, check_size
+from forcefeel.tables.table import MOST_ROWS, NOTES, Columns, LocatedColumns, Places, Table, check_size
 from forcefeel.units import show
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -35,8 +35,8 @@ def read_csv(path: Path, data: bytes, example: str) -> Table:
         raise InputError(f"{path}: line 1: is empty; expected a header such as {example!r} and rows of numbers")
     check_size(f"{path}: line {line}", len(header))
 
-    def take(found: Found) -> Columns:
-        return _columns(path, _rows(path, data, example, {}), found)
+    def take(located: LocatedColumns) -> Columns:
+        return _columns(path, _rows(path, data, example, {}), located)
 
     cells = [" ".join(cell.split()) for cell in header]
     return Table(path, cells, f"{path}: line {line}", notes, hashlib.sha256(data).hexdigest(), take)
@@ -86,10 +86,10 @@ def _without_notes(path: Path, lines: Iterator[str], notes: dict[str, str]) -> I
             _check_commas(f"{path}: line {number}", bare)
             yield line
             break
-        key, colon, said = (part.strip() for part in bare.removeprefix("#").partition(":"))
-        if colon and key.lower() in NOTES and notes.setdefault(key.lower(), said) != said:
-            came = f"{show(notes[key.lower()])} and {show(said)}"
-            raise InputError(f"{path}: line {number}: {key.lower()} is stated twice, {came}; leave one of them")
+        key, colon, value = (part.strip() for part in bare.removeprefix("#").partition(":"))
+        if colon and key.lower() in NOTES and notes.setdefault(key.lower(), value) != value:
+            both = f"{show(notes[key.lower()])} and {show(value)}"
+            raise InputError(f"{path}: line {number}: {key.lower()} is stated twice, {both}; leave one of them")
         yield "\n"
     yield from lines
 
@@ -101,11 +101,11 @@ def _check_commas(where: str, header: str) -> None:
             raise InputError(f"{where}: is parted by {words}; use commas, and points in numbers")
 
 
-def _columns(path: Path, rows: Iterator[tuple[list[str], int]], found: Found) -> Columns:
+def _columns(path: Path, rows: Iterator[tuple[list[str], int]], located: LocatedColumns) -> Columns:
     """The numbers of the columns that were found, from the rows below the header."""
     header, line = next(rows)
-    numbers, lines = {name: array("d") for name in found}, array("q", [line])
-    wanted = [(name, i, scale, numbers[name].append) for name, (i, _, scale, _) in found.items()]
+    numbers, lines = {name: array("d") for name in located}, array("q", [line])
+    targets = [(name, i, scale, numbers[name].append) for name, (i, _, scale, _) in located.items()]
     is_number = _NUMBER.fullmatch
     for row, at in rows:
         if len(row) != len(header):
@@ -113,7 +113,7 @@ def _columns(path: Path, rows: Iterator[tuple[list[str], int]], found: Found) ->
                 f"{path}: line {at}: expected {len(header)} values as in the header, got {len(row)}; "
                 "write numbers with a decimal point and part them with one comma"
             )
-        for name, i, scale, append in wanted:
+        for name, i, scale, append in targets:
             cell = row[i].strip()
             if not is_number(cell):
                 raise _no_number(cell, f"{path}: line {at}: {name}")
@@ -122,7 +122,7 @@ def _columns(path: Path, rows: Iterator[tuple[list[str], int]], found: Found) ->
         if len(lines) > MOST_ROWS:  # the header's place is one of them
             check_size(str(path), len(header), len(lines) - 1)
     values = {name: np.frombuffer(column) for name, column in numbers.items()}
-    return Columns.read(values, found, Places(f"{path}: line", lines))
+    return Columns.read(values, located, Places(f"{path}: line", lines))
 
 
 def _no_number(cell: str, where: str) -> InputError:

@@ -35,13 +35,13 @@ def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) 
     finite = np.logical_and.reduce([np.isfinite(values) for values in columns.values()])
     if not finite.all():
         i = int(np.argmin(finite))
-        came = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
-        return i + 1, f"expected finite numbers, got {came}; leave the row out if the sample was lost"
+        value_text = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
+        return i + 1, f"expected finite numbers, got {value_text}; leave the row out if the sample was lost"
     for name, values in columns.items():
         i = int(np.argmax(np.abs(values)))
         if name != "time" and abs(values[i]) > LARGEST:
-            came = f"{name} is {values[i]:.6g} {units[name]}"
-            return i + 1, f"{came}; expected at most {LARGEST:g}; leave the row out if the sample was lost"
+            value_text = f"{name} is {values[i]:.6g} {units[name]}"
+            return i + 1, f"{value_text}; expected at most {LARGEST:g}; leave the row out if the sample was lost"
     with np.errstate(over="ignore"):  # times from end to end of what a number can hold
         steps = np.diff(time)
     if not (steps > 0).all():
@@ -71,9 +71,9 @@ def check_step(time_s: NDArray[np.float64], where: str, longest_s: float) -> Non
     step = float(np.median(np.diff(time_s)))
     if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= longest_s * (1 + _ROUNDING):
         return
-    unit, asked = ("ms", "ms") if step > longest_s else ("s", "s, not in ms")
+    unit, expected = ("ms", "ms") if step > longest_s else ("s", "s, not in ms")
     raise InputError(
         f"{where}: time: has a median step of {step:.6g} s; expected {_SHORTEST_STEP_S * 1e6:.0f} microseconds to "
-        f"{longest_s:g} s; is the time in {asked}? Say so in the header, 'time ({unit})', or where it has no unit by the "
+        f"{longest_s:g} s; is the time in {expected}? Say so in the header, 'time ({unit})', or where it has no unit by the "
         f"argument units (time={unit})"
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from forcefeel.errors import InputError
-from forcefeel.tables.table import Found, Located, Table
+from forcefeel.tables.table import Located, LocatedColumns, Table
 from forcefeel.units import factor, show
 
 DECIBEL = "dB"
@@ -43,7 +43,7 @@ def heading(cell: str, known: Collection[str]) -> Heading:
         if opened and cell.endswith(closing):
             return Heading(_name(before), " ".join(unit.split()))
     name = _name(cell)
-    starts = [it for it in known if name.startswith(f"{it}_")]
+    starts = [prefix for prefix in known if name.startswith(f"{prefix}_")]
     if name in known or not starts:
         return Heading(name, "")
     longest = max(starts, key=len)
@@ -63,21 +63,21 @@ def suffix_unit(suffix: str) -> str:
         return ""
 
 
-def same_unit(one: str, other: str) -> bool:
+def same_unit(unit: str, other: str) -> bool:
     """Whether two units are equal, whatever they are called: ``psi`` is ``lb/in^2``, ``db`` is ``dB``."""
-    if one == other or one.lower() == other.lower() == DECIBEL.lower():
+    if unit == other or unit.lower() == other.lower() == DECIBEL.lower():
         return True
-    if max(len(one), len(other)) > _LONGEST_UNIT:
+    if max(len(unit), len(other)) > _LONGEST_UNIT:
         return False
     try:
-        return abs(factor(one, other) - 1) < _ROUNDING
+        return abs(factor(unit, other) - 1) < _ROUNDING
     except InputError:
         return False
 
 
 def locate(
     table: Table,
-    wanted: Mapping[str, tuple[str, ...]],
+    columns: Mapping[str, tuple[str, ...]],
     units: Mapping[str, str],
     own: Mapping[str, str],
     also: Mapping[str, str] = MappingProxyType({}),
@@ -86,46 +86,46 @@ def locate(
 
     Args:
         table: The table.
-        wanted: Units by name in which a column may be, SI; ``""`` for a number, ``DECIBEL`` for a gain.
-        units: Units by name, wanted or the file's own, where the header has none; as of ``by_wanted_name``.
-        own: The file's own name of a wanted column; as of ``by_wanted_name``.
+        columns: Units by name in which a column may be, SI; ``""`` for a number, ``DECIBEL`` for a gain.
+        units: Units by name, wanted or the file's own, where the header has none; as of ``by_standard_name``.
+        own: The file's own name of a wanted column; as of ``by_standard_name``.
         also: Second names of wanted columns, with the name that they are wanted by.
 
     Raises:
         InputError: If one stands twice, has no unit, one that does not measure it, or another than ``units`` says.
     """
-    cells = [heading(cell, (*wanted, *also)) for cell in table.header]
-    found: dict[str, Located] = {}
-    for name, accepted in wanted.items():
+    cells = [heading(cell, (*columns, *also)) for cell in table.header]
+    located: dict[str, Located] = {}
+    for name, accepted in columns.items():
         if name in own:
             places = columns_called(table, own[name])
         else:
             places = [(i, cell.unit) for i, cell in enumerate(cells) if also.get(cell.name, cell.name) == name]
         if len(places) > 1:
-            came = " and ".join(show(table.header[i]) for i, _ in places)
+            cells_text = " and ".join(show(table.header[i]) for i, _ in places)
             remedy = "leave one of them, or name one by the argument columns"
-            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {came}; {remedy}")
+            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {cells_text}; {remedy}")
         for i, unit in places:
-            given = units.get(name) or units.get(own.get(name, name))
+            stated = units.get(name) or units.get(own.get(name, name))
             where = f"{table.where}: {name}"
-            own_unit = _agreed(where, unit, given)
-            found[name] = Located(i, *_scale(where, own_unit, accepted), own_unit)
+            own_unit = _agreed(where, unit, stated)
+            located[name] = Located(i, *_scale(where, own_unit, accepted), own_unit)
     for name, its_own in own.items():
-        if name not in found:
+        if name not in located:
             raise InputError(
                 f"{table.where}: has no column {show(its_own)} for {name}; the columns are {_cells(table)}"
             )
-    return found
+    return located
 
 
-def need(table: Table, found: Found, names: Collection[str], example: str) -> None:
+def need(table: Table, located: LocatedColumns, names: Collection[str], example: str) -> None:
     """Refuses a table without one of ``names``.
 
     Raises:
         InputError: With what the table has and a good header.
     """
     for name in names:
-        if name not in found:
+        if name not in located:
             raise InputError(
                 f"{table.where}: has no column {name!r}; expected a header such as {example!r}, got {_cells(table)}; rename the "
                 "column, or name it by the argument columns"
@@ -139,10 +139,10 @@ def columns_called(table: Table, name: str) -> list[tuple[int, str]]:
     return [(i, cell.unit) for i, cell in enumerate(cells) if cell.name == _name(name) or written[i]]
 
 
-def by_wanted_name(
+def by_standard_name(
     where: str,
     argument: str,
-    given: Mapping[str, str],
+    assigned: Mapping[str, str],
     allowed: Collection[str],
     also: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, str]:
@@ -151,49 +151,49 @@ def by_wanted_name(
     Raises:
         InputError: If a key names nothing, or two of them one column.
     """
-    found: dict[str, str] = {}
-    for name, said in given.items():
+    by_name: dict[str, str] = {}
+    for name, value in assigned.items():
         if name not in allowed and name not in also:
             names = ", ".join((*allowed, *also))
             raise InputError(f"{where}: the argument {argument}: unknown name {show(name)}; the names are {names}")
-        if found.setdefault(also.get(name, name), said) != said:
+        if by_name.setdefault(also.get(name, name), value) != value:
             raise InputError(
                 f"{where}: the argument {argument}: {also.get(name, name)} is given twice; leave one of them"
             )
-    return found
+    return by_name
 
 
 def _name(text: str) -> str:
     return "_".join(text.strip().lower().split())
 
 
-def _agreed(where: str, in_file: str, given: str | None) -> str:
-    if in_file and given and not same_unit(in_file, given):
+def _agreed(where: str, in_file: str, stated: str | None) -> str:
+    if in_file and stated and not same_unit(in_file, stated):
         raise InputError(
-            f"{where}: the header says {show(in_file)}, the argument units {show(given)}; leave one of them out"
+            f"{where}: the header says {show(in_file)}, the argument units {show(stated)}; leave one of them out"
         )
-    return in_file or given or ""
+    return in_file or stated or ""
 
 
-def _scale(where: str, given: str, accepted: tuple[str, ...]) -> tuple[str, float]:
-    """The SI unit, and the SI value of one ``given``."""
-    if given.lower() == DECIBEL.lower() and DECIBEL in accepted:
+def _scale(where: str, unit: str, accepted: tuple[str, ...]) -> tuple[str, float]:
+    """The SI unit, and the SI value of one ``unit``."""
+    if unit.lower() == DECIBEL.lower() and DECIBEL in accepted:
         return DECIBEL, 1.0
-    if not given and "" in accepted:
+    if not unit and "" in accepted:
         return "", 1.0
     expected = " or ".join(unit or "no unit" for unit in accepted)
-    if not given:
+    if not unit:
         raise InputError(
             f"{where}: has no unit; expected one such as {expected}; add it to the header or by the argument units"
         )
-    if len(given) > _LONGEST_UNIT:
-        raise InputError(f"{where}: unknown unit {show(given)}; expected one such as {expected}")
+    if len(unit) > _LONGEST_UNIT:
+        raise InputError(f"{where}: unknown unit {show(unit)}; expected one such as {expected}")
     errors = []
     for si in accepted:
         if si == DECIBEL:
             continue
         try:
-            return si, factor(given, si)
+            return si, factor(unit, si)
         except InputError as error:
             errors.append(error)
     raise InputError(f"{where}: {errors[0]}; expected a unit such as {expected}") from errors[0]

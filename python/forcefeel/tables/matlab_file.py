@@ -65,21 +65,21 @@ def read_variables(data: bytes) -> Variables:
         raise NewerFormatError
     if version != 0x0100:
         raise DamagedError(f"version {version:#06x} is not known")
-    found: Variables = []
+    variables: Variables = []
     for name, value in _level_5(memoryview(data)[_HEADER:], order):
-        found += value if isinstance(value, list) else [(name, value)]
-        if len(found) > MOST_COLUMNS:
+        variables += value if isinstance(value, list) else [(name, value)]
+        if len(variables) > MOST_COLUMNS:
             raise DamagedError(f"it has more than {MOST_COLUMNS:,} variables")
-    return found
+    return variables
 
 
 def _level_5(data: memoryview, order: str) -> Iterator[tuple[str, Variable | Variables]]:
-    left = MOST_INFLATED
+    budget = MOST_INFLATED
     for kind, element in _elements(data, order):
         matrices = iter([(kind, element)])
         if kind == _COMPRESSED:
-            inflated = _inflated(element, left)
-            left -= len(inflated)
+            inflated = _inflated(element, budget)
+            budget -= len(inflated)
             matrices = _elements(memoryview(inflated), order)
         for inner, matrix in matrices:
             if inner != _MATRIX:
@@ -89,13 +89,13 @@ def _level_5(data: memoryview, order: str) -> Iterator[tuple[str, Variable | Var
                 yield name, value
 
 
-def _inflated(element: memoryview, most: int) -> bytes:
+def _inflated(element: memoryview, limit: int) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        inflated = inflater.decompress(element, most + 1)
+        inflated = inflater.decompress(element, limit + 1)
     except zlib.error as error:
         raise DamagedError(f"a variable cannot be inflated: {error}") from error
-    if len(inflated) > most:
+    if len(inflated) > limit:
         raise DamagedError(f"its variables hold more than {MOST_INFLATED // 2**20:,} MB")
     if not inflater.eof:
         raise DamagedError("a variable ends too early")
@@ -150,7 +150,7 @@ def _next(parts: Iterator[tuple[int, memoryview]], what: str, kinds: Sequence[in
 def _integers(data: memoryview, kind: str) -> list[int]:
     if len(data) % 4:
         raise DamagedError(f"{len(data)} bytes are no whole number of integers")
-    return [int(it) for it in np.frombuffer(data, kind)]
+    return [int(number) for number in np.frombuffer(data, kind)]
 
 
 def _array(parts: Iterator[tuple[int, memoryview]], shape: Sequence[int], order: str) -> NDArray[np.generic]:
@@ -185,14 +185,14 @@ def _fields(parts: Iterator[tuple[int, memoryview]], order: str) -> Variables:
     names = bytes(_next(parts, "field names", _NAME)[1])
     if len(lengths) != 1 or lengths[0] < 1 or len(names) % lengths[0]:
         raise DamagedError(f"field names of {len(names)} bytes are said to have {lengths} each")
-    found: Variables = []
+    variables: Variables = []
     for at in range(0, len(names), lengths[0]):
         name = names[at : at + lengths[0]].split(b"\0")[0].decode(errors="replace")
         matrix = _next(parts, f"the field {name!r}", (_MATRIX,))[1]
         value = _matrix(matrix, order, fields=False)[1] if len(matrix) else None
         if value is not None and not isinstance(value, list):
-            found.append((name, value))
-    return found
+            variables.append((name, value))
+    return variables
 
 
 def _level_4(data: memoryview) -> Iterator[tuple[str, Variable]]:

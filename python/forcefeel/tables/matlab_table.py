@@ -5,7 +5,7 @@ from pathlib import Path
 
 from forcefeel.errors import InputError
 from forcefeel.tables.matlab_file import DamagedError, NewerFormatError, read_variables
-from forcefeel.tables.table import NOTES, Columns, Found, Table, columns_of
+from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, columns_of
 from forcefeel.units import show
 
 
@@ -35,8 +35,8 @@ def read_matlab(path: Path, data: bytes, example: str) -> Table:
     if not columns:
         raise InputError(f"{path}: holds no rows of numbers; expected variables as in {example!r}, such as time_s")
 
-    def take(found: Found) -> Columns:
-        return columns_of(path, {name: columns[i][1] for name, (i, *_) in found.items()}, found, "sample")
+    def take(located: LocatedColumns) -> Columns:
+        return columns_of(path, {name: columns[i][1] for name, (i, *_) in located.items()}, located, "sample")
 
     return Table(
         path, [name for name, _ in columns], f"{path}: variables", notes, hashlib.sha256(data).hexdigest(), take

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.tables.table import Columns, Found, Table, check_size, columns_of
+from forcefeel.tables.table import Columns, LocatedColumns, Table, check_size, columns_of
 
 SIMULATED = "simulated"
 """What a record calls the machine of a loop that simulates it."""
@@ -44,17 +44,19 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
     check_size(str(path), len(columns), len(rows))
     whole = dict(zip(columns, rows.T, strict=True))
     drives = _driven(path, whole)
-    given = {name: values for name, values in whole.items() if not np.isnan(values).all()}
-    if not given["grip_force_n"].any():
-        del given["grip_force_n"]
+    filled = {name: values for name, values in whole.items() if not np.isnan(values).all()}
+    if not filled["grip_force_n"].any():
+        del filled["grip_force_n"]
     if about.get("machine") == SIMULATED:
-        given["time_s"] = whole["cycle"] * _period_s(path, about)
+        filled["time_s"] = whole["cycle"] * _period_s(path, about)
     renamed = _PISTON if about.get("drive") == "hydraulic" else {}
-    header = [renamed.get(name, name) for name in given]
-    taken = list(given.values())
+    header = [renamed.get(name, name) for name in filled]
+    taken = list(filled.values())
 
-    def take(found: Found) -> Columns:
-        return columns_of(path, {name: taken[one.place][drives] for name, one in found.items()}, found, "driven row")
+    def take(located: LocatedColumns) -> Columns:
+        return columns_of(
+            path, {name: taken[column.position][drives] for name, column in located.items()}, located, "driven row"
+        )
 
     where, data_hash = f"{path}: topic /cycle", hashlib.sha256(data).hexdigest()
     return Table(path, header, where, {}, data_hash, take, about, broken or "")

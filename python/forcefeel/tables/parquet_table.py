@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from forcefeel.errors import InputError
-from forcefeel.tables.table import NOTES, Columns, Found, Table, check_size, columns_of
+from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, check_size, columns_of
 
 
 def read_parquet(path: Path, data: bytes, example: str) -> Table:
@@ -45,13 +45,15 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
         file = parquet.ParquetFile(pa.BufferReader(data))
         check_size(str(path), file.metadata.num_columns, file.metadata.num_rows)
         header = [str(name) for name in file.schema_arrow.names]
-        said = {key.decode(errors="replace").lower(): text for key, text in (file.schema_arrow.metadata or {}).items()}
-    notes = {key: said[key].decode(errors="replace") for key in NOTES if key in said}
+        metadata = {
+            key.decode(errors="replace").lower(): text for key, text in (file.schema_arrow.metadata or {}).items()
+        }
+    notes = {key: metadata[key].decode(errors="replace") for key in NOTES if key in metadata}
 
-    def take(found: Found) -> Columns:
+    def take(located: LocatedColumns) -> Columns:
         with refused():
-            table = file.read(columns=[header[i] for i, *_ in found.values()])
-            given = {name: table[header[i]] for name, (i, *_) in found.items()}
-        return columns_of(path, given, found, "row")
+            table = file.read(columns=[header[i] for i, *_ in located.values()])
+            arrays = {name: table[header[i]] for name, (i, *_) in located.items()}
+        return columns_of(path, arrays, located, "row")
 
     return Table(path, header, f"{path}: schema", notes, hashlib.sha256(data).hexdigest(), take)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from forcefeel.errors import InputError
 from forcefeel.tables.between import ALL, Times, take_between
 from forcefeel.tables.faults import fault, in_file
-from forcefeel.tables.header import by_wanted_name, locate, need
+from forcefeel.tables.header import by_standard_name, locate, need
 from forcefeel.tables.table import Columns, Table
 
 
@@ -15,14 +15,14 @@ class Signals:
     """What a reader wants of a table.
 
     Attributes:
-        wanted: SI units in which each column may be, by name; ``time`` is one of them.
+        accepted: SI units in which each column may be, by name; ``time`` is one of them.
         needed: Names without which there is nothing to read.
         also: Second names of columns, with the name that they are wanted by.
         example: A good CSV header, for messages.
         cuts: Whether the reader's argument ``between_s`` reads a part of a record.
     """
 
-    wanted: Mapping[str, tuple[str, ...]]
+    accepted: Mapping[str, tuple[str, ...]]
     needed: tuple[str, ...]
     example: str
     also: Mapping[str, str] = field(default_factory=dict)
@@ -43,11 +43,11 @@ class Signals:
             InputError: If one that is needed is missing, one is not what it should be, or a row is at fault.
         """
         where = str(table.path)
-        columns = by_wanted_name(where, "columns", columns or {}, self.wanted, self.also)
-        units = by_wanted_name(where, "units", units or {}, (*self.wanted, *columns.values()), self.also)
-        found = locate(table, self.wanted, units, columns, self.also)
-        need(table, found, self.needed, self.example)
-        read = take_between(table, found, between_s)
+        columns = by_standard_name(where, "columns", columns or {}, self.accepted, self.also)
+        units = by_standard_name(where, "units", units or {}, (*self.accepted, *columns.values()), self.also)
+        located = locate(table, self.accepted, units, columns, self.also)
+        need(table, located, self.needed, self.example)
+        read = take_between(table, located, between_s)
         if wrong := fault(read.values, read.units):
             row, sentence = wrong
             raise InputError(f"{read.places[row]}: {in_file(sentence) if self.cuts else sentence}")

@@ -14,13 +14,13 @@ from forcefeel.errors import InputError
 class Located(NamedTuple):
     """A column that was found: its place, the SI unit that it is read in, how many one of the file's units are, that unit."""
 
-    place: int
+    position: int
     si: str
     scale: float
     unit: str
 
 
-Found = Mapping[str, Located]
+LocatedColumns = Mapping[str, Located]
 """Which column of a header each is, its SI unit and the SI value of one of its units."""
 
 NOTES = ("experiment", "from", "to", "hold")
@@ -71,13 +71,13 @@ class Columns:
     own_units: dict[str, str]
 
     @classmethod
-    def read(cls, values: dict[str, NDArray[np.float64]], found: Found, places: Sequence[str]) -> "Columns":
+    def read(cls, values: dict[str, NDArray[np.float64]], located: LocatedColumns, places: Sequence[str]) -> "Columns":
         """The values of columns that were found."""
         return cls(
             values,
-            {name: one.si for name, one in found.items()},
+            {name: column.si for name, column in located.items()},
             places,
-            {name: one.unit for name, one in found.items()},
+            {name: column.unit for name, column in located.items()},
         )
 
 
@@ -101,7 +101,7 @@ class Table:
     where: str
     notes: Mapping[str, str]
     data_hash: str
-    take: Callable[[Found], Columns]
+    take: Callable[[LocatedColumns], Columns]
     run: Mapping[str, str] = field(default_factory=dict)
     broken: str = ""
 
@@ -112,33 +112,33 @@ def check_size(where: str, columns: int, rows: int = 0) -> None:
     Raises:
         InputError: With the most there may be.
     """
-    for came, most, what in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
-        if came > most:
-            raise InputError(f"{where}: has more than {most:,} {what}; leave out what is not needed")
+    for count, limit, noun in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
+        if count > limit:
+            raise InputError(f"{where}: has more than {limit:,} {noun}; leave out what is not needed")
 
 
-def columns_of(path: Path, given: Mapping[str, Any], found: Found, row: str) -> Columns:
+def columns_of(path: Path, arrays: Mapping[str, Any], located: LocatedColumns, row: str) -> Columns:
     """Columns of one length in SI units; rows are counted from 1.
 
     Raises:
         InputError: If one is not of numbers, has more dimensions than one, another length, or too many rows.
     """
     with np.errstate(all="ignore"):  # what is not finite is said with its row
-        values = {name: _numbers(path, name, given[name]) * scale for name, (_, _, scale, _) in found.items()}
+        values = {name: _numbers(path, name, arrays[name]) * scale for name, (_, _, scale, _) in located.items()}
     lengths = {name: len(column) for name, column in values.items()}
     if len(set(lengths.values())) > 1:
-        came = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-        raise InputError(f"{path}: expected as many values of each column, got {came}; record them together")
+        lengths_text = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+        raise InputError(f"{path}: expected as many values of each column, got {lengths_text}; record them together")
     rows = max(lengths.values(), default=0)
-    check_size(str(path), len(found), rows)
+    check_size(str(path), len(located), rows)
     places = Places(f"{path}: {row}", range(rows + 1))
-    return Columns.read(values, found, places)
+    return Columns.read(values, located, places)
 
 
-def _numbers(path: Path, name: str, given: Any) -> NDArray[np.float64]:
+def _numbers(path: Path, name: str, raw: Any) -> NDArray[np.float64]:
     """A column as numbers; a sample that is missing is not a number."""
     try:
-        column = np.asarray(given)
+        column = np.asarray(raw)
         if np.iscomplexobj(column):
             raise InputError(f"{path}: {name}: expected real numbers, got complex ones; give gain and phase")
         if column.dtype.kind in _TIMES:  # they would be taken as counts of their unit

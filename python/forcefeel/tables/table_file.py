@@ -29,6 +29,6 @@ def open_table(path: str | Path, example: str) -> Table:
     """
     path = Path(path)
     if (read := _READERS.get(path.suffix.lower())) is None:
-        *most, last = ENDINGS
-        raise InputError(f"{path}: expected a file that ends in {', '.join(most)} or {last}, got {show(path.name)}")
+        *others, last = ENDINGS
+        raise InputError(f"{path}: expected a file that ends in {', '.join(others)} or {last}, got {show(path.name)}")
     return read(path, read_input(path, MOST_BYTES, f"a table with columns such as {example!r}"), example)

@@ -75,7 +75,7 @@ def in_place_of(record, signal):
 
 def test_hands_off_it_tells_mass_and_offset(loader, shaken):
     found = find_grip_sensor(loader, [shaken], None)
-    assert found.wrong == found.said == ()
+    assert found.wrong == found.notes == ()
     assert set(found.rows) == {MASS, OFFSET}
     told = {MASS: TRUE[GAIN] * TRUE[MASS] / loader[GAIN], OFFSET: TRUE[OFFSET]}
     for key, (value, deviation) in found.rows.items():
@@ -141,8 +141,8 @@ def test_no_law_is_handed_over_for_a_sensor_that_sees_nothing(loader, shaken):
 
 def test_what_is_not_there_is_said(loader, shaken):
     without = replace(shaken, channels={name: it for name, it in shaken.channels.items() if name != "grip_force"})
-    (said,) = find_grip_sensor(loader, [without], None).said
+    (said,) = find_grip_sensor(loader, [without], None).notes
     assert "No record holds grip_force" in said
-    (said,) = find_grip_sensor(ff.elevator(), [shaken], None).said
+    (said,) = find_grip_sensor(ff.elevator(), [shaken], None).notes
     assert "the loader file has no grip_sensor" in said
-    assert find_grip_sensor(ff.elevator(), [without], None).said == ()
+    assert find_grip_sensor(ff.elevator(), [without], None).notes == ()

@@ -151,7 +151,7 @@ def test_without_a_tolerance_it_is_said():
 def test_a_bound_has_its_remedy():
     text = said(bounded())[1]
     assert "column.inertia ended at its upper bound" in text
-    assert "(+20 %): the data ask for a larger value. The bound is the file's tolerance: widen it or drop it" in text
+    assert "(+20 %): the data fit a larger value better. The bound is the file's tolerance: widen it or drop it" in text
 
 
 def test_the_end_of_the_table_s_range_is_another_bound():
@@ -184,8 +184,8 @@ def test_a_prior_that_carries_weight_is_said():
     text = said(determined())[1]
     # From the data alone 6 %, with the prior 1.98 0.011 / 1.11.
     assert (
-        "valve.current_gain leans on the file's tolerance: from the data alone its 95 % interval would be ±6.0 % in place of ±2.0 %"
-        in text
+        "valve.current_gain depends on the loader file's prior: from the data alone its 95 % interval would be "
+        "±6.0 % instead of ±2.0 %" in text
     )
     assert "linkage.stiffness leans" not in text
 
@@ -222,7 +222,7 @@ def test_an_error_of_the_model_is_no_noise():
     unknown = response_fitted(stated=None, left=0.05)
     texts = [said(dataclasses.replace(determined(), fitted=(one,)))[1] for one in (good, bad, unknown)]
     assert ["error of the model" in text for text in texts] == [False, True, False]
-    assert "where the data state a noise of 1.0 %" in texts[1]
+    assert "the noise of the data is 1.0 %" in texts[1]
     cells = [
         data_table(dataclasses.replace(determined(), fitted=(one,)), US).rows[0][5].kind for one in (good, bad, unknown)
     ]

@@ -76,6 +76,8 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         self.begin(&mut state, &mut memory).now
     }
 
+    /// Compiled once for both of them.
+    #[inline(never)]
     fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> StepStart<S, D> {
         let none = [memory.command_signal.zero(); SENSORS];
         self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)

@@ -8,26 +8,26 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import UnitSystem
 
 
-def excitation_json(found: Excitation, units: UnitSystem) -> dict[str, Any]:
+def excitation_json(excitation: Excitation, units: UnitSystem) -> dict[str, Any]:
     """Everything but the samples; values in the units of ``units``, noise and lines in SI units."""
-    drive = INPUTS[found.experiment.drive]
+    drive = INPUTS[excitation.experiment.drive]
     return {
-        "loader": found.loader.name,
-        "experiment": str(found.experiment),
-        "signal": found.words,
-        "kind": found.plan.signal,
-        "time_s": found.plan.time_s,
-        "rate_hz": found.plan.rate_hz,
-        "period_s": found.period_s,
-        "peak": {"value": found.peak, "unit": drive},
+        "loader": excitation.loader.name,
+        "experiment": str(excitation.experiment),
+        "signal": excitation.words,
+        "kind": excitation.plan.signal,
+        "time_s": excitation.plan.time_s,
+        "rate_hz": excitation.plan.rate_hz,
+        "period_s": excitation.period_s,
+        "peak": {"value": excitation.peak, "unit": drive},
         "parameters": {
             key: {
                 "symbol": TABLE[key].symbol,
-                "value": unit(TABLE[key]).from_si(found.loader[key], units),
+                "value": unit(TABLE[key]).from_si(excitation.loader[key], units),
                 "unit": unit(TABLE[key]).shown(units),
                 "relative_standard_error": error,
             }
-            for key, error in found.standard_errors.items()
+            for key, error in excitation.standard_errors.items()
         },
         "limits": {
             use.limit.name: {
@@ -37,13 +37,16 @@ def excitation_json(found: Excitation, units: UnitSystem) -> dict[str, Any]:
                 "share": use.share,
                 "reason": use.limit.reason,
             }
-            for use in found.uses
+            for use in excitation.uses
         },
-        "binding": found.binding.limit.name,
-        "noise": {name: {"deviation": value, "unit": CHANNELS[name]} for name, value in found.noise.items()},
-        "efficiency": found.efficiency,
-        "even_efficiency": found.even_efficiency,
-        "lines": {"frequency_hz": found.frequency_hz.tolist(), f"power_{drive.lower()}2": found.power.tolist()},
-        "verdict": found.verdict,
-        "findings": list(found.findings(units)),
+        "binding": excitation.binding.limit.name,
+        "noise": {name: {"deviation": value, "unit": CHANNELS[name]} for name, value in excitation.noise.items()},
+        "efficiency": excitation.efficiency,
+        "even_efficiency": excitation.even_efficiency,
+        "lines": {
+            "frequency_hz": excitation.frequency_hz.tolist(),
+            f"power_{drive.lower()}2": excitation.power.tolist(),
+        },
+        "verdict": excitation.verdict,
+        "findings": list(excitation.findings(units)),
     }

@@ -1,4 +1,4 @@
-"""The excitation as a CSV file for the bench; with measured columns added it is what an identification reads."""
+"""The excitation as a CSV file for the bench; an identification reads it with measured columns added."""
 
 import io
 from pathlib import Path
@@ -15,11 +15,11 @@ from forcefeel.units import UnitSystem
 
 
 def check_excitation_file(path: Path, *, replace: bool) -> None:
-    """Refuses a path that cannot be written, before the work.
+    """Refuse a path that cannot be written, before the work.
 
     Raises:
-        InputError: If a file is there that is not to be replaced or a folder is, the name does not end in .csv, or the folder that
-            it goes into is missing.
+        InputError: If the path is a folder, or a file without ``replace``; if the name does not end in .csv or its folder is
+        missing.
     """
     if path.suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a name that ends in .csv, as an identification reads it")
@@ -29,15 +29,15 @@ def check_excitation_file(path: Path, *, replace: bool) -> None:
 
 
 def write_excitation(
-    found: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
+    excitation: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
 ) -> Path:
-    """Writes the signal as CSV, whole or not at all.
+    """Write the signal as CSV, whole or not at all.
 
-    Comment lines say experiment, loader, limits and predicted errors; then ``time (s)`` and ``test_signal (V)``, or
+    Comment lines state experiment, loader, limits and predicted errors; then ``time (s)`` and ``test_signal (V)``, or
     ``pilot_force (lb)`` (N with SI units), a row for each sample.
 
     Raises:
-        InputError: If a file is there and ``replace`` is not said, or it cannot be written.
+        InputError: If a file exists and ``replace`` is false, or it cannot be written.
 
     Example:
         >>> import forcefeel as ff
@@ -48,28 +48,33 @@ def write_excitation(
     """
     path = Path(path)
     check_excitation_file(path, replace=replace)
-    write_whole(path, text(found, units))
+    write_whole(path, text(excitation, units))
     return path
 
 
-def text(found: Excitation, units: UnitSystem) -> str:
-    """What the file holds."""
-    drive = str(found.experiment.drive)
+def text(excitation: Excitation, units: UnitSystem) -> str:
+    """Text of the file."""
+    drive = str(excitation.experiment.drive)
     unit = channel_unit(drive)
     about = [
-        f"experiment: {found.experiment}",
-        f"loader: {found.loader.name}",
-        f"signal: {found.words}",
-        *(f"period: {found.period_s:.9g} s" for _ in [0] if found.period_s is not None),
+        f"experiment: {excitation.experiment}",
+        f"loader: {excitation.loader.name}",
+        f"signal: {excitation.words}",
+        *(f"period: {excitation.period_s:.9g} s" for _ in [0] if excitation.period_s is not None),
         *(
-            f"{use.limit.name}: {use.limit.shown(use.peak, units)} predicted of {use.limit.shown(use.limit.value, units)}"
-            for use in found.uses
+            f"{use.limit.name}: {use.limit.text(use.peak, units)} predicted of {use.limit.text(use.limit.value, units)}"
+            for use in excitation.uses
         ),
-        *(f"predicted standard error: {named(key)} {percent(error)}" for key, error in found.standard_errors.items()),
-        *found.findings(units)[-1:],
+        *(
+            f"predicted standard error: {named(key)} {percent(error)}"
+            for key, error in excitation.standard_errors.items()
+        ),
+        *excitation.findings(units)[-1:],
     ]
     rows = io.StringIO()  # adding 0 makes of -0 a 0
-    np.savetxt(rows, np.column_stack([found.time_s, unit.from_si(1.0, units) * found.signal + 0.0]), "%.9g", ",")
+    np.savetxt(
+        rows, np.column_stack([excitation.time_s, unit.from_si(1.0, units) * excitation.signal + 0.0]), "%.9g", ","
+    )
     return (
         "".join(f"# {' '.join(line.split())}\n" for line in about)
         + f"time (s),{drive} ({unit.shown(units)})\n"

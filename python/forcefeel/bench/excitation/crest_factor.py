@@ -1,6 +1,6 @@
 """Phases of a multisine with low peaks in several signals at once: valve current, travel and force.
 
-Minimises ``L_p = (mean over time and signals of |y_c / limit_c|^2p)^(1/2p)`` over the phases, for rising p: it goes to the largest
+Minimize ``L_p = (mean over time and signals of |y_c / limit_c|^2p)^(1/2p)`` over the phases, for rising p: it goes to the largest
 peak in shares of its limit. It starts from the best of some multisines that were clipped for one signal each.
 
 Source: P. Guillaume, J. Schoukens, R. Pintelon and I. Kollar, Crest-Factor Minimization Using Nonlinear Chebyshev Approximation
@@ -24,7 +24,7 @@ _POINTS = 8  # per cycle of the highest line
 
 @dataclass(frozen=True, eq=False)
 class PeakProblem:
-    """The signals whose peaks are to be low.
+    """Signals whose peaks are minimized.
 
     Attributes:
         harmonics: Cycles of each line in a period, rising, (lines,).
@@ -53,8 +53,8 @@ class PeakProblem:
         mean = float(np.mean(z ** (2 * p)))
         by_value = z ** (2 * p - 1) / (largest * mean * y.size)
         # y = Re sum a exp(j phi) exp(j w t), so the slope by phi is sum over t of by_value Re(j a exp(j phi) exp(j w t)).
-        seen = np.fft.rfft(by_value, axis=1)[:, self.harmonics].conj()
-        slope = np.sum(np.real(1j * self.amplitude * np.exp(1j * phases) * seen), axis=0)
+        spectrum = np.fft.rfft(by_value, axis=1)[:, self.harmonics].conj()
+        slope = np.sum(np.real(1j * self.amplitude * np.exp(1j * phases) * spectrum), axis=0)
         return float(np.log(mean) / (2 * p) + np.log(largest)), slope
 
 
@@ -62,8 +62,10 @@ def low_crest_phases(problem: PeakProblem) -> NDArray[np.float64]:
     """Phases at which the largest of the peaks is low, rad, (lines,)."""
     phases = min((phase for k in range(len(problem.amplitude)) for phase in _clipped(problem, k)), key=problem.peak)
     for p in _POWERS:
-        found = minimize(problem.norm, phases, args=(p,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS})
-        phases = min(phases, found.x, key=problem.peak)
+        solution = minimize(
+            problem.norm, phases, args=(p,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}
+        )
+        phases = min(phases, solution.x, key=problem.peak)
     return phases
 
 

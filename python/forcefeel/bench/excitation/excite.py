@@ -1,4 +1,4 @@
-"""Designs an excitation: information of each line, the best spectrum within limits, phases, the scale that holds on the loader."""
+"""Design of an excitation: information per line, best spectrum within limits, phases, scale on the nonlinear loader."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -15,6 +15,7 @@ from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
 from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.bench.excitation.waves import Wave, chirps, multisine
 from forcefeel.bench.experiments import Drive, Experiment, Loop, check_experiment
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -22,13 +23,13 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 
 USUAL: Mapping[str, str] = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
-"""The experiment where none is named: the piston, and the motor, are held at their place by a loop."""
+"""Default experiment of each drive; a loop holds the piston or the motor in place."""
 
 _OPEN_FROM_HZ = 4.0
-"""Lowest frequency where nothing holds the motor, if none is given: below, its drift as the signal comes up exceeds its swing."""
+"""Default lowest frequency of an open motor, Hz; below it, its drift during the ramp exceeds its swing."""
 
 _IN_BAND = 1e-3
-"""Share of the largest power of a line from which on a chirp passes through it."""
+"""Least power of a line in the band of a chirp, as a share of the largest."""
 
 
 def excite(
@@ -40,29 +41,29 @@ def excite(
     *,
     progress: Callable[[str], None] = lambda step: None,
 ) -> Excitation:
-    """The excitation that determines chosen parameters best within the limits of the bench.
+    """Design the excitation that best determines chosen parameters within the limits of the bench.
 
-    A multisine has the D-optimal spectrum: it maximises ``ln det M``, the information of the relative parameters, over the powers
+    A multisine has the D-optimal spectrum: it maximizes ``ln det M``, the information of the relative parameters, over the powers
     of the lines, with the r.m.s. of current, travel, force and drive within their limits over a crest factor; a fifth of the power
     is even over all lines. A chirp is the one of a few with the largest ``ln det M``. Either is then scaled by runs of the
     nonlinear loader until every peak holds its limit and one is near.
 
     Args:
-        loader: The loader, as far as it is known.
+        loader: The loader, with the best known values.
         fit: Parameters by symbol or key: ``"k,c,J,C_i"``.
-        experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``. If not given, ``"servo-closed"`` of a
-            valve, ``"loader command_current"`` of a motor.
+        experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``. Default ``"servo-closed"`` for a
+        valve, ``"loader command_current"`` for a motor.
         plan: Kind, length, band, noise and limits.
-        law: The law of the whole loader; the original one, or ``robust`` of a motor, if not given.
+        law: The law of the whole loader; default, the original loop, or ``robust`` for a motor.
         progress: Called with the name of each step as it begins.
 
     Returns:
-        The signal, its promise and the peaks.
+        The signal, its predicted errors and the peaks.
 
     Raises:
-        InputError: If the input is bad: unknown parameters, ones that this experiment does not move, a time too short or a rate too
-            low for the band, limits that the loader cannot hold.
-        NotSeparableError: If the experiment cannot tell the parameters apart, whatever the excitation.
+        InputError: If a parameter is unknown or has no effect in this experiment, the time is too short or the rate too low for
+        the band, or the loader cannot hold the limits.
+        NotSeparableError: If no excitation of this experiment separates the parameters.
 
     Source: G. C. Goodwin and R. L. Payne, Dynamic System Identification, 1977, ch. 6; M. B. Zarrop, Optimal Experiment Design for
     Dynamic System Identification, 1979; R. Pintelon and J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed.
@@ -79,38 +80,38 @@ def excite(
     plan = (plan or ExcitationPlan()).of(loader)
     keys = parameter_keys(fit, loader.drive)
     unknowns_of(loader, keys)
-    asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment or USUAL[loader.drive])
-    check_experiment(asked, loader)
-    if asked.loop is Loop.MOTOR_OPEN and plan.from_hz is None:
+    resolved = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment or USUAL[loader.drive])
+    check_experiment(resolved, loader)
+    if resolved.loop is Loop.MOTOR_OPEN and plan.from_hz is None:
         plan = replace(plan, from_hz=_OPEN_FROM_HZ)
-    if asked.drive is Drive.RELEASE:
+    if resolved.drive is Drive.RELEASE:
         raise InputError("experiment: a release is its own excitation; take one with a signal or a pilot_force")
-    if law is not None and asked.loop is not Loop.LOADER:
-        raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
+    if law is not None and resolved.loop is not Loop.LOADER:
+        raise InputError(f"law: is the law of the whole loader, and {resolved} is of the servo alone; leave it out")
     progress("law")
-    if law is not None or (loader.drive == ELECTRIC and asked.loop is Loop.LOADER):
-        law = Law.of(law, loader)  # designed or read once, not for each rehearsal
-    limits = limits_of(loader, asked.drive, plan.limits)
-    found = timing(plan)
+    if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
+        law = Law.of(bench_law(loader) if law is None else law, loader)  # designed or read once, not for each rehearsal
+    limits = limits_of(loader, resolved.drive, plan.limits)
+    times = timing(plan)
     progress("information of the lines")
-    lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
+    lines = lines_of(loader, keys, resolved, plan, spectral_lines(plan, times, loader), law, limits)
     progress("spectrum")
     best = optimal_power(lines.problem(0.0)).power
-    wave = _best_chirp(lines, found) if plan.signal == "chirp" else _multisine(lines, found)
-    bench = Bench(loader, asked, law, plan.rate_hz)
+    wave = _best_chirp(lines, times) if plan.signal == "chirp" else _multisine(lines, times)
+    bench = Bench(loader, resolved, law, plan.rate_hz)
     progress("runs up to the limits")
     scale, peaks = fit_to_limits(bench, wave.signal, limits)
     power = scale**2 * wave.power
     whole = lines.problem(0.0)
     return Excitation(
         loader=loader,
-        experiment=asked,
+        experiment=resolved,
         fit=keys,
         plan=plan,
         words=wave.words,
-        time_s=found.times_s,
+        time_s=times.times_s,
         signal=scale * wave.signal,
-        period_s=found.period_s if plan.signal == "multisine" else None,
+        period_s=times.period_s if plan.signal == "multisine" else None,
         frequency_hz=lines.frequency_hz,
         power=power,
         noise=dict(zip(plan.channels, lines.sigma.tolist(), strict=True)),
@@ -122,21 +123,21 @@ def excite(
     )
 
 
-def _multisine(lines: Lines, found: Timing) -> Wave:
+def _multisine(lines: Lines, times: Timing) -> Wave:
     problem = lines.problem(EVEN_SHARE)
     power = optimal_power(problem).power
-    return multisine(found, lines.frequency_hz, power, lines.limited / lines.limit[:, np.newaxis], lines.travel)
+    return multisine(times, lines.frequency_hz, power, lines.limited / lines.limit[:, np.newaxis], lines.travel)
 
 
-def _best_chirp(lines: Lines, found: Timing) -> Wave:
-    """The chirp with the largest ln det M, each as large as a slow sweep of its band may be; scaled to that."""
+def _best_chirp(lines: Lines, times: Timing) -> Wave:
+    """The chirp with the largest ln det M, each scaled to the limits of a slow sweep of its band."""
     problem, height = lines.problem(0.0), np.abs(lines.limited)
-    best, most = None, -np.inf
-    for wave in chirps(found, lines.frequency_hz):
+    best, best_information = None, -np.inf
+    for wave in chirps(times, lines.frequency_hz):
         scale = float(np.min(lines.limit / np.max(height[:, wave.power > _IN_BAND * wave.power.max()], axis=1)))
-        told = problem.log_det(scale**2 * wave.power)
-        if told > most:
-            best, most = replace(wave, signal=scale * wave.signal, power=scale**2 * wave.power), told
+        information = problem.log_det(scale**2 * wave.power)
+        if information > best_information:
+            best, best_information = replace(wave, signal=scale * wave.signal, power=scale**2 * wave.power), information
     if best is None:
         raise InputError("band: no chirp in it determines the parameters; take a wider band or a multisine")
     return best

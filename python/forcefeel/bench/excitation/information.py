@@ -1,4 +1,4 @@
-"""What a spectrum tells of the parameters: Fisher information, standard errors, and what cannot be told apart.
+"""Information of a spectrum on the parameters: Fisher information, standard errors, inseparable parameters.
 
 White noise of standard deviation sigma_c on each measured channel c, N samples. A line of power P_i (mean square) of the drive has
 the information ``N P_i M_i``,
@@ -22,12 +22,12 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
 
 UNSEEN = 1e-9
-"""Largest relative change of the responses per relative change of a parameter that is none."""
+"""Relative change of the responses per relative change of a parameter that counts as zero."""
 
 SEPARABLE = 1e-7
-"""Smallest singular value of the slopes, each of length 1: below it the slopes, right to some 1e-12, hang together."""
+"""Smallest singular value of independent slopes, each of length 1; the slopes are accurate to some 1e-12."""
 
-_NAMED = 0.1  # share in a combination from which on a parameter is named
+_NAMED = 0.1  # least share of a named parameter in a combination
 _NOT_LINEAR = {
     key for key in TABLE if key.startswith(("motor.cogging", "motor.coulomb", "motor.static", "transmission.back"))
 }
@@ -35,11 +35,11 @@ _LINEAR_VALVE = {"valve.current_gain", "valve.pressure_gain"}
 
 
 class NotSeparableError(InputError):
-    """The chosen parameters cannot be told apart by this experiment, whatever the excitation."""
+    """No excitation of this experiment separates the chosen parameters."""
 
 
 def named(key: str) -> str:
-    """A parameter as sentences call it: its symbol and key."""
+    """A parameter in sentences: its symbol and key."""
     return f"{TABLE[key].symbol} ({key})"
 
 
@@ -71,7 +71,7 @@ def check_separable(
     loader: Loader,
     experiment: str,
 ) -> None:
-    """Refuses parameters that no excitation of this experiment determines.
+    """Refuse parameters that no excitation of this experiment determines.
 
     Args:
         keys: The parameters.
@@ -79,16 +79,18 @@ def check_separable(
         value: G, (channels, lines).
         sigma: Noise of each channel, (channels,).
         loader: The loader.
-        experiment: What messages call it.
+        experiment: Its name in messages.
 
     Raises:
-        InputError: If a parameter changes nothing that is measured.
-        NotSeparableError: If several do, but only together.
+        InputError: If a parameter changes no measured channel.
+        NotSeparableError: If only a combination of parameters changes them.
     """
     scale = sigma[:, np.newaxis]
-    columns = np.array([np.concatenate([it.real.ravel(), it.imag.ravel()]) for it in slopes / scale]).T
+    columns = np.array([np.concatenate([slope.real.ravel(), slope.imag.ravel()]) for slope in slopes / scale]).T
     size = np.linalg.norm(columns, axis=0)
-    unseen = [key for key, it in zip(keys, size <= UNSEEN * float(np.linalg.norm(value / scale)), strict=True) if it]
+    unseen = [
+        key for key, small in zip(keys, size <= UNSEEN * float(np.linalg.norm(value / scale)), strict=True) if small
+    ]
     if unseen:
         follows = loader["valve.orifice"] and set(unseen) & _LINEAR_VALVE
         why = (
@@ -107,7 +109,7 @@ def check_separable(
         return
     weights = (
         directions[-1] / np.abs(directions[-1]).max()
-    )  # of slopes of length 1 two at least are large if they cancel
+    )  # of slopes of length 1 at least two are large if they cancel
     *several, last = [named(key) for key, weight in zip(keys, weights, strict=True) if abs(weight) > _NAMED]
     raise NotSeparableError(
         f"fit: {experiment} cannot tell {', '.join(several)} and {last} apart: they can change together so that nothing "

@@ -1,4 +1,4 @@
-"""What an excitation must not exceed: current, travel of the column, force at the load cell, the drive; voltage and speed."""
+"""Limits of an excitation: current, travel of the column, force at the load cell, drive; voltage and speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from forcefeel.simulation.inputs.sampled import check_number
 from forcefeel.units import Unit, UnitSystem, show, to_text
 
 OF_LIMIT = 0.8
-"""Share that a default leaves of a limit of current or voltage, the valve's rating, an end stop: what saturates teaches nothing."""
+"""Default share of a limit of current or voltage, of the valve's rating or of an end stop, to avoid saturation."""
 
 TRAVEL_RAD = np.radians(10.0)
-"""Where no end stop is near."""
+"""Default limit of travel without a near end stop, rad."""
 
 TEST_SIGNAL_V = 10.0
-"""Of a usual converter."""
+"""Default limit of the test signal, the range of a usual converter, V."""
 
 OF_SUPPLY = 2 / 3
 """Share of supply pressure times piston area: at two thirds of its pressure across the piston a valve gives the most power."""
@@ -38,7 +38,7 @@ class Limit:
         name: ``current``, ``travel``, ``force``, ``drive``, or a motor's ``voltage`` or ``speed``.
         channel: The channel that it is on.
         value: The largest magnitude.
-        reason: Where it comes from.
+        reason: Its origin.
     """
 
     name: str
@@ -51,8 +51,8 @@ class Limit:
         """Its units."""
         return channel_unit(self.channel)
 
-    def shown(self, value: float, system: UnitSystem) -> str:
-        """A value on its scale, as people read it."""
+    def text(self, value: float, system: UnitSystem) -> str:
+        """A value with its unit."""
         return f"{to_text(self.unit.from_si(value, system), 3)} {self.unit.shown(system)}"
 
 
@@ -68,33 +68,33 @@ KINDS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         },
     }
 )
-"""The channel that each limit on a loader with that drive is on; ``drive`` is on what moves it."""
+"""The channel of each limit by kind of drive; ``drive`` limits the drive itself."""
 
-_Told = dict[str, tuple[float, str]]
+_Bounds = dict[str, tuple[float, str]]
 
 
-def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple[Limit, ...]:
-    """The limits of a loader, with those that are given in their place.
+def limits_of(loader: Loader, drive: Drive, stated: Mapping[str, float]) -> tuple[Limit, ...]:
+    """The limits of a loader, replaced by stated limits.
 
     Args:
         loader: The loader.
-        drive: What moves it.
-        given: By the names of ``KINDS``, or ``drive``, SI units.
+        drive: Its drive in the experiment.
+        stated: By the names of ``KINDS``, or ``drive``, SI units.
 
     Raises:
-        InputError: If a name is unknown, a value not above 0, or one beyond what the loader itself stops at; if nobody says what a
-            motor may take.
+        InputError: If a name is unknown, a value is not above 0 or exceeds a limit of the loader itself, or a limit of a motor is
+        not stated.
     """
     kinds = {**KINDS[loader.drive], "drive": str(drive)}
-    if unknown := [name for name in given if name not in kinds]:
+    if unknown := [name for name in stated if name not in kinds]:
         raise InputError(f"limits: expected {', '.join(kinds)}, got {show(unknown[0])}")
     electric = loader.drive == ELECTRIC
     bounds = (_motor_bounds if electric else _valve_bounds)(loader, drive) | _travel_bound(loader)
     defaults = (_motor_defaults if electric else _valve_defaults)(loader, drive) | _travel_default(loader)
-    found = []
+    limits = []
     for name, channel in kinds.items():
-        value, reason = (given[name], "as given") if name in given else defaults[name]
-        if name not in given and not isfinite(value):
+        value, reason = (stated[name], "as given") if name in stated else defaults[name]
+        if name not in stated and not isfinite(value):
             raise InputError(
                 f"limits: the loader file gives no {reason}; give a {name}, or put its limit into the file"
             )
@@ -103,14 +103,14 @@ def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple
         bound, where = bounds[name]
         if value > bound:
             raise InputError(
-                f"limits: expected a {name} of at most {limit.shown(bound, UnitSystem.US)} ({where}), got "
-                f"{limit.shown(value, UnitSystem.US)}; lower it"
+                f"limits: expected a {name} of at most {limit.text(bound, UnitSystem.US)} ({where}), got "
+                f"{limit.text(value, UnitSystem.US)}; lower it"
             )
-        found.append(limit)
-    return tuple(found)
+        limits.append(limit)
+    return tuple(limits)
 
 
-def _valve_defaults(loader: Loader, drive: Drive) -> _Told:
+def _valve_defaults(loader: Loader, drive: Drive) -> _Bounds:
     current, which = min(
         (loader["amplifier.current_limit"], "the amplifier's limit"),
         (loader["valve.rated_current"], "the valve's rating"),
@@ -126,8 +126,8 @@ def _valve_defaults(loader: Loader, drive: Drive) -> _Told:
     }
 
 
-def _valve_bounds(loader: Loader, drive: Drive) -> _Told:
-    """What the loader itself stops at."""
+def _valve_bounds(loader: Loader, drive: Drive) -> _Bounds:
+    """Limits of the loader itself."""
     return {
         "current": (loader["amplifier.current_limit"], "the amplifier's limit"),
         "force": (loader["valve.supply_pressure"] * loader["actuator.area"], "supply pressure times piston area"),
@@ -135,7 +135,7 @@ def _valve_bounds(loader: Loader, drive: Drive) -> _Told:
     }
 
 
-def _motor_defaults(loader: Loader, drive: Drive) -> _Told:
+def _motor_defaults(loader: Loader, drive: Drive) -> _Bounds:
     shares = {
         name: (OF_LIMIT * value, f"{percent(OF_LIMIT)} of {where}" if isfinite(value) else where)
         for name, (value, where) in _motor_bounds(loader, drive).items()
@@ -145,8 +145,8 @@ def _motor_defaults(loader: Loader, drive: Drive) -> _Told:
     return shares
 
 
-def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
-    """What the motor itself stops at: the speed at which its back-EMF is all the voltage that there is; the force that holds it."""
+def _motor_bounds(loader: Loader, drive: Drive) -> _Bounds:
+    """Limits of the motor itself: no-load speed at the voltage limit and force at the current limit."""
     current, voltage = loader["current_loop.current_limit"], loader["current_loop.voltage_limit"]
     # x_m, x_m', i, .. and x_m, F_c, i, u, omega of the model: u per omega, and F_c per i where x_m'' = 0.
     a, _, c, _ = _core.electric_plant(loader.si_values)
@@ -160,19 +160,19 @@ def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
     return bounds | {"drive": (inf, "") if drive is Drive.PILOT_FORCE else bounds["current"]}
 
 
-def _travel_default(loader: Loader) -> _Told:
+def _travel_default(loader: Loader) -> _Bounds:
     stop, _ = _travel_bound(loader)["travel"]
     return {
         "travel": (OF_LIMIT * stop, f"{percent(OF_LIMIT)} of the nearer end stop")
         if OF_LIMIT * stop < TRAVEL_RAD
-        else (TRAVEL_RAD, "as nothing else is said")
+        else (TRAVEL_RAD, "the default")
     }
 
 
-def _travel_bound(loader: Loader) -> _Told:
+def _travel_bound(loader: Loader) -> _Bounds:
     return {"travel": (min(-loader["column.stop_low"], loader["column.stop_high"]), "the nearer end stop")}
 
 
 def _drive_bound(loader: Loader, drive: Drive) -> tuple[float, str]:
-    """What the controller sends stays within its range; what comes in at the amplifier or at the grip is not its own."""
+    """Range of the controller for a command signal; other drives do not pass through it."""
     return loader["controller.output_range"] if drive is Drive.COMMAND_SIGNAL else inf, "the controller's range"

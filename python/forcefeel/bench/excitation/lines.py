@@ -1,4 +1,4 @@
-"""What each spectral line tells of the parameters, and what it uses up of the limits."""
+"""Information of each spectral line on the parameters, and its share of the limits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,17 +18,17 @@ from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 
 CREST = 2.0
-"""Peak over r.m.s. that a spectrum is designed for; phases come near it, and the peaks themselves set the scale."""
+"""Assumed ratio of peak to r.m.s.; phases come near it, and the peaks set the final scale."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Every line's responses: measured channels' information, what the limits are on.
+    """Responses of each line: information of the measured channels, responses of the limited ones.
 
     Attributes:
         frequency_hz: (lines,).
         information: M_i per sample, (lines, parameters, parameters).
-        limited: Responses of what the limits are on, (limits, lines).
+        limited: Responses of the limited channels, (limits, lines).
         limit: The limits, SI units, (limits,).
         sigma: Noise of each measured channel, SI units, (channels,).
         travel: Response of the column's angle, (lines,).
@@ -42,7 +42,7 @@ class Lines:
     travel: NDArray[np.complex128]
 
     def problem(self, even_share: float) -> PowerProblem:
-        """The choice of powers with a share of them even."""
+        """The power problem with a share of evenly spread power."""
         cost, budget = np.abs(self.limited) ** 2, (self.limit / CREST) ** 2
         free = PowerProblem(self.information, cost, budget, np.zeros(len(self.frequency_hz)))
         return free.with_floor(even_share * free.even())
@@ -57,11 +57,11 @@ def lines_of(
     law: LawLike,
     limits: Sequence[Limit],
 ) -> Lines:
-    """Every line's responses, checked to determine the parameters.
+    """Responses of each line, checked to determine the parameters.
 
     Raises:
-        InputError: If a measured channel or a parameter's effect is nothing in this experiment.
-        NotSeparableError: If parameters cannot be told apart.
+        InputError: If a measured channel or the effect of a parameter is zero in this experiment.
+        NotSeparableError: If parameters are inseparable.
     """
     responses = channel_responses(loader, experiment.loop, keys, frequency_hz, law=law)
     drive, seen = list(inputs(loader.drive)).index(experiment.drive), list(outputs(loader.drive))
@@ -73,8 +73,8 @@ def lines_of(
         **dict(zip(seen, responses.value[:, drive], strict=True)),
         str(experiment.drive): np.ones(len(frequency_hz)),
     }
-    limited = np.array([channels[it.channel] for it in limits])
-    limit = np.array([it.value for it in limits])
+    limited = np.array([channels[bound.channel] for bound in limits])
+    limit = np.array([bound.value for bound in limits])
     even = float(np.min((limit / CREST) ** 2 / np.sum(np.abs(limited) ** 2, axis=1)))
     sigma = _noise(plan, np.sqrt(even * np.sum(np.abs(value) ** 2, axis=1)))
     check_separable(keys, slopes, value, sigma, loader, str(experiment))
@@ -82,7 +82,7 @@ def lines_of(
 
 
 def _noise(plan: ExcitationPlan, rms: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Standard deviation of each measured channel's noise: as known, or a share of its r.m.s. under even lines."""
+    """Standard deviation of the noise of each measured channel: as stated, or a share of its r.m.s. under even lines."""
     for name, moved in zip(plan.channels, rms.tolist(), strict=True):
         if not moved:
             raise InputError(f"measure: {name} does not move in this experiment; measure another channel")

@@ -1,4 +1,4 @@
-"""What an excitation is asked to be: kind, length, band, what is measured with which noise."""
+"""Requirements of an excitation: kind, length, band, measured channels and their noise."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -20,13 +20,13 @@ from forcefeel.units import show
 Kind = Literal["multisine", "chirp"]
 
 SAMPLES_PER_CYCLE = 4
-"""Of the highest line, at least: two are the theorem's, four leave room for the filter in front of a converter."""
+"""Least number of samples per cycle of the highest line: two by the sampling theorem, four for an anti-aliasing filter."""
 
 FEWEST_PERIODS = 6
-"""Whole periods that fit at least; the first is transient."""
+"""Least number of whole periods; the first is transient."""
 
 RAMP = 0.25
-"""Share of a period over which a multisine comes up and dies away."""
+"""Length of the ramps of a multisine, as a share of a period."""
 
 MOST_SAMPLES = 5_000_000
 """Longest excitation, as the longest run."""
@@ -37,7 +37,7 @@ MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
         ELECTRIC: ("column_angle", "drive_position", "load_cell_force", "motor_current"),
     }
 )
-"""What is recorded of a loader with that drive where nothing is said."""
+"""Default recorded channels of each drive."""
 
 _MOST_LINES = 160  # 4 % apart over three decades: finer than a resonance with a damping ratio of 0.02
 _FEWEST_LINES = 8
@@ -46,18 +46,18 @@ _ROUND = (8.0, 5.0, 4.0, 2.5, 2.0, 1.0)
 
 @dataclass(frozen=True)
 class ExcitationPlan:
-    """What is wanted of an excitation.
+    """Requirements of an excitation.
 
     Attributes:
         signal: A multisine, or a chirp.
         time_s: Length, above 0.
         rate_hz: Samples per second, above 0.
-        from_hz: Lowest frequency; one cycle a period if not given, of an open motor 4 Hz.
-        to_hz: Highest frequency; the valve's natural frequency or the current loop's bandwidth if not given, or a quarter of the
-            rate, or of the controller's, where that is lower.
-        measured: Channels of ``bench.channels.OUTPUTS`` that are recorded; those of ``MEASURED`` if not given.
+        from_hz: Lowest frequency; default one cycle per period, 4 Hz for an open motor.
+        to_hz: Highest frequency; default, the lowest of the valve's natural frequency or the current loop's bandwidth, a quarter
+        of the rate, and a quarter of the controller's rate.
+        measured: Recorded channels, of ``bench.channels.OUTPUTS``; default ``MEASURED``.
         noise_share: White noise of each measured channel, as a share of its r.m.s. under even lines that reach the limits.
-        noise: The same in SI units for channels where it is known.
+        noise: The same in SI units for channels of known noise.
         limits: Limits in place of the loader's: ``current`` (A), ``travel`` (rad, of the column), ``force`` (N, at the load cell)
             and ``drive`` (V of the test signal, A of a test current or N at the grip); of a motor also ``voltage`` (V) and
             ``speed`` (rad/s).
@@ -105,23 +105,26 @@ class ExcitationPlan:
             )
 
     def of(self, loader: Loader) -> "ExcitationPlan":
-        """The same with what is measured of this loader.
+        """The same with the measured channels of this loader.
 
         Raises:
-            InputError: If its drive has not a channel, or a channel whose noise is given is not measured.
+            InputError: If its drive lacks a channel, or a channel with stated noise is not measured.
         """
-        measured, own = MEASURED[loader.drive] if self.measured is None else self.measured, outputs(loader.drive)
+        measured, loader_outputs = (
+            MEASURED[loader.drive] if self.measured is None else self.measured,
+            outputs(loader.drive),
+        )
         for name in measured:
-            if name not in own:
+            if name not in loader_outputs:
                 raise InputError(
-                    f"measure: {name} is no channel of {a_drive(loader.drive)}; expected some of {', '.join(own)}"
+                    f"measure: {name} is no channel of {a_drive(loader.drive)}; expected some of {', '.join(loader_outputs)}"
                 )
         _check_noise(self.noise, measured)
         return replace(self, measured=measured)
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What is measured, where that is known."""
+        """The measured channels, if stated."""
         return self.measured or ()
 
 
@@ -139,7 +142,7 @@ class Timing:
         samples: In the whole excitation.
         period: In a period.
         periods: Whole periods, the transient first one among them.
-        ramp: Samples over which it comes up, and dies away after the last period.
+        ramp: Samples of the ramp up, and of the ramp down after the last period.
     """
 
     rate_hz: float
@@ -160,7 +163,7 @@ class Timing:
 
 
 def timing(plan: ExcitationPlan) -> Timing:
-    """The longest period of round length that fits in six times at least, with what it takes to die away.
+    """The longest period of round length that fits at least six times, with the final ramp.
 
     Raises:
         InputError: If the time is too short for the lowest frequency.
@@ -198,8 +201,8 @@ def _round_period(longest_s: float, rate_hz: float) -> int | None:
     return None
 
 
-def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArray[np.float64]:
-    """The frequencies to choose from, Hz: whole multiples of one over the period, evenly spread over the logarithm.
+def spectral_lines(plan: ExcitationPlan, times: Timing, loader: Loader) -> NDArray[np.float64]:
+    """Candidate frequencies, Hz: whole multiples of one over the period, evenly spread over the logarithm.
 
     Raises:
         InputError: If the rate is too low for the band, or the band holds too few lines.
@@ -217,12 +220,12 @@ def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArr
         )
     else:
         to_hz = plan.to_hz
-    first = max(int(np.ceil((plan.from_hz or 0.0) * found.period_s * (1 - WHOLE))), 1)
-    last = floor(to_hz * found.period_s * (1 + WHOLE))
+    first = max(int(np.ceil((plan.from_hz or 0.0) * times.period_s * (1 - WHOLE))), 1)
+    last = floor(to_hz * times.period_s * (1 + WHOLE))
     if last - first + 1 < _FEWEST_LINES:
         raise InputError(
-            f"band: expected {_FEWEST_LINES} lines at least, which are {1 / found.period_s:.6g} Hz apart, got "
-            f"{max(last - first + 1, 0)} from {first / found.period_s:.6g} to {to_hz:.6g} Hz; take a longer time or a wider band"
+            f"band: expected {_FEWEST_LINES} lines at least, which are {1 / times.period_s:.6g} Hz apart, got "
+            f"{max(last - first + 1, 0)} from {first / times.period_s:.6g} to {to_hz:.6g} Hz; take a longer time or a wider band"
         )
     harmonics = np.unique(np.rint(np.geomspace(first, last, _MOST_LINES)).astype(np.int64))
-    return np.asarray(harmonics * plan.rate_hz / found.period)
+    return np.asarray(harmonics * plan.rate_hz / times.period)

@@ -1,4 +1,4 @@
-"""The excitation on the nonlinear loader, and its scale: as large as the limits let it be."""
+"""The excitation on the nonlinear loader, and its largest scale within the limits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +12,7 @@ from forcefeel._core import GainLaw
 from forcefeel.bench.channels import CHANNELS
 from forcefeel.bench.excitation.limits import KINDS, Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.record_run import driven, engine_step_s
 from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
@@ -24,7 +25,7 @@ from forcefeel.simulation.outcome import named
 from forcefeel.units import UnitSystem
 
 NEAR = 0.97
-"""Share of the limit that binds that is near enough."""
+"""Sufficient share of the binding limit."""
 
 _AIM = 0.985  # between NEAR and 1
 _TRIALS = 16
@@ -33,7 +34,7 @@ _MOST_CHANGE = 4.0  # of the scale in a trial: a loader with friction or stops i
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A loader in an experiment, to be tried out.
+    """A loader in an experiment.
 
     Attributes:
         loader: The loader.
@@ -48,7 +49,7 @@ class Bench:
     rate_hz: float
 
     def peaks(self, signal: NDArray[np.float64], limits: Sequence[Limit]) -> tuple[float, ...]:
-        """The largest magnitude of what each limit is on, from a run at rest through the signal; infinite if it diverged.
+        """Largest magnitude of each limited channel in a run from rest through the signal; infinite if it diverged.
 
         Args:
             signal: Volts, amperes or newtons at every sample, straight between, (samples,).
@@ -70,14 +71,14 @@ class Bench:
         return tuple(peak if isfinite(peak) else inf for peak in peaks)
 
     def _open(self, scenario: Scenario) -> dict[str, NDArray[np.float64]]:
-        """What is seen of a motor that no law drives."""
+        """Histories of a motor without a law."""
         names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
         engine = prepared(self.loader, scenario, range(len(names)))
         _, histories = engine.run(self.loader.si_values[np.newaxis], law="open", threads=1)
         return dict(zip(names, histories[0], strict=True))
 
     def _scenario(self, signal: NDArray[np.float64], steps: int, step_s: float) -> Scenario:
-        """The signal, then its last value for a step: the run may last so much longer."""
+        """The signal, then its last value for a step, because the run may last a step longer."""
         times = np.append(np.arange(len(signal)) / self.rate_hz, len(signal) / self.rate_hz + step_s)
         values = np.append(signal, signal[-1])
         if self.experiment.drive is Drive.PILOT_FORCE:
@@ -93,24 +94,24 @@ class Bench:
             case Loop.SERVO_CLOSED:
                 return GainLaw.position_loop(self.loader.si_values)
             case Loop.LOADER:
-                return self.law
+                return bench_law(self.loader) if self.law is None else self.law
 
 
 def fit_to_limits(
     bench: Bench, signal: NDArray[np.float64], limits: Sequence[Limit]
 ) -> tuple[float, tuple[float, ...]]:
-    """The scale at which the peaks of the nonlinear loader come near the limits and none exceeds its own.
+    """The scale at which the largest peak of the nonlinear loader is just within its limit.
 
     Args:
-        bench: What it is tried on.
-        signal: The signal at scale 1, about as large as it may be, (samples,).
+        bench: The loader in its experiment.
+        signal: The signal at scale 1, of about the largest permitted size, (samples,).
         limits: The limits.
 
     Returns:
         The scale, and the peaks there.
 
     Raises:
-        InputError: If no scale holds the limits: the loader exceeds one, or runs away, however small the signal is.
+        InputError: If the loader exceeds a limit or diverges at any scale.
     """
     scale, best = 1.0, (0.0, (0.0,) * len(limits))
     for _ in range(_TRIALS):
@@ -127,9 +128,9 @@ def fit_to_limits(
                 f"experiment: {bench.experiment} runs away however small the excitation is; its loop is unstable, so take another "
                 "or give the law that makes it stable"
             )
-        worst = max(zip(peaks, limits, strict=True), key=lambda it: it[0] / it[1].value)
+        worst = max(zip(peaks, limits, strict=True), key=lambda pair: pair[0] / pair[1].value)
         raise InputError(
-            f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].shown(worst[1].value, UnitSystem.US)} however "
-            f"small the excitation is ({worst[1].shown(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
+            f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].text(worst[1].value, UnitSystem.US)} however "
+            f"small the excitation is ({worst[1].text(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
         )
     return best

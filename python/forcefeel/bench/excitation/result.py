@@ -1,4 +1,4 @@
-"""A signal that determines chosen parameters as well as the limits allow, and what it promises."""
+"""A signal that determines chosen parameters within the limits, and its predicted errors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import UnitSystem, to_text
 
 EVEN_SHARE = 0.2
-"""Share of a multisine's power that is spread evenly over all lines, so that the response can be seen and a wrong model shows."""
+"""Share of a multisine's power that is spread evenly over all lines, to reveal the response and a wrong model."""
 
 _BESIDE = (
     "Friction at rest, cogging and free play do not show in it: record a slow sweep of the grip's force both ways through the "
@@ -26,12 +26,12 @@ _BESIDE = (
 )
 
 VAGUE = DETERMINED / 1.96
-"""Relative standard error from which on an identification would refuse a parameter: half the 95 % interval is half its value."""
+"""Relative standard error of an undetermined parameter: half the 95 % interval is half its value."""
 
 
 @dataclass(frozen=True)
 class LimitUse:
-    """A limit and what the excitation uses of it on the nonlinear loader.
+    """A limit and its use by the excitation on the nonlinear loader.
 
     Attributes:
         limit: The limit.
@@ -52,23 +52,23 @@ class Excitation:
     """A signal for the bench.
 
     Attributes:
-        loader: The loader that it was designed for.
+        loader: The loader of the design.
         experiment: Loop and drive.
-        fit: Keys of the parameters that it is to determine.
-        plan: What was asked for.
-        words: What it is: kind, lines, periods.
+        fit: Keys of the parameters to determine.
+        plan: The requirements.
+        words: Description: kind, lines, periods.
         time_s: Times of the samples, (samples,).
         signal: V of a test signal or N of a force, straight between the samples, (samples,).
         period_s: Period of a multisine; ``None`` for a chirp.
         frequency_hz: Spectral lines, (lines,).
         power: Mean square of each line in V^2 or N^2, without the transient first period, (lines,).
-        noise: Standard deviation of the white noise that the prediction stands on, SI units, by measured channel.
+        noise: Standard deviation of the white noise assumed by the prediction, SI units, by measured channel.
         information: Fisher information of the relative parameters, (parameters, parameters).
         uses: The limits with the peaks of the nonlinear loader.
         efficiency: D-efficiency ``(det M / det M*)^(1/p)`` against the best spectrum without evenly spread power, M* its
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
-        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
+        law_remark: Remark that the law was made for another loader, or empty: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -107,29 +107,31 @@ class Excitation:
 
     @property
     def binding(self) -> LimitUse:
-        """The limit that is used up most."""
+        """The limit with the largest use."""
         return max(self.uses, key=lambda use: use.share)
 
     @property
     def vague(self) -> tuple[str, ...]:
-        """Parameters that it does not determine."""
+        """Undetermined parameters."""
         return tuple(key for key, error in self.standard_errors.items() if not error < VAGUE)
 
     @property
     def verdict(self) -> str:
-        """How well it does, in a sentence."""
+        """The predicted errors, in a sentence."""
         if self.vague:
-            which = ", ".join(named(key) for key in self.vague)
-            return f"{which}: not determined; take a longer time, wider limits or another experiment."
+            parameters = ", ".join(named(key) for key in self.vague)
+            return f"{parameters}: not determined; take a longer time, wider limits or another experiment."
         worst = max(self.standard_errors, key=self.standard_errors.__getitem__)
         return (
             f"All determined; the least well is {named(worst)}, standard error {percent(self.standard_errors[worst])}."
         )
 
     def findings(self, units: UnitSystem) -> tuple[str, ...]:
-        """What else there is to know, a sentence each."""
+        """Further findings, a sentence each."""
         use = self.binding
-        binds = f"The {use.limit.name} binds: {use.limit.shown(use.peak, units)} of {use.limit.shown(use.limit.value, units)}"
+        binds = (
+            f"The {use.limit.name} binds: {use.limit.text(use.peak, units)} of {use.limit.text(use.limit.value, units)}"
+        )
         against = "the best one within the same r.m.s. limits"
         even = f"even lines have {percent(self.even_efficiency)}"
         if self.period_s is None:
@@ -145,7 +147,7 @@ class Excitation:
             f"{cost}.",
             *([self.law_remark] if self.law_remark else []),
             *([_BESIDE] if self.loader.drive == ELECTRIC else []),
-            f"The errors are those of white noise alone ({noise}) on the linear model; what a model leaves out adds to them.",
+            f"The errors are due to white noise only ({noise}) on the linear model; model errors add to them.",
         )
 
 

@@ -1,4 +1,4 @@
-"""Signals of a spectrum: a multisine with a low crest factor, or a chirp; both come up from zero and die away to it."""
+"""Signals of a spectrum: a multisine with a low crest factor, or a chirp; both ramp up from zero and down to it."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,21 @@ from forcefeel.simulation.inputs import Chirp
 from forcefeel.simulation.inputs.signals import Spacing
 
 _SPANS = (0.0, 0.25, 0.5)
-"""Shares of the band, on its logarithm, that a chirp may leave out below, and above."""
+"""Shares of the logarithmic band that a chirp omits below and above."""
 
 _ENDS = 0.05
-"""Share of a chirp's time over which it comes up, and dies away."""
+"""Length of the ramps of a chirp, as a share of its time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Wave:
-    """A signal at some scale, and what it tells at that scale.
+    """A signal and its spectrum at some scale.
 
     Attributes:
-        words: What it is, in words.
+        words: Description.
         signal: At every sample, (samples,).
         power: Mean square of each line, (lines,), over the samples that are counted.
-        counted: How many samples tell something: without the first period of a multisine and without ramps.
+        counted: Number of samples with information: without the first period of a multisine and without ramps.
     """
 
     words: str
@@ -41,17 +41,16 @@ def multisine(
     limited: NDArray[np.complex128],
     travel: NDArray[np.complex128],
 ) -> Wave:
-    """A multisine of given powers.
+    """A multisine of these powers.
 
-    Its phases keep the peaks of what is limited low, so that more power goes in. It starts where the ramp leaves the column at its
-    place: while the drive ``w(t) e(t)`` comes up, an open servo gathers ``-int w' y dt`` with the travel y of the steady state, and
-    keeps it.
+    Its phases keep the peaks of the limited channels low, for more power. Its start makes the ramp leave the column in place:
+    during the ramp ``w(t) e(t)`` an open servo accumulates ``-int w' y dt`` with the travel y of the steady state.
 
     Args:
         timing: Its samples.
         frequency_hz: Its lines, (lines,).
         power: Mean square of each, above 0, (lines,).
-        limited: Responses to what is limited, in shares of the limits, (limits, lines).
+        limited: Responses of the limited channels, in shares of the limits, (limits, lines).
         travel: Response to the column's travel, (lines,).
     """
     harmonics = np.rint(frequency_hz * timing.period_s).astype(np.int64)
@@ -59,10 +58,10 @@ def multisine(
     phases = low_crest_phases(PeakProblem(harmonics, amplitude * limited))
     phasors = amplitude * np.exp(1j * phases)
     start = _quiet_start(_period(timing, harmonics, phasors * travel), timing.ramp)
-    one = np.roll(_period(timing, harmonics, phasors), -start)
+    period = np.roll(_period(timing, harmonics, phasors), -start)
     signal = np.zeros(timing.samples)
     end = timing.periods * timing.period + timing.ramp
-    signal[:end] = np.resize(one, end) * envelope(end, timing.ramp)
+    signal[:end] = np.resize(period, end) * envelope(end, timing.ramp)
     words = (
         f"multisine, {len(harmonics)} lines from {frequency_hz[0]:.4g} to {frequency_hz[-1]:.4g} Hz, "
         f"{timing.periods} periods of {timing.period_s:.4g} s"
@@ -74,14 +73,14 @@ def chirps(timing: Timing, frequency_hz: NDArray[np.float64]) -> list[Wave]:
     """Chirps of amplitude 1 over all the time: the whole band or parts of it, evenly over the logarithm or over frequency."""
     low, high = float(frequency_hz[0]), float(frequency_hz[-1])
     spacings: tuple[Spacing, ...] = ("logarithmic", "linear")
-    found = []
+    waves = []
     for below in _SPANS:
         for above in _SPANS:
             if below + above >= 1:
                 continue
             first, last = low * (high / low) ** below, high * (low / high) ** above
-            found += [_chirp(timing, frequency_hz, (first, last), spacing) for spacing in spacings]
-    return found
+            waves += [_chirp(timing, frequency_hz, (first, last), spacing) for spacing in spacings]
+    return waves
 
 
 def _chirp(timing: Timing, frequency_hz: NDArray[np.float64], band: tuple[float, float], spacing: Spacing) -> Wave:
@@ -93,13 +92,13 @@ def _chirp(timing: Timing, frequency_hz: NDArray[np.float64], band: tuple[float,
 
 
 def power_near(signal: NDArray[np.float64], rate_hz: float, frequency_hz: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean square of a signal, each of its Fourier lines within the band counted for the line that is next to it, (lines,)."""
+    """Mean square of a signal at each line: its Fourier lines within the band, each added to the nearest line, (lines,)."""
     count = len(signal)
     spectrum = 2 * np.abs(np.fft.rfft(signal) / count) ** 2
-    at = np.fft.rfftfreq(count, 1 / rate_hz)
+    line_hz = np.fft.rfftfreq(count, 1 / rate_hz)
     edges = np.concatenate([[frequency_hz[0]], (frequency_hz[1:] + frequency_hz[:-1]) / 2, [frequency_hz[-1]]])
-    inside = (at >= edges[0]) & (at <= edges[-1])
-    return np.histogram(at[inside], edges, weights=spectrum[inside])[0]
+    inside = (line_hz >= edges[0]) & (line_hz <= edges[-1])
+    return np.histogram(line_hz[inside], edges, weights=spectrum[inside])[0]
 
 
 def envelope(count: int, ramp: int) -> NDArray[np.float64]:
@@ -119,7 +118,7 @@ def _period(timing: Timing, harmonics: NDArray[np.int64], phasors: NDArray[np.co
 
 
 def _quiet_start(travel: NDArray[np.float64], ramp: int) -> int:
-    """The sample at which the ramp's weighted mean of the steady travel is next to zero."""
+    """The sample at which the ramp's weighted mean of the steady travel is nearest to zero."""
     count = len(travel)
     weights = np.zeros(count)
     weights[:ramp] = np.diff(envelope(2 * ramp + 1, ramp)[: ramp + 1]) if ramp else 0.0

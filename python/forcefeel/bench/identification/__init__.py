@@ -1,6 +1,7 @@
-"""A loader from bench data: how they are compared with the model, and how sure the parameters are.
+"""Identification of a loader from bench data.
 
-To read in this order: ``unknowns``, what is to be found; ``linear`` and ``record_run``, the model and its slopes; ``observations``,
-data against it; ``problem``, ``search`` and ``friction_jumps``, the fit; ``confidence``, how sure it is; ``inseparable`` and
-``advice``, what the data cannot tell apart and what would; ``rigid``, whether the link is compliant; ``fit``, all of it.
+Read in this order: ``unknowns``, the parameters; ``linear`` and ``record_run``, the model and its slopes; ``observations``, the
+comparison with data; ``problem``, ``search`` and ``friction_jumps``, the fit; ``confidence``, its standard errors;
+``inseparable`` and ``advice``, inseparable parameters and experiments that separate them; ``rigid``, the test of the link;
+``fit``, the whole identification.
 """

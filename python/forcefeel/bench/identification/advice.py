@@ -1,7 +1,7 @@
-"""Which experiment more would determine what the data do not.
+"""Further experiments that would determine the undetermined parameters.
 
-Every response that the bench could measure, of each loop, drive and channel, adds its information to that of the data. It is taken
-at 60 lines, with the noise of a good bench.
+The information of each possible response, by loop, drive and channel, at 60 lines and with the noise of a good bench, is added to
+that of the data.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,31 +27,33 @@ _NORMAL = 1.96
 """Standard errors in half a 95 % interval."""
 
 _MOST = 3
-"""Experiments that are named."""
+"""Number of named experiments."""
 
 
 def advice_of(
     loader: Loader, law: LawLike, unknowns: Sequence[Unknown], information: NDArray[np.float64], *, recorded: bool
 ) -> tuple[Advice, ...]:
-    """The experiments that would determine all unknowns, the best first; if none would alone, the best pair of them.
+    """Experiments that would each determine all unknowns, the best first; otherwise the best pair.
 
     Args:
         loader: The loader at the estimates.
         law: The law of the whole loader.
         unknowns: The unknowns.
-        information: Of the data alone, in shares as ``confidence`` has them.
-        recorded: Whether there are records in time among the data.
+        information: Information of the data alone, in shares as in ``confidence``.
+        recorded: Whether the data contain time records.
     """
-    scale = np.array([max(abs(loader[it.key]), it.scale) for it in unknowns])
-    candidates = list(_candidates(loader, law, [it.key for it in unknowns], scale))
+    scale = np.array([max(abs(loader[unknown.key]), unknown.scale) for unknown in unknowns])
+    candidates = list(_candidates(loader, law, [unknown.key for unknown in unknowns], scale))
     open_still = _NORMAL * half_widths(information) >= DETERMINED
     if unseen := [
-        it for j, it in enumerate(unknowns) if open_still[j] and all(more[j, j] == 0 for _, more in candidates)
+        unknown
+        for j, unknown in enumerate(unknowns)
+        if open_still[j] and all(added[j, j] == 0 for _, added in candidates)
     ]:
         return (_beyond_the_linear_model(unseen, recorded=recorded),)
-    alone = _sufficient([((words,), more) for words, more in candidates], information)
+    alone = _sufficient([((words,), added) for words, added in candidates], information)
     if not alone:
-        pairs = [((one, other), a + b) for k, (one, a) in enumerate(candidates) for other, b in candidates[k + 1 :]]
+        pairs = [((first, other), a + b) for k, (first, a) in enumerate(candidates) for other, b in candidates[k + 1 :]]
         alone = _sufficient(pairs, information)[:1]
     return tuple(_advice(words, unknowns, shares) for words, shares in alone[:_MOST])
 
@@ -82,23 +84,25 @@ def _lines(loader: Loader) -> NDArray[np.float64]:
 def _sufficient(
     candidates: Sequence[tuple[tuple[str, ...], NDArray[np.float64]]], information: NDArray[np.float64]
 ) -> list[tuple[tuple[str, ...], NDArray[np.float64]]]:
-    """Those that determine everything, the surest first, with the half-widths that they lead to."""
-    found = [(words, _NORMAL * half_widths(information + more)) for words, more in candidates]
-    enough = [(words, shares) for words, shares in found if shares.max() < DETERMINED]
-    return sorted(enough, key=lambda it: float(it[1].max()))
+    """The candidates that determine all unknowns, the most accurate first, with their half-widths."""
+    widths = [(words, _NORMAL * half_widths(information + added)) for words, added in candidates]
+    sufficient = [(words, shares) for words, shares in widths if shares.max() < DETERMINED]
+    return sorted(sufficient, key=lambda candidate: float(candidate[1].max()))
 
 
 def _advice(words: Sequence[str], unknowns: Sequence[Unknown], shares: NDArray[np.float64]) -> Advice:
-    known = ", ".join(f"{it.symbol} to ±{100 * share:.2g} %" for it, share in zip(unknowns, shares, strict=True))
-    sentence = f"Measure {' and '.join(words)}: with 1 % of noise a line it would give {known}."
-    return Advice(sentence, {it.key: float(share) for it, share in zip(unknowns, shares, strict=True)})
+    targets = ", ".join(
+        f"{unknown.symbol} to ±{100 * share:.2g} %" for unknown, share in zip(unknowns, shares, strict=True)
+    )
+    sentence = f"Measure {' and '.join(words)}: with 1 % of noise a line it would give {targets}."
+    return Advice(sentence, {unknown.key: float(share) for unknown, share in zip(unknowns, shares, strict=True)})
 
 
 def _beyond_the_linear_model(unseen: Sequence[Unknown], *, recorded: bool) -> Advice:
-    symbols = " and ".join(it.symbol for it in unseen)
-    how = (
+    symbols = " and ".join(unknown.symbol for unknown in unseen)
+    remedy = (
         "Record the loader again, slower, through more reversals and over more of its travel, or fit fewer parameters."
         if recorded
         else "Record the loader in time, such as a sweep of the force through both directions or a release, and fit that."
     )
-    return Advice(f"No frequency response sees {symbols}: the linear model does not depend on it. {how}", {})
+    return Advice(f"No frequency response sees {symbols}: the linear model does not depend on it. {remedy}", {})

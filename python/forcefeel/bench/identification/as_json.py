@@ -1,4 +1,4 @@
-"""An identification for machines: everything that its page says as plain data, and frequency responses as tables."""
+"""An identification as plain data for JSON, and frequency responses as tables."""
 
 import csv
 import io
@@ -22,13 +22,13 @@ _DIGITS = ".9g"
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a fit was made.
+    """Settings of a fit.
 
     Attributes:
-        loss: What large residuals cost.
-        starts: How many places the search began at.
+        loss: Loss of large residuals.
+        starts: Number of starts of the search.
         priors: Whether normal tolerances of the loader file were priors.
-        as_responses: Whether records were turned into frequency responses first.
+        as_responses: Whether records were converted into frequency responses first.
         law: Name of the law of the whole loader.
     """
 
@@ -40,38 +40,41 @@ class FitSettings:
 
 
 def identification_json(
-    found: Identification, units: UnitSystem, settings: FitSettings | None = None
+    identification: Identification, units: UnitSystem, settings: FitSettings | None = None
 ) -> dict[str, Json]:
-    """What the identification says, and of what."""
-    after = None if found.loader is None else found.loader.as_json(units)
+    """Results and inputs of an identification."""
+    fitted_json = None if identification.loader is None else identification.loader.as_json(units)
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "loader": found.before.name,
-        "conclusions": json_value(identification_conclusions(found, units), units),
-        "determined": found.determined,
+        "loader": identification.before.name,
+        "conclusions": json_value(identification_conclusions(identification, units), units),
+        "determined": identification.determined,
         "settings": json_value(settings, units),
-        "parameters": [_estimate(one, units) for one in found.estimates],
-        "correlation": [[_finite(value) for value in row] for row in found.correlation.tolist()],
+        "parameters": [_estimate(estimate, units) for estimate in identification.estimates],
+        "correlation": [[_finite(value) for value in row] for row in identification.correlation.tolist()],
         "inseparable": [
-            {"parameters": list(one.keys), "weights": list(map(_finite, one.weights)), "sentence": one.sentence}
-            for one in found.inseparable
+            {"parameters": list(group.keys), "weights": list(map(_finite, group.weights)), "sentence": group.sentence}
+            for group in identification.inseparable
         ],
         "advice": [
-            {"sentence": one.sentence, "half_intervals": {key: _finite(share) for key, share in one.shares.items()}}
-            for one in found.advice
+            {
+                "sentence": advice.sentence,
+                "half_intervals": {key: _finite(share) for key, share in advice.shares.items()},
+            }
+            for advice in identification.advice
         ],
-        "rigid_link": json_value(found.rigid, units),
-        "notes": list(found.notes),
-        "starts": [_ended(found, one, units) for one in found.ends],
-        "data": [_data(found, one, units) for one in data_of(found.fitted)],
-        "before": found.before.as_json(units),
-        "after": after,
+        "rigid_link": json_value(identification.rigid, units),
+        "notes": list(identification.notes),
+        "starts": [_ended(identification, end, units) for end in identification.ends],
+        "data": [_data(identification, measurement, units) for measurement in data_of(identification.fitted)],
+        "before": identification.before.as_json(units),
+        "after": fitted_json,
     }
 
 
 def response_csv(response: Response, units: UnitSystem) -> str:
-    """A response as a table that ``read_response`` reads: what it is in lines with ``#``, then frequency, gain, phase and more."""
+    """A response as CSV for ``read_response``: properties in lines with ``#``, then frequency, gain, phase and more."""
     source, target = (channel_unit(name).shown(units) for name in (response.input, response.output))
     _, scale = gain_unit(response, units)
     columns = {
@@ -92,83 +95,84 @@ def response_csv(response: Response, units: UnitSystem) -> str:
     return text.getvalue()
 
 
-def _estimate(one: Estimate, units: UnitSystem) -> dict[str, Json]:
-    """One parameter; of one that is not determined nothing that could be taken for its value."""
-    unknown, measured_in = one.unknown, unit(TABLE[one.unknown.key])
-    known = one.status is not Status.UNDETERMINED
-    found: dict[str, Json] = {
+def _estimate(estimate: Estimate, units: UnitSystem) -> dict[str, Json]:
+    """One parameter; without a value if undetermined."""
+    unknown, measured_in = estimate.unknown, unit(TABLE[estimate.unknown.key])
+    determined = estimate.status is not Status.UNDETERMINED
+    document: dict[str, Json] = {
         "parameter": unknown.key,
         "symbol": unknown.symbol,
-        "status": str(one.status),
+        "status": str(estimate.status),
         "file": quantity(unknown.nominal, measured_in, units),
         "bounds": [quantity(bound, measured_in, units) for bound in (unknown.low, unknown.high)],
         "prior": None,
-        "half_interval_without_prior": _finite(one.share),
+        "half_interval_without_prior": _finite(estimate.share),
     }
     if unknown.prior is not None:
         mean, deviation = (quantity(value, measured_in, units) for value in unknown.prior)
-        found["prior"] = {"mean": mean, "deviation": deviation}
-    shown = {
-        "estimate": one.value,
-        "standard_error": one.deviation,
-        "low": one.low,
-        "high": one.high,
+        document["prior"] = {"mean": mean, "deviation": deviation}
+    texts = {
+        "estimate": estimate.value,
+        "standard_error": estimate.deviation,
+        "low": estimate.low,
+        "high": estimate.high,
     }
-    return found | {
-        name: quantity(value, measured_in, units) if known else NOT_DETERMINED for name, value in shown.items()
+    return document | {
+        name: quantity(value, measured_in, units) if determined else NOT_DETERMINED for name, value in texts.items()
     }
 
 
-def _ended(found: Identification, end: Ended, units: UnitSystem) -> dict[str, Json]:
+def _ended(identification: Identification, end: Ended, units: UnitSystem) -> dict[str, Json]:
     values: dict[str, Json] = {}
-    for one, value in zip(found.estimates, end.end.tolist(), strict=True):
-        known = one.status is not Status.UNDETERMINED
-        measured_in = unit(TABLE[one.unknown.key])
-        values[one.unknown.key] = quantity(value, measured_in, units) if known else NOT_DETERMINED
+    for estimate, value in zip(identification.estimates, end.end.tolist(), strict=True):
+        determined = estimate.status is not Status.UNDETERMINED
+        measured_in = unit(TABLE[estimate.unknown.key])
+        values[estimate.unknown.key] = quantity(value, measured_in, units) if determined else NOT_DETERMINED
     began: dict[str, Json] = {
-        key: quantity(value, unit(TABLE[key]), units) for key, value in zip(found.keys, end.start.tolist(), strict=True)
+        key: quantity(value, unit(TABLE[key]), units)
+        for key, value in zip(identification.keys, end.start.tolist(), strict=True)
     }
     return {"start": began, "end": values, "cost": _finite(end.cost), "same_place": end.same}
 
 
-def _data(found: Identification, data: object, units: UnitSystem) -> dict[str, Json]:
-    """One file, and what is left of each of its channels."""
-    parts = [one for one in found.fitted if one.data is data]
-    given = parts[0].data
+def _data(identification: Identification, data: object, units: UnitSystem) -> dict[str, Json]:
+    """One data file, and the residual of each of its channels."""
+    parts = [fitted for fitted in identification.fitted if fitted.data is data]
+    measurement = parts[0].data
     common: dict[str, Json] = {
-        "name": given.name,
-        "kind": "frequency response" if isinstance(given, Response) else "record",
-        "experiment": str(given.experiment),
-        "sha256": given.data_hash,
+        "name": measurement.name,
+        "kind": "frequency response" if isinstance(measurement, Response) else "record",
+        "experiment": str(measurement.experiment),
+        "sha256": measurement.data_hash,
     }
-    if isinstance(given, Response):
-        common |= {"input": given.input, "output": given.output}
+    if isinstance(measurement, Response):
+        common |= {"input": measurement.input, "output": measurement.output}
     else:
-        common |= {"hold": given.hold}
-    return common | {"channels": [_part(one, units) for one in parts]}
+        common |= {"hold": measurement.hold}
+    return common | {"channels": [_part(part, units) for part in parts]}
 
 
-def _part(one: Fitted, units: UnitSystem) -> dict[str, Json]:
-    response = isinstance(one.data, Response)
-    ends: dict[str, Json] = {"points": len(one.at)}
+def _part(fitted: Fitted, units: UnitSystem) -> dict[str, Json]:
+    response = isinstance(fitted.data, Response)
+    ends: dict[str, Json] = {"points": len(fitted.at)}
     if response:
-        ends["band"] = {"value": [float(one.at[0]), float(one.at[-1])], "unit": "Hz"}
-        stated = stated_noise(one)
+        ends["band"] = {"value": [float(fitted.at[0]), float(fitted.at[-1])], "unit": "Hz"}
+        stated = stated_noise(fitted)
         sizes: dict[str, Json] = {
-            "residual_rms": _finite(one.residual_rms),
-            "noise": _finite(one.noise),
+            "residual_rms": _finite(fitted.residual_rms),
+            "noise": _finite(fitted.noise),
             "stated_noise": None if stated is None else _finite(stated),
         }
     else:
-        ends["length"] = quantity(float(one.at[-1] - one.at[0]), SECONDS, units)
-        measured_in = channel_unit(one.channel)
+        ends["length"] = quantity(float(fitted.at[-1] - fitted.at[0]), SECONDS, units)
+        measured_in = channel_unit(fitted.channel)
         sizes = {
-            "residual_rms": quantity(one.residual_rms, measured_in, units),
-            "noise": quantity(one.noise, measured_in, units),
+            "residual_rms": quantity(fitted.residual_rms, measured_in, units),
+            "noise": quantity(fitted.noise, measured_in, units),
         }
-    return {"channel": one.channel, **ends, **sizes}
+    return {"channel": fitted.channel, **ends, **sizes}
 
 
 def _finite(value: float) -> Json:
-    """A number that JSON has; text for the others."""
+    """A finite number, or text for the others."""
     return json_value(float(value), UnitSystem.SI)

@@ -1,4 +1,4 @@
-"""How the numbers of an identification are shown: digits by the standard error, channels in the units that people read."""
+"""Format of the numbers of an identification: digits by the standard error, channels in display units."""
 
 import math
 
@@ -9,13 +9,13 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import Unit, UnitSystem, to_text
 
 NOT_DETERMINED = "not determined"
-"""Stands where an estimate would, if the data do not determine it."""
+"""Placeholder of an undetermined estimate."""
 
 _FEWEST, _MOST = 3, 4
 """Significant digits of an estimate."""
 
 _MOST_DECIMALS, _LARGE = 9, 1e7
-"""Beyond these an interval is written with powers of ten."""
+"""Range outside of which an interval is written with powers of ten."""
 
 
 def gain_unit(response: Response, units: UnitSystem) -> tuple[str, float]:
@@ -24,14 +24,14 @@ def gain_unit(response: Response, units: UnitSystem) -> tuple[str, float]:
     return f"{target.shown(units)}/{source.shown(units)}", target.from_si(1.0, units) / source.from_si(1.0, units)
 
 
-def title_of(one: Fitted) -> str:
-    """What a set of data is called beside others of its file: the file's name and the channel."""
-    data = one.data
+def title_of(fitted: Fitted) -> str:
+    """Title of a data set: the file's name and the channel."""
+    data = fitted.data
     if isinstance(data, Response):
         # A response that was estimated from a record has its channels in its name.
         named = data.output in data.name
         return data.name if named else f"{data.name}, {_words(data.output)} over {_words(data.input)}"
-    return f"{data.name}, {_words(one.channel)}"
+    return f"{data.name}, {_words(fitted.channel)}"
 
 
 def digits_of(value: float, deviation: float) -> int:
@@ -45,28 +45,30 @@ def digits_of(value: float, deviation: float) -> int:
     return max(_FEWEST, min(_MOST, needed))
 
 
-def nominal(one: Estimate, units: UnitSystem) -> str:
+def nominal(estimate: Estimate, units: UnitSystem) -> str:
     """The file's value, without its unit."""
-    return to_text(_unit(one).from_si(one.unknown.nominal, units), _MOST)
+    return to_text(_unit(estimate).from_si(estimate.unknown.nominal, units), _MOST)
 
 
-def estimated(one: Estimate, value: float, units: UnitSystem) -> str:
+def estimated(estimate: Estimate, value: float, units: UnitSystem) -> str:
     """A value that the search found, with the digits that the standard error leaves, without its unit."""
-    return rounded(_unit(one).from_si(value, units), digits_of(value, one.deviation))
+    return rounded(_unit(estimate).from_si(value, units), digits_of(value, estimate.deviation))
 
 
-def interval(one: Estimate, units: UnitSystem) -> str:
+def interval(estimate: Estimate, units: UnitSystem) -> str:
     """The 95 % interval, its ends with the decimals that show two digits of the standard error, without its unit."""
-    deviation, low, high = (_unit(one).from_si(value, units) for value in (one.deviation, one.low, one.high))
+    deviation, low, high = (
+        _unit(estimate).from_si(value, units) for value in (estimate.deviation, estimate.low, estimate.high)
+    )
     decimals = 1 - math.floor(math.log10(deviation)) if deviation > 0 and math.isfinite(deviation) else 0
     if 0 <= decimals <= _MOST_DECIMALS and max(abs(low), abs(high)) < _LARGE:
         return f"{low:.{decimals}f} to {high:.{decimals}f}"
     return f"{to_text(low, _MOST)} to {to_text(high, _MOST)}"
 
 
-def error(one: Estimate, units: UnitSystem) -> str:
+def error(estimate: Estimate, units: UnitSystem) -> str:
     """The standard error, two digits, without its unit."""
-    return rounded(_unit(one).from_si(one.deviation, units), 2)
+    return rounded(_unit(estimate).from_si(estimate.deviation, units), 2)
 
 
 def percent(share: float) -> str:
@@ -74,16 +76,16 @@ def percent(share: float) -> str:
     return f"{rounded(100 * share, 2)} %" if math.isfinite(share) else "infinitely many %"
 
 
-def relative_error(one: Estimate) -> float:
+def relative_error(estimate: Estimate) -> float:
     """The standard error as a share of the value, of a phase in rad; infinite for a value of zero."""
-    if one.unknown.is_phase:
-        return one.deviation
-    return one.deviation / abs(one.value) if one.value else math.inf
+    if estimate.unknown.is_phase:
+        return estimate.deviation
+    return estimate.deviation / abs(estimate.value) if estimate.value else math.inf
 
 
-def unit_of(one: Estimate, units: UnitSystem) -> str:
+def unit_of(estimate: Estimate, units: UnitSystem) -> str:
     """The unit of the parameter."""
-    return _unit(one).shown(units)
+    return _unit(estimate).shown(units)
 
 
 def rounded(value: float, digits: int) -> str:
@@ -99,5 +101,5 @@ def _words(channel: str) -> str:
     return channel.replace("_", " ")
 
 
-def _unit(one: Estimate) -> Unit:
-    return unit(TABLE[one.unknown.key])
+def _unit(estimate: Estimate) -> Unit:
+    return unit(TABLE[estimate.unknown.key])

@@ -39,43 +39,48 @@ _LEAST_PROBABILITY = 1e-16
 
 
 @of_result
-def identification_conclusions(found: Identification, units: UnitSystem) -> Conclusions:
+def identification_conclusions(identification: Identification, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the data determine all and the model explains them."""
     lines = (
-        *(one.sentence for one in found.inseparable),
-        *(one.sentence for one in found.advice),
-        *_moved(found, units),
-        *_at_bound(found, units),
-        *_correlated(found),
-        *_priors(found),
-        _rigid(found.rigid) if found.rigid else "",
-        _starts(found),
-        *_left(found, units),
-        _left_out(found),
-        *found.notes,
+        *(group.sentence for group in identification.inseparable),
+        *(advice.sentence for advice in identification.advice),
+        *_moved(identification, units),
+        *_at_bound(identification, units),
+        *_correlated(identification),
+        *_priors(identification),
+        _rigid(identification.rigid) if identification.rigid else "",
+        _starts(identification),
+        *_left(identification, units),
+        _left_out(identification),
+        *identification.notes,
     )
-    good = found.loader is not None and not any(map(beyond_noise, found.fitted))
-    return Conclusions(good, _verdict(found, units) + _doubt(found), tuple(line for line in lines if line))
+    ok = identification.loader is not None and not any(map(beyond_noise, identification.fitted))
+    return Conclusions(
+        ok, _verdict(identification, units) + _doubt(identification), tuple(line for line in lines if line)
+    )
 
 
-def _verdict(found: Identification, units: UnitSystem) -> str:
-    lost = _with(found, Status.UNDETERMINED)
-    count = len(found.estimates)
+def _verdict(identification: Identification, units: UnitSystem) -> str:
+    lost = _with(identification, Status.UNDETERMINED)
+    count = len(identification.estimates)
     if lost:
         which = "The parameter" if count == 1 else f"{len(lost)} of {count} parameters"
         verb = "is" if len(lost) == 1 else "are"
         return f"{which} {verb} not determined by these data: {_named(lost)}. No loader file is written."
-    bound = _with(found, Status.AT_BOUND)
+    bound = _with(identification, Status.AT_BOUND)
     but = f", but {_named(bound)} ended at {'its' if len(bound) == 1 else 'their'} bound" if bound else ""
     unwritten = " No loader file is written." if bound else ""
     if count == 1:
-        (one,) = found.estimates
-        value, deviation = (_with_unit(one, it, units) for it in (estimated(one, one.value, units), error(one, units)))
+        (estimate,) = identification.estimates
+        value, deviation = (
+            _with_unit(estimate, text, units)
+            for text in (estimated(estimate, estimate.value, units), error(estimate, units))
+        )
         if bound:
-            return f"{one.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
-        return f"{one.unknown.key} is determined: {value} with a standard error of {deviation}."
-    shares = [it for it in found.estimates if it.value and not it.unknown.is_phase]
-    ordered = sorted(shares or found.estimates, key=relative_error)
+            return f"{estimate.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
+        return f"{estimate.unknown.key} is determined: {value} with a standard error of {deviation}."
+    shares = [estimate for estimate in identification.estimates if estimate.value and not estimate.unknown.is_phase]
+    ordered = sorted(shares or identification.estimates, key=relative_error)
     first, last = ordered[0], ordered[-1]
     return (
         f"{_all(count)} parameters are determined{but}: their standard errors are from {percent(relative_error(first))} "
@@ -83,22 +88,22 @@ def _verdict(found: Identification, units: UnitSystem) -> str:
     )
 
 
-def _doubt(found: Identification) -> str:
+def _doubt(identification: Identification) -> str:
     """A sentence more where the standard errors do not say how wrong the estimates can be."""
-    bad = sorted((one for one in found.fitted if unexplained(one) > UNEXPLAINED), key=unexplained)
+    bad = sorted((fitted for fitted in identification.fitted if unexplained(fitted) > UNEXPLAINED), key=unexplained)
     if bad:
-        it = "it" if len(found.estimates) == 1 else "them"
-        start = f"But do not rely on {it}: the" if found.determined else "Besides, the"
-        unwritten = " No loader file is written." if found.determined and found.within_bounds else ""
+        pronoun = "it" if len(identification.estimates) == 1 else "them"
+        start = f"But do not rely on {pronoun}: the" if identification.determined else "Besides, the"
+        unwritten = " No loader file is written." if identification.determined and identification.within_bounds else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
             f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
             "responses has not."
         )
-    missed = list(filter(beyond_noise, found.fitted))
-    if not found.determined or not missed:
+    missed = list(filter(beyond_noise, identification.fitted))
+    if not identification.determined or not missed:
         return ""
-    loose = [pair for pair in strong_pairs(found) if abs(pair[2]) > ONE_DIRECTION]
+    loose = [pair for pair in strong_pairs(identification) if abs(pair[2]) > ONE_DIRECTION]
     if loose:
         first, second, size = loose[0]
         return (
@@ -113,17 +118,19 @@ def first_two(missed: Sequence[Fitted]) -> str:
     return " and ".join([*map(title_of, missed[:2]), *(["others"] if len(missed) > 2 else [])])
 
 
-def _moved(found: Identification, units: UnitSystem) -> list[str]:
+def _moved(identification: Identification, units: UnitSystem) -> list[str]:
     """Who left the file's value, and how far; who did not."""
-    known = _with(found, Status.DETERMINED)
-    moved = sorted((it for it in known if differs(it)), key=lambda it: -abs(change(it)))
-    lines = [_one_moved(it, units) for it in moved[:_MOST_NAMED]]
+    determined = _with(identification, Status.DETERMINED)
+    moved = sorted(
+        (estimate for estimate in determined if differs(estimate)), key=lambda estimate: -abs(change(estimate))
+    )
+    lines = [_one_moved(estimate, units) for estimate in moved[:_MOST_NAMED]]
     if len(moved) > _MOST_NAMED:
         rest = moved[_MOST_NAMED:]
         lines.append(
-            f"{_named(rest)} moved too, by at most {_part(max(abs(change(it)) for it in rest))}; the table has them."
+            f"{_named(rest)} moved too, by at most {_part(max(abs(change(estimate)) for estimate in rest))}; the table has them."
         )
-    same = [it for it in known if not differs(it)]
+    same = [estimate for estimate in determined if not differs(estimate)]
     if same:
         agree, value = ("agrees", "value lies within its") if len(same) == 1 else ("agree", "values lie within their")
         intervals = "interval" if len(same) == 1 else "intervals"
@@ -131,50 +138,53 @@ def _moved(found: Identification, units: UnitSystem) -> list[str]:
     return lines
 
 
-def _one_moved(one: Estimate, units: UnitSystem) -> str:
-    unknown = one.unknown
-    way = "above" if one.value > unknown.nominal else "below"
-    value = _with_unit(one, estimated(one, one.value, units), units)
-    far = f"{to_text(math.degrees(abs(change(one))), 3)} deg" if unknown.is_phase else _part(abs(change(one)))
-    text = f"{unknown.key} lies {far} {way} the file's value, {value} instead of {nominal(one, units)}"
-    told = unknown.tolerance
-    if told is None:
+def _one_moved(estimate: Estimate, units: UnitSystem) -> str:
+    unknown = estimate.unknown
+    direction = "above" if estimate.value > unknown.nominal else "below"
+    value = _with_unit(estimate, estimated(estimate, estimate.value, units), units)
+    size = (
+        f"{to_text(math.degrees(abs(change(estimate))), 3)} deg" if unknown.is_phase else _part(abs(change(estimate)))
+    )
+    text = f"{unknown.key} lies {size} {direction} the file's value, {value} instead of {nominal(estimate, units)}"
+    tolerance = unknown.tolerance
+    if tolerance is None:
         return f"{text}; the file states no tolerance for it."
-    if told.distribution is Distribution.NORMAL and told.peak is not None and told.deviation is not None:
-        share = abs(one.value - told.peak) / told.deviation
+    if tolerance.distribution is Distribution.NORMAL and tolerance.peak is not None and tolerance.deviation is not None:
+        share = abs(estimate.value - tolerance.peak) / tolerance.deviation
         return f"{text}; that is {to_text(share, 2)} standard deviations of its tolerance."
-    low, high = ((bound - unknown.nominal) / unknown.scale for bound in (told.low, told.high))
+    low, high = ((bound - unknown.nominal) / unknown.scale for bound in (tolerance.low, tolerance.high))
     return f"{text}; its tolerance allows {_signed(low)} to {_signed(high)}."
 
 
-def _at_bound(found: Identification, units: UnitSystem) -> list[str]:
+def _at_bound(identification: Identification, units: UnitSystem) -> list[str]:
     """Who would go farther, and what to do about it."""
     lines = []
-    for one in _with(found, Status.AT_BOUND):
-        unknown, limits = one.unknown, limits_si(TABLE[one.unknown.key])
-        k = int(abs(one.value - unknown.high) < abs(one.value - unknown.low))
-        bound, end, way = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
-        value = _with_unit(one, estimated(one, bound, units), units)
+    for estimate in _with(identification, Status.AT_BOUND):
+        unknown, limits = estimate.unknown, limits_si(TABLE[estimate.unknown.key])
+        k = int(abs(estimate.value - unknown.high) < abs(estimate.value - unknown.low))
+        bound, end, direction = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
+        value = _with_unit(estimate, estimated(estimate, bound, units), units)
         remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may be so far off its file."
-        others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in found.keys]
-        if others and found.before[others[0]] == bound:
+        others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in identification.keys]
+        if others and identification.before[others[0]] == bound:
             remedy = f"The bound is {others[0]}: fit both, or leave {unknown.key} out."
         elif unknown.tolerance is None or bound == limits[k]:
             remedy = "The bound is the end of what is accepted: look whether units and experiment of the data are what they say."
         lines.append(
-            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(one))}): the data ask for a {way} value. {remedy}"
+            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(estimate))}): "
+            f"the data fit a {direction} value better. {remedy}"
         )
     return lines
 
 
-def _correlated(found: Identification) -> list[str]:
+def _correlated(identification: Identification) -> list[str]:
     """The strongest pairs."""
-    pairs = strong_pairs(found)
+    pairs = strong_pairs(identification)
     lines = []
     for first, second, size in pairs[:_MOST_NAMED]:
-        way = "rises" if size > 0 else "falls"
+        verb = "rises" if size > 0 else "falls"
         lines.append(
-            f"{first} and {second} hang together: where one rises the other {way} (correlation {correlation_text(size)}), so the "
+            f"{first} and {second} hang together: where one rises the other {verb} (correlation {correlation_text(size)}), so the "
             "data know a combination of them better than each."
         )
     if len(pairs) > _MOST_NAMED:
@@ -187,28 +197,32 @@ def correlation_text(size: float) -> str:
     return to_text(size, 3) if abs(size) < _NEARLY_ONE else f"beyond {math.copysign(0.999, size)}"
 
 
-def strong_pairs(found: Identification) -> list[tuple[str, str, float]]:
+def strong_pairs(identification: Identification) -> list[tuple[str, str, float]]:
     """Determined parameters whose estimates hang together, the strongest first, and their correlation."""
-    known = [k for k, it in enumerate(found.estimates) if it.status is not Status.UNDETERMINED]
-    pairs = [
-        (found.keys[i], found.keys[j], float(found.correlation[i, j]))
-        for a, i in enumerate(known)
-        for j in known[a + 1 :]
+    determined = [
+        k for k, estimate in enumerate(identification.estimates) if estimate.status is not Status.UNDETERMINED
     ]
-    return sorted((it for it in pairs if abs(it[2]) > STRONG), key=lambda it: -abs(it[2]))
+    pairs = [
+        (identification.keys[i], identification.keys[j], float(identification.correlation[i, j]))
+        for a, i in enumerate(determined)
+        for j in determined[a + 1 :]
+    ]
+    return sorted((pair for pair in pairs if abs(pair[2]) > STRONG), key=lambda pair: -abs(pair[2]))
 
 
-def _priors(found: Identification) -> list[str]:
+def _priors(identification: Identification) -> list[str]:
     """Estimates to which the file's tolerance adds much."""
     leaning = [
-        it
-        for it in found.estimates
-        if it.status is not Status.UNDETERMINED and it.unknown.prior and it.share > _PRIOR_COUNTS * _half(it)
+        estimate
+        for estimate in identification.estimates
+        if estimate.status is not Status.UNDETERMINED
+        and estimate.unknown.prior
+        and estimate.share > _PRIOR_COUNTS * _half(estimate)
     ]
     return [
-        f"{it.unknown.key} leans on the file's tolerance: from the data alone its 95 % interval would be ±{percent(it.share)} in "
-        f"place of ±{percent(_half(it))}."
-        for it in leaning[:_MOST_NAMED]
+        f"{estimate.unknown.key} depends on the loader file's prior: from the data alone its 95 % interval "
+        f"would be ±{percent(estimate.share)} instead of ±{percent(_half(estimate))}."
+        for estimate in leaning[:_MOST_NAMED]
     ]
 
 
@@ -233,40 +247,40 @@ def probability_text(test: RigidTest) -> str:
     return f"p = {to_text(test.probability, 2)}"
 
 
-def _starts(found: Identification) -> str:
-    count, same = len(found.ends), sum(end.same for end in found.ends)
+def _starts(identification: Identification) -> str:
+    count, same = len(identification.ends), sum(end.same for end in identification.ends)
     if count <= 1:
         return "The search started once, at the file's values: whether there is a better place was not tried; see --starts."
     if same == count:
         return f"{_all(count)} starts of the search ended in the same place."
-    other = min(worse(found, end) for end in found.ends if not end.same)
+    other = min(worse(identification, end) for end in identification.ends if not end.same)
     text = f"{same} of {count} starts of the search ended in the same, best place"
     if other < _SAME_LEFT:
         return f"{text}; another place explains the data about as well, so do not trust this one before a further experiment."
     return f"{text}; the others in worse ones, the next best of which leaves {to_text(other, 3)} times as much."
 
 
-def worse(found: Identification, end: Ended) -> float:
+def worse(identification: Identification, end: Ended) -> float:
     """How many times as much a place leaves of the data as the best one: the exponential of what their costs differ by."""
-    return math.exp(min(end.cost - min(it.cost for it in found.ends), _FAR))
+    return math.exp(min(end.cost - min(other.cost for other in identification.ends), _FAR))
 
 
-def _left(found: Identification, units: UnitSystem) -> list[str]:
+def _left(identification: Identification, units: UnitSystem) -> list[str]:
     """What the model does not explain, beside what the data say of their noise."""
-    lines = [text for one in found.fitted if (text := model_error(one, units))]
-    named = [f"{title_of(one)}: {size_text(one, one.residual_rms, units)}" for one in found.fitted]
+    lines = [text for fitted in identification.fitted if (text := model_error(fitted, units))]
+    named = [f"{title_of(fitted)}: {size_text(fitted, fitted.residual_rms, units)}" for fitted in identification.fitted]
     if named:
         more = f"; {len(named) - _MOST_NAMED} more are in the table" if len(named) > _MOST_NAMED else ""
         lines.append(f"What is left after the fit (root mean square): {'; '.join(named[:_MOST_NAMED])}{more}.")
     return lines
 
 
-def _left_out(found: Identification) -> str:
+def _left_out(identification: Identification) -> str:
     """What responses do not show of the loader."""
-    rows = beyond_linear(found.before)
-    if not rows or not any(isinstance(one.data, Response) for one in found.fitted):
+    rows = beyond_linear(identification.before)
+    if not rows or not any(isinstance(fitted.data, Response) for fitted in identification.fitted):
         return ""
-    if found.before["controller.period"]:
+    if identification.before["controller.period"]:
         return (
             "Responses are compared with the sampled model about its rest, which leaves out what holds, touches, limits or rounds; "
             "a record is compared with all of it in play."
@@ -274,36 +288,36 @@ def _left_out(found: Identification) -> str:
     return f"Responses are compared with the linear model, which leaves out {rows}; a record is compared with all of it in play."
 
 
-def change(one: Estimate) -> float:
+def change(estimate: Estimate) -> float:
     """How far the estimate lies from the file's value, as a share of it."""
-    return (one.value - one.unknown.nominal) / one.unknown.scale
+    return (estimate.value - estimate.unknown.nominal) / estimate.unknown.scale
 
 
-def differs(one: Estimate) -> bool:
+def differs(estimate: Estimate) -> bool:
     """Whether the file's value lies outside the 95 % interval."""
-    return not one.low <= one.unknown.nominal <= one.high
+    return not estimate.low <= estimate.unknown.nominal <= estimate.high
 
 
-def _with(found: Identification, status: Status) -> list[Estimate]:
-    return [it for it in found.estimates if it.status is status]
+def _with(identification: Identification, status: Status) -> list[Estimate]:
+    return [estimate for estimate in identification.estimates if estimate.status is status]
 
 
-def _named(some: list[Estimate]) -> str:
-    names = [it.unknown.key for it in some]
+def _named(estimates: list[Estimate]) -> str:
+    names = [estimate.unknown.key for estimate in estimates]
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def _half(one: Estimate) -> float:
+def _half(estimate: Estimate) -> float:
     """Half the 95 % interval as a share of the value."""
-    return (one.high - one.low) / 2 / abs(one.value) if one.value else math.inf
+    return (estimate.high - estimate.low) / 2 / abs(estimate.value) if estimate.value else math.inf
 
 
 def _all(count: int) -> str:
     return "Both" if count == 2 else f"All {count}"
 
 
-def _with_unit(one: Estimate, value: str, units: UnitSystem) -> str:
-    return f"{value} {unit_of(one, units)}".strip()
+def _with_unit(estimate: Estimate, value: str, units: UnitSystem) -> str:
+    return f"{value} {unit_of(estimate, units)}".strip()
 
 
 def _part(share: float) -> str:

@@ -15,11 +15,11 @@ from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.confidence import Confidence, half_widths
 from forcefeel.bench.identification.fitted_loader import fitted_loader
 from forcefeel.bench.identification.inseparable import DETERMINED, inseparable_sets
-from forcefeel.bench.identification.linear import LinearModel, model_response
+from forcefeel.bench.identification.linear import LinearModel, bench_law, model_response
 from forcefeel.bench.identification.losses import Loss
 from forcefeel.bench.identification.misfit import explained
 from forcefeel.bench.identification.observations import Observation
-from forcefeel.bench.identification.problem import Place, Problem
+from forcefeel.bench.identification.problem import Optimum, Problem
 from forcefeel.bench.identification.record_observation import RecordObservation
 from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.identification.response_observation import ResponseObservation, relative_error
@@ -36,10 +36,10 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC
 
 _HALF_RATE = 0.499
-"""Cycles of a line in a controller's period at most."""
+"""Largest frequency of a line, in cycles per period of the controller."""
 
 MOST_STARTS = 256
-"""More starts than anybody waits for."""
+"""Largest number of starts."""
 
 
 def identify(  # noqa: PLR0913  keywords of what is asked
@@ -54,34 +54,34 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     as_responses: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Identification:
-    """Finds parameters of a loader from what was measured of it.
+    """Estimate parameters of a loader from bench data.
 
     Frequency responses are compared with the linear model, records with the nonlinear one, all at once; the noise of each is found
-    along with the parameters. See ``problem`` for what is minimised and ``confidence`` for the standard errors.
+    along with the parameters. See ``problem`` for the cost and ``confidence`` for the standard errors.
 
     Args:
-        loader: The loader as its file has it. Tolerances bound the search, normal ones count as knowledge.
-        data: Responses and records, one at least.
+        loader: The loader as its file states it. Tolerances bound the search, normal ones are priors.
+        data: Responses and records, at least one.
         fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``, of a motor ``"K_t,J_m,k,c,J"``.
-        law: The law of the whole loader in the data; the original one, or ``robust`` of a motor, if not given.
-        starts: How many places the search starts from: the file's values, then others within tolerance.
+        law: The law of the whole loader in the data; default, the original loop, or ``robust`` for a motor.
+        starts: Number of starts of the search: the file's values, then others within tolerance.
         loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
-        priors: Whether normal tolerances count as knowledge.
-        as_responses: Turn records into frequency responses first, and use the linear model alone.
-        progress: Told how many of the searches are done.
+        priors: Whether normal tolerances are priors.
+        as_responses: Convert records into frequency responses first, and use only the linear model.
+        progress: Called with the number of finished searches and of all.
 
     Returns:
-        The identification; its ``loader`` is ``None`` where the data do not determine a parameter, or one ends at its bound.
+        The identification; its ``loader`` is ``None`` if a parameter is undetermined or ends at its bound.
 
     Raises:
-        InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
-            said to be, or the model diverges at every start.
+        InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data contradict their stated
+        experiment or channels, or the model diverges at every start.
 
     Example:
         >>> import forcefeel as ff
         >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
-        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
-        >>> found["k"].status.value
+        >>> identification = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> identification["k"].status.value
         'determined'
     """
     check_loader(loader)
@@ -90,8 +90,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(
             f"data: expected a list of responses and records, as read_bench_data reads them, got {type_text(data)}"
         )
-    for one in data:
-        expect("data", one, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
+    for measurement in data:
+        expect("data", measurement, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
     keys = parameter_keys(fit, loader.drive)
     unknowns = unknowns_of(loader, keys)
     if not data:
@@ -100,24 +100,35 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     check_bench(loader, data)
     _check_valve(loader, keys, data, as_responses=as_responses)
-    if loader.drive == ELECTRIC and any(one.experiment.loop is Loop.LOADER for one in data):
-        law = Law.of(law, loader)  # designed or read once, for the loader as its file has it
-    used = [it for one in data for it in (_as_responses(one, loader) if as_responses else [one])]
-    seen = [(it, [it] if isinstance(it, Response) else _seen_in(it, loader)) for it in data]
-    for it, responses in seen:
-        _suspect(loader, law, it, responses)
-    problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
+    if loader.drive == ELECTRIC and any(measurement.experiment.loop is Loop.LOADER for measurement in data):
+        law = Law.of(
+            bench_law(loader) if law is None else law, loader
+        )  # designed or read once, for the loader as its file has it
+    used = [
+        part for measurement in data for part in (_as_responses(measurement, loader) if as_responses else [measurement])
+    ]
+    with_responses = [
+        (measurement, [measurement] if isinstance(measurement, Response) else _seen_in(measurement, loader))
+        for measurement in data
+    ]
+    for measurement, responses in with_responses:
+        _suspect(loader, law, measurement, responses)
+    problem = Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in used], loss, priors)
     _check_points(problem)
-    place, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
-    estimates = _estimates(unknowns, problem, place, confidence)
-    found = _at_estimates(loader, estimates)
-    compared = [(it, [it]) for it in used if isinstance(it, Response)] if as_responses else seen
-    rigid, notes = _rigid(found, law, unknowns, compared)
+    optimum, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
+    estimates = _estimates(unknowns, problem, optimum, confidence)
+    estimated_loader = _at_estimates(loader, estimates)
+    compared = (
+        [(measurement, [measurement]) for measurement in used if isinstance(measurement, Response)]
+        if as_responses
+        else with_responses
+    )
+    rigid, notes = _rigid(estimated_loader, law, unknowns, compared)
     identified = Identification(
         before=loader,
         estimates=estimates,
         correlation=confidence.correlation,
-        fitted=_fitted(problem, place),
+        fitted=_fitted(problem, optimum),
         ends=ends,
         inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
@@ -127,42 +138,43 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     if identified.determined:
         sound = explained(identified.fitted) and identified.within_bounds
         return replace(identified, loader=fitted_loader(identified)) if sound else identified
-    recorded = any(isinstance(it, BenchRecord) for it in used)
-    advice = advice_of(found, law, unknowns, confidence.information, recorded=recorded)
+    recorded = any(isinstance(measurement, BenchRecord) for measurement in used)
+    advice = advice_of(estimated_loader, law, unknowns, confidence.information, recorded=recorded)
     return replace(identified, advice=advice)
 
 
 def unseen_from_afar(
     loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: LawLike = None
 ) -> tuple[str, ...]:
-    """Rows that data will hardly determine: all of the data leave them open where a search over their beginning ends.
+    """Parameters that the data will hardly determine, judged at the end of a search over the beginning of the data.
 
-    A parameter to which data answer in nothing but jumps leads the whole search astray, and takes most of its time. To be asked
-    of what may be left out, before ``identify``, whose arguments these are.
+    A parameter with only jumps in the residual misleads the search and takes most of its time. Call this before ``identify``,
+    with the same arguments, for parameters that may be left out.
     """
     unknowns = unknowns_of(loader, keys)
-    confidence = from_afar(Problem(unknowns, [_observe(it, loader, keys, law) for it in data]))
+    confidence = from_afar(Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in data]))
     if confidence is None:
         return ()
     shares = confidence.quantile * half_widths(confidence.information)
-    return tuple(one.key for one, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
+    return tuple(unknown.key for unknown, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
 
 
 def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
-    """What records hold that no parameter is fitted to."""
-    held = any(isinstance(it, BenchRecord) and np.ptp(it.channels.get(GRIP_FORCE, 0.0)) > 0 for it in data)
-    sentence = (
-        f"{GRIP_FORCE} is not compared: it shows the hand. What it tells of the sensor at the grip, commission finds."
+    """Remarks on recorded channels without a fitted parameter."""
+    gripped = any(
+        isinstance(measurement, BenchRecord) and np.ptp(measurement.channels.get(GRIP_FORCE, 0.0)) > 0
+        for measurement in data
     )
-    return (sentence,) * held
+    sentence = f"{GRIP_FORCE} measures the hand and is not compared. To identify the sensor at the grip, run forcefeel commission."
+    return (sentence,) * gripped
 
 
 def _check_valve(
     loader: Loader, keys: Sequence[str], data: Sequence[Response | BenchRecord], *, as_responses: bool
 ) -> None:
-    """Refuses the valve's gains at an operating point where records are run with its orifice."""
+    """Refuse the valve's gains at an operating point if records are simulated with its orifice."""
     gains = [key for key in ("valve.current_gain", "valve.pressure_gain") if key in keys]
-    runs = any(isinstance(it, BenchRecord) for it in data) and not as_responses
+    runs = any(isinstance(measurement, BenchRecord) for measurement in data) and not as_responses
     if gains and loader["valve.orifice"] and (runs or loader["controller.period"]):
         raise InputError(
             f"fit: the loader's flow follows the orifice, eq. (1), which has no {' and '.join(gains)}; fit valve.rated_flow (q_r), "
@@ -171,7 +183,7 @@ def _check_valve(
 
 
 def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response]:
-    """A record's responses to every channel that was measured; a response is one already."""
+    """The responses of a record to every measured channel, or a response itself."""
     if isinstance(data, Response):
         return [data]
     if data.experiment.drive is Drive.RELEASE:
@@ -181,18 +193,20 @@ def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response
 
 def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
     """A record's response to a channel, below half the rate of the loader's controller."""
-    found = estimate_response(record, channel)
-    kept = found.frequency_hz * loader["controller.period"] < _HALF_RATE
-    coherence, deviation = (None if it is None else it[kept] for it in (found.coherence, found.deviation))
-    lines, value = found.frequency_hz[kept], found.value[kept]
-    return replace(found, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
+    estimate = estimate_response(record, channel)
+    below_half_rate = estimate.frequency_hz * loader["controller.period"] < _HALF_RATE
+    coherence, deviation = (
+        None if array is None else array[below_half_rate] for array in (estimate.coherence, estimate.deviation)
+    )
+    lines, value = estimate.frequency_hz[below_half_rate], estimate.value[below_half_rate]
+    return replace(estimate, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
 def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
-    """Refuses data that are not what their responses are said to be, as far as the loader file's model can tell."""
+    """Refuse responses whose labels contradict the model of the loader file."""
     for response in responses:
-        asked = loader, response.experiment, response.input, response.output, response.frequency_hz
-        predicted = model_response(*asked, law=law)
+        arguments = loader, response.experiment, response.input, response.output, response.frequency_hz
+        predicted = model_response(*arguments, law=law)
         answers = bool(np.all(np.isfinite(predicted) & (predicted != 0)))
         if answers and isinstance(data, BenchRecord):
             _check_polarity(response, predicted)
@@ -206,20 +220,20 @@ def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, respons
 
 
 def _check_polarity(response: Response, predicted: NDArray[np.complex128]) -> None:
-    """Of a record's channel only the sign can be taken for the other one; its response is estimated here and has no other slips."""
+    """Refuse a record's channel of reversed sign; its response is estimated here and has no other labeling errors."""
     as_read = distance(response.value, predicted)
     if as_read > FAR and distance(-response.value, predicted) < CLEAR * as_read:
         raise InputError(f"{response.name}: the polarity seems reversed; turn the sign of one channel")
 
 
 def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
-    """The responses of a record as far as it has any: uneven samples, steps, slow sweeps and releases have none."""
-    found = []
+    """The responses of a record, if any: uneven samples, steps, slow sweeps and releases have none."""
+    responses = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
         if name in OUTPUTS:
             with suppress(InputError):
-                found.append(_response_of(record, name, loader))
-    return found
+                responses.append(_response_of(record, name, loader))
+    return responses
 
 
 def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: LawLike) -> Observation:
@@ -238,54 +252,58 @@ def _check_points(problem: Problem) -> None:
 
 
 def _estimates(
-    unknowns: Sequence[Unknown], problem: Problem, place: Place, confidence: Confidence
+    unknowns: Sequence[Unknown], problem: Problem, optimum: Optimum, confidence: Confidence
 ) -> tuple[Estimate, ...]:
-    values = problem.values(place.x)
+    values = problem.values(optimum.x)
     deviation = confidence.deviation[: len(unknowns)] * confidence.sizes * problem.scale
     shares = confidence.quantile * half_widths(confidence.information)
-    found = []
+    estimates = []
     for j, (unknown, value) in enumerate(zip(unknowns, values.tolist(), strict=True)):
         if not shares[j] < DETERMINED:
-            found.append(Estimate(unknown, value, np.inf, -np.inf, np.inf, np.inf, Status.UNDETERMINED))
+            estimates.append(Estimate(unknown, value, np.inf, -np.inf, np.inf, np.inf, Status.UNDETERMINED))
             continue
         half = confidence.quantile * float(deviation[j])
-        status = Status.AT_BOUND if place.at_bound[j] else Status.DETERMINED
-        found.append(
+        status = Status.AT_BOUND if optimum.at_bound[j] else Status.DETERMINED
+        estimates.append(
             Estimate(unknown, value, float(deviation[j]), value - half, value + half, float(shares[j]), status)
         )
-    return tuple(found)
+    return tuple(estimates)
 
 
 def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
-    """The loader at the estimates; an undetermined one stays as the file has it."""
-    told = {it.unknown.key: it.value for it in estimates if it.status is not Status.UNDETERMINED}
+    """The loader at the estimates, with undetermined parameters at the file values."""
+    values = {
+        estimate.unknown.key: estimate.value for estimate in estimates if estimate.status is not Status.UNDETERMINED
+    }
     try:
-        return loader.with_tolerances(dict.fromkeys(set(told) & set(loader.tolerances))).replace(told, si=True)
+        return loader.with_tolerances(dict.fromkeys(set(values) & set(loader.tolerances))).replace(values, si=True)
     except InputError as error:
         raise InputError(
             f"fit: the estimates do not go with the rest of the loader: {error}; fit that parameter too, or correct the loader file"
         ) from error
 
 
-def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
-    """Every curve beside the model, fitted and as the file has it."""
-    groups = iter(place.noise)
-    before = problem.start(np.array([it.nominal for it in problem.unknowns]))
-    found = []
+def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
+    """Each measured curve with the fitted model and the model of the file."""
+    groups = iter(optimum.noise)
+    before = problem.start(np.array([unknown.nominal for unknown in problem.unknowns]))
+    fits = []
     own_before = problem.own(before)
-    for it, own, own_at_file in zip(problem.observations, problem.own(place.x), own_before, strict=True):
-        then = it.curves(problem.values(before), own_at_file)
-        simulated_noise = it.simulated_noise(problem.values(place.x))
-        for curve, old, simulated in zip(it.curves(problem.values(place.x), own), then, simulated_noise, strict=True):
+    for observation, own, own_at_file in zip(problem.observations, problem.own(optimum.x), own_before, strict=True):
+        then = observation.curves(problem.values(before), own_at_file)
+        simulated_noise = observation.simulated_noise(problem.values(optimum.x))
+        for curve, curve_before, simulated in zip(
+            observation.curves(problem.values(optimum.x), own), then, simulated_noise, strict=True
+        ):
             rms = (
-                relative_error(it.data, curve.modelled)
-                if isinstance(it.data, Response)
+                relative_error(observation.data, curve.modelled)
+                if isinstance(observation.data, Response)
                 else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
             )
             noise = float(next(groups)) * curve.expected
-            points = (curve.at, curve.measured, curve.modelled, old.modelled)
-            found.append(Fitted(it.data, curve.channel, *points, rms, noise, simulated))
-    return tuple(found)
+            points = (curve.at, curve.measured, curve.modelled, curve_before.modelled)
+            fits.append(Fitted(observation.data, curve.channel, *points, rms, noise, simulated))
+    return tuple(fits)
 
 
 def _made_for_another(law: LawLike, loader: Loader) -> tuple[str, ...]:
@@ -297,14 +315,14 @@ def _rigid(
     loader: Loader,
     law: LawLike,
     unknowns: Sequence[Unknown],
-    seen: Sequence[tuple[Response | BenchRecord, list[Response]]],
+    with_responses: Sequence[tuple[Response | BenchRecord, list[Response]]],
 ) -> tuple[RigidTest | None, tuple[str, ...]]:
-    """The test of the link on what was given and what was seen in records under a signal; and why there is none."""
+    """The test of the link on responses, given or estimated from records; or the reason for its absence."""
     responses = [
         response
-        for it, found in seen
-        if isinstance(it, Response) or it.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
-        for response in found
+        for measurement, responses in with_responses
+        if isinstance(measurement, Response) or measurement.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
+        for response in responses
     ]
     if not responses:
         return None, ("Whether the link is compliant was not judged: that takes a frequency response.",)

@@ -1,4 +1,4 @@
-"""The loader file that an identification leads to."""
+"""The loader file of an identification."""
 
 from dataclasses import replace
 
@@ -11,35 +11,38 @@ from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.printable import visible
 
 _CUT_AT = 3.0
-"""Standard errors at which a tolerance is cut off: 99.7 % of normal errors."""
+"""Standard errors at which a tolerance is truncated: 99.7 % of normal errors."""
 
 _SUREST = 1e-6
-"""Smallest standard error that a file states, as a share of the value: data without noise are a model's."""
+"""Smallest stated standard error, as a share of the value: data without noise come from a model."""
 
 
-def fitted_loader(found: Identification) -> Loader:
+def fitted_loader(identification: Identification) -> Loader:
     """The loader with the estimates in place of the file's values.
 
-    Each has a normal tolerance of its standard error, so that envelopes, sweeps and the next identification know how sure it is.
+    Each has a normal tolerance of its standard error, for envelopes, sweeps and the next identification.
     The source names the data by their SHA-256.
     """
-    values = {it.unknown.key: it.value for it in found.estimates}
-    without = found.before.with_tolerances(dict.fromkeys(values)).replace(values, si=True)
+    values = {estimate.unknown.key: estimate.value for estimate in identification.estimates}
+    without = identification.before.with_tolerances(dict.fromkeys(values)).replace(values, si=True)
     loader = without.with_tolerances(
-        {it.unknown.key: normal_about(it.unknown.key, it.value, it.deviation) for it in found.estimates}
+        {
+            estimate.unknown.key: normal_about(estimate.unknown.key, estimate.value, estimate.deviation)
+            for estimate in identification.estimates
+        }
     )
-    symbols = ", ".join(it.unknown.symbol for it in found.estimates)
-    data = "; ".join(_named(it) for it in data_of(found.fitted))
-    return replace(loader, source=f"{found.before.source}; {symbols} identified from {data}".lstrip("; "))
+    symbols = ", ".join(estimate.unknown.symbol for estimate in identification.estimates)
+    data = "; ".join(_named(measurement) for measurement in data_of(identification.fitted))
+    return replace(loader, source=f"{identification.before.source}; {symbols} identified from {data}".lstrip("; "))
 
 
 def normal_about(key: str, value: float, deviation: float) -> Tolerance:
-    """The tolerance of what was found of a parameter: normal, cut off within the table's range.
+    """The tolerance of an identified parameter: normal, truncated to the table's range.
 
     Args:
         key: Of the parameter.
-        value: Found, SI units.
-        deviation: Standard error, SI units; no less than the smallest that a file states.
+        value: Estimate, SI units.
+        deviation: Standard error, SI units; at least the smallest stated one.
     """
     low, high = limits_si(TABLE[key])
     deviation = max(deviation, _SUREST * abs(value))

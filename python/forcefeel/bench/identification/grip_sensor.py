@@ -1,14 +1,13 @@
-"""What records tell of the force sensor at the grip, once the loader is identified.
+"""Identification of the force sensor at the grip, after that of the loader.
 
-``F_g`` force that it shows · ``F_p`` force of the hand · ``K_g`` gain · ``m_o`` mass outboard of it · ``F_0`` offset
+``F_g`` its reading · ``F_p`` force of the hand · ``K_g`` gain · ``m_o`` mass outboard of it · ``F_0`` offset
 
     F_g = K_g F_p - K_g m_o R_p theta'' + F_0
 
-With nobody's hand on the grip it shows what moves the mass outboard of it, and no more. The motion is that of the identified loader
-under what drove the record, since no encoder shows an acceleration; what the sensor shows of it is the model's own
-(``crates/model/src/grip_sensor.rs``) for a hand alone and for a mass of 1 kg. So the record gives ``K_g m_o`` and ``F_0`` by least
-squares, and where a measured force of the hand drives it ``K_g`` too. Standard errors are those of the jackknife, a piece of the
-record left out at a time, since what is left is not white.
+With hands off it shows only the inertial force of the outboard mass. The motion is simulated: the identified loader under the
+recorded drive, because no encoder measures acceleration. The model (``crates/model/src/grip_sensor.rs``) gives the readings for a
+hand alone and for a mass of 1 kg. The record then determines ``K_g m_o`` and ``F_0`` by least squares, and ``K_g`` under a measured
+force of the hand. Standard errors are by jackknife over pieces of the record, because the residual is not white.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,71 +40,71 @@ from forcefeel.loader.sensors import (
 GAIN, MASS, OFFSET = (f"{GRIP_SENSOR}.{name}" for name in ("gain", "mass", "offset"))
 
 _PIECES = 20
-"""Of a record, for the jackknife."""
+"""Number of pieces of a record for the jackknife."""
 
 _SURE = 2.0
-"""Standard errors within which a number is nothing."""
+"""Standard errors within which a number counts as zero."""
 
 _CLEAR = 6.0
-"""Standard errors that what the file promises has to be large, for the record to contradict it."""
+"""Least size of the file's value, in standard errors, for a contradiction."""
 
 _LEAST_MASS = 0.02
-"""kg: no grip is lighter."""
+"""Least mass of a grip, kg."""
 
 _FAR = {GAIN: 1.5, MASS: 4.0}
-"""Times what the file promises: a gain is calibrated, a mass outboard guessed; pounds taken for newtons are 4.4."""
+"""Largest factor from the file's value: a gain is calibrated, an outboard mass guessed; pounds read as newtons give 4.4."""
 
 _NOISIER = 2.0
-"""Times its declared noise, from which on the sensor is not the declared one."""
+"""Largest factor of the noise over the declared noise."""
 
 _NOISE_WIDTH = 6.0
-"""Deviations of noise from its lowest to its highest value, at least."""
+"""Standard deviations from the lowest to the highest value of noise, at least."""
 
 
 @dataclass(frozen=True)
-class GripSensorFound:
-    """What became of the sensor.
+class GripSensorEstimate:
+    """Result of the identification of the sensor.
 
     Attributes:
         rows: Value and standard error of each row that the record determines, SI units.
-        noise: What is left of its record, r.m.s., N; ``None`` without a record.
-        wrong: Why no law may use it.
-        said: What else is to be known.
-        advice: The experiments that would determine the rest.
+        noise: Residual of its record, r.m.s., N; ``None`` without a record.
+        wrong: Reasons why no law may use it.
+        notes: Further remarks.
+        advice: Experiments that would determine the rest.
     """
 
     rows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: float | None = None
     wrong: tuple[str, ...] = ()
-    said: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
 
 
-def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorFound:
-    """What the records tell of the sensor.
+def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorEstimate:
+    """Identify the sensor from records.
 
     Args:
-        loader: As identified, with the rows of the sensor as its file has them.
+        loader: The identified loader, with the sensor's rows of its file.
         data: Records and responses.
-        law: Of the bench, where the record is of the whole loader; one that does not use the sensor, which is yet to be tried.
+        law: Law of the bench for records of the whole loader; without the sensor, which is not yet identified.
     """
-    records = [one for one in data if isinstance(one, BenchRecord) and GRIP_FORCE in one.channels]
+    records = [record for record in data if isinstance(record, BenchRecord) and GRIP_FORCE in record.channels]
     if not has_grip_sensor(loader):
-        moving = any(np.ptp(one.channels[GRIP_FORCE]) > 0 for one in records)
+        moving = any(np.ptp(record.channels[GRIP_FORCE]) > 0 for record in records)
         sentence = (
-            f"The records hold {GRIP_FORCE}, and the loader file has no grip_sensor: it is left out. State grip_sensor.gain, 1 as "
-            "calibrated, for a law that measures the hand by it."
+            f"The records hold {GRIP_FORCE}, but the loader file has no grip_sensor: the channel is ignored. "
+            "State grip_sensor.gain, 1 if calibrated, for a law that uses the sensor."
         )
-        return GripSensorFound(said=(sentence,) * moving)
-    used = [one for one in records if one.experiment.drive is not Drive.RELEASE]
+        return GripSensorEstimate(notes=(sentence,) * moving)
+    used = [record for record in records if record.experiment.drive is not Drive.RELEASE]
     if not used:
         sentence = (
-            f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor stand as the file "
-            "has them, and nothing was tried of it."
+            f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor keep the file's values "
+            "and were not tested."
         )
-        return GripSensorFound(said=(sentence,), advice=(_RECORD_IT,))
-    best = max(used, key=lambda one: one.experiment.drive is Drive.PILOT_FORCE)
-    return _Shown.of(best, loader, law).found()
+        return GripSensorEstimate(notes=(sentence,), advice=(_RECORD_IT,))
+    best = max(used, key=lambda record: record.experiment.drive is Drive.PILOT_FORCE)
+    return _SensorRecord.of(best, loader, law).estimate()
 
 
 _RECORD_IT = (
@@ -115,7 +114,7 @@ _RECORD_IT = (
 
 
 def moments(record: BenchRecord, loader: Loader, law: Law | None) -> NDArray[np.float64]:
-    """``F_p, theta, theta', theta''`` of a loader under what drove a record, at its times, (samples, 4)."""
+    """``F_p, theta, theta', theta''`` of a loader under the drive of a record, at its times, (samples, 4)."""
     drive = drive_channel(record.experiment)
     driven = {} if drive is None else {drive: record.channels[drive]}
     blank = dict.fromkeys(("column_angle", "column_velocity"), np.zeros_like(record.time_s))
@@ -125,14 +124,14 @@ def moments(record: BenchRecord, loader: Loader, law: Law | None) -> NDArray[np.
     return np.column_stack([hand, angle, rate, CubicSpline(run.time_s, rate)(run.time_s, 1)])
 
 
-def grip_force(loader: Loader, at: NDArray[np.float64]) -> NDArray[np.float64]:
+def grip_force(loader: Loader, moments_at: NDArray[np.float64]) -> NDArray[np.float64]:
     """What the sensor of a loader shows at ``moments``, offset left out, N."""
-    return np.asarray(_core.grip_force(loader.si_values, np.ascontiguousarray(at)))
+    return np.asarray(_core.grip_force(loader.si_values, np.ascontiguousarray(moments_at)))
 
 
 @dataclass(frozen=True, eq=False)
-class _Shown:
-    """A record of the sensor beside what it should show of a hand and of a mass of 1 kg."""
+class _SensorRecord:
+    """A record of the sensor with the predicted readings for a hand and for a mass of 1 kg."""
 
     loader: Loader
     name: str
@@ -142,41 +141,43 @@ class _Shown:
     of_mass: NDArray[np.float64]
 
     @classmethod
-    def of(cls, record: BenchRecord, loader: Loader, law: Law | None) -> "_Shown":
+    def of(cls, record: BenchRecord, loader: Loader, law: Law | None) -> "_SensorRecord":
         at = moments(record, loader, law)
         hand, loaded = (grip_force(loader.replace({GAIN: 1.0, MASS: mass}, si=True), at) for mass in (None, 1.0))
         return cls(loader, record.name, record.channels[GRIP_FORCE], grip_force(loader, at), hand, loaded - hand)
 
     @property
     def declared(self) -> float:
-        """Noise of a sample by the file, its steps included, r.m.s., N."""
+        """Declared noise of a sample, resolution included, r.m.s., N."""
         return float(np.sqrt(sample_variance(self.loader)[sensors_of(self.loader).index(GRIP_SENSOR)]))
 
-    def found(self) -> GripSensorFound:
-        """The sensor by this record."""
+    def estimate(self) -> GripSensorEstimate:
+        """The sensor estimated from this record."""
         if sentence := self._stopped():
-            return GripSensorFound(wrong=(sentence,))
+            return GripSensorEstimate(wrong=(sentence,))
         by_hand = [GAIN] if np.ptp(self.of_hand) > 0 else []
         columns = np.column_stack([*(self.of_hand for _ in by_hand), self.of_mass, np.ones_like(self.of_mass)])
         value, deviation = _jackknife(columns, self.measured)
         residual = self.measured - columns @ value
-        left = float(np.std(residual))
+        residual_rms = float(np.std(residual))
         numbers = dict(zip((*by_hand, MASS, OFFSET), zip(value.tolist(), deviation.tolist(), strict=True), strict=True))
         tried = [self._contradicts(key, *numbers[key]) for key in (*by_hand, MASS)]
         rows = self._rows(numbers)
-        told = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
-        if wrong := tuple(told or self._unexplained(residual)):
-            return GripSensorFound(noise=left, wrong=wrong)
-        return GripSensorFound(rows, left, (), self._said(left, rows), () if GAIN in rows else (_PULL,))
+        sentences = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
+        if wrong := tuple(sentences or self._unexplained(residual)):
+            return GripSensorEstimate(noise=residual_rms, wrong=wrong)
+        return GripSensorEstimate(
+            rows, residual_rms, (), self._notes(residual_rms, rows), () if GAIN in rows else (_PULL,)
+        )
 
     def _rows(self, numbers: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
         """The rows that are determined, of ``K_g``, ``K_g m_o`` and ``F_0``."""
-        told = {key: numbers[key] for key in (GAIN, MASS) if key in numbers and _is_told(*numbers[key])}
-        if MASS in told:
-            gain = told[GAIN][0] if GAIN in told else self.loader[GAIN]
-            told[MASS] = (told[MASS][0] / gain, told[MASS][1] / gain)
+        determined = {key: numbers[key] for key in (GAIN, MASS) if key in numbers and _is_determined(*numbers[key])}
+        if MASS in determined:
+            gain = determined[GAIN][0] if GAIN in determined else self.loader[GAIN]
+            determined[MASS] = (determined[MASS][0] / gain, determined[MASS][1] / gain)
         value, deviation = numbers[OFFSET]
-        return told | ({OFFSET: (value, deviation)} if abs(value) > _SURE * deviation else {})
+        return determined | ({OFFSET: (value, deviation)} if abs(value) > _SURE * deviation else {})
 
     def _out_of_range(self, rows: Mapping[str, tuple[float, float]]) -> str:
         for key, (value, _) in rows.items():
@@ -186,10 +187,10 @@ class _Shown:
         return ""
 
     def _stopped(self) -> str:
-        """Whether it shows one value alone, or is cut off."""
+        """Message if the channel is constant or clipped."""
         noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
-        reach = float(np.ptp(self.measured))
-        if not reach:
+        swing = float(np.ptp(self.measured))
+        if not swing:
             moves = max(float(np.ptp(self.promised)), _NOISE_WIDTH * noise)
             shows = value_text(TABLE[OFFSET], float(self.measured[0]), 3)
             return (
@@ -197,38 +198,41 @@ class _Shown:
                 if moves > step
                 else ""
             )
-        if at := clipped(self.measured, None):
+        if clipping := clipped(self.measured, None):
             return (
-                f"{self.name}: {GRIP_FORCE} is cut off at {value_text(TABLE[OFFSET], float(self.measured[at.begin]), 3)}: expected "
-                "the whole swing; take a larger range, or drive less"
+                f"{self.name}: {GRIP_FORCE} is cut off at "
+                f"{value_text(TABLE[OFFSET], float(self.measured[clipping.begin]), 3)}: expected the whole swing; "
+                "take a larger range, or drive less"
             )
         return ""
 
     def _contradicts(self, key: str, value: float, deviation: float) -> str:
-        """Whether the sensor shows nothing, the contrary, or quite another size, of what it must by the file."""
-        what = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
+        """Message if the reading is absent, of opposite sign or of another size than predicted by the file."""
+        cause = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
         promised = self.loader[GAIN] * (1.0 if key == GAIN else max(self.loader[MASS], _LEAST_MASS))
         if value < -_CLEAR * deviation:
-            return f"{self.name}: {GRIP_FORCE} shows {what} with the wrong sign: turn the sensor's polarity, or that of the channel"
-        # Noise alone is beyond two deviations once in twenty times: what is far below the promise is nothing too.
-        low = not _is_told(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
+            return (
+                f"{self.name}: {GRIP_FORCE} shows {cause} with the wrong sign: turn the polarity of sensor or channel"
+            )
+        # Noise alone exceeds two deviations once in twenty times, so a value far below the prediction counts as zero too.
+        low = not _is_determined(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
         if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
             swing = float(np.std(promised * (self.of_hand if key == GAIN else self.of_mass)))
             should = value_text(TABLE[OFFSET], swing, 2)
             return (
-                f"{self.name}: {GRIP_FORCE} shows nothing of {what}, which would be {should} r.m.s. at least: {_LOOK}"
+                f"{self.name}: {GRIP_FORCE} shows nothing of {cause}, which would be {should} r.m.s. at least: {_LOOK}"
             )
         stated = key == GAIN or self.loader[MASS] > 0
-        if stated and _is_told(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
+        if stated and _is_determined(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
             return (
-                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {what} as the file promises: look at its "
-                f"unit, at {GAIN} and {MASS} in the file, and whether it is that sensor's signal"
+                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {cause} as the file "
+                f"promises: look at its unit, at {GAIN} and {MASS} in the file, and whether it is that sensor's signal"
             )
         return ""
 
-    def _unexplained(self, left: NDArray[np.float64]) -> list[str]:
-        """Whether it shows something else beside: what is left runs on, and is too much of all that it shows, as of any channel."""
-        missed, _ = runs_on_and_jumps(left)
+    def _unexplained(self, residual: NDArray[np.float64]) -> list[str]:
+        """Message if the smooth part of the residual is too large a share of the reading."""
+        missed, _ = runs_on_and_jumps(residual)
         moves = float(np.std(self.measured))
         if missed <= max(UNEXPLAINED * moves, _NOISIER * self.declared):
             return []
@@ -238,16 +242,16 @@ class _Shown:
             "signal, or a hand was on the grip"
         ]
 
-    def _said(self, left: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    def _notes(self, residual_rms: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
         lines = []
-        if self.loader[f"{GRIP_SENSOR}.noise"] and left > _NOISIER * self.declared:
+        if self.loader[f"{GRIP_SENSOR}.noise"] and residual_rms > _NOISIER * self.declared:
             lines.append(
-                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], left, 2)} r.m.s. off what it should show, and "
-                f"{value_text(TABLE[OFFSET], self.declared, 2)} by the file: state the noise that it has."
+                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off its "
+                f"prediction, but the file states {value_text(TABLE[OFFSET], self.declared, 2)}: correct its noise in the file."
             )
         if GAIN not in rows and MASS not in rows:
             lines.append(
-                f"{self.name}: hands off the grip's sensor has too little to show for its gain to be tried: the file's stands."
+                f"{self.name}: hands off, the signal of the grip's sensor is too small to test its gain; the file's value is kept."
             )
         return tuple(lines)
 
@@ -256,12 +260,12 @@ _LOOK = "it is stuck, not connected, or another signal; look at the sensor, its 
 
 _PULL = (
     "Pull at the grip with a force that is measured, a weight or a spring balance, and record it as pilot_force beside grip_force "
-    "(experiment: loader pilot_force): it tells the gain of the grip's sensor."
+    "(experiment: loader pilot_force): it determines the gain of the grip's sensor."
 )
 
 
-def _is_told(value: float, deviation: float) -> bool:
-    """Whether the 95 % interval lies within half of the value, as of any parameter that gets a number."""
+def _is_determined(value: float, deviation: float) -> bool:
+    """Whether the 95 % interval lies within half of the value, as for any determined parameter."""
     return value > 2 * _SURE * deviation
 
 
@@ -271,11 +275,11 @@ def _jackknife(
     """Least squares and their standard errors: ``s^2 = (n - 1) / n sum_k (b_(k) - mean)^2``, piece k of n left out."""
     scale = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
     pieces = np.array_split(np.arange(len(measured)), _PIECES)
-    square = np.array([columns[at].T @ columns[at] for at in pieces]) / np.outer(scale, scale)
-    right = np.array([columns[at].T @ measured[at] for at in pieces]) / scale
-    told = np.linalg.pinv(square.sum(axis=0)) @ right.sum(axis=0)
+    square = np.array([columns[piece].T @ columns[piece] for piece in pieces]) / np.outer(scale, scale)
+    right = np.array([columns[piece].T @ measured[piece] for piece in pieces]) / scale
+    solution = np.linalg.pinv(square.sum(axis=0)) @ right.sum(axis=0)
     others = np.array(
         [np.linalg.pinv(square.sum(axis=0) - a) @ (right.sum(axis=0) - b) for a, b in zip(square, right, strict=True)]
     )
     spread = others - others.mean(axis=0)
-    return told / scale, np.sqrt((_PIECES - 1) / _PIECES * (spread**2).sum(axis=0)) / scale
+    return solution / scale, np.sqrt((_PIECES - 1) / _PIECES * (spread**2).sum(axis=0)) / scale

@@ -24,16 +24,16 @@ from forcefeel import _core
 from forcefeel.bench.channels import inputs, outputs
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
-from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.law import ORIGINAL, ROBUST, Law, LawLike
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.parameters import ELECTRIC, INDEX
 from forcefeel.loader.timing import controller_steps
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
 _LAWS = {Loop.SERVO_OPEN: "open", Loop.MOTOR_OPEN: "open", Loop.SERVO_CLOSED: "position", Loop.LOADER: "original"}
 _TEST, _FORCE, _COMMAND = _INPUTS = range(3)
-"""Places of what drives a bench: the signal at the amplifier, the force at the grip, the signal on the command."""
+"""Positions of the inputs: the signal at the amplifier, the force at the grip, the signal on the command."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +58,13 @@ class ChannelResponses:
         From the drive itself it is the model's; from another channel the quotient ``G = G_target / G_source``, whose slope is
         ``G (G_target' / G_target - G_source' / G_source)``.
         """
-        driven, seen = list(inputs(self.kind)), list(outputs(self.kind))
+        driven, outputs_of_kind = list(inputs(self.kind)), list(outputs(self.kind))
         i = driven.index(Drive.PILOT_FORCE if drive is Drive.RELEASE else drive)
-        k = seen.index(target)
+        k = outputs_of_kind.index(target)
         value, slopes = self.value[k, i], self.slopes[:, k, i]
         if source == driven[i]:
             return value, slopes
-        j = seen.index(source)
+        j = outputs_of_kind.index(source)
         ratio = value / self.value[j, i]
         return ratio, (slopes - ratio * self.slopes[:, j, i]) / self.value[j, i]
 
@@ -74,13 +74,13 @@ class LinearModel:
     """The linear model of a loader in one loop.
 
     Attributes:
-        loader: The loader, about its rest at neutral; what holds, touches or rounds has no slope there and is left out.
+        loader: The loader, about its rest at neutral, without friction, stops and resolution, which have no slope there.
         loop: Which loop is closed.
         law: The law of the whole loader.
         linkage: Rigid, eq. (15), or compliant, eq. (17).
 
     Raises:
-        InputError: When built, if a rigid link is asked for under a digital controller.
+        InputError: When built, if a rigid link is requested under a digital controller.
     """
 
     loader: Loader
@@ -94,7 +94,7 @@ class LinearModel:
 
     @cached_property
     def _engine_law(self) -> dict[str, Any]:
-        """Once for all evaluations: a name is a design, a file is read."""
+        """The law in the engine's form, designed or read once."""
         return loop_law(self.loader, self.loop, self.law)
 
     def responses(
@@ -106,17 +106,17 @@ class LinearModel:
             InputError: If a line is at or above half the rate of the loader's controller.
         """
         columns = [INDEX[key] for key in keys]
-        given = self._engine_law
+        engine_law = self._engine_law
         omega = 2 * np.pi * frequency_hz
         if period := self.loader["controller.period"]:
             _below_half_rate(frequency_hz, period)
             step_s, timing = controller_steps(self.loader, LONGEST_STEP_S)
-            matrices = _core.sampled_slopes(values, columns, step_s, timing, **given)
-            found = _responses(_over_a_period(matrices, omega * step_s), np.asarray(np.exp(1j * omega * period)))
+            matrices = _core.sampled_slopes(values, columns, step_s, timing, **engine_law)
+            response = _responses(_over_a_period(matrices, omega * step_s), np.asarray(np.exp(1j * omega * period)))
         else:
-            matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **given)
-            found = _responses(_continuous(matrices), np.asarray(1j * omega))
-        return ChannelResponses(self.loader.drive, frequency_hz, *found)
+            matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **engine_law)
+            response = _responses(_continuous(matrices), np.asarray(1j * omega))
+        return ChannelResponses(self.loader.drive, frequency_hz, *response)
 
 
 def channel_responses(
@@ -135,7 +135,7 @@ def model_response(
     *,
     law: LawLike = None,
 ) -> NDArray[np.complex128]:
-    """The response that the loader's linear model has from one channel to another, SI units, (lines,).
+    """The response of the linear model from one channel to another, SI units, (lines,).
 
     Example:
         >>> import forcefeel as ff
@@ -145,19 +145,24 @@ def model_response(
         >>> value.shape
         (2,)
     """
-    found = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
-    return found.between(source, target, experiment.drive)[0]
+    responses = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
+    return responses.between(source, target, experiment.drive)[0]
+
+
+def bench_law(loader: Loader) -> str:
+    """The law under which a whole loader is recorded where the data state none: ``original``, of a motor ``robust``."""
+    return ROBUST if loader.drive == ELECTRIC else ORIGINAL
 
 
 def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
-    """The law of a loop as the keywords by which the engine takes it.
+    """The law of a loop as keywords of the engine.
 
     Raises:
         InputError: If it was made for another controller.
     """
     if loop is Loop.MOTOR_OPEN:
         return {"law": _LAWS[loop]}
-    whole = Law.of(law, loader)
+    whole = Law.of(bench_law(loader) if law is None else law, loader)
     return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
 
 
@@ -175,9 +180,9 @@ Matrices = Sequence[NDArray[np.float64] | NDArray[np.complex128]]
 
 
 def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
-    """Of an analog loader, whose law adds a signal to its command where the test signal comes in."""
+    """Matrices of an analog loader, whose command signal enters with the test signal."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
-    order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[it] for it in _INPUTS]
+    order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[name] for name in _INPUTS]
     return (
         *(a, b[np.newaxis, :, order], c, d[:, order]),
         *(a_slopes, b_slopes[:, np.newaxis][..., order], c_slopes, d_slopes[..., order]),
@@ -185,7 +190,7 @@ def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
 
 
 def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.float64]) -> Matrices:
-    """Of a sampled loader at lines that turn by w h in a step: the columns of the test signal's steps become one."""
+    """Matrices of a sampled loader at lines of phase w h per step, with the columns of the test signal's steps combined."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
     command, force, steps = 0, 1, 2
     middle = np.arange(b.shape[-1] - steps) + 0.5
@@ -198,9 +203,9 @@ def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.f
             _FORCE: b[..., np.newaxis, :, force],
             _COMMAND: b[..., np.newaxis, :, command],
         }
-        return np.stack(np.broadcast_arrays(*(rows[it] for it in _INPUTS)), axis=-1)
+        return np.stack(np.broadcast_arrays(*(rows[name] for name in _INPUTS)), axis=-1)
 
-    order = [{_TEST: steps, _FORCE: force, _COMMAND: command}[it] for it in _INPUTS]
+    order = [{_TEST: steps, _FORCE: force, _COMMAND: command}[name] for name in _INPUTS]
     return a, inputs(b), c, d[:, order], a_slopes, inputs(b_slopes), c_slopes, d_slopes[..., order]
 
 

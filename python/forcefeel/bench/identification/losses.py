@@ -1,6 +1,6 @@
 """Losses of a fit, as ``scipy.optimize.least_squares`` defines them: ``rho(z)`` of ``z = (r / C)^2``, and its derivative.
 
-``r`` residuals in units of the noise · ``C`` from where on they count less
+``r`` residuals in units of the noise · ``C`` threshold of the robust loss
 """
 
 from collections.abc import Callable, Mapping
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Loss = Literal["linear", "huber", "soft_l1", "cauchy"]
-"""What large residuals count: fully, or less."""
+"""Loss of large residuals: full or robust."""
 
 ROBUST_FROM = 3.0
-"""Standard deviations of noise from which on a residual counts less under a robust loss; hardly any of normal noise are there."""
+"""Threshold of the robust loss in standard deviations, rarely exceeded by normal noise."""
 
 _Of = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -33,12 +33,12 @@ _LOSSES: Mapping[str, tuple[_Of, _Of]] = MappingProxyType(
 
 
 def cost_of(residual: NDArray[np.float64], loss: Loss) -> float:
-    """``1/2 C^2 sum rho((r / C)^2)``: half the sum of squares where none is large."""
+    """``1/2 C^2 sum rho((r / C)^2)``: half the sum of squares without large residuals."""
     rho, _ = _LOSSES[loss]
     return float(0.5 * ROBUST_FROM**2 * np.sum(rho((residual / ROBUST_FROM) ** 2)))
 
 
 def weight_of(residual: NDArray[np.float64], loss: Loss) -> NDArray[np.float64]:
-    """What each residual counts, ``rho'((r / C)^2)``: 1 where it is not large."""
+    """Weight of each residual, ``rho'((r / C)^2)``: 1 if it is not large."""
     _, slope = _LOSSES[loss]
     return slope((residual / ROBUST_FROM) ** 2)

@@ -1,7 +1,7 @@
-"""What a fit compares: residuals of data against the model, and their slopes by the unknowns.
+"""Comparison of data with the model: residuals and their slopes by the unknowns.
 
-A set of data is seen as groups of points of one kind, the lines of a response or the samples of a channel, whose noise is alike;
-how large it is, the fit finds. Beside the unknowns of the loader a set may have its own: when a grip was let go.
+A data set consists of groups of points of equal noise, the lines of a response or the samples of a channel; the fit estimates the
+noise. A data set may have unknowns of its own besides those of the loader: the time of a release.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from forcefeel.bench.responses import Response
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Data against the model at one place of the unknowns.
+    """Data against the model at one point of the unknowns.
 
     Attributes:
         residual: Measured less modelled over the point's expected deviation, (points,).
@@ -30,7 +30,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Data beside the model, to be looked at.
+    """Data and model for plots.
 
     Attributes:
         channel: Which channel.
@@ -56,21 +56,21 @@ class Observation(Protocol):
 
     @property
     def groups(self) -> tuple[slice, ...]:
-        """Where in the residual the points of one kind stand."""
+        """Slices of the residual, one for each group."""
         ...
 
     @property
     def clusters(self) -> NDArray[np.int64]:
-        """A number for each point: errors of one number hang together, those of different ones do not, (points,)."""
+        """A number for each point: errors of equal numbers are correlated, others are independent, (points,)."""
         ...
 
     @property
     def own(self) -> NDArray[np.float64]:
-        """Where the data's own unknowns start."""
+        """Initial values of the data's own unknowns."""
         ...
 
     def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
-        """Compares the data with a loader of these values of the unknowns, SI units."""
+        """Compare the data with a loader of these values of the unknowns, SI units."""
         ...
 
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -82,11 +82,11 @@ class Observation(Protocol):
         ...
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
-        """The same to be looked at, one curve for each group."""
+        """The same for plots, one curve for each group."""
         ...
 
     def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
-        """Root mean square by which data of a loader of these values would differ from the model, SI units, for each group."""
+        """Root mean square difference between data of a loader of these values and the model, SI units, for each group."""
         ...
 
     def coarse(self) -> "Observation":

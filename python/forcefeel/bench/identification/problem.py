@@ -2,7 +2,7 @@
 
 ``cost = 1/2 sum rho((r_i / s_g)^2) + 1/2 sum ((theta_j - mean_j) / deviation_j)^2``
 
-with ``r`` the residuals, ``s_g`` the noise of their group as the fit itself finds it, ``rho`` the robust loss, and the second sum
+with ``r`` the residuals, ``s_g`` the noise of their group as estimated by the fit, ``rho`` the robust loss, and the second sum
 over parameters with a normal tolerance. The unknowns are in shares of the file's values, so that all are of the order of one.
 """
 
@@ -23,7 +23,7 @@ from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.units import show
 
 _ROUNDS = 5
-"""Most rounds of finding the unknowns, then the noise; two or three are enough where the model fits."""
+"""Most rounds of estimating the unknowns, then the noise; two or three suffice if the model fits."""
 
 _SAME_NOISE = 0.01
 """Relative change of the noise at which the rounds end."""
@@ -32,22 +32,22 @@ _TO_DEVIATION = 1.4826
 """Standard deviation of normal noise per median of its magnitude."""
 
 _PRECISION, _COARSE_PRECISION = 1e-9, 1e-4
-"""Relative change of cost or unknowns at which a search ends: far below the standard errors, or enough to tell places apart."""
+"""Relative change of cost or unknowns at which a search ends: far below the standard errors, or coarse, to separate minima."""
 
 _SIDE_BY_SIDE = 16
-"""Places that are looked at together: what fills the engine's vector lanes, and no more in memory."""
+"""Number of points evaluated together, to fill the engine's vector lanes."""
 
 _MOST_STEPS = 60
-"""Steps of one search: a smooth cost takes ten, one with jags may wander for ever."""
+"""Most steps of one search: a smooth cost takes ten, one with jags may not converge."""
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
-    """A place in the space of the unknowns, where a search ended.
+class Optimum:
+    """End of a search in the space of the unknowns.
 
     Attributes:
         x: Unknowns in shares of the file's values, then the data's own, (n,).
-        noise: Noise of each group, in units of what was expected, (groups,).
+        noise: Noise of each group, in units of the expected noise, (groups,).
         residual: Residuals in units of the noise, (points,).
         slopes: Their derivatives by ``x``, (points, n).
         at_bound: Which unknowns stand at a bound, (unknowns,).
@@ -62,13 +62,13 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Data, unknowns and how they are weighed.
+    """Data, unknowns and weights.
 
     Attributes:
         unknowns: The unknowns of the loader.
         observations: The data.
         loss: The robust loss.
-        priors: Whether normal tolerances count as knowledge.
+        priors: Whether normal tolerances are priors.
     """
 
     unknowns: Sequence[Unknown]
@@ -84,24 +84,24 @@ class Problem:
     @property
     def scale(self) -> NDArray[np.float64]:
         """SI value of one unit of each of the loader's unknowns."""
-        return np.array([it.scale for it in self.unknowns])
+        return np.array([unknown.scale for unknown in self.unknowns])
 
     @property
     def groups(self) -> list[slice]:
-        """Where in all residuals those of one kind stand."""
-        found, first = [], 0
-        for it in self.observations:
-            found += [slice(first + group.start, first + group.stop) for group in it.groups]
-            first = found[-1].stop
-        return found
+        """Slices of the residual vector, one for each group."""
+        slices, first = [], 0
+        for observation in self.observations:
+            slices += [slice(first + group.start, first + group.stop) for group in observation.groups]
+            first = slices[-1].stop
+        return slices
 
     @property
     def clusters(self) -> NDArray[np.int64]:
-        """A number for points whose errors hang together, (points,)."""
-        found: list[NDArray[np.int64]] = []
-        for it in self.observations:
-            found.append(it.clusters + (1 + int(found[-1].max()) if found else 0))
-        return np.concatenate(found)
+        """A number for each set of points with correlated errors, (points,)."""
+        indices: list[NDArray[np.int64]] = []
+        for observation in self.observations:
+            indices.append(observation.clusters + (1 + int(indices[-1].max()) if indices else 0))
+        return np.concatenate(indices)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """SI values of the loader's unknowns at ``x``."""
@@ -109,82 +109,85 @@ class Problem:
 
     def start(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """``x`` of these values, the data's own unknowns where they start."""
-        return np.concatenate([values / self.scale, *(it.own for it in self.observations)])
+        return np.concatenate([values / self.scale, *(observation.own for observation in self.observations)])
 
     def bounds(self, size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lowest and highest ``x`` of so many unknowns; the data's own have no bounds."""
         own = np.full(size - len(self.unknowns), np.inf)
-        low = np.array([it.low for it in self.unknowns]) / self.scale
-        high = np.array([it.high for it in self.unknowns]) / self.scale
+        low = np.array([unknown.low for unknown in self.unknowns]) / self.scale
+        high = np.array([unknown.high for unknown in self.unknowns]) / self.scale
         return np.concatenate([low, -own]), np.concatenate([high, own])
 
     def consistent(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """``x`` with breakaway forces no smaller than the dry friction, below which they have no effect."""
-        place = {it.key: j for j, it in enumerate(self.unknowns)}
+        index = {unknown.key: j for j, unknown in enumerate(self.unknowns)}
         x = x.copy()
         for larger, smaller in AT_LEAST:
-            if larger in place and smaller in place:
-                j, k = place[larger], place[smaller]
+            if larger in index and smaller in index:
+                j, k = index[larger], index[smaller]
                 x[j] = max(x[j], x[k] * self.scale[k] / self.scale[j])
         return x
 
     def own(self, x: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """The data's own unknowns at ``x``, an array for each set."""
-        ends = np.cumsum([len(self.unknowns), *(len(it.own) for it in self.observations)])
+        ends = np.cumsum([len(self.unknowns), *(len(observation.own) for observation in self.observations)])
         return [x[a:b] for a, b in pairwise(ends)]
 
     def compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Residuals over what was expected, (points,), and their derivatives by ``x``, (points, n)."""
-        known = x.tobytes()
-        if known not in self._last:
-            self._last.clear()  # a search asks for residuals and slopes of one place in turn
-            self._last[known] = self._compare(x)
-        return self._last[known]
+        """Residuals over the expected noise, (points,), and their derivatives by ``x``, (points, n)."""
+        key = x.tobytes()
+        if key not in self._last:
+            self._last.clear()  # a search requests residuals and slopes of a point in turn
+            self._last[key] = self._compare(x)
+        return self._last[key]
 
     def _compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         residuals, rows, loader = [], [], len(self.unknowns)
         column = loader
-        for it, own in zip(self.observations, self.own(x), strict=True):
-            found = it.compare(self.values(x), own)
-            slopes = np.zeros((len(found.residual), len(x)))
-            slopes[:, :loader] = found.slopes[:, :loader] * self.scale
-            slopes[:, column : column + len(own)] = found.slopes[:, loader:]
+        for observation, own in zip(self.observations, self.own(x), strict=True):
+            comparison = observation.compare(self.values(x), own)
+            slopes = np.zeros((len(comparison.residual), len(x)))
+            slopes[:, :loader] = comparison.slopes[:, :loader] * self.scale
+            slopes[:, column : column + len(own)] = comparison.slopes[:, loader:]
             column += len(own)
-            residuals.append(found.residual)
+            residuals.append(comparison.residual)
             rows.append(slopes)
         return np.concatenate(residuals), np.concatenate(rows)
 
     def residual(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Residuals over what was expected, (points,), without the derivatives, each of which takes a run of its own."""
-        if (known := self._last.get(x.tobytes())) is not None:
-            return known[0]
-        found = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]
-        return np.concatenate(found)
+        """Residuals over the expected noise, (points,), without derivatives, each of which takes a separate run."""
+        if (cached := self._last.get(x.tobytes())) is not None:
+            return cached[0]
+        residuals = [
+            observation.residual(self.values(x), own)
+            for observation, own in zip(self.observations, self.own(x), strict=True)
+        ]
+        return np.concatenate(residuals)
 
-    def search(self, x: NDArray[np.float64], *, coarse: bool = False) -> Place:
-        """The nearest best place, the noise found along with it; at ``x`` the model must not diverge."""
+    def search(self, x: NDArray[np.float64], *, coarse: bool = False) -> Optimum:
+        """The nearest minimum and its noise; at ``x`` the model must not diverge."""
         noise = self._noise(self.compare(x)[0])
         precision, rounds = (_COARSE_PRECISION, 2) if coarse else (_PRECISION, _ROUNDS)
         for _ in range(rounds):
-            found = self._minimum(x, noise, precision)
-            x, before = found.x, noise
+            minimum = self._minimum(x, noise, precision)
+            x, before = minimum.x, noise
             noise = self._noise(self.compare(x)[0])
             if np.allclose(noise, before, rtol=_SAME_NOISE):
                 break
-        at_bound = np.asarray(found.active_mask[: len(self.unknowns)] != 0)
-        return self.place(self.consistent(x), at_bound, before)
+        at_bound = np.asarray(minimum.active_mask[: len(self.unknowns)] != 0)
+        return self.optimum_at(self.consistent(x), at_bound, before)
 
-    def place(
+    def optimum_at(
         self, x: NDArray[np.float64], at_bound: NDArray[np.bool_], noise: NDArray[np.float64] | None = None
-    ) -> Place:
-        """What is known of ``x``, at this noise or at what is left there."""
+    ) -> Optimum:
+        """The optimum at ``x``, with this noise or the noise of the residual there."""
         residual, slopes = self.compare(x)
         noise = self._noise(residual) if noise is None else noise
         weight = self._weight(noise)
-        return Place(x, noise, residual * weight, slopes * weight[:, np.newaxis], at_bound)
+        return Optimum(x, noise, residual * weight, slopes * weight[:, np.newaxis], at_bound)
 
     def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The nearest best ``x`` at this noise."""
+        """The nearest minimum ``x`` at this noise."""
         return np.asarray(self._minimum(x, noise, _PRECISION).x) if len(x) else x
 
     def weighted(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -192,26 +195,31 @@ class Problem:
         return self.compare(x)[0] * self._weight(noise)
 
     def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
-        """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
+        """Cost at ``x`` in units of this noise; infinite if the model diverges."""
         residual = self.residual(x) * self._weight(noise)
         return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
 
     def costs(self, places: Sequence[NDArray[np.float64]], noise: NDArray[np.float64]) -> list[float]:
-        """``cost`` of several places, whose runs stand side by side."""
-        weight, found = self._weight(noise), list[float]()
+        """``cost`` of several points, with their runs in parallel."""
+        weight, costs = self._weight(noise), list[float]()
         for first in range(0, len(places), _SIDE_BY_SIDE):
-            some = places[first : first + _SIDE_BY_SIDE]
-            values, own = np.array([self.values(x) for x in some]), zip(*map(self.own, some), strict=True)
-            left = [it.residuals(values, np.array(one)) for it, one in zip(self.observations, own, strict=True)]
-            rows = (np.concatenate(row) * weight for row in zip(*left, strict=True))
-            found += [cost_of(row, self.loss) if np.isfinite(row).all() else float("inf") for row in rows]
-        return found
+            batch = places[first : first + _SIDE_BY_SIDE]
+            values, own = np.array([self.values(x) for x in batch]), zip(*map(self.own, batch), strict=True)
+            residuals = [
+                observation.residuals(values, np.array(own_values))
+                for observation, own_values in zip(self.observations, own, strict=True)
+            ]
+            rows = (np.concatenate(row) * weight for row in zip(*residuals, strict=True))
+            costs += [cost_of(row, self.loss) if np.isfinite(row).all() else float("inf") for row in rows]
+        return costs
 
     def prior_rows(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The priors as residuals and their slopes."""
-        told = [(j, it.prior) for j, it in enumerate(self.unknowns) if self.priors and it.prior is not None]
-        residual, slopes = np.empty(len(told)), np.zeros((len(told), len(x)))
-        for row, (j, prior) in enumerate(told):
+        with_prior = [
+            (j, unknown.prior) for j, unknown in enumerate(self.unknowns) if self.priors and unknown.prior is not None
+        ]
+        residual, slopes = np.empty(len(with_prior)), np.zeros((len(with_prior), len(x)))
+        for row, (j, prior) in enumerate(with_prior):
             mean, deviation = prior or (0.0, 1.0)
             residual[row] = (x[j] * self.scale[j] - mean) / deviation
             slopes[row, j] = self.scale[j] / deviation
@@ -227,7 +235,7 @@ class Problem:
             return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])
 
         low, high = self.bounds(len(x))
-        with np.errstate(over="ignore"):  # a step that leads where the model diverges is taken back
+        with np.errstate(over="ignore"):  # a step to a diverging model is retracted
             return least_squares(
                 residual,
                 np.clip(x, low, high),
@@ -260,4 +268,4 @@ class Problem:
 
 
 _LEAST_NOISE = 1e-9
-"""Noise below which data are the model's own, in units of what was expected."""
+"""Noise of data computed by the model itself, in units of the expected noise."""

@@ -1,8 +1,8 @@
-"""Records in time against the nonlinear model.
+"""Time records against the nonlinear model.
 
 The residual of a sample is measured less simulated over the channel's expected deviation. A constant for each channel, the sensor's
-offset, is fitted by leaving means out; so is a straight drift where no loop holds the piston, and one that grows with the square of
-time where none holds the motor. A release has one unknown of its own: how much later than it seems the grip was let go.
+offset, is removed as the mean; so is a linear drift of an open piston, and a quadratic drift of an open motor. A release has one
+unknown of its own: the delay of the release after its detected time.
 """
 
 from collections.abc import Sequence
@@ -18,24 +18,24 @@ from forcefeel.bench.identification.record_run import COARSE_STEP_S, Histories, 
 from forcefeel.bench.records import BenchRecord
 
 _EXPECTED = 0.01
-"""Of the channel's r.m.s.: its noise as a first guess; the fit finds how large it is."""
+"""Initial noise, as a share of the channel's r.m.s.; the fit estimates it."""
 
 _COARSE_S = 8.0
-"""A search from afar looks at so much of the beginning of a record."""
+"""Length of the beginning of a record in a coarse search, s."""
 
 _LATER_S = 1e-3
-"""Scale of the time by which a grip is let go later than it seems."""
+"""Scale of the delay of a release after its detected time."""
 
 _DRIFTS = {Loop.SERVO_OPEN: 1, Loop.MOTOR_OPEN: 2}
-"""Power of time with which an open loop's rest drifts: a valve's null lets oil through, a current's offset pushes a mass."""
+"""Power of time of the drift of an open loop: a valve's null offset gives a flow, a current's offset a force."""
 
 _MOST_CLUSTERS, _FEWEST_CLUSTERS, _CLUSTER_S = 40, 8, 0.5
-"""Pieces of a record whose errors are taken as independent of each other, and how long they should last at least."""
+"""Number of pieces of a record with independent errors, and their least length."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordObservation:
-    """A record, and the runs that it is compared with.
+    """A record and the runs for its comparison.
 
     Attributes:
         run: The runs.
@@ -60,42 +60,42 @@ class RecordObservation:
     def clusters(self) -> NDArray[np.int64]:
         """Pieces of time, the same in all channels."""
         time_s = self.run.time_s
-        lasts = float(time_s[-1] - time_s[0])
-        pieces = int(np.clip(lasts / _CLUSTER_S, _FEWEST_CLUSTERS, _MOST_CLUSTERS))
-        piece = np.minimum((time_s - time_s[0]) / lasts * pieces, pieces - 1).astype(np.int64)
+        duration_s = float(time_s[-1] - time_s[0])
+        pieces = int(np.clip(duration_s / _CLUSTER_S, _FEWEST_CLUSTERS, _MOST_CLUSTERS))
+        piece = np.minimum((time_s - time_s[0]) / duration_s * pieces, pieces - 1).astype(np.int64)
         return np.tile(piece, len(self.run.channels))
 
     @property
     def own(self) -> NDArray[np.float64]:
-        """When the grip was let go, in ms later than it seems."""
+        """Delay of the release after its detected time, ms."""
         return np.zeros(1) if self.run.released else np.empty(0)
 
     def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
         """Channel by channel."""
-        found = self._modelled(values, own, self.keys)
-        slopes = [*found.slopes, -_LATER_S * found.rate] if self.run.released else list(found.slopes)
+        modelled = self._modelled(values, own, self.keys)
+        slopes = [*modelled.slopes, -_LATER_S * modelled.rate] if self.run.released else list(modelled.slopes)
         weight = 1 / self._expected[:, np.newaxis]
-        residual = self._without_offset(self._measured - found.value) * weight
+        residual = self._without_offset(self._measured - modelled.value) * weight
         by = [-self._without_offset(slope) * weight for slope in slopes]
         return Compared(residual.ravel(), np.array([slope.ravel() for slope in by]).T)
 
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Channel by channel, from one run."""
-        found = self._modelled(values, own, ())
-        return self._left(found.value)
+        modelled = self._modelled(values, own, ())
+        return self._left(modelled.value)
 
     def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
-        """The same for several loaders, whose runs stand side by side where the record's samples are the engine's."""
+        """The same for several loaders, in parallel if the record's samples are the engine's."""
         if not self.run.on_samples:
             return [self.residual(*pair) for pair in zip(values, own, strict=True)]
         return [self._left(value) for value in self.run.together(self.run.loader.rows(self.keys, values))]
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
-        """The channels beside the simulated ones, offsets included."""
-        found = self._modelled(values, own, ()).value
-        offset = (self._measured - found) - self._without_offset(self._measured - found)
+        """The measured and simulated channels, offsets included."""
+        modelled = self._modelled(values, own, ()).value
+        offset = (self._measured - modelled) - self._without_offset(self._measured - modelled)
         at = self.data.time_s[self.run.used]
-        rows = zip(self.run.channels, self._measured, found + offset, self._expected, strict=True)
+        rows = zip(self.run.channels, self._measured, modelled + offset, self._expected, strict=True)
         return tuple(Curve(name, at, measured, modelled, float(e)) for name, measured, modelled, e in rows)
 
     def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
@@ -105,7 +105,7 @@ class RecordObservation:
         return tuple(float(rms) for rms in np.sqrt(np.mean(difference**2, axis=1)))
 
     def coarse(self) -> "RecordObservation":
-        """The beginning of a long record in longer steps; a release is looked at whole."""
+        """The beginning of a long record in longer steps; a release is kept whole."""
         record = self.data
         early = record.time_s - record.time_s[0] <= _COARSE_S
         if not (self.run.released or early.all()):
@@ -114,7 +114,7 @@ class RecordObservation:
         return replace(self, run=replace(self.run, record=record, longest_step_s=COARSE_STEP_S))
 
     def _left(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a run leaves of the record."""
+        """Residual of a run."""
         return np.ravel(self._without_offset(self._measured - value) / self._expected[:, np.newaxis])
 
     @cached_property
@@ -127,7 +127,7 @@ class RecordObservation:
 
     @cached_property
     def _offsets(self) -> NDArray[np.float64]:
-        """What is fitted of each channel by leaving it out, as orthonormal columns, (samples, columns)."""
+        """Orthonormal columns of the removed offset and drift, (samples, columns)."""
         if self.run.released:
             return np.empty((len(self.run.time_s), 0))
         degree = _DRIFTS.get(self.data.experiment.loop, 0)

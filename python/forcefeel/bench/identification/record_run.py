@@ -1,4 +1,4 @@
-"""A record's experiment as runs of the nonlinear loader, with slopes, at the record's times."""
+"""Runs of the nonlinear loader for the experiment of a record, with slopes, at the record's times."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from forcefeel import _core
 from forcefeel.bench.channels import outputs
 from forcefeel.bench.experiments import Drive, Loop
-from forcefeel.bench.identification.linear import loop_law
+from forcefeel.bench.identification.linear import bench_law, loop_law
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -29,26 +29,26 @@ from forcefeel.simulation.scenario import Scenario
 from forcefeel.threads import cores
 
 FINE_STEP_S, COARSE_STEP_S = 5e-4, 1e-3
-"""Longest steps of the engine for a close look and from afar. A record of a minute with 1 % of noise tells parameters to 1e-4 and
-better, and steps of 1 ms are off by as much where friction turns often."""
+"""Longest steps of the engine for a fine and a coarse search. A record of a minute with 1 % of noise determines parameters to
+1e-4; steps of 1 ms cause as large an error if friction reverses often."""
 
 _OF_STABLE = 1 / 3
 """Share, for a close look, of the longest step in which a motor on its link may be run: a step of all of it, stable as it is, puts
 a column's inertia off by 0.05 %, five standard errors of a record of 4 s."""
 
 _NOISE_AND_STEPS = [
-    place for key, place in INDEX.items() if key.endswith((".noise", ".resolution", ".input_bits", ".output_bits"))
+    index for key, index in INDEX.items() if key.endswith((".noise", ".resolution", ".input_bits", ".output_bits"))
 ]
-"""Places of what sensors and converters add to what they measure."""
+"""Positions of the noise and resolution of sensors and converters."""
 
 _STAND_IN = {"potentiometer": "piston_position", "load_cell": "load_cell_force", "motor_angle": "drive_position"}
-"""What a run without slopes has in place of a sensor's signal, which is proportional to it."""
+"""The output of a run without slopes in place of a proportional sensor signal."""
 
 _EVEN = 1e-6
-"""Of a step; times that went through a file are still even."""
+"""Tolerance of even times, as a share of a step, for times read from a file."""
 
 _TAIL = 0.1
-"""Share of a release's record over which the column is at rest again."""
+"""Final share of a release's record with the column at rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,17 +68,17 @@ class Histories:
 
 @dataclass(frozen=True, eq=False)
 class RecordRun:
-    """What is simulated for a record.
+    """Simulation of a record.
 
     Attributes:
         record: The record.
-        loader: The loader whose effects, curves and controller hold.
+        loader: The loader with its effects, curves and controller.
         law: The law of the whole loader.
-        longest_step_s: The engine's steps are no longer.
+        longest_step_s: Longest step of the engine.
         sensors_noisy: Whether the controller's sensors have their noise and resolution; such runs have no slopes.
 
     Raises:
-        InputError: When asked to run, if the record holds no release where it is said to, or a force is said to be a staircase.
+        InputError: When run, if a stated release is missing or a force is stated to be a staircase.
     """
 
     record: BenchRecord
@@ -94,7 +94,7 @@ class RecordRun:
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
-        """Which samples are compared: all, or of a release those after the grip was let go, (record's samples,)."""
+        """Compared samples: all, or those after the release of the grip, (record's samples,)."""
         return np.asarray(self.record.time_s > self._let_go[1]) if self.released else self.record.time_s >= -math.inf
 
     @cached_property
@@ -105,7 +105,7 @@ class RecordRun:
 
     @property
     def released(self) -> bool:
-        """Whether the grip is let go; the run then begins there."""
+        """Whether the grip is released; the run then begins there."""
         return self.record.experiment.drive is Drive.RELEASE
 
     def at(self, values: NDArray[np.float64], keys: Sequence[str], later_s: float = 0.0) -> Histories:
@@ -113,8 +113,8 @@ class RecordRun:
 
         Args:
             values: (parameters,).
-            keys: Rows whose slopes are wanted.
-            later_s: By how much later than found in the record the grip was let go.
+            keys: Rows of the requested slopes.
+            later_s: Delay of the release after its detected time.
         """
         value, slopes = self._sloped(values, keys) if keys or not self._kept else self._alone(values)
         if self.on_samples:
@@ -128,14 +128,14 @@ class RecordRun:
         return Histories(course(at), bent(at), course(at, 1))
 
     def together(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The channels of several loaders, (loaders, parameters), as ``at`` gives them of each, where ``on_samples``."""
+        """The channels of several loaders, (loaders, parameters), as ``at``; only if ``on_samples``."""
         return self._runs(values) if self._kept else np.array([self.at(row, ()).value for row in values])
 
     def noise_and_step_error(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Difference of a record of a loader with these values from ``at``: sensors' noise in the loop, and the engine's steps.
 
         A run with the noise and the resolution of the controller's sensors, in half the engine's step, less the model's own run.
-        What the bench's own sensors add is not in it.
+        Noise of the bench's own sensors is not included.
 
         Args:
             values: (parameters,).
@@ -146,7 +146,7 @@ class RecordRun:
         if not self.loader["controller.period"]:
             return np.zeros((len(self.channels), len(self.time_s)))
         stand_ins = [_STAND_IN.get(name, name) for name in self.channels]
-        others = {name: it for name, it in self.record.channels.items() if name not in self.channels}
+        others = {name: values for name, values in self.record.channels.items() if name not in self.channels}
         record = replace(self.record, channels=others | {name: np.zeros_like(self.record.time_s) for name in stand_ins})
         exact = replace(self, record=record)
         noisy = replace(exact, longest_step_s=self._step_s / 2, sensors_noisy=True)
@@ -160,7 +160,7 @@ class RecordRun:
     def _sloped(
         self, values: NDArray[np.float64], keys: Sequence[str]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Channels and their slopes, from a run on dual numbers for each parameter, one at least."""
+        """Channels and their slopes, from a run on dual numbers for each parameter, at least one."""
         order = [list(outputs(self.loader.drive)).index(name) for name in self.channels]
         columns = [INDEX[key] for key in keys]
         value, slopes = self._engine.slopes(
@@ -169,29 +169,32 @@ class RecordRun:
         return value[0], slopes[0, : len(columns)]
 
     def _alone(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The channels without slopes, from a run that carries none."""
+        """The channels, from a run without slopes."""
         value = self._runs(values[np.newaxis])[0]
         return value, np.empty((0, *value.shape))
 
     def _runs(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         exact = values.copy()
         if not self.sensors_noisy:
-            exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
+            exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and are excluded from the values too
         law: dict[str, Any] = {
-            name: np.repeat(it, len(exact), axis=0) if name == "observers" else it for name, it in self._law.items()
+            name: np.repeat(values, len(exact), axis=0) if name == "observers" else values
+            for name, values in self._law.items()
         }
         return self._engine.run(exact, **law, threads=cores())[1]
 
     @cached_property
     def _kept(self) -> list[int]:
-        """The channels among the outputs of a run that carries no slopes; empty if one is not among them."""
+        """Positions of the channels in the outputs of a run without slopes; empty if one is missing."""
         names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
         return [names.index(name) for name in self.channels] if set(self.channels) <= set(names) else []
 
     @cached_property
     def _whole(self) -> Law | None:
         """The law of the whole loader, where the record is of it."""
-        return Law.of(self.law, self.loader) if self.record.experiment.loop is Loop.LOADER else None
+        if self.record.experiment.loop is not Loop.LOADER:
+            return None
+        return Law.of(bench_law(self.loader) if self.law is None else self.law, self.loader)
 
     @cached_property
     def _law(self) -> dict[str, Any]:
@@ -233,11 +236,13 @@ class RecordRun:
             return Scenario(force=Release(self._let_go[0]))
         record, drive = self.record, self.record.experiment.drive
         time_s, signal = self.time_s, record.channels[drive]
-        # The run may last a sample longer than the record: the drive stays.
+        # The run may last a sample longer than the record; the drive keeps its last value.
         time_s, signal = np.append(time_s, time_s[-1] + 2 * self._sample_s), np.append(signal, signal[-1])
         if drive is Drive.PILOT_FORCE:
             if record.hold == "staircase":
-                raise InputError(f"{record.name}: hold: a force at the grip is no staircase; leave it straight")
+                raise InputError(
+                    f"{record.name}: hold: expected straight for a force at the grip, got staircase; leave it out"
+                )
             return Scenario(force=Recorded(time_s, signal, record.name))
         if record.hold == "staircase":
             time_s, signal = np.repeat(time_s, 2)[1:], np.repeat(signal, 2)[:-1]
@@ -245,22 +250,22 @@ class RecordRun:
 
     @cached_property
     def _let_go(self) -> tuple[float, float]:
-        """Angle in rad at which the grip was held, and when it was let go, s."""
+        """Angle of the held grip, rad, and time of its release, s."""
         angle = self.record.channels["column_angle"]
-        seen = Record(self.record.time_s, angle, name=self.record.name)
-        found = find_release(seen, _TAIL, load_rules().release)
-        return float(np.mean(angle[: found.held])), found.time_s
+        motion = Record(self.record.time_s, angle, name=self.record.name)
+        release = find_release(motion, _TAIL, load_rules().release)
+        return float(np.mean(angle[: release.held])), release.time_s
 
 
 def driven(drive: Drive, signal: Schedule) -> Scenario:
-    """A run under a voltage or a current over time, where the experiment has it."""
+    """A run under a voltage or a current over time, at the input of the experiment."""
     if drive in (Drive.COMMAND_SIGNAL, Drive.COMMAND_CURRENT):
         return Scenario(command_signal_v=signal)
     return Scenario(test_signal_v=signal)
 
 
 def engine_step_s(loader: Loader, between_s: float, longest_s: float = COARSE_STEP_S) -> float:
-    """The engine's step for samples so far apart: a share of the controller's period, or of the time between two samples."""
+    """The engine's step for this sample time: a fraction of the controller's period, or of the sample time."""
     if loader["controller.period"]:
         close = longest_s <= FINE_STEP_S
         return controller_steps(loader, min(longest_s, _OF_STABLE * longest_step_s(loader)) if close else longest_s)[0]

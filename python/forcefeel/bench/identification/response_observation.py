@@ -16,15 +16,15 @@ from forcefeel.bench.identification.observations import Compared, Curve
 from forcefeel.bench.responses import Response
 
 _LEAST_DEVIATION = 1e-4
-"""Relative; no analyser is better, and a line of perfect coherence must not outweigh all others."""
+"""Least relative deviation of a line, so that a line of perfect coherence does not outweigh all others."""
 
 _UNKNOWN_DEVIATION = 0.01
-"""Relative, of every line where nothing is known; the fit finds how large it is."""
+"""Default relative deviation of a line; the fit estimates the actual size."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseObservation:
-    """A response, and the model that it is compared with.
+    """A response and the model for its comparison.
 
     Attributes:
         data: The response.
@@ -69,7 +69,7 @@ class ResponseObservation:
         return [self.residual(*pair) for pair in zip(values, own, strict=True)]
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
-        """The response beside the model's."""
+        """The measured and modeled response."""
         value, _ = self._modelled(values, ())
         deviation = float(np.sqrt(np.mean(self.deviation**2)))
         return (Curve(self.data.output, self.data.frequency_hz, self.data.value, value, deviation),)
@@ -84,15 +84,15 @@ class ResponseObservation:
 
     @cached_property
     def deviation(self) -> NDArray[np.float64]:
-        """Relative standard deviation of each line as far as it is known."""
+        """Relative standard deviation of each line, as far as known."""
         return line_deviation(self.data)
 
     def _modelled(
         self, values: NDArray[np.float64], keys: Sequence[str]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         row = self.model.loader.rows(self.keys, values[np.newaxis])[0]
-        found = self.model.responses(row, keys, self.data.frequency_hz)
-        return found.between(self.data.input, self.data.output, self.data.experiment.drive)
+        response = self.model.responses(row, keys, self.data.frequency_hz)
+        return response.between(self.data.input, self.data.output, self.data.experiment.drive)
 
 
 def line_deviation(response: Response) -> NDArray[np.float64]:
@@ -100,17 +100,17 @@ def line_deviation(response: Response) -> NDArray[np.float64]:
 
     Source: J. S. Bendat, A. G. Piersol, Random Data, 4th ed., table 9.6.
     """
-    known = response.deviation
-    if known is None and response.coherence is not None:
+    deviation = response.deviation
+    if deviation is None and response.coherence is not None:
         coherence = np.clip(response.coherence, 1e-6, 1.0)
-        known = np.sqrt((1 - coherence) / (2 * coherence))
-    if known is None:
+        deviation = np.sqrt((1 - coherence) / (2 * coherence))
+    if deviation is None:
         return np.full(len(response.frequency_hz), _UNKNOWN_DEVIATION)
-    return np.maximum(known, _LEAST_DEVIATION)
+    return np.maximum(deviation, _LEAST_DEVIATION)
 
 
 def relative_error(response: Response, modelled: NDArray[np.complex128] | NDArray[np.float64]) -> float:
-    """Root mean square relative error of gain and phase; lines weigh as they are known, ``1 / deviation^2``."""
+    """Root mean square relative error of gain and phase, weighted by ``1 / deviation^2``."""
     weight = line_deviation(response) ** -2.0
     error = np.abs(np.log(response.value / modelled)) ** 2 / 2
     return float(np.sqrt(np.sum(weight * error) / np.sum(weight)))

@@ -1,4 +1,4 @@
-"""What an identification found."""
+"""Result of an identification."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Status(StrEnum):
-    """What the data say of one parameter."""
+    """Status of one parameter."""
 
     DETERMINED = "determined"
     AT_BOUND = "at its bound"
@@ -36,8 +36,8 @@ class Estimate:
         deviation: Its standard error, prior included.
         low, high: Its 95 % interval, by Student's t.
         share: Half the 95 % interval from the data alone, without prior, as a share of the value's size.
-        status: Whether the data determine it. Of what they do not, the value is where the search happened to end and not to be
-            reported; the other numbers are infinite.
+        status: Whether the data determine it. Otherwise the value is an arbitrary end of the search, not to be reported, and the
+        other numbers are infinite.
 
     Example:
         >>> import forcefeel as ff
@@ -64,16 +64,16 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """One set of data beside what the fitted model gives.
+    """One set of data with the fitted model.
 
     Attributes:
         data: The response or the record.
-        channel: Which channel of it; of a response the one it leads to.
+        channel: The channel; of a response its output.
         at: Lines in Hz of a response, times in s of a record, (points,).
         measured, modelled: Complex responses, or values over time, SI units, (points,).
-        before: What the loader file's model gives, (points,).
-        residual_rms: Root mean square of what is left: relative error of a response, SI unit of a record's channel.
-        noise: Standard deviation of a point as the fit found it: relative for a response, SI unit for a record.
+        before: Model of the loader file, (points,).
+        residual_rms: Root mean square residual: relative for a response, SI unit for a record's channel.
+        noise: Estimated standard deviation of a point: relative for a response, SI unit for a record.
         simulated_noise: Root mean square by which a record of the fitted loader would still differ from the model, SI unit: the
             controller's sensors are noisy and move the machine, and the engine's steps are finite. Zero for a response.
     """
@@ -91,12 +91,12 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Ended:
-    """Where one start of the search ended.
+    """End of one start of the search.
 
     Attributes:
         start, end: Values of the unknowns, SI units, (unknowns,).
-        cost: What is left there: mean logarithm of the noise over all points, in units of what was expected.
-        same: Whether it is the place of the best one.
+        cost: Cost there: mean logarithm of the noise over all points, in units of the expected noise.
+        same: Whether it is the best end.
     """
 
     start: NDArray[np.float64]
@@ -107,14 +107,14 @@ class Ended:
 
 @dataclass(frozen=True)
 class RigidTest:
-    """Whether the link's compliance is needed to explain the frequency responses.
+    """Test whether the frequency responses require the link's compliance.
 
     ``F = ((S_r - S_c) / d) / (S_c / (n - p))``, S the sums of squares of the relative errors with rigid and compliant link, d
-    parameters fewer; two information criteria more for those who like them.
+    parameters fewer.
 
     Attributes:
         needed: The verdict: F's probability is below ``level``.
-        rigid_rms, compliant_rms: Root mean square relative error of gain and phase that each leaves; lines weigh as they are known.
+        rigid_rms, compliant_rms: Root mean square relative error of gain and phase of each, weighted by the accuracy of the lines.
         f_statistic, probability: F and its probability if the link were rigid.
         degrees: Its two degrees of freedom.
         bic_difference: Bayesian information criterion of the rigid link less that of the compliant one; above 10 is decisive.
@@ -133,12 +133,12 @@ class RigidTest:
 
 @dataclass(frozen=True)
 class Inseparable:
-    """Parameters that the data cannot tell apart, or do not see.
+    """Parameters that the data cannot separate, or do not depend on.
 
     Attributes:
         keys: The parameters.
-        weights: How they move together, in shares of their values, largest 1: what changes nothing in the data.
-        sentence: The same in words.
+        weights: Direction without effect on the data, in shares of their values, largest 1.
+        sentence: Description.
     """
 
     keys: tuple[str, ...]
@@ -148,10 +148,10 @@ class Inseparable:
 
 @dataclass(frozen=True)
 class Advice:
-    """An experiment that would determine what these data do not.
+    """An experiment that would determine undetermined parameters.
 
     Attributes:
-        sentence: Which, and how well each parameter would then be known.
+        sentence: Description, with the resulting accuracy of each parameter.
         shares: Half the 95 % interval of each unknown with it, as a share of its value.
     """
 
@@ -164,17 +164,17 @@ class Identification:
     """A loader identified from bench data.
 
     Attributes:
-        before: The loader as its file has it.
-        estimates: One for each parameter, in the order asked for.
-        correlation: Of the estimates, (unknowns, unknowns).
-        fitted: Data beside the model, in the order given, channel by channel.
-        ends: Where each start of the search ended.
-        inseparable: What the data cannot tell apart; empty if all is determined.
-        advice: What would; empty if all is determined, or nothing known would.
-        rigid: Whether the link is compliant; ``None`` where it cannot be judged, and why stands in ``notes``.
-        notes: What is worth knowing, a sentence each.
-        loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` where a
-            parameter is not determined or ended at its bound, or the model does not explain the data.
+        before: The loader of the file.
+        estimates: One for each parameter, in the requested order.
+        correlation: Correlation of the estimates, (unknowns, unknowns).
+        fitted: Data with the model, in the given order, channel by channel.
+        ends: End of each start of the search.
+        inseparable: Inseparable parameters; empty if all are determined.
+        advice: Further experiments; empty if all parameters are determined, or no experiment helps.
+        rigid: Test of the link; ``None`` if not possible, with the reason in ``notes``.
+        notes: Remarks, a sentence each.
+        loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` if a
+        parameter is undetermined or ended at its bound, or the model does not explain the data.
 
     Example:
         >>> import forcefeel as ff
@@ -200,26 +200,39 @@ class Identification:
         return f"<Identification of {self.before.name!r}: {each}>"
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
-        """Draws each estimate with its 95 % interval in percent off the file's value, over what the file's tolerances allow.
+        """Plot each estimate and its 95 % interval in percent off the file's value, with the file's tolerances.
 
         Args:
-            ax: Matplotlib axes to draw on; of a figure of its own if not given.
+            ax: Matplotlib axes; default, a new figure.
 
         Returns:
             The axes.
         """
-        from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, for whoever plots
+        from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, only for plots
 
-        def off(one: Estimate, value: float) -> float:
-            return 100 * (value - one.unknown.nominal) / one.unknown.scale
+        def relative(estimate: Estimate, value: float) -> float:
+            return 100 * (value - estimate.unknown.nominal) / estimate.unknown.scale
 
-        lost = [it for it in self.estimates if it.status is Status.UNDETERMINED]
-        known = [it for it in self.estimates if it not in lost]
-        bounded = [it for it in self.estimates if it.unknown.tolerance]
+        lost = [estimate for estimate in self.estimates if estimate.status is Status.UNDETERMINED]
+        determined = [estimate for estimate in self.estimates if estimate not in lost]
+        bounded = [estimate for estimate in self.estimates if estimate.unknown.tolerance]
         return intervals(
-            {it.unknown.symbol: (off(it, it.value), off(it, it.low), off(it, it.high)) for it in known},
-            {it.unknown.symbol: (off(it, it.unknown.low), off(it, it.unknown.high)) for it in bounded},
-            lost=[it.unknown.symbol for it in lost],
+            {
+                estimate.unknown.symbol: (
+                    relative(estimate, estimate.value),
+                    relative(estimate, estimate.low),
+                    relative(estimate, estimate.high),
+                )
+                for estimate in determined
+            },
+            {
+                estimate.unknown.symbol: (
+                    relative(estimate, estimate.unknown.low),
+                    relative(estimate, estimate.unknown.high),
+                )
+                for estimate in bounded
+            },
+            lost=[estimate.unknown.symbol for estimate in lost],
             x_label="Off the file's value, %",
             title=f"{self.before.name}: identified",
             ax=ax,
@@ -227,28 +240,32 @@ class Identification:
 
     @property
     def determined(self) -> bool:
-        """Whether the data determine every parameter that was asked for."""
-        return all(it.status is not Status.UNDETERMINED for it in self.estimates)
+        """Whether the data determine every requested parameter."""
+        return all(estimate.status is not Status.UNDETERMINED for estimate in self.estimates)
 
     @property
     def within_bounds(self) -> bool:
-        """Whether no estimate ended at a bound: one that did is the bound's, not the data's."""
-        return all(it.status is not Status.AT_BOUND for it in self.estimates)
+        """Whether no estimate ended at a bound, where the bound, not the data, sets it."""
+        return all(estimate.status is not Status.AT_BOUND for estimate in self.estimates)
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Rows of the parameters."""
-        return tuple(it.unknown.key for it in self.estimates)
+        return tuple(estimate.unknown.key for estimate in self.estimates)
 
     def __getitem__(self, name: str) -> Estimate:
         """The estimate of a parameter by its row or its symbol.
 
         Raises:
-            KeyError: If it was not asked for.
+            KeyError: If it was not requested.
         """
-        return next(it for it in self.estimates if name in {it.unknown.key, TABLE[it.unknown.key].symbol})
+        return next(
+            estimate
+            for estimate in self.estimates
+            if name in {estimate.unknown.key, TABLE[estimate.unknown.key].symbol}
+        )
 
 
-def data_of(found: Sequence[Fitted]) -> tuple[Response | BenchRecord, ...]:
+def data_of(fitted: Sequence[Fitted]) -> tuple[Response | BenchRecord, ...]:
     """The sets of data, each once."""
-    return tuple({id(it.data): it.data for it in found}.values())
+    return tuple({id(part.data): part.data for part in fitted}.values())

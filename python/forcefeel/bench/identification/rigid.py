@@ -1,7 +1,7 @@
-"""Rigid against compliant: do the frequency responses need the link's compliance?
+"""Test of the link: do the frequency responses require its compliance?
 
-Both models are fitted to the same responses with the same unknowns, the rigid one without k and c; the file's own k and c where
-they are not among the unknowns. The report argued so by eye, with figures 8 and 9.
+Both models are fitted to the same responses with the same unknowns, the rigid one without k and c; k and c are those of the file
+unless fitted. The report compares them in figures 8 and 9.
 """
 
 from collections.abc import Sequence
@@ -23,11 +23,11 @@ from forcefeel.loader.loader import Loader
 _LINK = ("linkage.stiffness", "linkage.damping")
 
 _LEVEL = 0.001
-"""Probability of F below which the rigid link is refused."""
+"""Significance level of the rejection of the rigid link."""
 
 
 def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response]) -> RigidTest:
-    """Fits both models and compares what is left.
+    """Fit both models and compare their residuals.
 
     Args:
         loader: The loader, its values at the compliant fit's estimates: there the searches start.
@@ -35,18 +35,18 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
         unknowns: The unknowns.
         responses: The data.
     """
-    others = [it for it in unknowns if it.key not in _LINK]
+    others = [unknown for unknown in unknowns if unknown.key not in _LINK]
     bent = _problem(loader, law, unknowns, responses, Linkage.COMPLIANT)
     best = bent.search(bent.start(_values(loader, unknowns)))
     stiff = _problem(loader, law, others, responses, Linkage.RIGID)
-    # Both in units of the noise that the compliant fit found, or their sums of squares would not compare.
-    left_over = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
-    compliant, rigid, points = float(best.residual @ best.residual), float(left_over @ left_over), len(left_over)
-    # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
-    # worse than none, and F is none.
-    fewer, left = len(_LINK), points - len(others) - len(_LINK)
-    statistic = max((rigid - compliant) / fewer / (compliant / left), 0.0)
-    probability = float(fisher.sf(statistic, fewer, left))
+    # Both in units of the noise of the compliant fit, so that their sums of squares compare.
+    residual = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
+    compliant, rigid, points = float(best.residual @ best.residual), float(residual @ residual), len(residual)
+    # k and c count as two parameters even with the file's values, which were estimated before. These may fit worse than the
+    # rigid link, and then F does not exist.
+    fewer, degrees_of_freedom = len(_LINK), points - len(others) - len(_LINK)
+    statistic = max((rigid - compliant) / fewer / (compliant / degrees_of_freedom), 0.0)
+    probability = float(fisher.sf(statistic, fewer, degrees_of_freedom))
     size = _relative(bent, best.noise)
     return RigidTest(
         needed=probability < _LEVEL,
@@ -54,7 +54,7 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
         compliant_rms=size * float(np.sqrt(compliant / points)),
         f_statistic=float(statistic),
         probability=probability,
-        degrees=(fewer, left),
+        degrees=(fewer, degrees_of_freedom),
         bic_difference=float(points * np.log(rigid / compliant) - fewer * np.log(points)),
         level=_LEVEL,
     )
@@ -64,21 +64,23 @@ def _problem(
     loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
 ) -> Problem:
     """Plain least squares without priors."""
-    keys = [it.key for it in unknowns]
-    models = [LinearModel(loader, it.experiment.loop, law, linkage) for it in responses]
-    observations = [ResponseObservation(it, model, keys) for it, model in zip(responses, models, strict=True)]
+    keys = [unknown.key for unknown in unknowns]
+    models = [LinearModel(loader, response.experiment.loop, law, linkage) for response in responses]
+    observations = [
+        ResponseObservation(response, model, keys) for response, model in zip(responses, models, strict=True)
+    ]
     return Problem(unknowns, observations, "linear", priors=False)
 
 
 def _values(loader: Loader, unknowns: Sequence[Unknown]) -> NDArray[np.float64]:
-    return np.array([loader[it.key] for it in unknowns])
+    return np.array([loader[unknown.key] for unknown in unknowns])
 
 
 def _relative(problem: Problem, noise: NDArray[np.float64]) -> float:
-    """Relative error that one unit of noise stands for, as a mean over the points in which each weighs as it is known."""
+    """Relative error of one unit of noise, as a mean weighted by the accuracy of the points."""
     lines = [
-        line_deviation(it.data) * size
-        for it, size in zip(problem.observations, noise, strict=True)
-        if isinstance(it.data, Response)
+        line_deviation(observation.data) * size
+        for observation, size in zip(problem.observations, noise, strict=True)
+        if isinstance(observation.data, Response)
     ]
     return float(np.mean(np.concatenate(lines) ** -2.0) ** -0.5)

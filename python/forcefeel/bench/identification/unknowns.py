@@ -1,4 +1,4 @@
-"""What is to be identified: parameters with their bounds, their prior and where the search starts."""
+"""Unknowns of an identification: parameters with bounds, prior and start of the search."""
 
 import math
 from collections.abc import Sequence
@@ -28,12 +28,12 @@ from forcefeel.simulation.engine import SHARED
 from forcefeel.units import show
 
 _FARTHEST = 2.0
-"""Starts lie within this factor of the file's value where no tolerance says how far it may be off."""
+"""Largest factor of a start from the file's value without a tolerance."""
 
 _SEED = 1974
 
 _PHASES = ("motor.cogging_phase", "motor.cogging_phase_2")
-"""Angles whose zero is as good as any other value: they are counted in radians, not in shares of themselves."""
+"""Phases, whose zero is arbitrary: they are scaled in radians, not in shares of their value."""
 
 _RADIAN = 1.0
 
@@ -44,9 +44,9 @@ class Unknown:
 
     Attributes:
         key: Its row ``part.name``.
-        nominal: The loader file's value, where the search starts first.
-        low, high: Bounds: those of its tolerance, or the table's range where it has none.
-        tolerance: What the file says of it; a normal one is a prior, the others only bounds.
+        nominal: The loader file's value, the first start of the search.
+        low, high: Bounds of its tolerance, or the table's range without one.
+        tolerance: Tolerance of the file; a normal one is a prior, the others only bounds.
     """
 
     key: str
@@ -62,24 +62,29 @@ class Unknown:
 
     @property
     def scale(self) -> float:
-        """What shares of it are shares of: the file's value, or of a phase a radian."""
+        """Unit of its shares: the file's value, or a radian for a phase."""
         return _RADIAN if self.is_phase else abs(self.nominal)
 
     @property
     def is_phase(self) -> bool:
-        """Whether it is an angle that is counted in radians."""
+        """Whether it is an angle scaled in radians."""
         return self.key in _PHASES
 
     @property
     def prior(self) -> tuple[float, float] | None:
         """Mean and standard deviation of its prior."""
-        told = self.tolerance
-        if told is None or told.distribution is not Distribution.NORMAL or told.peak is None or told.deviation is None:
+        tolerance = self.tolerance
+        if (
+            tolerance is None
+            or tolerance.distribution is not Distribution.NORMAL
+            or tolerance.peak is None
+            or tolerance.deviation is None
+        ):
             return None
-        return told.peak, told.deviation
+        return tolerance.peak, tolerance.deviation
 
     def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values spread as its tolerance says, or within a factor of the nominal; ``share`` from 0 to 1."""
+        """Values spread by its tolerance, or within a factor of the nominal; ``share`` from 0 to 1."""
         if self.tolerance is not None:
             return self.tolerance.quantile(share)
         if self.is_phase:
@@ -87,17 +92,17 @@ class Unknown:
         return np.clip(self.nominal * _FARTHEST ** (2 * share - 1), self.low, self.high)
 
 
-def parameter_keys(given: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[str, ...]:
+def parameter_keys(spec: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[str, ...]:
     """Rows of the parameter table from their symbols or names: ``k,c,J,C_i`` or ``linkage.stiffness``.
 
     Args:
-        given: Names, or text in which commas part them.
+        spec: Names as a sequence, or as text separated by commas.
         drive: Of the loader, whose rows the symbols are.
 
     Raises:
         InputError: If there is none, one is unknown or stands twice.
     """
-    names = [name.strip() for name in (given.split(",") if isinstance(given, str) else given)]
+    names = [name.strip() for name in (spec.split(",") if isinstance(spec, str) else spec)]
     names = [name for name in names if name]
     if not names:
         raise InputError("fit: expected symbols or names of parameters, such as k,c,J,C_i, got none")
@@ -114,7 +119,7 @@ def parameter_keys(given: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[
 
 
 def unknowns_of(loader: Loader, keys: Sequence[str]) -> tuple[Unknown, ...]:
-    """The parameters to be identified, as the loader file knows them.
+    """The parameters to be identified, with the properties of the loader file.
 
     Raises:
         InputError: If one is a switch, is off in the loader, or is shared by the whole engine.
@@ -123,7 +128,7 @@ def unknowns_of(loader: Loader, keys: Sequence[str]) -> tuple[Unknown, ...]:
 
 
 def _within(unknown: Unknown, loader: Loader, keys: Sequence[str]) -> Unknown:
-    """Bounds that a value which is not fitted sets: a breakaway force is no smaller than the dry friction."""
+    """The unknown with bounds by values not fitted: a breakaway force is no smaller than the dry friction."""
     for larger, smaller in AT_LEAST:
         if unknown.key == larger and smaller not in keys:
             unknown = replace(unknown, low=max(unknown.low, loader[smaller]))
@@ -133,14 +138,14 @@ def _within(unknown: Unknown, loader: Loader, keys: Sequence[str]) -> Unknown:
 
 
 def starts(unknowns: Sequence[Unknown], count: int) -> NDArray[np.float64]:
-    """Where the search starts, (count, unknowns): at the file's values first, then spread by Sobol's sequence."""
-    found = np.empty((count, len(unknowns)))
-    found[0] = [unknown.nominal for unknown in unknowns]
+    """Starts of the search, (count, unknowns): the file's values, then a Sobol sequence."""
+    starts = np.empty((count, len(unknowns)))
+    starts[0] = [unknown.nominal for unknown in unknowns]
     if count > 1:
         # Rows of a power of two, as the sequence is balanced; a fixed seed, so that a fit repeats to the bit.
         sequence = qmc.Sobol(len(unknowns), seed=_SEED).random_base2(math.ceil(math.log2(count - 1)))
-        found[1:] = np.column_stack([it.at(sequence[: count - 1, j]) for j, it in enumerate(unknowns)])
-    return found
+        starts[1:] = np.column_stack([unknown.at(sequence[: count - 1, j]) for j, unknown in enumerate(unknowns)])
+    return starts
 
 
 def _unknown(loader: Loader, key: str) -> Unknown:
@@ -152,7 +157,7 @@ def _unknown(loader: Loader, key: str) -> Unknown:
     if is_switch(row):
         raise InputError(f"fit: {key} is a switch; it is on or off, not fitted")
     if key in SHARED:
-        raise InputError(f"fit: {key} is what the controller is told, not what the machine is; leave it out")
+        raise InputError(f"fit: {key} is a setting of the controller, not a property of the machine; leave it out")
     if not math.isfinite(value) or (value == 0 and key not in _PHASES):
         example = value_text(row, row.default_si)
         raise InputError(

@@ -41,7 +41,7 @@ def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequ
     for name in _STEPS:
         folder = out / name
         check_output_folder(folder, "a folder of that name")
-        if any(given.resolve().is_relative_to(folder.resolve()) for given in inputs):
+        if any(path.resolve().is_relative_to(folder.resolve()) for path in inputs):
             raise InputError(f"{folder}: holds what the commissioning is made from; name another folder with --out")
         if output_kind(folder) and not (replace or same or output_kind(out / STATE)):
             raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")
@@ -55,13 +55,13 @@ def _asked(out: Path) -> str | None:
         return None
 
 
-def write_commission(found: Commission, out: str | Path, *, command: str = "") -> Path:
+def write_commission(commission: Commission, out: str | Path, *, command: str = "") -> Path:
     """Writes ``loader.toml``, the law, ``results.json`` and ``commission.html``, the page last.
 
     The law is ``law.json`` if it may be handed over, else ``law-rejected.json``; one of an earlier run goes.
 
     Args:
-        found: What came of it.
+        commission: The commissioning result.
         out: The folder that it was made in.
         command: The command that asked for it, to stand on the page.
 
@@ -75,17 +75,17 @@ def write_commission(found: Commission, out: str | Path, *, command: str = "") -
         >>> import forcefeel as ff
         >>> from forcefeel.commission.result import Identified
         >>> nothing = Identified(False, "nothing was measured")
-        >>> found = ff.commission.Commission(ff.commission.CommissionPlan(), ff.elevator(), nothing)
-        >>> ff.commission.write_commission(found, "commissioned").name
+        >>> commission = ff.commission.Commission(ff.commission.CommissionPlan(), ff.elevator(), nothing)
+        >>> ff.commission.write_commission(commission, "commissioned").name
         'commission.html'
     """
     out = Path(out)
     contents: dict[str, str | bytes] = {}
-    if found.loader is not None:
+    if commission.loader is not None:
         contents[LOADER] = (out / IDENTIFICATION / LOADER).read_bytes()
-    if found.law is not None:
-        contents[GOOD_LAW if found.good else OTHER_LAW] = (out / LAW / GOOD_LAW).read_bytes()
-    contents[RESULTS] = json_text({"command": command, **commission_json(found)})
-    contents[PAGE] = commission_page(found, command=command)
+    if commission.law is not None:
+        contents[GOOD_LAW if commission.good else OTHER_LAW] = (out / LAW / GOOD_LAW).read_bytes()
+    contents[RESULTS] = json_text({"command": command, **commission_json(commission)})
+    contents[PAGE] = commission_page(commission, command=command)
     FOLDER.write(out, contents)
     return out / PAGE

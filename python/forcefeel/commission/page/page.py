@@ -8,26 +8,26 @@ from forcefeel.page.render import drawing, render
 from forcefeel.page.setting_maps import picture
 
 
-def commission_page(found: Commission, *, command: str = "") -> str:
+def commission_page(commission: Commission, *, command: str = "") -> str:
     """The whole page, numbers in the plan's units."""
-    units, curve = found.plan.units, found.identified.curve
+    units, curve = commission.plan.units, commission.identified.curve
     maps = (
-        found.checked
-        and found.chosen
-        and plots.outcome_maps(found.checked, found.chosen.name, found.loader or found.before)
+        commission.checked
+        and commission.chosen
+        and plots.outcome_maps(commission.checked, commission.chosen.name, commission.loader or commission.before)
     )
     return render(
         "commission/page/commission.html.j2",
         command=command,
-        loader=found.loader or found.before,
-        found=found,
-        conclusions=commission_conclusions(found),
+        loader=commission.loader or commission.before,
+        commission=commission,
+        conclusions=commission_conclusions(commission),
         curve=drawing(plots.curve(curve, units), "curve") if curve else None,
         maps=picture(maps, units) if maps else None,
-        steps=tables.steps(glance(found)),
-        estimates=tables.estimates(found, units) if found.identified.parameters else None,
-        tests=tables.tests(found.tested) if found.tested else None,
-        what_ifs=tables.what_ifs(found.checked) if found.checked and found.checked.what_ifs else None,
-        shares=tables.shares(found.checked, found.plan.share) if found.checked else None,
-        parameters=machine.parameters(found.loader or found.before, units),
+        steps=tables.steps(glance(commission)),
+        estimates=tables.estimates(commission, units) if commission.identified.parameters else None,
+        tests=tables.tests(commission.tested) if commission.tested else None,
+        what_ifs=tables.what_ifs(commission.checked) if commission.checked and commission.checked.what_ifs else None,
+        shares=tables.shares(commission.checked, commission.plan.share) if commission.checked else None,
+        parameters=machine.parameters(commission.loader or commission.before, units),
     )

@@ -25,11 +25,11 @@ _STYLES = {
 
 def curve(data: Curve, units: UnitSystem) -> go.Figure:
     """Measured, by the loader file and identified: a record over time, or gain and phase over frequency."""
-    shown = {"measured": data.measured, "loader file": data.before, "identified": data.modelled}
+    curves = {"measured": data.measured, "loader file": data.before, "identified": data.modelled}
     parts = 2 if data.response else 1
     picture = make_subplots(rows=parts, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     unit = channel_unit(data.channel)
-    for name, values in shown.items():
+    for name, values in curves.items():
         rows = (
             (20 * np.log10(np.array(values[0])), np.degrees(values[1]))
             if data.response

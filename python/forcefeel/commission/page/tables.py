@@ -15,7 +15,7 @@ from forcefeel.units import UnitSystem
 
 def steps(rows: Sequence[Row]) -> Table:
     """Each step, what it came to, and where it can be looked into."""
-    found = [
+    cells = [
         (
             words(Markup('<a href="{}">{}</a>').format(row.page, capital(row.title))),
             words(row.result),
@@ -23,28 +23,28 @@ def steps(rows: Sequence[Row]) -> Table:
         )
         for row in rows
     ]
-    return Table((Cell("Step"), Cell("Result"), Cell("Good")), tuple(found))
+    return Table((Cell("Step"), Cell("Result"), Cell("Good")), tuple(cells))
 
 
-def estimates(found: Commission, units: UnitSystem) -> Table:
+def estimates(commission: Commission, units: UnitSystem) -> Table:
     """Each parameter: the file's value, what holds now, how sure."""
     rows = []
-    for one in found.identified.parameters:
-        row = unit(TABLE[one.key])
-        known = one.state == IDENTIFIED
+    for parameter in commission.identified.parameters:
+        row = unit(TABLE[parameter.key])
+        identified = parameter.state == IDENTIFIED
         rows.append(
             (
-                words(parameter_name(one.key)),
-                number(quantity_text(one.before, row, units, 4)),
-                number(quantity_text(one.value, row, units, 5)),
-                number(f"{number_text(100 * one.error, 2)} %" if known else NONE),
-                words(one.state),
+                words(parameter_name(parameter.key)),
+                number(quantity_text(parameter.before, row, units, 4)),
+                number(quantity_text(parameter.value, row, units, 5)),
+                number(f"{number_text(100 * parameter.error, 2)} %" if identified else NONE),
+                words(parameter.state),
             )
         )
     return Table((*heads("Parameter", "File", "Now", "Standard error"), Cell("State")), tuple(rows))
 
 
-def shares(checked: Checked, asked: float) -> Table:
+def shares(checked: Checked, required: float) -> Table:
     """What the law renders."""
     rows = (
         ("Identified loader", checked.passes, True),
@@ -54,14 +54,16 @@ def shares(checked: Checked, asked: float) -> Table:
     )
     return Table(
         heads("Where", "Settings rendered"),
-        tuple((words(name), number(share_text(it), bad=judged and it < asked)) for name, it, judged in rows),
+        tuple(
+            (words(name), number(share_text(share), bad=judged and share < required)) for name, share, judged in rows
+        ),
     )
 
 
 def what_ifs(checked: Checked) -> Table:
     """What would render more."""
     now = (words("As it is"), number(share_text(checked.passes)))
-    rows = ((words(capital(one.change)), number(share_text(one.passes))) for one in checked.what_ifs)
+    rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in checked.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))
 
 

@@ -7,7 +7,6 @@ transition matrix.
 
 from dataclasses import dataclass
 
-import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -41,7 +40,7 @@ class GainSchedule:
 def schedule_gains(
     loader: Loader, settings: ArrayLike, design: DesignSettings | None = None, *, continuous: bool = False
 ) -> GainSchedule:
-    """Gains for every setting, those that ``compensate`` gives for it.
+    """Gains for every setting, those that ``design_gains`` gives for it.
 
     Args:
         loader: The loader; its own feel setting is not used.
@@ -139,6 +138,8 @@ def _over_horizon(
 
 
 def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
+    import control  # noqa: PLC0415  a second that a law whose gains are known need not wait for
+
     problem = SampledProblem.of(loader, design)
     phi, h = problem.phi[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.h[DESIGN_PLANT]
     scale = problem.scale[DESIGN_PLANT]
@@ -148,6 +149,8 @@ def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
 
 
 def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
+    import control  # noqa: PLC0415  as above
+
     plant, scale = design_model(loader), state_scale(loader)[DESIGN_PLANT]
     a = plant.A[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * scale / scale[:, None]
     b = plant.B[DESIGN_PLANT] / scale[:, None]

@@ -73,8 +73,8 @@ def status_map(result: SweepResult, system: UnitSystem) -> go.Figure:
     z = share.argmax(axis=0).astype(float)
     ends = np.repeat(np.linspace(0, 1, len(hues) + 1), 2)[1:-1]
     scale = [[float(end), hues[k // 2]] for k, end in enumerate(ends)]
-    look = {"colorscale": scale, "zmin": -0.5, "zmax": len(hues) - 0.5, "showscale": False, "opacity": 0.85}
-    picture = _map(result, z, system, "%{text}", text=np.array(names)[z.astype(int)], **look)
+    style = {"colorscale": scale, "zmin": -0.5, "zmax": len(hues) - 0.5, "showscale": False, "opacity": 0.85}
+    picture = _map(result, z, system, "%{text}", text=np.array(names)[z.astype(int)], **style)
     for k, (name, hue) in enumerate(STATUS_COLORS.items()):
         if (z == k).any():
             marker = {"symbol": "square", "size": 11, "color": hue, "opacity": 0.85}
@@ -117,9 +117,11 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
     frame(picture, 340, top=34)
     picture.update_layout(showlegend=not single)
     _setting(picture.update_xaxes, result, key, system)
-    own = result.sweep.loader[key]
-    if min(result.sweep.axes[key]) <= own <= max(result.sweep.axes[key]):
-        picture.add_vline(unit(TABLE[key]).from_si(own, system), line={"color": IDEAL, "dash": "dash", "width": 1.2})
+    nominal = result.sweep.loader[key]
+    if min(result.sweep.axes[key]) <= nominal <= max(result.sweep.axes[key]):
+        picture.add_vline(
+            unit(TABLE[key]).from_si(nominal, system), line={"color": IDEAL, "dash": "dash", "width": 1.2}
+        )
     picture.update_yaxes(title_text=axis_title(measure, measured_in, system))
     return picture
 
@@ -152,7 +154,7 @@ STATUS_COLORS = {"settled": "#009E73", "moving": "#E0A100", "diverged": "#B3261E
 """Colour of each way to end."""
 
 
-def _map(result: SweepResult, z: NDArray[np.float64], system: UnitSystem, hover: str, **look: Any) -> go.Figure:
+def _map(result: SweepResult, z: NDArray[np.float64], system: UnitSystem, hover: str, **style: Any) -> go.Figure:
     """The heat map of ``z`` (rows along the second setting)."""
     first, second = result.sweep.axes
     names = [parameter_title(key, system) for key in (first, second)]
@@ -165,7 +167,7 @@ def _map(result: SweepResult, z: NDArray[np.float64], system: UnitSystem, hover:
         z=z,
         customdata=np.dstack(np.meshgrid(*points)),
         hoverongaps=False,
-        **look,
+        **style,
         hovertemplate=f"{names[0]} %{{customdata[0]:.4~g}}<br>{names[1]} %{{customdata[1]:.4~g}}<br><b>{hover}</b><extra></extra>",
     )
     return picture
@@ -248,10 +250,10 @@ def _edges(points: NDArray[np.float64], log: bool) -> NDArray[np.float64]:
 
 def _limits(z: NDArray[np.float64]) -> tuple[float, float, bool]:
     """The ends of the colours, and whether values lie beyond."""
-    known = z[np.isfinite(z)]
-    if not len(known):
+    finite = z[np.isfinite(z)]
+    if not len(finite):
         return 0.0, 1.0, False
-    low, first, last, high = np.quantile(known, (0.0, 0.05, 0.95, 1.0)).tolist()
+    low, first, last, high = np.quantile(finite, (0.0, 0.05, 0.95, 1.0)).tolist()
     room = _FAR * (last - first)
     ends = max(low, first - room) if room else low, min(high, last + room) if room else high
     return *ends, ends != (low, high)

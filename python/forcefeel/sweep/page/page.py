@@ -75,12 +75,12 @@ def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
         return None
     ideal = ideal_angle(nominal)
     drawn = sweep_plots.band(result, nominal.history["column_angle_rad"].values, ideal, sweep_plots.color(law))
-    asked = min(ENVELOPE_RUNS, result.sweep.total)
-    whole = "All" if asked == result.sweep.total else "The first"
+    requested = min(ENVELOPE_RUNS, result.sweep.total)
+    whole = "All" if requested == result.sweep.total else "The first"
     sample = (
         f"{whole} {count:,} runs"
-        if count == asked
-        else f"The {count:,} of the first {asked:,} runs that did not diverge"
+        if count == requested
+        else f"The {count:,} of the first {requested:,} runs that did not diverge"
     )
     meaning = f"{sample}, at each time by themselves: no single loader need follow an edge of the band."
     if ideal is not None:
@@ -91,7 +91,7 @@ def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
 def _distributions(
     result: SweepResult, summary: Summary, measures: tuple[str, ...], units: UnitSystem, law: str
 ) -> tuple[Picture, ...]:
-    found = []
+    pictures = []
     for name in measures:
         values = result.runs[name].values
         drawn, beyond = sweep_plots.histogram(values, summary.spreads[name], units, sweep_plots.color(law))
@@ -100,14 +100,14 @@ def _distributions(
         )
         remark = f"Not in view: {many}." if many else ""
         middle = _middle(summary.spreads[name], units)
-        found.append(Picture.of(f"spread-{name}", sweep_plots.title(name), middle, drawn, remark))
-    return tuple(found)
+        pictures.append(Picture.of(f"spread-{name}", sweep_plots.title(name), middle, drawn, remark))
+    return tuple(pictures)
 
 
 def _influences(
     result: SweepResult, summary: Summary, measures: tuple[str, ...], units: UnitSystem, law: str
 ) -> tuple[Picture, ...]:
-    found = [
+    pictures = [
         Picture.of(f"influence-{name}", sweep_plots.title(name), "", sweep_plots.tornado(name, summary, units))
         for name in measures[:_TORNADOS]
     ]
@@ -116,10 +116,10 @@ def _influences(
             key = ranking[0][0]
             drawn = sweep_plots.slices(result, name, key, units, sweep_plots.color(law))
             title = f"{sweep_plots.title(name)} over {key}"
-            found.append(
+            pictures.append(
                 Picture.of(f"slices-{name}", title, "What matters most for it, while all others vary too.", drawn)
             )
-    return tuple(found)
+    return tuple(pictures)
 
 
 def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law: str) -> tuple[Picture, ...]:
@@ -131,7 +131,7 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
         ]
         return (*lines, Picture.of("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
     damping = damping_map(result.sweep)
-    found = [
+    pictures = [
         Picture.of(f"map-{name}", sweep_plots.title(name), "", *sweep_maps.measure_map(result, name, damping, units))
         for name in measures[:_MAPPED]
     ]
@@ -140,13 +140,13 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
             "The least damped mode of the linear model at each setting: red is unstable. Optional effects and the sampling of a "
             "digital controller are left out, so that a run may end otherwise."
         )
-        found.insert(
+        pictures.insert(
             0,
             Picture.of("map-stability", "Linear stability", meaning, sweep_maps.stability_map(result, damping, units)),
         )
     several = result.sweep.machines > 1
     drawn = (sweep_maps.share_map if several else sweep_maps.status_map)(result, units)
-    return (Picture.of("map-status", "Runs that settle" if several else "How the runs ended", "", drawn), *found)
+    return (Picture.of("map-status", "Runs that settle" if several else "How the runs ended", "", drawn), *pictures)
 
 
 def _middle(spread: Spread, units: UnitSystem) -> str:

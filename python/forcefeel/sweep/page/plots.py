@@ -92,18 +92,18 @@ class Fill:
 
 def filled(picture: go.Figure, x: NDArray[np.float64], edges: dict[str, NDArray[np.float64]], fill: Fill) -> None:
     """Adds a band between two edges, which have names; the lower one first."""
-    to: dict[str, dict[str, Any]] = {"none": {"showlegend": False}, "tonexty": {"fillcolor": fill.color}}
-    for (edge, y), (how, look) in zip(edges.items(), to.items(), strict=True):
+    fills: dict[str, dict[str, Any]] = {"none": {"showlegend": False}, "tonexty": {"fillcolor": fill.color}}
+    for (edge, y), (mode, style) in zip(edges.items(), fills.items(), strict=True):
         picture.add_scatter(
             x=x,
             y=y,
             mode="lines",
             line={"color": "rgba(0,0,0,0)", "width": 0},
-            fill=how,
+            fill=mode,
             name=fill.name,
             legendgroup=fill.name,
             hovertemplate=f"{fill.hover}<extra>{edge}</extra>",
-            **look,
+            **style,
         )
 
 
@@ -115,39 +115,39 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     """
     measured_in = spread.unit
     scale = measured_in.from_si(1.0, system)
-    known = values[np.isfinite(values)]
+    finite = values[np.isfinite(values)]
     room = _BEYOND * (spread.quantile(0.99) - spread.quantile(0.01))
     low, high = max(spread.lowest, spread.quantile(0.01) - room), min(spread.highest, spread.quantile(0.99) + room)
     if not low < high:
         low, high = spread.lowest, spread.highest
-    counts, edges = np.histogram(known, bins=_BINS, range=(low, high))
+    counts, edges = np.histogram(finite, bins=_BINS, range=(low, high))
     middles, width = (edges[:-1] + edges[1:]) / 2 * scale, (edges[1] - edges[0]) * scale
-    heights = 100 * counts / len(known)
+    heights = 100 * counts / len(finite)
     inside = (middles >= spread.quantile(0.05) * scale) & (middles <= spread.quantile(0.95) * scale)
     picture = go.Figure()
-    shown = unit_text(measured_in.shown(system))
-    for which, name, opacity in ((inside, "5 to 95 %", 0.75), (~inside, "beyond", 0.30)):
+    unit = unit_text(measured_in.shown(system))
+    for selected, name, opacity in ((inside, "5 to 95 %", 0.75), (~inside, "beyond", 0.30)):
         picture.add_bar(
-            x=middles[which],
-            y=heights[which],
+            x=middles[selected],
+            y=heights[selected],
             width=width,
             name=name,
             marker={"color": tint(hue, opacity), "line": {"width": 0}},
-            hovertemplate=f"%{{x:.4~g}} {shown}: %{{y:.2~g}} % of the runs<extra></extra>",
+            hovertemplate=f"%{{x:.4~g}} {unit}: %{{y:.2~g}} % of the runs<extra></extra>",
         )
     top = float(heights.max()) * 1.06
-    for name, at, style in (
+    for name, position, style in (
         ("median", spread.quantile(0.5), LineStyle(IDEAL, "solid", 1.8)),
         ("nominal", spread.nominal, _MARK),
     ):
-        if np.isfinite(at):
+        if np.isfinite(position):
             picture.add_scatter(
-                x=[at * scale] * 2,
+                x=[position * scale] * 2,
                 y=[0, top],
                 mode="lines",
                 name=name,
                 line=line(style),
-                hovertemplate=f"{name} %{{x:.4~g}} {shown}<extra></extra>",
+                hovertemplate=f"{name} %{{x:.4~g}} {unit}<extra></extra>",
             )
     frame(picture, 320, top=34, hover="closest")
     picture.update_layout(bargap=0, barmode="overlay")
@@ -156,37 +156,37 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
         range=[(low * scale) - width, (high * scale) + width],
     )
     picture.update_yaxes(title_text="Runs, %", range=[0, top])
-    return picture, len(known) - int(counts.sum())
+    return picture, len(finite) - int(counts.sum())
 
 
 def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
     """What a measure goes with: rank correlations, the largest on top, and the size that is chance."""
     row = summary.correlations.sel(measure=measure)
-    found = [
+    ranking = [
         (str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True) if np.isfinite(rho)
     ]
-    found = sorted(found, key=lambda one: -abs(one[1]))[:_RANKED][::-1]
-    rho = np.array([one[1] for one in found])
+    ranking = sorted(ranking, key=lambda row: -abs(row[1]))[:_RANKED][::-1]
+    rho = np.array([row[1] for row in ranking])
     picture = go.Figure()
-    for which, name, hue in ((rho >= 0, "rises with it", COMPLIANT), (rho < 0, "falls with it", RIGID)):
+    for selected, name, hue in ((rho >= 0, "rises with it", COMPLIANT), (rho < 0, "falls with it", RIGID)):
         picture.add_bar(
-            x=rho[which],
-            y=[two_lines(found[k][0]) for k in np.flatnonzero(which)],
+            x=rho[selected],
+            y=[two_lines(ranking[k][0]) for k in np.flatnonzero(selected)],
             orientation="h",
             name=name,
             marker={"color": hue, "opacity": 0.8},
             hovertemplate="%{x:+.2f}<extra></extra>",
-            showlegend=bool(which.any()),
+            showlegend=bool(selected.any()),
         )
     picture.add_vrect(-summary.chance, summary.chance, fillcolor="#8A939E", opacity=0.25, line_width=0)
-    frame(picture, 80 + 36 * max(len(found), 2), top=34, hover="closest")
+    frame(picture, 80 + 36 * max(len(ranking), 2), top=34, hover="closest")
     picture.update_layout(barmode="overlay", bargap=0.25)
     picture.update_xaxes(
         title_text="Rank correlation", range=[-1, 1], dtick=0.5, zeroline=True, zerolinecolor="#6B7580"
     )
     picture.update_yaxes(
         categoryorder="array",
-        categoryarray=[two_lines(key) for key, _ in found],
+        categoryarray=[two_lines(key) for key, _ in ranking],
         automargin=True,
         showgrid=False,
         ticks="",
@@ -198,12 +198,12 @@ def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
 def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue: str) -> go.Figure:
     """A measure over one parameter while all others vary too: median and middle nine of ten of equal slices of runs."""
     values, along = result.runs[measure].values, result.runs[key].values
-    known = np.isfinite(values)
-    order = np.argsort(along[known], kind="stable")
+    finite = np.isfinite(values)
+    order = np.argsort(along[finite], kind="stable")
     parts = [part for part in np.array_split(order, min(_SLICES, max(1, len(order) // 20))) if len(part)]
     measured_in, of = measure_unit(measure, result.sweep.loader.drive), unit(TABLE[key])
-    x = np.array([np.median(along[known][part]) for part in parts]) * of.from_si(1.0, system)
-    y = np.array([np.quantile(values[known][part], (0.05, 0.5, 0.95)) for part in parts]) * measured_in.from_si(
+    x = np.array([np.median(along[finite][part]) for part in parts]) * of.from_si(1.0, system)
+    y = np.array([np.quantile(values[finite][part], (0.05, 0.5, 0.95)) for part in parts]) * measured_in.from_si(
         1.0, system
     )
     picture = go.Figure()

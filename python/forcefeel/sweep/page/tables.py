@@ -28,14 +28,14 @@ _MEANINGS = {
 
 def statuses(summary: Summary) -> Table:
     """How the runs ended; of a random sample with how sure that is."""
-    shown = [one for one in summary.shares if one.runs or one.status != IMPOSSIBLE]
-    sure = any(isfinite(one.low) for one in shown)
+    shares = [share for share in summary.shares if share.runs or share.status != IMPOSSIBLE]
+    sure = any(isfinite(share.low) for share in shares)
     rows = []
-    for one in shown:
-        interval = number(interval_text(one.low, one.high))
-        count = number(f"{one.runs:,}", bad=one.status == RunStatus.DIVERGED and one.runs > 0)
-        cells = (words(one.status.capitalize()), count, number(share_text(one.share)), *([interval] if sure else []))
-        rows.append((*cells, words(_MEANINGS[one.status])))
+    for row in shares:
+        interval = number(interval_text(row.low, row.high))
+        count = number(f"{row.runs:,}", bad=row.status == RunStatus.DIVERGED and row.runs > 0)
+        cells = (words(row.status.capitalize()), count, number(share_text(row.share)), *([interval] if sure else []))
+        rows.append((*cells, words(_MEANINGS[row.status])))
     heading = ["Of all such loaders, 95 % sure"] if sure else []
     return Table((*heads("Status", "Runs", "Share", *heading), Cell("Meaning")), tuple(rows))
 

@@ -23,7 +23,7 @@ _NAME = re.compile(r"[^\w.-]+")
 
 
 def write_identification(  # noqa: PLR0913  keywords of what is asked
-    found: Identification,
+    identification: Identification,
     out: Path,
     units: UnitSystem,
     settings: FitSettings | None = None,
@@ -40,7 +40,7 @@ def write_identification(  # noqa: PLR0913  keywords of what is asked
     files in the folder are left alone.
 
     Args:
-        found: The identification.
+        identification: The identification.
         out: The folder; made if it is not there.
         units: The units of every number.
         settings: How it was made, to be said on the page; nothing is said of it if not given.
@@ -64,22 +64,23 @@ def write_identification(  # noqa: PLR0913  keywords of what is asked
         >>> ff.bench.write_identification(found, Path("found"), ff.UnitSystem.US).parent.name
         'found'
     """
-    tables = {f"{RESPONSES}/{name}": one for name, one in zip(_names(estimated), estimated, strict=True)}
+    tables = {f"{RESPONSES}/{name}": response for name, response in zip(_names(estimated), estimated, strict=True)}
     dataclasses.replace(FOLDER, files=(*FOLDER.files, *tables)).check(out, replace=replace, inputs=inputs)
-    contents = {name: response_csv(one, units) for name, one in tables.items()}
-    if found.loader is not None:
-        contents[LOADER] = found.loader.to_toml(units)
-    results = identification_json(found, units, settings)
+    contents = {name: response_csv(response, units) for name, response in tables.items()}
+    if identification.loader is not None:
+        contents[LOADER] = identification.loader.to_toml(units)
+    results = identification_json(identification, units, settings)
     contents[RESULTS] = json_text(results)
-    contents[PAGE] = identification_page(found, units, settings, tuple(tables), command=command)
+    contents[PAGE] = identification_page(identification, units, settings, tuple(tables), command=command)
     FOLDER.write(out, contents)
     return out / PAGE
 
 
 def _names(estimated: Sequence[Response]) -> list[str]:
     """A file name for each response, the channel in it where a record has several."""
-    names = [_NAME.sub("-", one.name) for one in estimated]
+    names = [_NAME.sub("-", response.name) for response in estimated]
     full = [
-        f"{name}-{one.output}" if names.count(name) > 1 else name for name, one in zip(names, estimated, strict=True)
+        f"{name}-{response.output}" if names.count(name) > 1 else name
+        for name, response in zip(names, estimated, strict=True)
     ]
     return [f"{name}.csv" for name in full]

@@ -20,7 +20,7 @@ from forcefeel.units import UnitSystem
 
 
 def identification_page(
-    found: Identification,
+    identification: Identification,
     units: UnitSystem,
     settings: FitSettings | None = None,
     estimated: Sequence[str] = (),
@@ -30,63 +30,68 @@ def identification_page(
     """The whole page, numbers in ``units``.
 
     Args:
-        found: The identification.
+        identification: The identification.
         units: Units of the numbers.
         settings: How it was made; nothing is said of it if not given.
         estimated: Files beside the page that hold responses estimated from records.
         command: The command that asked for it.
     """
-    responses = [one for one in found.fitted if isinstance(one.data, Response)]
+    responses = [fitted for fitted in identification.fitted if isinstance(fitted.data, Response)]
     return render(
         "bench/identification/page/identification.html.j2",
         command=command,
-        loader=found.before,
-        found=found,
-        conclusions=identification_conclusions(found, units),
-        glance=identification_tables.glance(found),
-        estimates=identification_tables.estimates(found, units),
-        estimates_drawing=_estimates(found),
+        loader=identification.before,
+        identification=identification,
+        conclusions=identification_conclusions(identification, units),
+        glance=identification_tables.glance(identification),
+        estimates=identification_tables.estimates(identification, units),
+        estimates_drawing=_estimates(identification),
         inseparable=[
-            (one.sentence, identification_tables.inseparable(one) if len(one.keys) > 1 else None)
-            for one in found.inseparable
+            (group.sentence, identification_tables.inseparable(group) if len(group.keys) > 1 else None)
+            for group in identification.inseparable
         ],
-        advice=identification_tables.advice(found),
+        advice=identification_tables.advice(identification),
         responses=[
-            _response(k, one, one.data, units) for k, one in enumerate(responses) if isinstance(one.data, Response)
+            _response(k, fitted, fitted.data, units)
+            for k, fitted in enumerate(responses)
+            if isinstance(fitted.data, Response)
         ],
-        bars=any(stated_noise(one) for one in responses),
-        records=[_record(k, one, units) for k, one in enumerate(one for one in found.fitted if one not in responses)],
-        several=len(found.estimates) > 1,
-        correlations=identification_tables.correlations(found),
-        rigid=found.rigid and identification_tables.rigid(found.rigid),
-        level=number_text(found.rigid.level) if found.rigid else "",
-        data=identification_tables.data(found, units),
+        bars=any(stated_noise(fitted) for fitted in responses),
+        records=[
+            _record(k, fitted, units)
+            for k, fitted in enumerate(fitted for fitted in identification.fitted if fitted not in responses)
+        ],
+        several=len(identification.estimates) > 1,
+        correlations=identification_tables.correlations(identification),
+        rigid=identification.rigid and identification_tables.rigid(identification.rigid),
+        level=number_text(identification.rigid.level) if identification.rigid else "",
+        data=identification_tables.data(identification, units),
         estimated=estimated,
         settings=settings and identification_tables.settings(settings),
-        ends=identification_tables.ends(found, units),
-        parameters=machine.parameters(found.loader or found.before, units),
+        ends=identification_tables.ends(identification, units),
+        parameters=machine.parameters(identification.loader or identification.before, units),
     )
 
 
-def _estimates(found: Identification) -> Markup:
+def _estimates(identification: Identification) -> Markup:
     """The plot of the estimates; nothing where there is none to draw."""
-    if all(one.status is Status.UNDETERMINED for one in found.estimates):
+    if all(estimate.status is Status.UNDETERMINED for estimate in identification.estimates):
         return Markup("")
-    return drawing(identification_plots.estimates(found), "estimates-plot")
+    return drawing(identification_plots.estimates(identification), "estimates-plot")
 
 
-def _response(k: int, one: Fitted, data: Response, units: UnitSystem) -> Picture:
-    drawn = identification_plots.response(one, data, units)
-    return Picture.of(f"response-{k}", title_of(one), _meaning(one, units), drawn)
+def _response(k: int, fitted: Fitted, data: Response, units: UnitSystem) -> Picture:
+    drawn = identification_plots.response(fitted, data, units)
+    return Picture.of(f"response-{k}", title_of(fitted), _meaning(fitted, units), drawn)
 
 
-def _record(k: int, one: Fitted, units: UnitSystem) -> Picture:
-    drawn = identification_plots.record(one, units)
-    return Picture.of(f"record-{k}", title_of(one), _meaning(one, units), drawn)
+def _record(k: int, fitted: Fitted, units: UnitSystem) -> Picture:
+    drawn = identification_plots.record(fitted, units)
+    return Picture.of(f"record-{k}", title_of(fitted), _meaning(fitted, units), drawn)
 
 
-def _meaning(one: Fitted, units: UnitSystem) -> Markup:
-    experiment = str(one.data.experiment).replace("_", " ")
+def _meaning(fitted: Fitted, units: UnitSystem) -> Markup:
+    experiment = str(fitted.data.experiment).replace("_", " ")
     return prose_html(
-        f"Experiment {experiment}; the fit leaves {size_text(one, one.residual_rms, units)} (root mean square)."
+        f"Experiment {experiment}; the fit leaves {size_text(fitted, fitted.residual_rms, units)} (root mean square)."
     )

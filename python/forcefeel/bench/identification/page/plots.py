@@ -45,17 +45,17 @@ _ROW_PX = 46
 _LOST, _VEIL = "#B3261E", "rgba(255,255,255,0.8)"
 
 
-def estimates(found: Identification) -> go.Figure:
+def estimates(identification: Identification) -> go.Figure:
     """Estimates with their 95 % intervals as percent of the file's value, and what the file's tolerances allow."""
     picture = go.Figure()
-    bounded = [one for one in found.estimates if one.unknown.tolerance]
-    known = [one for one in found.estimates if one.status is not Status.UNDETERMINED]
-    lost = [one for one in found.estimates if one.status is Status.UNDETERMINED]
+    bounded = [estimate for estimate in identification.estimates if estimate.unknown.tolerance]
+    determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
+    lost = [estimate for estimate in identification.estimates if estimate.status is Status.UNDETERMINED]
     if bounded:
-        low = np.array([_off(one, one.unknown.low) for one in bounded])
-        high = np.array([_off(one, one.unknown.high) for one in bounded])
+        low = np.array([_off(estimate, estimate.unknown.low) for estimate in bounded])
+        high = np.array([_off(estimate, estimate.unknown.high) for estimate in bounded])
         picture.add_bar(
-            y=[_symbol(one) for one in bounded],
+            y=[_symbol(estimate) for estimate in bounded],
             x=high - low,
             base=low,
             customdata=high,
@@ -65,14 +65,14 @@ def estimates(found: Identification) -> go.Figure:
             name="the file's tolerance",
             hovertemplate="%{base:.3~g} to %{customdata:.3~g} %",
         )
-    if known:
-        middle = np.array([_off(one, one.value) for one in known])
+    if determined:
+        middle = np.array([_off(estimate, estimate.value) for estimate in determined])
         bars = {
-            "array": [_off(one, one.high) for one in known] - middle,
-            "arrayminus": middle - [_off(one, one.low) for one in known],
+            "array": [_off(estimate, estimate.high) for estimate in determined] - middle,
+            "arrayminus": middle - [_off(estimate, estimate.low) for estimate in determined],
         }
         picture.add_scatter(
-            y=[_symbol(one) for one in known],
+            y=[_symbol(estimate) for estimate in determined],
             x=middle,
             error_x={"symmetric": False, "color": COMPENSATED, "thickness": 2.2, "width": 6, **bars},
             mode="markers",
@@ -80,10 +80,10 @@ def estimates(found: Identification) -> go.Figure:
             name="estimate, 95 %",
             hovertemplate="%{x:.3~g} %",
         )
-    names = [_symbol(one) for one in found.estimates]
-    for one in lost:
+    names = [_symbol(estimate) for estimate in identification.estimates]
+    for estimate in lost:
         picture.add_annotation(
-            y=_symbol(one), x=0, text=NOT_DETERMINED, font={"color": _LOST}, bgcolor=_VEIL, showarrow=False
+            y=_symbol(estimate), x=0, text=NOT_DETERMINED, font={"color": _LOST}, bgcolor=_VEIL, showarrow=False
         )
     frame(picture, _ROW_PX * len(names) + 120, top=60, hover="closest")
     picture.update_layout(showlegend=True)
@@ -94,25 +94,25 @@ def estimates(found: Identification) -> go.Figure:
     return picture
 
 
-def response(one: Fitted, data: Response, units: UnitSystem) -> go.Figure:
+def response(fitted: Fitted, data: Response, units: UnitSystem) -> go.Figure:
     """Gain, phase and what is left over frequency: measured, the file's model, the fitted one; coherence where it is known."""
     coherent = data.coherence is not None
     heights = [0.36, 0.28, 0.22, 0.14] if coherent else [0.42, 0.32, 0.26]
     rows = len(heights)
     picture = make_subplots(rows=rows, cols=1, shared_xaxes=True, vertical_spacing=0.04, row_heights=heights)
     written, scale = gain_unit(data, units)
-    gains = {name: 20 * np.log10(scale * np.abs(value)) for name, value in _values(one).items()}
-    _overlay(picture, 1, one.at, gains, _error(data, _DB), " dB")
-    _overlay(picture, 2, one.at, phases(one), _error(data, 180 / np.pi), "°")
-    _left_of_response(picture, one, data)
+    gains = {name: 20 * np.log10(scale * np.abs(value)) for name, value in _values(fitted).items()}
+    _overlay(picture, 1, fitted.at, gains, _error(data, _DB), " dB")
+    _overlay(picture, 2, fitted.at, phases(fitted), _error(data, 180 / np.pi), "°")
+    _left_of_response(picture, fitted, data)
     if data.coherence is not None:
-        _line(picture, 4, one.at, data.coherence, "coherence", LineStyle("#8A939E", "solid", 1.8))
+        _line(picture, 4, fitted.at, data.coherence, "coherence", LineStyle("#8A939E", "solid", 1.8))
         picture.update_yaxes(title_text="Coherence", range=[0, 1.05], dtick=0.5, row=4, col=1)
     frame(picture, 760 if coherent else 660, top=60)
     picture.update_yaxes(automargin=True)
     picture.update_yaxes(title_text=f"Gain, dB re 1 {unit_text(written)}", row=1, col=1)
     picture.update_yaxes(title_text="Phase, deg", row=2, col=1)
-    low, high = math.log10(float(one.at.min())), math.log10(float(one.at.max()))
+    low, high = math.log10(float(fitted.at.min())), math.log10(float(fitted.at.max()))
     room = 0.03 * max(high - low, 0.1)
     ticks = _SPARSE if high - low > _WIDE_DECADES else _TICKS
     picture.update_xaxes(type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], tickangle=0)
@@ -121,37 +121,47 @@ def response(one: Fitted, data: Response, units: UnitSystem) -> go.Figure:
     return picture
 
 
-def record(one: Fitted, units: UnitSystem) -> go.Figure:
+def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
     """A channel over time, measured and modelled, and what is left of it."""
     picture = make_subplots(rows=2, cols=1, vertical_spacing=0.14, row_heights=[0.66, 0.34])
-    shown = channel_unit(one.channel)
-    scale, unit = shown.from_si(1.0, units), unit_text(shown.shown(units))
-    measured, modelled, before = (scale * np.real(values) for values in (one.measured, one.modelled, one.before))
+    quantity = channel_unit(fitted.channel)
+    scale, unit = quantity.from_si(1.0, units), unit_text(quantity.shown(units))
+    measured, modelled, before = (
+        scale * np.real(values) for values in (fitted.measured, fitted.modelled, fitted.before)
+    )
     hover = f"%{{y:.4~g}} {unit}"
-    left = measured - modelled
-    near = stretch(measured, left)
-    for name, values, look in (
+    residual = measured - modelled
+    displayed = stretch(measured, residual)
+    for name, values, style in (
         ("measured", measured, _MEASURED),
         ("the file's model", before, _BEFORE),
         ("fitted", modelled, _FITTED),
     ):
-        kept = near[drawn(values[near], MOST_POINTS)]
-        _line(picture, 1, one.at[kept], values[kept], name, look, hover)
-    kept = drawn(left, MOST_POINTS)
-    _line(picture, 2, one.at[kept], left[kept], "measured less fitted", LineStyle(_MISSED, "solid", 1.2), hover)
+        indices = displayed[drawn(values[displayed], MOST_POINTS)]
+        _line(picture, 1, fitted.at[indices], values[indices], name, style, hover)
+    indices = drawn(residual, MOST_POINTS)
+    _line(
+        picture,
+        2,
+        fitted.at[indices],
+        residual[indices],
+        "measured less fitted",
+        LineStyle(_MISSED, "solid", 1.2),
+        hover,
+    )
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
-    picture.update_yaxes(title_text=f"{one.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
+    picture.update_yaxes(title_text=f"{fitted.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
     picture.update_yaxes(title_text=f"Residual, {unit}", row=2, col=1, **ZERO)
-    for row, at in ((1, one.at[near]), (2, one.at)):
+    for row, at in ((1, fitted.at[displayed]), (2, fitted.at)):
         picture.update_xaxes(range=[float(at[0]), float(at[-1])], title_text="Time, s", row=row, col=1)
     picture.update_xaxes(unifiedhovertitle={"text": "%{x:.4~f} s"})
     return picture
 
 
-def phases(one: Fitted) -> dict[str, NDArray[np.float64]]:
+def phases(part: Fitted) -> dict[str, NDArray[np.float64]]:
     """Phases in deg without jumps: the fitted model's unwound along the lines, the measured ones within half a turn of it."""
-    values = _values(one)
+    values = _values(part)
     fitted = np.unwrap(np.angle(values["fitted"]))
     before = np.unwrap(np.angle(values["the file's model"]))
     before += 2 * np.pi * np.round((fitted[0] - before[0]) / (2 * np.pi))
@@ -163,39 +173,39 @@ def phases(one: Fitted) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def stretch(measured: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.intp]:
+def stretch(measured: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
     """Which samples the overlay shows: all, or where a channel swings too often to be seen, some swings about what is left most."""
     count, swings = len(measured), int(np.count_nonzero(np.diff(np.signbit(measured - np.mean(measured)))))
     if swings <= MOST_SWINGS:
         return np.arange(count)
-    shown = max(count * SHOWN_SWINGS // swings, 2)
-    first = min(max(int(np.argmax(np.abs(left))) - shown // 2, 0), count - shown)
-    return np.arange(first, first + shown)
+    samples = max(count * SHOWN_SWINGS // swings, 2)
+    first = min(max(int(np.argmax(np.abs(residual))) - samples // 2, 0), count - samples)
+    return np.arange(first, first + samples)
 
 
-def _values(one: Fitted) -> dict[str, NDArray[np.complex128]]:
+def _values(fitted: Fitted) -> dict[str, NDArray[np.complex128]]:
     return {
-        "measured": np.asarray(one.measured, dtype=np.complex128),
-        "the file's model": np.asarray(one.before, dtype=np.complex128),
-        "fitted": np.asarray(one.modelled, dtype=np.complex128),
+        "measured": np.asarray(fitted.measured, dtype=np.complex128),
+        "the file's model": np.asarray(fitted.before, dtype=np.complex128),
+        "fitted": np.asarray(fitted.modelled, dtype=np.complex128),
     }
 
 
 def _overlay(
     picture: go.Figure,
     row: int,
-    at: NDArray[np.float64],
+    abscissa: NDArray[np.float64],
     curves: dict[str, NDArray[np.float64]],
     error: NDArray[np.float64] | None,
     unit: str,
 ) -> None:
     """Measured points with their bars over the two models' lines."""
     hover = f"%{{y:.4~g}}{unit}"
-    for name, look in (("the file's model", _BEFORE), ("fitted", _FITTED)):
-        _line(picture, row, at, curves[name], name, look, hover)
+    for name, style in (("the file's model", _BEFORE), ("fitted", _FITTED)):
+        _line(picture, row, abscissa, curves[name], name, style, hover)
     bars = {} if error is None else {"error_y": {"array": error, "color": RIGID, "thickness": 1.2, "width": 2}}
     picture.add_scatter(
-        x=at,
+        x=abscissa,
         y=curves["measured"],
         mode="markers",
         marker={"color": RIGID, "size": 6},
@@ -208,13 +218,13 @@ def _overlay(
     )
 
 
-def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
+def _left_of_response(picture: go.Figure, fitted: Fitted, data: Response) -> None:
     """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and where 95 % of the noise lies."""
-    error = 100 * np.log(np.asarray(one.measured, dtype=np.complex128) / one.modelled)
-    reach = 100 * _NORMAL_95 * _noise(one, data)
+    error = 100 * np.log(np.asarray(fitted.measured, dtype=np.complex128) / fitted.modelled)
+    limit = 100 * _NORMAL_95 * _noise(fitted, data)
     picture.add_scatter(
-        x=np.concatenate([one.at, one.at[::-1]]),
-        y=np.concatenate([reach, -reach[::-1]]),
+        x=np.concatenate([fitted.at, fitted.at[::-1]]),
+        y=np.concatenate([limit, -limit[::-1]]),
         fill="toself",
         mode="lines",
         line={"width": 0},
@@ -226,7 +236,7 @@ def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
     )
     for name, values, symbol in (("gain", error.real, "circle"), ("phase", error.imag, "circle-open")):
         picture.add_scatter(
-            x=one.at,
+            x=fitted.at,
             y=values,
             mode="markers",
             marker={"color": _MISSED if name == "gain" else COMPLIANT, "size": 5, "symbol": symbol},
@@ -240,11 +250,11 @@ def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
     picture.update_yaxes(title_text="Residual, %", range=[-view, view], row=3, col=1, **ZERO)
 
 
-def _noise(one: Fitted, data: Response) -> NDArray[np.float64]:
+def _noise(fitted: Fitted, data: Response) -> NDArray[np.float64]:
     """Standard deviation of each line as the fit found it: the same share of what the data state for each, or of all."""
-    if data.deviation is None or len(data.deviation) != len(one.at):
-        return np.full(len(one.at), one.noise)
-    return one.noise / float(np.sqrt(np.mean(data.deviation**2))) * data.deviation
+    if data.deviation is None or len(data.deviation) != len(fitted.at):
+        return np.full(len(fitted.at), fitted.noise)
+    return fitted.noise / float(np.sqrt(np.mean(data.deviation**2))) * data.deviation
 
 
 def _line(
@@ -253,7 +263,7 @@ def _line(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     name: str,
-    look: LineStyle,
+    style: LineStyle,
     hover: str = "%{y:.3~g}",
 ) -> None:
     picture.add_scatter(
@@ -263,7 +273,7 @@ def _line(
         name=name,
         legendgroup=name,
         showlegend=row != 4 and all(trace.name != name for trace in picture.data),
-        line=line(look),
+        line=line(style),
         hovertemplate=hover,
         row=row,
         col=1,
@@ -275,11 +285,11 @@ def _error(data: Response, scale: float) -> NDArray[np.float64] | None:
     return None if data.deviation is None else _NORMAL_95 * scale * data.deviation
 
 
-def _off(one: Estimate, value: float) -> float:
-    return 100 * (value - one.unknown.nominal) / one.unknown.scale
+def _off(estimate: Estimate, value: float) -> float:
+    return 100 * (value - estimate.unknown.nominal) / estimate.unknown.scale
 
 
-def _symbol(one: Estimate) -> str:
+def _symbol(estimate: Estimate) -> str:
     """The parameter's letter as Plotly sets it."""
-    base, index, dashes = split_symbol(TABLE[one.unknown.key].symbol)
+    base, index, dashes = split_symbol(TABLE[estimate.unknown.key].symbol)
     return f"<i>{base}</i>{f'<sub>{index}</sub>' if index else ''}{dashes}"

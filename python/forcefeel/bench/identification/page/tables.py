@@ -35,38 +35,38 @@ _HASH = 12
 """Characters of a hash that are enough to know a file by."""
 
 
-def estimates(found: Identification, units: UnitSystem) -> Table:
+def estimates(identification: Identification, units: UnitSystem) -> Table:
     """Every parameter: the file's value, the estimate, how sure it is."""
     numbers = ("Unit", "File", "Estimate", "Change", "Standard error", "of the value", "95 % interval")
     head = (Cell("Parameter"), *(Cell(text, "number") for text in numbers), Cell("Status"))
-    return Table(head, tuple(_estimate(one, units) for one in found.estimates))
+    return Table(head, tuple(_estimate(estimate, units) for estimate in identification.estimates))
 
 
-def _estimate(one: Estimate, units: UnitSystem) -> tuple[Cell, ...]:
-    name, unit = words(parameter_name(one.unknown.key)), number_cell(unit_text(unit_of(one, units)))
-    file = number_cell(_sign(nominal(one, units)))
-    status = words(str(one.status), bad=one.status is not Status.DETERMINED)
-    if one.status is Status.UNDETERMINED:
+def _estimate(estimate: Estimate, units: UnitSystem) -> tuple[Cell, ...]:
+    name, unit = words(parameter_name(estimate.unknown.key)), number_cell(unit_text(unit_of(estimate, units)))
+    file = number_cell(_sign(nominal(estimate, units)))
+    status = words(str(estimate.status), bad=estimate.status is not Status.DETERMINED)
+    if estimate.status is Status.UNDETERMINED:
         return (name, unit, file, number_cell(NOT_DETERMINED, bad=True), *[number_cell(NONE)] * 4, status)
     return (
         name,
         unit,
         file,
-        number_cell(_sign(estimated(one, one.value, units))),
-        number_cell(NONE if one.unknown.is_phase else percent_text(change(one), signed=True)),
-        number_cell(error(one, units)),
-        number_cell(NONE if one.unknown.is_phase else _share(relative_error(one))),
-        number_cell(_sign(interval(one, units))),
+        number_cell(_sign(estimated(estimate, estimate.value, units))),
+        number_cell(NONE if estimate.unknown.is_phase else percent_text(change(estimate), signed=True)),
+        number_cell(error(estimate, units)),
+        number_cell(NONE if estimate.unknown.is_phase else _share(relative_error(estimate))),
+        number_cell(_sign(interval(estimate, units))),
         status,
     )
 
 
-def correlations(found: Identification) -> Table:
+def correlations(identification: Identification) -> Table:
     """The correlation of each pair, the stronger the darker."""
-    symbols = [symbol_html(TABLE[key].symbol) for key in found.keys]
+    symbols = [symbol_html(TABLE[key].symbol) for key in identification.keys]
     rows = []
     for k, symbol in enumerate(symbols):
-        cells = [_correlation(float(value)) for value in found.correlation[k]]
+        cells = [_correlation(float(value)) for value in identification.correlation[k]]
         cells[k] = number_cell("1")
         rows.append((Cell(symbol), *cells))
     return Table((Cell(""), *(Cell(symbol, "number") for symbol in symbols)), tuple(rows), "heat")
@@ -81,22 +81,25 @@ def _correlation(value: float) -> Cell:
     return Cell(_sign(text), "number", "#" + "".join(f"{part:02X}" for part in mixed))
 
 
-def inseparable(one: Inseparable) -> Table:
+def inseparable(group: Inseparable) -> Table:
     """How parameters that cannot be told apart move together, the largest 1."""
     rows = [
         (words(parameter_name(key)), number_cell(number_text(weight, 2)))
-        for key, weight in zip(one.keys, one.weights, strict=True)
+        for key, weight in zip(group.keys, group.weights, strict=True)
     ]
     return Table(heads("Parameter", "Moves by, in shares of its value"), tuple(rows))
 
 
-def advice(found: Identification) -> Table:
+def advice(identification: Identification) -> Table:
     """Half the 95 % interval of each parameter with the data as they are, and with each experiment that is advised."""
-    head = heads("Parameter", "These data", *(f"Experiment {k}" for k in range(1, len(found.advice) + 1)))
+    head = heads("Parameter", "These data", *(f"Experiment {k}" for k in range(1, len(identification.advice) + 1)))
     rows = []
-    for one in found.estimates:
-        shares = [one.share, *(it.shares.get(one.unknown.key, math.nan) for it in found.advice)]
-        rows.append((words(parameter_name(one.unknown.key)), *(number_cell(_half(share)) for share in shares)))
+    for estimate in identification.estimates:
+        shares = [
+            estimate.share,
+            *(option.shares.get(estimate.unknown.key, math.nan) for option in identification.advice),
+        ]
+        rows.append((words(parameter_name(estimate.unknown.key)), *(number_cell(_half(share)) for share in shares)))
     return Table(head, tuple(rows))
 
 
@@ -122,71 +125,77 @@ def rigid(test: RigidTest) -> Table:
     return Table(heads("", "Rigid link", "Compliant link"), rows)
 
 
-def data(found: Identification, units: UnitSystem) -> Table:
+def data(identification: Identification, units: UnitSystem) -> Table:
     """Every set of data: what it is, and what the fit leaves of it."""
     head = (
         *(Cell(text, "words") for text in ("Data", "Experiment", "What")),
         *(Cell(text, "number") for text in ("Points", "Span", "Residual, r.m.s.", "Noise")),
         Cell("SHA-256"),
     )
-    return Table(head, tuple(_data(one, units) for one in found.fitted))
+    return Table(head, tuple(_data(fitted, units) for fitted in identification.fitted))
 
 
-def _data(one: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
-    given = one.data
-    low, high = float(one.at[0]), float(one.at[-1])
-    if isinstance(given, Response):
-        what = f"{given.output} over {given.input}"
+def _data(fitted: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
+    measurement = fitted.data
+    low, high = float(fitted.at[0]), float(fitted.at[-1])
+    if isinstance(measurement, Response):
+        quantity = f"{measurement.output} over {measurement.input}"
         span = f"{to_text(low, 3)} to {to_text(high, 3)} Hz"
     else:
-        what, span = one.channel, f"{to_text(high - low, 3)} s"
+        quantity, span = fitted.channel, f"{to_text(high - low, 3)} s"
     return (
-        words(given.name),
-        words(str(given.experiment).replace("_", " ")),
-        words(what.replace("_", " ")),
-        number_cell(f"{len(one.at):,}"),
+        words(measurement.name),
+        words(str(measurement.experiment).replace("_", " ")),
+        words(quantity.replace("_", " ")),
+        number_cell(f"{len(fitted.at):,}"),
         number_cell(span),
-        number_cell(_quantity(size_text(one, one.residual_rms, units)), bad=beyond_noise(one)),
-        number_cell(_quantity(size_text(one, one.noise, units))),
-        Cell(given.data_hash[:_HASH] or NONE),
+        number_cell(_quantity(size_text(fitted, fitted.residual_rms, units)), bad=beyond_noise(fitted)),
+        number_cell(_quantity(size_text(fitted, fitted.noise, units))),
+        Cell(measurement.data_hash[:_HASH] or NONE),
     )
 
 
-def ends(found: Identification, units: UnitSystem) -> Table:
+def ends(identification: Identification, units: UnitSystem) -> Table:
     """Where each start of the search ended; of a parameter that is not determined there is nothing to show."""
-    shown = [(k, one) for k, one in enumerate(found.estimates) if one.status is not Status.UNDETERMINED]
-    names = [_heading(one, units) for _, one in shown]
+    determined = [
+        (k, estimate)
+        for k, estimate in enumerate(identification.estimates)
+        if estimate.status is not Status.UNDETERMINED
+    ]
+    names = [_heading(estimate, units) for _, estimate in determined]
     rows = []
-    for k, end in enumerate(found.ends, start=1):
-        values = [number_cell(_sign(estimated(one, float(end.end[i]), units))) for i, one in shown]
-        left = number_text(worse(found, end), 4)
-        rows.append((Cell(str(k)), *values, number_cell(left), words("yes" if end.same else "no", bad=not end.same)))
+    for k, end in enumerate(identification.ends, start=1):
+        values = [number_cell(_sign(estimated(estimate, float(end.end[i]), units))) for i, estimate in determined]
+        relative_cost = number_text(worse(identification, end), 4)
+        rows.append(
+            (Cell(str(k)), *values, number_cell(relative_cost), words("yes" if end.same else "no", bad=not end.same))
+        )
     numbers = (*names, "What it leaves, of the best")
     return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("The same place")), tuple(rows))
 
 
-def settings(given: FitSettings) -> Table:
+def settings(fit_settings: FitSettings) -> Table:
     """How the fit was made."""
     rows = (
-        ("Loss of large residuals", given.loss),
-        ("Starts of the search", str(given.starts)),
-        ("Normal tolerances of the file as priors", "yes" if given.priors else "no"),
-        ("Records turned into frequency responses first", "yes" if given.as_responses else "no"),
-        ("Law of the whole loader", given.law),
+        ("Loss of large residuals", fit_settings.loss),
+        ("Starts of the search", str(fit_settings.starts)),
+        ("Normal tolerances of the file as priors", "yes" if fit_settings.priors else "no"),
+        ("Records turned into frequency responses first", "yes" if fit_settings.as_responses else "no"),
+        ("Law of the whole loader", fit_settings.law),
     )
     return Table((Cell("Setting"), Cell("Value")), tuple((words(name), Cell(value)) for name, value in rows))
 
 
-def glance(found: Identification) -> Sequence[tuple[str, str]]:
+def glance(identification: Identification) -> Sequence[tuple[str, str]]:
     """The few numbers to see first: what they are, and they."""
-    known = [one for one in found.estimates if one.status is not Status.UNDETERMINED]
-    same = sum(end.same for end in found.ends)
-    errors = [relative_error(one) for one in known if one.value and not one.unknown.is_phase]
+    determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
+    same = sum(end.same for end in identification.ends)
+    errors = [relative_error(estimate) for estimate in determined if estimate.value and not estimate.unknown.is_phase]
     return (
-        ("parameters determined", f"{len(known)} of {len(found.estimates)}"),
+        ("parameters determined", f"{len(determined)} of {len(identification.estimates)}"),
         ("largest standard error", _share(max(errors)) if errors else NONE),
-        ("points of data", f"{sum(len(one.at) for one in found.fitted):,}"),
-        ("starts that ended in the same place", f"{same} of {len(found.ends)}"),
+        ("points of data", f"{sum(len(fitted.at) for fitted in identification.fitted):,}"),
+        ("starts that ended in the same place", f"{same} of {len(identification.ends)}"),
     )
 
 
@@ -194,8 +203,8 @@ def _statistic(test: RigidTest) -> str:
     return f"F({test.degrees[0]}, {test.degrees[1]}) = {number_text(test.f_statistic, 3)}"
 
 
-def _heading(one: Estimate, units: UnitSystem) -> Markup:
-    symbol, unit = symbol_html(one.unknown.symbol), unit_text(unit_of(one, units))
+def _heading(estimate: Estimate, units: UnitSystem) -> Markup:
+    symbol, unit = symbol_html(estimate.unknown.symbol), unit_text(unit_of(estimate, units))
     return Markup("{}, {}").format(symbol, unit) if unit else symbol
 
 

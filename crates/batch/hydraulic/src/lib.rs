@@ -1,0 +1,12 @@
+//! Runs of loaders with a hydraulic drive. In a crate of its own, because a step in vector lanes takes the compiler longer than all else: those of
+//! both drives are compiled side by side.
+#![forbid(unsafe_code)]
+
+use fearless_simd::Level;
+use forcefeel_model::drive::OfHydraulic;
+use forcefeel_simulate::batch::{Job, Values};
+
+/// The group of runs from `first` on: the measures of each, and its histories where there is room for them.
+pub fn group(job: &Job<'_>, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    job.group_on_vectors::<OfHydraulic>(level, first, measures, histories);
+}

@@ -1,0 +1,116 @@
+//! Loaders, inputs and jobs for the tests of runs in time.
+#![allow(dead_code, reason = "each test file takes what it needs")]
+
+use forcefeel_model::controller::Timing;
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
+use forcefeel_simulate::batch::{Job, Sampling, Values};
+use forcefeel_solve::law::Law;
+use forcefeel_solve::start::Start;
+
+/// Length of a step in s.
+pub const STEP: f64 = 1e-3;
+
+/// Gains of the size that the design gives.
+pub const GAINS: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, -1.5e-3];
+
+/// The elevator loader with every optional row at its example, but stops that a push of [`steps`] reaches.
+pub fn everything() -> Parameters<f64> {
+    let mut p = Parameters::with_every_row();
+    (p.column.stop_low, p.column.stop_high) = (-0.06, 0.06);
+    (p.feel.soft_stop_low, p.feel.soft_stop_high) = (-0.05, 0.05);
+    (p.feel.hard_stop_low, p.feel.hard_stop_high) = (-0.07, 0.07);
+    p
+}
+
+/// Its values, each number of each run within `spread` of its own, and some effects off in some of the runs.
+pub fn drawn(runs: usize, spread: f64) -> Vec<[f64; COUNT]> {
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(state >> 32).expect("32 bits")) / f64::from(u32::MAX) * 2.0 - 1.0
+    };
+    let one = |k: usize, uniform: &mut dyn FnMut() -> f64| {
+        if TABLE[k].drive() == Some(DriveKind::Electric) {
+            return everything().values()[k];
+        }
+        let (row, share, off) = (&TABLE[k], uniform(), uniform() < -0.5 && spread > 0.0);
+        let switch = ["orifice", "period", "delay", "input_range", "input_bits", "output_range", "output_bits"]
+            .contains(&row.name);
+        let value = everything().values()[k];
+        match row.off_si() {
+            _ if switch => value,
+            Some(off_si) if off => off_si,
+            _ => value * (1.0 + spread * share),
+        }
+    };
+    (0..runs).map(|_| core::array::from_fn(|k| one(k, &mut uniform))).collect()
+}
+
+/// Inputs of a step under this force and nothing else.
+pub fn pushed(force: [f64; 2]) -> Inputs {
+    Inputs { force, ..Inputs::NONE }
+}
+
+/// A push and a pull, the neutral trimmed, the spring stiffened and the shaker on.
+pub fn steps(count: u32, h: f64) -> Vec<Inputs> {
+    let at = |k: u32| {
+        let t = f64::from(k) * h;
+        (0.02 * t, 1.0 + t, (120.0 * t).sin())
+    };
+    let one = |k: u32| {
+        let force = if k < 5 {
+            0.0
+        } else if k < 60 {
+            420.0
+        } else {
+            -420.0
+        };
+        let ((trim, factor, shaker), next) = (at(k), at(k + 1));
+        Inputs {
+            force: [force; 2],
+            trim: [trim, next.0],
+            stiffness_factor: [factor, next.1],
+            shaker: [shaker, next.2],
+            ..Inputs::NONE
+        }
+    };
+    (0..count).map(one).collect()
+}
+
+/// The original loop, a sample at every step, no outputs; analog without `timing`.
+pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<Timing>) -> Job<'a> {
+    let effects = values.iter().map(Effects::of).reduce(Effects::or).expect("a run");
+    Job {
+        shared: Shared {
+            effects: Effects { sampled: timing.is_some(), ..effects },
+            step_s: STEP,
+            timing,
+            curve: None,
+            cancellation: None,
+        },
+        start: Start::Under(0.0),
+        inputs,
+        values,
+        law: Law::Original,
+        force_scale: None,
+        changes: &[],
+        noise: (1, 0),
+        angle_noise: 0.0,
+        sampling: Sampling::Every(1),
+        outputs: &[],
+    }
+}
+
+/// Measures and histories.
+pub fn run(job: &Job<'_>, threads: usize) -> (Vec<Values>, Vec<f64>) {
+    let mut histories = vec![f64::NAN; job.values.len() * job.outputs.len() * job.samples()];
+    let measures = forcefeel_batch::run(job, threads, &mut histories).expect("threads");
+    (measures, histories)
+}
+
+/// How fast errors fall when the step is halved: the least slope.
+pub fn order(errors: &[f64]) -> f64 {
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,146 @@
+//! Dry friction that a law knows: given back in motion, a play at rest that lets go, learnt where no hand is.
+
+use crate::near::assert_within;
+use forcefeel_model::known_friction::{FRICTION_NUMBERS, FrictionState, LEVEL_FROM_END};
+use forcefeel_model::observer::{LawOutput, MOST_STATES, NUMBERS, Observer, SAMPLED};
+
+/// `F`, `M` in N m, `v_s` in rad/s.
+const LEVEL: f64 = 3.5;
+const MARGIN: f64 = 0.7;
+const SLOW: f64 = 1e-3;
+/// `g_-`, `g_+` in N m, `a`, `q` in N m, `c`.
+const LEAST: f64 = -0.4;
+const MOST: f64 = 0.6;
+const GAIN: f64 = 0.01;
+const HAND: f64 = 3.0;
+const BLUR: f64 = 0.05;
+/// `d`.
+const TRUST: f64 = 2e-3;
+/// Length of `[xi; y; delta; delta']`.
+const KNOWN: usize = MOST_STATES + SAMPLED + 2;
+/// Command and torque per radian of the neutral.
+const OF_NEUTRAL: usize = 2;
+const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - OF_NEUTRAL - MOST_STATES * (SAMPLED + 1) - KNOWN;
+const RATE: usize = NUMBERS - FRICTION_NUMBERS;
+
+/// A law whose first state is the torque on the column, its second the column's rate, and which moves the first by the friction.
+fn law(level: f64, leak: f64) -> Observer<f64> {
+    let mut numbers = [0.0; NUMBERS];
+    numbers[TORQUE] = 1.0;
+    numbers[RATE + 1] = 1.0;
+    numbers[RATE + KNOWN] = -0.25;
+    let learning = [LEAST, MOST, GAIN, HAND, BLUR, TRUST];
+    let known = [[level, MARGIN, SLOW, leak].as_slice(), &learning].concat();
+    numbers[NUMBERS - LEVEL_FROM_END..].copy_from_slice(&known);
+    Observer::from_numbers(&numbers)
+}
+
+fn output(law: &Observer<f64>, torque: f64, rate: f64, feel_torque: f64) -> LawOutput<f64> {
+    let mut xi = [0.0; MOST_STATES];
+    (xi[0], xi[1]) = (torque, rate);
+    law.output(&xi, &[0.0; SAMPLED], [0.0; 2], Some(FrictionState::initial(feel_torque)))
+}
+
+#[test]
+fn in_motion_the_friction_is_told_to_the_plant_and_the_hand_is_heard_whatever_was_heard_before() {
+    let law = law(LEVEL, 0.01);
+    for rate in [0.1, 1.0, -0.1, -1.0] {
+        for feel_torque in [-20.0, 0.0, 20.0] {
+            let output = output(&law, 2.0, rate, feel_torque);
+            // f is within (v_s / v)^2 / 2 of F.
+            assert_within(output.friction, LEVEL * rate.signum(), LEVEL * SLOW * SLOW / rate / rate);
+            assert_within(output.torque, 2.0, LEVEL * SLOW * SLOW / rate / rate);
+            let next = law.next(&[0.0; MOST_STATES], &[0.0; SAMPLED], 0.0, Some(output.friction));
+            assert_within(next[0], -0.25 * output.friction, 1e-15);
+        }
+    }
+}
+
+#[test]
+fn at_rest_what_is_heard_stays_until_the_friction_cannot_hold_it() {
+    let (law, play) = (law(LEVEL, 0.0), LEVEL + MARGIN);
+    let mut feel_torque = 0.0;
+    for (torque, expected) in
+        [(play, 0.0), (-play, 0.0), (play + 1.0, 1.0), (1.0, 1.0), (1.0 - play, 1.0), (-play - 2.0, -2.0)]
+    {
+        feel_torque = output(&law, torque, 0.0, feel_torque).torque;
+        assert_within(feel_torque, expected, 1e-14);
+    }
+}
+
+#[test]
+fn at_rest_what_is_heard_drifts_to_what_is_measured() {
+    let (leak, torque) = (0.025, 2.0);
+    let law = law(LEVEL, leak);
+    let mut feel_torque = 0.0;
+    for n in 1..=200 {
+        feel_torque = output(&law, torque, 0.0, feel_torque).torque;
+        assert_within(feel_torque, torque * (1.0 - (1.0 - leak).powi(n)), 1e-13);
+    }
+}
+
+#[test]
+fn law_without_friction_beside_one_with_it_hears_all() {
+    let law = law(0.0, 0.0);
+    for rate in [0.0, 1e-3, -2.0] {
+        let output = output(&law, 1.7, rate, -5.0);
+        assert!(output.friction.abs() < f64::MIN_POSITIVE);
+        assert_within(output.torque, 1.7, 0.0);
+    }
+}
+
+/// What was learnt after so many samples at a torque and a rate, from what was recalled.
+fn learnt(from: FrictionState<f64>, samples: usize, torque: impl Fn(f64) -> f64, rate: f64) -> FrictionState<f64> {
+    let law = law(LEVEL, 0.0);
+    let mut friction_state = from;
+    let mut xi = [0.0; MOST_STATES];
+    for _ in 0..samples {
+        (xi[0], xi[1]) = (torque(friction_state.learnt), rate);
+        friction_state = law.output(&xi, &[0.0; SAMPLED], [0.0; 2], Some(friction_state)).friction_state;
+    }
+    friction_state
+}
+
+#[test]
+fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
+    let initial = FrictionState::initial(0.0);
+    for (off, rate) in [(0.3, 1.0), (0.3, -1.0), (-0.2, 1.0), (-0.2, -1.0)] {
+        // T_o = (F + g - F_true) sgn v
+        let output = learnt(initial, 2000, |learnt| (learnt - off) * rate.signum(), rate);
+        assert_within(output.learnt, off, 1e-5);
+        let short = learnt(initial, 100, |learnt| (learnt - off) * rate.signum(), rate);
+        assert!(0.0 < short.learnt / off && short.learnt / off < 1.0);
+    }
+}
+
+#[test]
+fn what_has_held_for_a_while_is_trusted_and_a_push_takes_back_the_rest() {
+    let held = learnt(FrictionState { learnt: 0.3, ..FrictionState::initial(0.0) }, 400, |_| 0.0, 1.0);
+    // The column's way of late is 4/5 after 31 samples.
+    assert_within(held.learnt, 0.3, 0.0);
+    assert_within(held.trusted, 0.3 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
+    let pushed = learnt(FrictionState { push: 2.0 * HAND, ..held }, 200, |_| 2.0 * HAND, 1.0);
+    assert_within(pushed.trusted, held.trusted, 0.0);
+    assert_within(pushed.learnt, held.trusted + (0.3 - held.trusted) * (1.0 - GAIN).powi(200), 1e-12);
+}
+
+#[test]
+fn it_stays_within_its_bounds() {
+    for (torque, bound) in [(-2.0, MOST), (2.0, LEAST)] {
+        assert_within(learnt(FrictionState::initial(0.0), 2000, |_| torque, 1.0).learnt, bound, 1e-14);
+    }
+}
+
+#[test]
+fn nothing_is_learnt_at_rest_or_under_a_hand() {
+    let initial = FrictionState::initial(0.0);
+    for (torque, rate) in [(1.0, 0.0), (1.0, 0.5 * SLOW), (-1.0, -SLOW)] {
+        assert_within(learnt(initial, 500, |_| torque, rate).learnt, 0.0, 0.0);
+    }
+    // A hand that has pushed for a while; until then it may have been the friction.
+    let pushed = learnt(FrictionState::initial(2.0 * HAND), 1, |_| 2.0 * HAND, 1.0);
+    assert_within(learnt(pushed, 500, |_| 2.0 * HAND, 1.0).learnt, pushed.learnt, 0.0);
+    // One that has turned round has to go on for a while.
+    let forth = learnt(initial, 500, |_| 0.0, 1.0);
+    assert_within(learnt(forth, 20, |_| 1.0, -1.0).learnt, 0.0, 0.0);
+}

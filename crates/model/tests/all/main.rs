@@ -1,0 +1,23 @@
+//! The model.
+
+mod contact;
+mod controller;
+mod draws;
+mod dry_friction;
+mod dual;
+mod grip_sensor;
+mod host;
+mod known_friction;
+mod loader;
+mod machine;
+mod mechanics;
+mod modifiers;
+mod near;
+mod numbers;
+mod observer;
+mod parameters;
+mod period;
+mod pressure;
+mod servo;
+mod supervisor;
+mod transducers;

@@ -1,0 +1,19 @@
+//! Slopes, by dual numbers: a step, or a period, on numbers that carry their derivative.
+//!
+//! | of | file |
+//! |---|---|
+//! | records of a bench, along parameters | [`record_slopes`] |
+//! | a period of a digital controller: its matrices | [`sampled_loops`] |
+#![forbid(unsafe_code)]
+
+pub mod record_slopes;
+pub mod sampled_loops;
+
+use forcefeel_model::dual::Dual;
+use forcefeel_model::parameters::{COUNT, Parameters};
+
+/// The parameters as dual numbers along one of them.
+pub fn along(values: &[f64; COUNT], key: Option<usize>) -> Parameters<Dual> {
+    let dual = |k: usize| if Some(k) == key { Dual::variable(values[k]) } else { Dual::constant(values[k]) };
+    Parameters::from_values(&core::array::from_fn(dual))
+}
