@@ -131,9 +131,9 @@ def qualify_loader(
             results.append(bench.result(test))
         sections.append(Section(name, bench.name, tuple(results), test_plan, remarks.get(name, "")))
     files = {
-        f"{kind} {key}": given
+        f"{kind} {key}": record
         for kind, those in (("record", records), ("reference", references))
-        for key, given in those.items()
+        for key, record in those.items()
     }
     return Qualification(
         loader,
