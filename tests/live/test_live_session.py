@@ -76,7 +76,7 @@ def test_a_session_of_two_releases_is_refused_until_it_is_cut(tmp_path, force_n)
     force = pulled(force_n)
     planned(LOADER, np.append(force, force), [(0, "on", [])], record=path)
     record = ff.qualification.read_record(path)
-    with pytest.raises(ff.InputError, match=r"is let go 2 times, about 7\.\d+ s, 20\.\d+ s; expected one release"):
+    with pytest.raises(ff.InputError, match=r"has 2 releases, about 7\.\d+ s, 20\.\d+ s; expected one"):
         ff.qualification.measure_release(record)
     for begin in (0.0, WHOLE_S):
         part = ff.qualification.read_record(path, between_s=(begin, begin + WHOLE_S))

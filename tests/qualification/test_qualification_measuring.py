@@ -104,7 +104,7 @@ def test_the_surface_goes_with_the_control():
 @pytest.mark.parametrize(
     ("record", "message"),
     [
-        (Record(np.arange(99.0), np.zeros(99), name="bare"), "bare: expected a force beside the position"),
+        (Record(np.arange(99.0), np.zeros(99), name="bare"), "bare: expected a force for the position"),
         (
             Record(np.arange(99.0), np.zeros(99), np.zeros(99), name="still"),
             "still: has no sweep: the position stays at 0 rad",

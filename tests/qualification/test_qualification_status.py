@@ -97,10 +97,10 @@ def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
     ("named", "said"),
     [
         (("wheel",), "test: unknown test 'wheel'; expected some of static, release-25-positive, "),
-        (("trim-rate",), "test: nothing is measured of trim-rate here; judge it by hand; expected some of static, "),
+        (("trim-rate",), "test: expected some of static, "),
         (
             ("surface",),
-            "test: surface is outside the programme of a simulated loader: a control loader has no surface",
+            "test: surface cannot be simulated: a control loader has no surface",
         ),
     ],
 )

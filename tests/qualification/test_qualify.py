@@ -222,7 +222,7 @@ def test_a_recording_of_the_ideal_response_passes_all_that_a_loader_is_about():
     assert {key for key, outcome in outcomes.items() if outcome is not Outcome.PASSED} == {"surface", "small-inputs"}
     # A simulator has surfaces and a body, which the programmed feel cannot be the reference of.
     assert found.status is QualificationStatus.INCOMPLETE
-    assert "surface (needs the surface in both static sweeps" in conclusions(found).verdict
+    assert "surface (both static sweeps require a column" in conclusions(found).verdict
 
 
 def test_a_simulator_recorded_in_everything_qualifies_against_its_aircraft_and_not_without_a_part():
@@ -303,14 +303,14 @@ def test_a_recorded_aircraft_that_was_swept_is_the_reference():
     )
     assert results["fast"].outcome is Outcome.FAILED  # as against the programmed feel
     assert results["fast"].measured.record.force_n.max() == pytest.approx(450.0, rel=CREST)
-    assert results["release-25-positive"].reason == "no reference was given"
+    assert results["release-25-positive"].reason == "no reference"
 
 
 def test_sweeps_need_the_slow_one_too():
     only = {"medium": _ideal_records()["medium"]}
     result = _by(qualify_loader(ff.elevator(), QualificationSetup(records=only)).sections[0].results)["medium"]
     assert result.outcome is Outcome.NOT_EVALUATED
-    assert result.reason == "needs the slow sweep too: no record of the test static was given"
+    assert result.reason == "requires the slow sweep too: add a record for the test static"
 
 
 def test_a_release_from_too_little_is_remarked():
@@ -318,7 +318,7 @@ def test_a_release_from_too_little_is_remarked():
     record = _release(0.1 * THROW, frequency, damping)
     found = qualify_loader(ff.elevator(), QualificationSetup(records={"release-25-positive": record}))
     (remark,) = _by(found.sections[0].results)["release-25-positive"].remarks
-    assert remark.startswith("Released from 10 % of the throw; the rule asks for 25 to 50 %")
+    assert remark.startswith("Released from 10 % of the throw; the rule requires 25 to 50 %")
 
 
 # What is wrong.

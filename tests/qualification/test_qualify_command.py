@@ -336,7 +336,7 @@ def test_a_time_in_another_unit_than_is_said(run, tmp_path):
         (["--column", "position=theta"], "--column: is about a file's columns, and no file is given"),
         (["--record", "wheel=a.csv"], "--record: unknown test 'wheel'; expected NAME=FILE"),
         (["--test", "wheel"], "test: unknown test 'wheel'; expected some of static"),
-        (["--test", "surface"], "test: surface is outside the programme of a simulated loader"),
+        (["--test", "surface"], "test: surface cannot be simulated: a control loader has no surface"),
         (["--record", "a.txt"], "expected a file that ends in .csv, .parquet, .mat or .mcap"),
         (["--set", "column.nothing=1"], "column.nothing"),
         (["--dynamic-pressure", "5 kPa"], "dynamic pressure: the loader has no feel.stiffness_factor"),

@@ -150,7 +150,7 @@ def test_words():
     release = load_rules().test("2.b.1")
     assert release.tolerance("Pn").text() == "10 (n + 1) %"
     assert release.tolerance("An").text() == "10 % of A1"
-    assert release.tolerance("first overshoot").text() == "must be there"
+    assert release.tolerance("first overshoot").text() == "required"
     assert release.tolerance("overshoots").text() == "1"
 
 
@@ -202,7 +202,7 @@ def test_a_table_can_take_another_ones_rows():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("id = ", "mine: is no TOML"),
+        ("id = ", "mine: is not TOML"),
         ('id = "mine"', "mine: title: Field required"),
         (TABLE.replace('"mine"', '"yours"'), "id: expected 'mine' as the file is called, got 'yours'"),
         (TABLE.replace("aeroplane", "balloon"), "mine: category: Input should be 'aeroplane' or 'helicopter'"),

@@ -1,4 +1,4 @@
-"""What the 1974 report computed, for any loader: gains, boundary, responses, sensitivity, what to conclude."""
+"""The computations of the 1974 report for any loader: gains, boundary, responses, sensitivity, conclusions."""
 
 from forcefeel.public_names import public_names
 

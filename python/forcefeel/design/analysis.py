@@ -1,4 +1,4 @@
-"""What is found out of every loader without a law, whatever its drive: its loops at two settings, with rigid and compliant link."""
+"""Analysis of a loader without a law, for any drive: its loops at two settings, with rigid and compliant link."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -16,9 +16,9 @@ from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import HERTZ, RATIO
 
 LOW_SHARE = 0.1
-"""Share of I, B and G at the low setting, where figures 10 and 11 show what compliance does.
+"""Share of I, B and G at the low setting, where figures 10 and 11 show the effect of compliance.
 
-The pilot's force is lowered along, so that the programmed deflection stays the same.
+The pilot's force is reduced by the same share, so the programmed deflection stays the same.
 """
 
 
@@ -27,11 +27,11 @@ class LoopResult:
     """One configuration at one setting.
 
     Attributes:
-        modes: Its modes; of a motor with what moves in each.
-        margins: Margins of the overall loop, opened at the feel computer's torque (fig. 10), of a motor at the command of its
-            current.
-        assessment: How it renders the programmed feel.
-        peaks: Its demand on valve or motor; not evaluated where unstable.
+        modes: Its modes; named for a motor.
+        margins: Margins of the overall loop, opened at the feel computer's torque (fig. 10), for a motor at its current
+            command.
+        assessment: Rendering of the programmed feel.
+        peaks: Its demand on valve or motor; ``None`` if unstable.
     """
 
     modes: tuple[Mode, ...]
@@ -42,7 +42,7 @@ class LoopResult:
 
 @dataclass(frozen=True)
 class Configuration:
-    """One way to model and drive the loader.
+    """One model and control of the loader.
 
     Attributes:
         name: ``rigid``, ``compliant`` or ``compensated``.
@@ -50,7 +50,7 @@ class Configuration:
         law: The law; ``None`` is the original position loop, eq. (13), or a motor's feel by current alone.
         programmed: Result at the programmed setting.
         low: Result with I, B, G and the pilot's force at ``LOW_SHARE`` of it.
-        boundary: Smallest stable G; of a motor the largest, under its controller.
+        boundary: Smallest stable G; for a motor the largest, under its controller.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What a loader does without a law.
+    """Analysis of a loader without a law.
 
     Attributes:
         loader: The loader.

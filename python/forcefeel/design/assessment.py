@@ -1,4 +1,4 @@
-"""How well a loader renders the programmed feel: the whole model with valve dynamics, against the ideal."""
+"""Rendering of the programmed feel: comparison of the whole model, with valve dynamics, with the ideal."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -20,7 +20,7 @@ from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, MOTOR_CURRENT, PERCENT,
 
 @dataclass(frozen=True)
 class Assessment:
-    """What a step of pilot force shows of a closed loop. Where the loop is unstable, only the first two are numbers.
+    """Response of a closed loop to a step of pilot force. If it is unstable, only the first two values are finite.
 
     Attributes:
         stable: Whether every pole lies clearly in the left half plane.
@@ -32,8 +32,8 @@ class Assessment:
         static_error: Its deviation from the programmed deflection, as a share of that.
         tracking_error: Root mean square of the deviation from the ideal response over 2 s, as a share of the programmed
             deflection at rest.
-        cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts,
-            and for a rigid link and a motor, which have not the states that [Q] weighs.
+        cost: Index V of eq. (20) over 2 s; NaN for the original system, whose computer works in volts, and for a rigid
+            link and a motor, which lack the states weighted by [Q].
 
     Example:
         >>> import forcefeel as ff
@@ -55,7 +55,7 @@ class Assessment:
 
 @dataclass(frozen=True)
 class Peaks:
-    """Largest demand of a step of pilot force on the valve, against its ratings.
+    """Largest demand of a step of pilot force on the valve, relative to its ratings.
 
     Attributes:
         current_a: Largest valve current.
@@ -78,13 +78,13 @@ class Peaks:
 
 @dataclass(frozen=True)
 class MotorPeaks:
-    """Largest demand of a step of pilot force on a motor, against its limits; no share of a limit that there is not.
+    """Largest demand of a step of pilot force on a motor, relative to its limits; the share is zero without a limit.
 
     Attributes:
         current_a: Largest current.
-        current_share: The same as a share of the largest that the amplifier gives.
+        current_share: The same as a share of the amplifier's limit.
         voltage_v: Largest voltage of a phase.
-        voltage_share: The same as a share of the supply's.
+        voltage_share: The same as a share of the supply voltage.
 
     Example:
         >>> import forcefeel as ff
@@ -100,7 +100,7 @@ class MotorPeaks:
 
 
 AnyPeaks = Peaks | MotorPeaks
-"""Of either drive."""
+"""Peaks of either drive."""
 
 
 def assess(
@@ -111,14 +111,14 @@ def assess(
     linkage: Linkage = Linkage.COMPLIANT,
     programmed: Loader | None = None,
 ) -> Assessment:
-    """Judges the response of ``loader`` under ``law`` to its step of pilot force.
+    """Assesses the response of ``loader`` under ``law`` to its step of pilot force.
 
     Args:
-        loader: The loader that is there.
+        loader: The actual loader.
         law: State feedback; the original system if ``None``.
-        settings: Weights of the cost index; the report's if not given.
+        settings: Weights of the cost index. Default: the report's.
         linkage: Rigid or compliant link.
-        programmed: The loader whose feel is asked for, where ``loader`` deviates from it; its ideal is the measure.
+        programmed: The loader with the programmed feel, if ``loader`` deviates from it; its ideal is the reference.
 
     Example:
         >>> import forcefeel as ff
@@ -161,7 +161,7 @@ def assess(
 
 
 def _rendering(loop_modes: tuple[Mode, ...], programmed: Loader) -> Mode:
-    """The mode that renders a feel: under a motor the slowest, however it is damped, as rotor and column move as one."""
+    """The mode that renders a feel; for a motor the slowest, in which rotor and column move together."""
     frequency, damping_ratio = _core.feel_frequency(programmed.si_values)
     return feel_mode(loop_modes, frequency, max(damping_ratio, 1.0) if programmed.drive == ELECTRIC else damping_ratio)
 

@@ -1,4 +1,4 @@
-"""The report's law beside the best of those made since, on a loader with a digital controller: what both came to."""
+"""Comparison of the report's law with the best newer law on a loader with a digital controller."""
 
 import shlex
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from forcefeel.units import PERCENT
 
 @dataclass(frozen=True)
 class QualificationSummary:
-    """What the tests of a rule came to on the loader under a law.
+    """Result of the tests of a rule on the loader under a law.
 
     Attributes:
-        qualifies: Whether the programme is whole and all of it passed.
+        qualifies: Whether the test plan is complete and passed.
         status: ``qualifies``, ``does not qualify``, ``incomplete``.
-        outcome_counts: How many tests came to what.
+        outcome_counts: Number of tests by outcome.
         reasons: Why it does not qualify, a sentence for each kind of test.
     """
 
@@ -27,11 +27,11 @@ class QualificationSummary:
 
 @dataclass(frozen=True)
 class EnvelopeSummary:
-    """Which programmed feels the loader renders under a law, as shares of the settings that were tried.
+    """Programmed feels that the loader renders under a law, as shares of the evaluated settings.
 
     Attributes:
         stable: Stable with the nominal plant, hands off.
-        nominal_share: Within tolerance there.
+        nominal_share: Within tolerance with the nominal plant.
         worst_case_share: Within tolerance in every case: each part off by its tolerance, each pilot's arm.
     """
 
@@ -46,9 +46,9 @@ class LawResult:
 
     Attributes:
         name: Its name, as ``--law`` takes it.
-        summary: What it is, in a line.
-        qualified: What its tests came to; ``None`` where they could not be made.
-        rendered: What it renders; ``None`` where it could not be tried.
+        summary: A one-line description.
+        qualified: Result of its tests; ``None`` if they could not be run.
+        rendered: Its envelope; ``None`` if it could not be evaluated.
 
     Example:
         >>> import forcefeel as ff
@@ -63,7 +63,7 @@ class LawResult:
 
     @property
     def qualifies(self) -> bool:
-        """Whether it does."""
+        """Whether it qualifies."""
         return self.qualified is not None and self.qualified.qualifies
 
     @property
@@ -89,12 +89,12 @@ class LawComparison:
 
     Attributes:
         report: The report's law; ``None`` for a motor, which cannot take it.
-        best: The best of those that are eligible, the report's among them; ``None`` where none is.
-        remarks: Why it is chosen, and why none of the others, a sentence for each; the chosen one's first.
-        rule: By which they were tested.
-        settings: How many settings of stiffness, frequency and damping ratio were tried.
-        impossible: Why the loader cannot be tested or tried; empty where it was.
-        called: What a command line calls the loader: its name or file, and options that change it.
+        best: The best eligible law, including the report's; ``None`` if no law is eligible.
+        remarks: Reasons for the choice and against the others, one sentence each; that of the chosen law first.
+        rule: The rule of the tests.
+        settings: Number of evaluated settings of stiffness, frequency and damping ratio.
+        impossible: Why the loader cannot be tested or evaluated; empty if it was.
+        called: The loader on a command line: its name or file, and options that change it.
 
     Example:
         >>> import forcefeel as ff
@@ -128,6 +128,6 @@ class LawComparison:
 
     @property
     def laws(self) -> tuple[LawResult, ...]:
-        """The laws beside each other: the best first."""
+        """The compared laws, the best first."""
         pair = (self.best, *(() if self.report == self.best else (self.report,)))
         return tuple(law for law in pair if law is not None)

@@ -1,4 +1,4 @@
-"""What a sampled law makes of a loader, linear: its modes, its margins, and its response to a step of pilot force.
+"""Linear loop of a loader under a sampled law: modes, margins, and response to a step of pilot force.
 
 ``x+ = M x + b_F F_p`` from sample to sample, delay of the command included (``loops.sampled_loops``).
 """
@@ -26,8 +26,8 @@ class LawLoop:
 
     Attributes:
         modes: Its modes, ``s = ln(z) / T``.
-        margins: What it bears at its command.
-        assessment: How it renders the programmed feel.
+        margins: Margins at its command.
+        assessment: Rendering of the programmed feel.
     """
 
     modes: tuple[Mode, ...]
@@ -42,7 +42,7 @@ class LawStep:
     Attributes:
         time_s: Times.
         column_angle_rad: Column's angle.
-        command: What the law asks of the drive, in V or A.
+        command: Command of the law to the drive, in V or A.
     """
 
     time_s: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What an electric loader does without a law: its feel by current alone, and why that is not the programmed one."""
+"""Analysis of an electric loader without a law: its feel by current alone, and its deviation from the programmed feel."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -18,7 +18,7 @@ class MotorAnalysis(Analysis):
     Attributes:
         rotor_inertia_n_m_s2_per_rad: Inertia of the rotor about the column's pivot, ``J_m (alpha R_b / r)^2``.
         column_inertia_n_m_s2_per_rad: The column's own J.
-        modes: Current loop, and what swings on the link, by name.
+        modes: Named modes: current loop, and oscillations on the link.
 
     Example:
         >>> import forcefeel as ff
@@ -37,12 +37,12 @@ class MotorAnalysis(Analysis):
 
     @property
     def felt_inertia_n_m_s2_per_rad(self) -> Annotated[float, INERTIA]:
-        """What the hand moves where the motor makes spring and damper alone: rotor and column."""
+        """Inertia that the hand moves if the motor acts as spring and damper only: rotor and column."""
         return self.rotor_inertia_n_m_s2_per_rad + self.column_inertia_n_m_s2_per_rad
 
 
 def analyze_motor(loader: Loader) -> MotorAnalysis:
-    """Analyses an electric loader without a law.
+    """Analyzes an electric loader without a law.
 
     Raises:
         InputError: If ``loader`` is no loader, or has a valve.

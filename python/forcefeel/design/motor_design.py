@@ -1,4 +1,4 @@
-"""The design of an electric loader: its analysis without a law, and what a sampled law makes of it."""
+"""The design of an electric loader: its analysis without a law, and its loop under a sampled law."""
 
 from dataclasses import dataclass, fields
 from math import pi
@@ -63,11 +63,11 @@ class MotorDesign(MotorAnalysis):
 
 
 def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
-    """Analyses an electric loader and judges what a law makes of it. ``choice.best_law`` tells which law is the best.
+    """Analyzes an electric loader, and assesses it under a law. To find the best law, use ``choice.best_law``.
 
     Args:
         loader: The loader.
-        law: Name of a law for a motor; ``robust`` if not given.
+        law: Name of a law for a motor. Default: ``robust``.
 
     Raises:
         InputError: If ``loader`` is no loader, has a valve or no ``controller.period``; if there is no such law for it.

@@ -1,4 +1,4 @@
-"""What the report claims of its compensation but does not show: paths that can be dropped, and insensitivity."""
+"""Claims of the report on its compensation that it does not show: paths that can be dropped, and insensitivity."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -26,8 +26,8 @@ class DroppedPaths:
 
     Attributes:
         paths: The gains set to zero, such as ``("c_2", "c_6")``.
-        assessment: How the rest renders the feel.
-        cost_increase: Growth of the cost index over the full set, as a share; not a number where unstable.
+        assessment: Rendering of the feel with the remaining paths.
+        cost_increase: Growth of the cost index over the full set, as a share; NaN if unstable.
         boundary: Smallest stable G without them.
 
     Example:
@@ -46,12 +46,12 @@ class DroppedPaths:
 
 @dataclass(frozen=True)
 class Deviation:
-    """The compensated loop with one gain or one plant parameter off its value.
+    """The compensated loop with one deviating gain or plant parameter.
 
     Attributes:
         quantity: ``c_1`` .. ``c_6``, or a key of the parameter table.
         change: Deviation as a share of the value.
-        assessment: How the loop renders the feel; ``None`` if the changed value is out of the parameter's range.
+        assessment: Rendering of the feel; ``None`` if the changed value is out of the parameter's range.
 
     Example:
         >>> import forcefeel as ff
@@ -113,15 +113,15 @@ VISIBLE_LOSS = 0.01
 the static check of 14 CFR Part 60 (Table A2A, test 2.a.1.a) allows."""
 
 STABILITY_LOSS = 0.10
-"""Growth of the smallest stable G that one gives away for a simpler compensator; parameters are known no better."""
+"""Accepted growth of the smallest stable G for a simpler law; parameters are not known more accurately."""
 
 
 def droppable(rows: tuple[DroppedPaths, ...], full: Assessment, boundary: StabilityBoundary) -> DroppedPaths | None:
-    """The largest set that can be dropped without a visible loss of fidelity or stability; ``None`` if there is none.
+    """The largest set that can be dropped without a visible loss of fidelity or stability; ``None`` without such a set.
 
     Args:
         rows: Every set, from ``drop_paths``.
-        full: How the loop renders the feel with all paths.
+        full: Rendering of the feel with all paths.
         boundary: Its smallest stable G with all paths.
     """
     error = full.tracking_error + VISIBLE_LOSS
@@ -140,8 +140,8 @@ def sensitivity(
 ) -> tuple[Deviation, ...]:
     """The compensated loop with each gain and each plant parameter at ``CHANGES``, one at a time.
 
-    Gains and the constants of the feel computer stay those of ``loader`` while the plant deviates, and the feel that is
-    asked for stays the programmed one.
+    Gains and constants of the feel computer stay those of ``loader`` while the plant deviates, and so does the programmed
+    feel.
 
     Args:
         loader: The loader that the gains were designed for.
@@ -173,7 +173,7 @@ def sensitivity(
 
 
 def worst(rows: tuple[Deviation, ...]) -> Deviation:
-    """The deviation that harms most: an unstable loop before any stable one, then the largest tracking error."""
+    """The worst deviation: an unstable loop before any stable one, then the largest tracking error."""
 
     def harm(row: Deviation) -> tuple[bool, float]:
         if row.assessment is None:

@@ -1,4 +1,4 @@
-"""Everything that the 1974 report computed, for any loader: the design as one frozen result."""
+"""The design of the 1974 report for any loader, as one frozen result."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from forcefeel.design.motor_design import MotorDesign
 
 STEPS = ("compensation", "original system", "compensated system", "dropped paths", "sensitivity")
-"""What ``design_servo`` reports as it goes."""
+"""Progress steps of ``design_servo``."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ServoResult:
 
 @dataclass(frozen=True)
 class ServoAnalysis(Analysis):
-    """What the original system of a hydraulic loader does.
+    """Analysis of the original system of a hydraulic loader.
 
     Attributes:
         servos: The servo with rigid and with compliant link.
@@ -117,14 +117,14 @@ class Design(ServoAnalysis):
 
     @property
     def acceptable(self) -> bool:
-        """Whether the recursion gave the gains that were asked for, and the loader is stable with them."""
+        """Whether the recursion found gains, and the loader is stable with them."""
         return self.compensation.reached and self.configuration("compensated").programmed.assessment.stable
 
 
 def analyze(loader: Loader) -> ServoAnalysis | MotorAnalysis:
-    """Analyses a loader without a law: drive, loops, stability and response, with rigid and with compliant link.
+    """Analyzes a loader without a law: drive, loops, stability and response, with rigid and with compliant link.
 
-    Of a valve that is the original system, eq. (13); of a motor the feel by current alone.
+    For a valve this is the original system, eq. (13); for a motor the feel by current alone.
 
     Raises:
         InputError: If ``loader`` is no loader.
@@ -157,9 +157,9 @@ def _analyze_servo(loader: Loader) -> ServoAnalysis:
 def design_loader(
     loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
 ) -> "Design | MotorDesign":
-    """Analyses ``loader``, designs its law and judges the result.
+    """Analyzes ``loader``, designs its law and assesses the result.
 
-    Of a valve as the report does, ``design_servo``; of a motor ``design_motor``, with the law that drives it where none is named.
+    For a valve as in the report, ``design_servo``; for a motor ``design_motor`` with the default law.
 
     Args:
         loader: The loader.
@@ -190,7 +190,7 @@ def design_loader(
 def design_servo(
     loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
 ) -> Design:
-    """Analyses ``loader``, designs its compensation as the report does and judges the result.
+    """Analyzes ``loader``, designs its compensation as in the report, and assesses the result.
 
     Args:
         loader: The loader.

@@ -27,11 +27,11 @@ NAMES = (
     "fall time",
     "rise time",
 )
-"""What a run can fail by, in the order in which it is asked."""
+"""Quantities by which a run can fail, in the order of evaluation."""
 
 _INDEX = {name: k for k, name in enumerate(NAMES)}
 _ROUNDING = 1e-12
-"""Share of a tolerance by which a difference that is at its limit may be beyond it."""
+"""Rounding, as a share of a tolerance, by which a difference may exceed its limit."""
 
 _Array = NDArray[np.float64]
 
@@ -41,12 +41,12 @@ class BatchVerdicts:
     """Verdicts on releases, a row for each.
 
     Attributes:
-        passed: Which pass (runs,).
-        evaluated: Which could be evaluated; what could not does not pass (runs,).
-        first_failing: First quantity by which each fails, a place in ``names``; -1 where it passes (runs,).
-        margin: One less the largest difference as a share of its tolerance: 1 the same, 0 at the limit, negative beyond it;
-            minus infinity where something is missing, not a number where it was not evaluated (runs,).
-        names: What a run can fail by.
+        passed: Whether each run passes (runs,).
+        evaluated: Whether each run could be evaluated; a run that could not does not pass (runs,).
+        first_failing: Index in ``names`` of the first quantity by which each run fails; -1 where it passes (runs,).
+        margin: ``1 - max(difference / tolerance)``: 1 for equal releases, 0 at the limit, negative beyond it (runs,).
+            Minus infinity where a quantity is missing, NaN where the run was not evaluated.
+        names: Quantities by which a run can fail.
     """
 
     passed: NDArray[np.bool_]
@@ -67,17 +67,17 @@ def judge_releases(
     travel: float | None = None,
     overdamped: Overdamped = "fall time",
 ) -> BatchVerdicts:
-    """Verdicts as by ``judge_release``, with nothing too close to call.
+    """Verdicts as of ``judge_release``, without uncertainties: no run is too close to call.
 
     Args:
         batch: Features of the releases.
-        reference: Of what they are held against: one for all, or one for each.
+        reference: Features of the reference releases: one for all, or one for each.
         test: A release test of a rule.
         travel: Total travel of the control, in the position's unit, where a tolerance is a share of it.
-        overdamped: What a reference without overshoots is judged by.
+        overdamped: Quantity compared where the reference has no overshoot.
 
     Raises:
-        InputError: If there are not as many references, or the test is no release test.
+        InputError: If the number of references is neither 1 nor that of the runs, or the test is not a release test.
 
     Example:
         >>> import forcefeel as ff
@@ -117,7 +117,7 @@ def _shares(
     travel: float | None,
     overdamped: Overdamped,
 ) -> Iterator[tuple[str, _Array]]:
-    """Differences as shares of their tolerance; minus infinity where nothing is compared, infinity where something is missing."""
+    """Differences as shares of their tolerance; minus infinity if not compared, infinity if a quantity is missing."""
     count, quantity = reference.count, tolerance.quantity
     swings = count > 0
     largest = np.nan_to_num(reference.overshoots[:, 0])

@@ -1,12 +1,13 @@
-"""The force at which a control moves off neutral: the knee of force over position, on the way out.
+"""Breakout: the force at which a control leaves neutral, from the knee of force over position on the way out.
 
 ``d`` distance from neutral · ``F`` force on the way out · ``kappa_1 < kappa_2 < kappa_3`` distances at which the slope changes
 
-``F = F_0 + s d + a_1 max(d - kappa_1, 0) + ...``, with none to three changes, or ``F = F_0 + s d + b d^2 + c d^3`` where a curve
-says more of the samples with fewer terms. Where the slope has fallen close to neutral, the force has built up, and breakout is
-what the line beyond leaves at neutral, ``F_0 - a_1 kappa_1``. Of a detent nothing is left beyond it: what has built up is its
-largest force above the line that follows. Where the slope only rises, as at the end of a deadband, or falls farther out, where the
-control has long moved, breakout is what the first line or the curve leaves at neutral, ``F_0``.
+``F = F_0 + s d + a_1 max(d - kappa_1, 0) + ...``, with up to three changes of slope, or ``F = F_0 + s d + b d^2 + c d^3``. The
+model with the smallest information criterion is used.
+
+- The slope falls near neutral: breakout is the intercept at neutral of the line beyond the knee, ``F_0 - a_1 kappa_1``.
+- A detent, whose force vanishes beyond the knee: breakout is its largest force above the line that follows.
+- The slope only rises, as at the end of a deadband, or falls only farther out: breakout is the intercept ``F_0``.
 """
 
 import math
@@ -19,28 +20,28 @@ from numpy.typing import NDArray
 from forcefeel.qualification.figures import Figure, combined
 
 NEAR = 0.04
-"""Share of the travel around neutral in which the knee is looked for."""
+"""Share of the travel around neutral in which the knee is sought."""
 _CELLS = 160
-"""Cells of distance, closer together near neutral, over whose samples' means the lines are laid; each counts by its samples."""
+"""Cells of distance, smaller near neutral; the lines are fitted to the cell means, weighted by the number of samples."""
 _PLACES = np.linspace(0.0, 1.0, 26)[1:-1] ** 2
-"""Distances at which the slope may change, to begin with; closer together near neutral."""
+"""Initial candidates for the distances at which the slope changes; denser near neutral."""
 _BEGINS, _ROUNDS, _SHARES = 6, 20, 0.5 ** np.arange(8)
-"""Places from which a search goes downhill, its steps at most, and the shares of a step that are tried."""
+"""Number of starting points of the search, its largest number of steps, and the step fractions of the line search."""
 _FEWEST = 12
-"""Samples that a knee is found in at least."""
+"""Least number of samples for a knee."""
 _EXACT = 1e-3
-"""Share of the largest force below which it does not matter what the lines leave."""
+"""Share of the largest force below which the residual of a fit is negligible."""
 _FALLS = 0.1
-"""Share of the largest fall of the slope from which on another one beyond it is part of the knee."""
+"""Share of the largest fall of the slope above which a further fall is part of the same knee."""
 _MOST = 3
-"""Changes of the slope at most: two falls and a rise."""
+"""Largest number of slope changes: two falls and a rise."""
 _BUILT_UP = 0.5
-"""Share of ``NEAR`` within which a force builds up: beyond it the control has moved."""
+"""Share of ``NEAR`` within which the breakout force builds up."""
 _GONE = 0.1
-"""Share of what has built up that is left of it beyond a detent at most; and of the spring's slope that a deadband has at most."""
+"""Largest share of the built-up force that remains beyond a detent; also the largest slope of a deadband, in spring slopes."""
 
 _SAME = 1e-10
-"""Keeps two changes at one place from being no solution."""
+"""Regularization; keeps the system solvable where two knots coincide."""
 
 _Array = NDArray[np.float64]
 
@@ -49,12 +50,12 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
     """Breakout on one side, N.
 
     Args:
-        distance: Samples of the way out, near neutral (samples,), in any unit.
-        force_n: Away from neutral (samples,).
+        distance: Distance from neutral on the way out (samples,), in any unit.
+        force_n: Force away from neutral, N (samples,).
         force_uncertainty_n: Standard uncertainty of a sample.
 
     Returns:
-        The figure, 0 or more; not a number where there are too few samples.
+        The figure, 0 or more; NaN where there are too few samples.
     """
     if len(distance) < _FEWEST or not np.ptp(distance) > 0:
         return Figure(math.nan, math.nan, "N")
@@ -72,8 +73,8 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
     fits: list[_Lines | _Cubic] = [_Cubic.through(points)]
     for changes in range(_MOST + 1):
         fits.append(_best_lines(points, changes))
-        if fits[-1].left <= floor * len(d):
-            break  # more could only follow what is nothing
+        if fits[-1].residual <= floor * len(d):
+            break  # the residual is already negligible
     chosen = min(fits, key=lambda fit: fit.criterion(floor))
     value, known = chosen.at_neutral()
     return Figure(max(value, 0.0), combined(known, force_uncertainty_n / math.sqrt(len(distance))), "N")
@@ -81,7 +82,7 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Distances and forces away from neutral, and the square roots of what they count (points,)."""
+    """Distances, forces away from neutral, and square roots of the weights (points,)."""
 
     d: _Array
     force: _Array
@@ -89,36 +90,36 @@ class _Points:
 
 
 def _best_lines(points: _Points, changes: int) -> "_Lines":
-    """The lines whose slope changes so many times that leave least: from the best places of a coarse grid downhill."""
+    """The best lines with ``changes`` slope changes: search from the best knots of a coarse grid."""
     if not changes:
         return _Lines.through(points, np.empty(0))
     tried = np.array(list(combinations(_PLACES, changes)))
-    begun = tried[np.argsort(_left(points, tried), kind="stable")[:_BEGINS]]
-    return min((_downhill(points, knots) for knots in begun), key=lambda lines: lines.left)
+    begun = tried[np.argsort(_residual_squares(points, tried), kind="stable")[:_BEGINS]]
+    return min((_downhill(points, knots) for knots in begun), key=lambda lines: lines.residual)
 
 
 def _downhill(points: _Points, knots: _Array) -> "_Lines":
-    """The lines with the best places near given ones, by the method of Gauss and Newton with steps that are halved."""
+    """The best lines near ``knots``, by the Gauss-Newton method with step halving."""
     best = _Lines.through(points, knots)
     for _ in range(_ROUNDS):
         missed = points.weight * (points.force - _basis(points.d, best.knots) @ best.terms)
         step, *_ = np.linalg.lstsq(points.weight[:, np.newaxis] * best.slopes(points), missed)
-        ways = np.sort(np.clip(best.knots + np.outer(_SHARES, step[len(best.terms) :]), 0.0, 1.0), axis=1)
-        better = _Lines.through(points, ways[np.argmin(_left(points, ways))])
-        if not better.left < best.left:
+        candidates = np.sort(np.clip(best.knots + np.outer(_SHARES, step[len(best.terms) :]), 0.0, 1.0), axis=1)
+        better = _Lines.through(points, candidates[np.argmin(_residual_squares(points, candidates))])
+        if not better.residual < best.residual:
             break
         best = better
     return best
 
 
 def _basis(d: _Array, knots: _Array) -> _Array:
-    """What the terms are multiplied by: (..., points, 2 + changes) for knots (..., changes)."""
+    """Basis functions of the terms: (..., points, 2 + changes) for knots (..., changes)."""
     hinges = np.maximum(d[:, np.newaxis] - knots[..., np.newaxis, :], 0.0)
     return np.concatenate([np.broadcast_to(np.stack([np.ones_like(d), d], -1), (*hinges.shape[:-1], 2)), hinges], -1)
 
 
-def _left(points: _Points, knots: _Array) -> _Array:
-    """Sum of squares that the best lines with these knots leave, for many at once."""
+def _residual_squares(points: _Points, knots: _Array) -> _Array:
+    """Residual sums of squares of the best lines with these knots, vectorized over sets of knots."""
     basis, force = points.weight[:, np.newaxis] * _basis(points.d, knots), points.weight * points.force
     turned = np.swapaxes(basis, -1, -2)
     products = turned @ basis + _SAME * np.eye(basis.shape[-1])
@@ -128,15 +129,15 @@ def _left(points: _Points, knots: _Array) -> _Array:
 
 
 def _fitted(points: _Points, basis: _Array) -> tuple[_Array, float]:
-    """Terms by least squares, and the sum of squares that they leave."""
+    """Terms by least squares, and the residual sum of squares."""
     terms, *_ = np.linalg.lstsq(points.weight[:, np.newaxis] * basis, points.weight * points.force)
     return np.asarray(terms, dtype=np.float64), float(np.sum((points.weight * (basis @ terms - points.force)) ** 2))
 
 
-def _covariance(points: _Points, slopes: _Array, left: float) -> _Array:
-    """Of the unknowns along whose slopes (points, unknowns) a fit moves."""
+def _covariance(points: _Points, slopes: _Array, residual: float) -> _Array:
+    """Covariance of the unknowns of a fit with sensitivities ``slopes`` (points, unknowns)."""
     weighted = points.weight[:, np.newaxis] * slopes
-    variance = left / max(len(slopes) - slopes.shape[1], 1)
+    variance = residual / max(len(slopes) - slopes.shape[1], 1)
     return np.asarray(np.linalg.pinv(weighted.T @ weighted) * variance)
 
 
@@ -145,41 +146,41 @@ class _Lines:
     """Lines that meet at the knots, by least squares.
 
     Attributes:
-        knots: Where the slope changes.
+        knots: Distances at which the slope changes.
         terms: ``F_0, s, a_1, a_2``.
-        covariance: Of the terms, then of the knots.
-        points: How many points they are laid through.
-        left: Sum of squares of what they leave.
+        covariance: Covariance of the terms, then of the knots.
+        points: Number of points of the fit.
+        residual: Residual sum of squares.
     """
 
     knots: _Array
     terms: _Array
     covariance: _Array
     points: int
-    left: float
+    residual: float
 
     @staticmethod
     def through(points: _Points, knots: _Array) -> "_Lines":
         basis = _basis(points.d, knots)
-        terms, left = _fitted(points, basis)
-        lines = _Lines(knots, terms, np.empty(0), len(points.d), left)
-        return replace(lines, covariance=_covariance(points, lines.slopes(points), left))
+        terms, residual = _fitted(points, basis)
+        lines = _Lines(knots, terms, np.empty(0), len(points.d), residual)
+        return replace(lines, covariance=_covariance(points, lines.slopes(points), residual))
 
     def slopes(self, points: _Points) -> _Array:
-        """How the lines move with each term, and with each knot: (points, terms and knots)."""
+        """Sensitivity of the lines to each term and each knot: (points, terms and knots)."""
         with_knots = (-change * (points.d > knot) for change, knot in zip(self.terms[2:], self.knots, strict=True))
         return np.column_stack([_basis(points.d, self.knots), *with_knots])
 
     def criterion(self, floor: float) -> float:
-        """A knot is two unknowns, its place and the change there."""
-        return _criterion(self.left, self.points, 2 * len(self.knots), floor)
+        """Schwarz's criterion; a knot adds two unknowns, its distance and its change of slope."""
+        return _criterion(self.residual, self.points, 2 * len(self.knots), floor)
 
     def at_neutral(self) -> tuple[float, float]:
-        """What has built up, or is left at neutral of the first line, and its standard uncertainty."""
+        """Built-up force, or intercept of the first line at neutral, and its standard uncertainty."""
         changes = self.terms[2:]
         beyond = int(np.argmin(changes)) + 1 if len(changes) else 0
         if np.sum(changes[:beyond]) >= 0 or (beyond and self.knots[beyond - 1] > _BUILT_UP):
-            beyond = 0  # no less steep than the first, or too far out
+            beyond = 0  # the slope does not fall, or falls too far out
         while 0 < beyond < len(changes) and changes[beyond] <= _FALLS * float(changes.min()):
             beyond += 1
         if beyond and self._is_gone(beyond):
@@ -192,7 +193,7 @@ class _Lines:
         return value, math.sqrt(max(float(slopes @ self.covariance @ slopes), 0.0))
 
     def _above_last(self, beyond: int) -> _Array:
-        """Slopes, by terms and knots, of the force at a knee above the last line, which begins at ``F_0``."""
+        """Derivatives, by terms and knots, of the force at a knee above the last line."""
         # F_0 + a_k (kappa_k - kappa) + ... of the changes beyond the knee kappa
         after = np.where(np.arange(len(self.knots)) >= beyond, 1.0, 0.0)
         changes = after * self.terms[2:]
@@ -201,45 +202,45 @@ class _Lines:
         return np.concatenate([[1.0, 0.0], after * (self.knots - self.knots[beyond - 1]), at_knots])
 
     def _is_gone(self, beyond: int) -> bool:
-        """Whether what has built up at a knee is gone on the last line, as beyond a detent; a deadband ends its own flat one."""
+        """Whether the force built up at a knee vanishes on the last line, as beyond a detent, not as in a deadband."""
         changes, first = self.terms[2:], self.terms[1]
         built_up = float(np.sum((changes * (self.knots - self.knots[beyond - 1]))[beyond:]))
-        left = abs(float(np.sum(changes * self.knots)))
+        residual = abs(float(np.sum(changes * self.knots)))
         after, last = float(first + np.sum(changes[:beyond])), float(first + np.sum(changes))
-        # A force that falls as the control goes on is that of no spring, though a jump over it blurs what follows.
-        return built_up > 0 and (after < -_GONE * last or (after > _GONE * last and left <= _GONE * built_up))
+        # A falling force is not a spring's, although a jump across it blurs the samples that follow.
+        return built_up > 0 and (after < -_GONE * last or (after > _GONE * last and residual <= _GONE * built_up))
 
 
 @dataclass(frozen=True, eq=False)
 class _Cubic:
-    """A curve of third degree, by least squares.
+    """A cubic curve, by least squares.
 
     Attributes:
         terms: ``F_0, s, b, c``.
-        covariance: Of the terms.
-        points, left: As of lines.
+        covariance: Covariance of the terms.
+        points, residual: As of ``_Lines``.
     """
 
     terms: _Array
     covariance: _Array
     points: int
-    left: float
+    residual: float
 
     @staticmethod
     def through(points: _Points) -> "_Cubic":
         powers = np.vander(points.d, 4, increasing=True)
-        terms, left = _fitted(points, powers)
-        return _Cubic(terms, _covariance(points, powers, left), len(points.d), left)
+        terms, residual = _fitted(points, powers)
+        return _Cubic(terms, _covariance(points, powers, residual), len(points.d), residual)
 
     def criterion(self, floor: float) -> float:
-        """As of lines: two more terms than a straight one has."""
-        return _criterion(self.left, self.points, 2, floor)
+        """Schwarz's criterion; a cubic has two terms more than a straight line."""
+        return _criterion(self.residual, self.points, 2, floor)
 
     def at_neutral(self) -> tuple[float, float]:
         """``F_0`` and its standard uncertainty."""
         return float(self.terms[0]), math.sqrt(float(self.covariance[0, 0]))
 
 
-def _criterion(left: float, points: int, unknowns: int, floor: float) -> float:
-    """Schwarz's, of unknowns more than a straight line has. What is left below ``floor`` a point is nothing."""
-    return points * math.log(left / points + floor) + unknowns * math.log(points)
+def _criterion(residual: float, points: int, unknowns: int, floor: float) -> float:
+    """Schwarz's criterion, with the unknowns beyond a straight line; a residual below ``floor`` per point is negligible."""
+    return points * math.log(residual / points + floor) + unknowns * math.log(points)

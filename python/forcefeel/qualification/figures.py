@@ -1,4 +1,4 @@
-"""A measured figure and how well it is known."""
+"""A measured figure and its uncertainty."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ class Figure:
     """A figure with its standard uncertainty.
 
     Attributes:
-        value: The figure, in ``unit``; not a number if there is none.
+        value: The figure, in ``unit``; NaN if it could not be measured.
         uncertainty: Its standard uncertainty (one standard deviation), in ``unit``.
         unit: SI unit; empty for a number.
     """
@@ -20,14 +20,14 @@ class Figure:
 
     @property
     def known(self) -> bool:
-        """Whether there is a figure."""
+        """Whether the figure was measured."""
         return math.isfinite(self.value)
 
     def less(self, other: "Figure") -> "Figure":
-        """The difference of two figures that are known independently of each other."""
+        """The difference of two independent figures."""
         return Figure(self.value - other.value, math.hypot(self.uncertainty, other.uncertainty), self.unit)
 
 
 def combined(*parts: float) -> float:
-    """Standard uncertainty of a sum of parts that are independent of each other; what is not known adds nothing."""
+    """Standard uncertainty of a sum of independent parts; parts that are not finite are omitted."""
     return math.hypot(*(part for part in parts if math.isfinite(part)))

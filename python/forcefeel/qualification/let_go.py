@@ -1,4 +1,4 @@
-"""Where in a record the control is let go, and whether the record can be measured at all."""
+"""Detection of the release in a record, and checks that the record can be measured."""
 
 import math
 from dataclasses import dataclass
@@ -11,33 +11,31 @@ from forcefeel.qualification.records import Record
 from forcefeel.qualification.rules import ReleaseRules
 
 SLOWEST_HZ = 50.0
-"""Fewest samples a second of a record of a release."""
+"""Least sampling rate of a record of a release."""
 
 _SAME_RATE = 0.98
-"""A record of just under so many samples a second is still one of them."""
+"""Tolerance of that rate."""
 _SEEN = 4.0
-"""Standard deviations of the noise by which a control that has left its place is off it."""
+"""Standard deviations of noise beyond which a control has left its held position."""
 _LEAST = 20.0
-"""A release goes this many times farther than noise and resolution at least."""
+"""Least displacement of a release, in multiples of noise and resolution."""
 _EXACT = 1e-9
-"""Share of the range within which values of a record without noise are the same."""
+"""Share of the range within which values of a noise-free record are equal."""
 _ON_SAMPLE = 0.02
-"""Share of a step within which the release is at a sample."""
+"""Share of a step within which the release coincides with a sample."""
 _BEGUN, _UNDER_WAY = 0.02, 0.1
-"""Shares of Ad that a control has left behind on its way: it began to move before the first at the latest by as much time again as
-it took from there to the second, since a mass goes as the square of the time."""
+"""Shares of Ad that bound the start of motion: the start precedes the first by at most the time from the first to the second,
+because the displacement of a mass grows as the square of time."""
 _FEWEST_HELD = 3
-"""Samples of a held grip from which it is read how far it wanders."""
+"""Least number of held samples from which the wander of the grip is estimated."""
 _LEAST_WANDER = 1e-4
-"""As a share of Ad: a grip that is held stiller than that shows the instant no better, since a 2 Hz column has gone as far in a
-millisecond."""
+"""Least wander as a share of Ad: a 2 Hz column moves this far in a millisecond."""
 _CLEAR, _FEWEST = 25.0, 2
-"""How many times as far as a held grip wanders the way's beginning reaches that is laid back to its start, and its fewest
-samples."""
+"""Displacement, in wanders of the held grip, over which the start of motion is extrapolated, and its least number of samples."""
 _CLIPPED = 3
-"""Samples at one extreme value, reached at speed, that are a clipped record."""
+"""Samples at one extreme value, reached at speed, that indicate clipping."""
 _AT_SPEED = 0.002
-"""Share of the range that a control at speed covers in a step; more than six times noise and resolution too."""
+"""Least step at speed as a share of the range; also more than six times noise and resolution."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +43,13 @@ class LetGo:
     """A release in a record.
 
     Attributes:
-        held: Samples before it; the control is free after the last of them.
+        held: Number of samples before the release; the control is free after the last of them.
         free: First sample of the free response.
-        tail: Samples at the end over which the steady state is the mean.
-        time_s: When it was let go, s.
-        time_uncertainty_s: How well that is known, s.
-        displacement: Held position less steady state, roughly.
-        wander: Standard deviation of the held position: noise of the sensor and what the held control really moves.
+        tail: Number of samples at the end whose mean is the steady state.
+        time_s: Time of the release, s.
+        time_uncertainty_s: Standard uncertainty of that time, s.
+        displacement: Approximate held position minus steady state.
+        wander: Standard deviation of the held position: sensor noise and real motion of the held control.
     """
 
     held: int
@@ -64,10 +62,10 @@ class LetGo:
 
 
 def check_rate(record: Record) -> None:
-    """Refuses a record of too few samples.
+    """Refuses a record with too low a sampling rate.
 
     Raises:
-        InputError: If there are fewer than ``SLOWEST_HZ`` samples a second.
+        InputError: If it has fewer than ``SLOWEST_HZ`` samples a second.
     """
     rate = 1 / record.step_s
     if rate < _SAME_RATE * SLOWEST_HZ:
@@ -78,10 +76,10 @@ def check_rate(record: Record) -> None:
 
 
 def find_release(record: Record, tail: float, rules: ReleaseRules) -> LetGo:
-    """Where the control is let go.
+    """The release in a record.
 
     Raises:
-        InputError: If it ends where it began, or there are too few samples after it.
+        InputError: If the record ends where it began, or too few samples follow the release.
     """
     x, t = record.position, record.time_s
     if not 0 < tail <= 0.5:
@@ -115,14 +113,14 @@ def find_release(record: Record, tail: float, rules: ReleaseRules) -> LetGo:
 
 
 def _departure(x: NDArray[np.float64], steady: float, floor: float, high: float) -> tuple[float, int, float]:
-    """The held position, the first sample that is off it for good, and how far off it the held grip wanders."""
+    """Held position, first sample after the last one near it, and wander of the held grip."""
     level, moved = float(x[0]), 1
     wander = floor = max(floor, _LEAST_WANDER * abs(level - steady))
     for _ in range(3):
         gone = np.abs(x - steady) < high * abs(level - steady)
         passed = int(np.argmax(gone)) if gone.any() else len(x) - 1
         away = np.abs(x[: passed + 1] - level)
-        # A grip that is held by a hand, or by a loader whose sensors are noisy, wanders more than its sensor's noise.
+        # A grip held by a hand, or by a loader with noisy sensors, wanders by more than its sensor's noise.
         begun, under_way = (
             int(np.flatnonzero(away <= share * abs(level - steady))[-1:].sum()) for share in (_BEGUN, _UNDER_WAY)
         )
@@ -136,7 +134,7 @@ def _departure(x: NDArray[np.float64], steady: float, floor: float, high: float)
 
 
 def _when(record: Record, level: float, moved: int, floor: float) -> tuple[float, float]:
-    """When it was let go: the way starts as ``(t - t_0)^2``, so that its root is a straight line from ``t_0`` on."""
+    """Time of the release and its uncertainty: the displacement starts as ``(t - t_0)^2``, so its root is linear in time."""
     t, distance = record.time_s[moved:], np.abs(record.position[moved:] - level)
     step = record.step_s / math.sqrt(12)
     if moved == 1:
@@ -147,14 +145,14 @@ def _when(record: Record, level: float, moved: int, floor: float) -> tuple[float
 
 
 def _laid_back(t: NDArray[np.float64], distance: NDArray[np.float64], step_s: float) -> float:
-    """Where the root of a way, as a straight line, begins."""
+    """Time at which the root of a displacement, extrapolated linearly, is zero."""
     slope, at_zero = np.polyfit(t - t[0], np.sqrt(distance), 1)
     early = float(np.clip(at_zero / slope, 0.0, t[-1] - t[0] + step_s)) if slope > 0 else 0.0
     return float(t[0]) - early
 
 
 def check_clipping(record: Record, let_go: LetGo) -> None:
-    """Refuses a record of which a swing is cut off: it runs into a value at speed and stands there.
+    """Refuses a clipped record: it reaches an extreme value at speed and stays there.
 
     Raises:
         InputError: With the value and the time.
@@ -165,7 +163,7 @@ def check_clipping(record: Record, let_go: LetGo) -> None:
         at = x == extreme
         edges = np.flatnonzero(np.diff(np.concatenate(([0], at.astype(np.int8), [0]))))
         for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-            # The last step before it is cut off too.
+            # The last step before the extreme is shortened too.
             fast = begin > 1 and bool(np.max(np.abs(np.diff(x[begin - 2 : begin + 1]))) > small)
             if end - begin >= _CLIPPED and fast and end < len(x):
                 raise InputError(

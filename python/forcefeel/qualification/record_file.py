@@ -13,11 +13,11 @@ _SIGNALS = Signals(
     {"time": ("s",), "position": ("rad", "m"), "force": ("N",), "surface": ("rad",), "body_rate": ("rad/s",)},
     needed=("time", "position"),
     example="time (s),position (deg),force (lb)",
-    also={"column_angle": "position", "pilot_force": "force"},  # as a bench calls them
+    also={"column_angle": "position", "pilot_force": "force"},  # names in bench records
     cuts=True,
 )
 _LONGEST_STEP_S = 1.0
-"""Median step of a sweep of 100 s of which a curve can be laid through 401 positions."""
+"""Longest median step: a sweep of 100 s still covers a curve of 401 positions."""
 
 
 def read_record(
@@ -28,21 +28,20 @@ def read_record(
     units: Mapping[str, str] | None = None,
     between_s: Times = ALL,
 ) -> Record:
-    r"""Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or of a live run, ``.mcap``, by the ending of its name.
+    r"""Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or from the ``.mcap`` file of a live run.
 
-    The columns are ``time`` and ``position`` or ``column angle``, and where they were recorded ``force`` or ``pilot force``,
-    ``surface`` and ``body rate``, each with its unit: ``time (s)``, ``position [deg]``, ``force_n``. Others may stand beside them
-    and are not read.
+    Required columns are ``time`` and ``position`` or ``column angle``; optional ones are ``force`` or ``pilot force``,
+    ``surface`` and ``body rate``. Each has its unit: ``time (s)``, ``position [deg]``, ``force_n``. Other columns are ignored.
 
     Args:
         path: The file.
-        name: What messages name; the file's name without its ending if left out.
-        columns: The file's own names of these: ``{"position": "theta"}``.
-        units: Units where the header has none, by these names or the file's own: ``{"theta": "deg"}``.
-        between_s: First and last time that is read, s; all if left out.
+        name: Name for messages. Default: the file's name without suffix.
+        columns: The file's own column names: ``{"position": "theta"}``.
+        units: Units of columns without a unit in the header, by either name: ``{"theta": "deg"}``.
+        between_s: First and last time to read, s. Default: all.
 
     Raises:
-        InputError: With the file, the line or row and the time, what is wrong, what was expected and the remedy.
+        InputError: With the file, the line or row, the time, the fault, the expected value and the remedy.
 
     Example:
         >>> import forcefeel as ff

@@ -1,4 +1,4 @@
-"""Recorded signals of a control: position over time, with force, surface position and body rate where they were recorded."""
+"""Recorded signals of a control: position over time, and optionally force, surface position and body rate."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,13 +14,13 @@ from forcefeel.units import factor, show
 PositionUnit = Literal["rad", "m"]
 
 _TAIL = 0.1
-"""Share of a record at its end from which its noise is read."""
+"""Share of a record at its end from which its noise is estimated."""
 _THIRD = 20.0
 """Variance of the third difference of white noise of variance one: 1 + 9 + 9 + 1."""
 _LATTICE = 0.5
-"""A record of which fewer than this share of the values differ may be one of steps."""
+"""Share of distinct values below which a record may be quantized."""
 _OFF_LATTICE = 1e-3
-"""Share of a step by which values may be off the steps."""
+"""Tolerance of quantized values, as a share of the step."""
 
 _CHANNELS = {
     "force_n": ("force", "N"),
@@ -31,27 +31,26 @@ _CHANNELS = {
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Signals of a control over time; the samples may be at any distance, but without a gap.
+    """Signals of a control over time; sample times may be uneven, without gaps.
 
     Attributes:
-        time_s: Times of the samples, s, rising; a step of more than five times the median one is a gap.
+        time_s: Times of the samples, s, increasing; a step above five times the median step is a gap.
         position: Position of the control, rad or m.
         force_n: Pilot's force at the grip, N.
-        surface_rad: Position of the surface that the control moves, rad.
-        body_rate_rad_per_s: Rate at which the aircraft's body turns, rad/s.
+        surface_rad: Position of the control surface, rad.
+        body_rate_rad_per_s: Body rate of the aircraft, rad/s.
         position_unit: ``rad`` or ``m``.
         shown_unit: The position's unit in messages, such as that of its file; ``position_unit`` if empty.
-        name: What a message names.
-        resolution: Step between values that the position's sensor tells apart; ``None``: found from the values.
-        noise: Standard deviation of the position's noise; ``None``: found from the record's last tenth.
+        name: Name for messages.
+        resolution: Resolution of the position's sensor; ``None``: estimated from the values.
+        noise: Standard deviation of the position's noise; ``None``: estimated from the record's last tenth.
         force_resolution_n, force_noise_n: The same of the force.
-        release_s: When a control that is held is let go, where that is known, as of a simulation; ``None``: found from the
-            record.
-        data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+        release_s: Time of the release if known, as in a simulation; ``None``: estimated from the record.
+        data_hash: SHA-256 of its file, in hexadecimal; empty for a record in memory.
 
     Raises:
-        InputError: When built, with the row and the time at fault: fewer than two rows, signals of other lengths, numbers
-            that are not finite, time that runs backwards, stands still or jumps.
+        InputError: When built, with row and time: fewer than two rows, signals of different lengths, values that are not
+            finite, time that does not increase or has a gap.
 
     Example:
         >>> import forcefeel as ff
@@ -120,7 +119,7 @@ class Record:
         """A record of signals in other units; ``resolution`` and ``noise`` are in ``position_unit``.
 
         Raises:
-            InputError: If a unit is unknown or measures something else, and as when a record is built.
+            InputError: If a unit is unknown or of another quantity, and as when a record is built.
         """
         seconds = _scale(name, "time_unit", time_unit, "s")
         newtons = _scale(name, "force_unit", force_unit, "N")
@@ -137,7 +136,7 @@ class Record:
         )
 
     def shown(self, position: float) -> str:
-        """A position as a message has it: in the unit of its file."""
+        """A position as text in the unit of its file."""
         unit = self.shown_unit or self.position_unit
         return f"{position * factor(self.position_unit, unit):.6g} {unit}"
 
@@ -160,7 +159,7 @@ class Record:
 
     @property
     def duration_s(self) -> float:
-        """From the first sample to the last, s."""
+        """Time from the first sample to the last, s."""
         return float(self.time_s[-1] - self.time_s[0])
 
     @cached_property
@@ -170,7 +169,7 @@ class Record:
 
     @cached_property
     def position_resolution(self) -> float:
-        """Step between values of the position; zero if none is given or seen."""
+        """Resolution of the position; zero if the values are not quantized."""
         return found_resolution(self.position) if self.resolution is None else self.resolution
 
     @cached_property
@@ -190,7 +189,7 @@ class Record:
 
 
 def found_noise(values: NDArray[np.float64]) -> float:
-    """Standard deviation of white noise, from the third differences of the last tenth, which a slow signal has none of."""
+    """Standard deviation of white noise, from the third differences of the last tenth, where a slow signal has none."""
     tail = values[-max(int(len(values) * _TAIL), min(20, len(values))) :]
     if len(tail) < 8:
         return 0.0
@@ -199,7 +198,7 @@ def found_noise(values: NDArray[np.float64]) -> float:
 
 
 def found_resolution(values: NDArray[np.float64]) -> float:
-    """Step between values of a signal that keeps to steps; zero if it does not."""
+    """Resolution of a quantized signal; zero if the signal is not quantized."""
     different = np.unique(values)
     if not 2 < len(different) < _LATTICE * len(values):
         return 0.0

@@ -1,11 +1,11 @@
-"""A free response: the control is held, let go, and comes to rest.
+"""A free response: the control is held, released, and comes to rest.
 
 Ad initial displacement · P0 time from 0.9 Ad to the first zero crossing · P1, P2, ... the full cycles after it ·
 A1, A2, ... overshoots
 
-A figure's uncertainty comes from the position's noise and resolution around its instant, from what another polynomial says
-there, and from how well the steady state and the held position are known: an instant at the level
-``L = s + share (x_0 - s)`` is known to ``u(x - L) / |x'|``.
+A figure's uncertainty combines noise and resolution of the position around its time, the difference between two polynomial
+fits, and the uncertainties of steady state and held position. A time at the level ``L = s + share (x_0 - s)`` has the
+uncertainty ``u(x - L) / |x'|``.
 """
 
 from dataclasses import dataclass
@@ -25,41 +25,41 @@ from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.rules import ReleaseRules, load_rules
 
 REST = 3.0
-"""A control has come to rest when it has stayed in the residual band for so many times its way from 0.9 to 0.1 Ad: half a
-period and more of any column that still swings."""
+"""Settling criterion: time in the residual band as a multiple of the fall time from 0.9 to 0.1 Ad, at least half a period of a
+swinging column."""
 
 _REACH = 0.35
-"""Share of the way from 0.9 to 0.1 Ad over which noise is smoothed, to each side: 0.06 of a period of a column that swings."""
+"""Half width of the smoothing as a share of the fall time from 0.9 to 0.1 Ad: 0.06 of a period of a swinging column."""
 _QUIET = 1e-7
-"""Noise, as a share of Ad, below which nothing is smoothed."""
+"""Noise, as a share of Ad, below which the position is not smoothed."""
 _WIDER = 3.5
-"""Steps over which a record without noise is fitted a second time."""
+"""Half width, in steps, of the second fit of a noise-free record."""
 _PASSED = 4.0
-"""Standard deviations of the noise beyond zero at which the control has passed it."""
+"""Hysteresis of a zero crossing, in standard deviations of the noise."""
 _COVERAGE = 2.0
 """Standard uncertainties within which an overshoot may be on either side of the residual band."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReleaseFeatures:
-    """What the dynamic tests compare.
+    """Features that the dynamic tests compare.
 
     Attributes:
-        name: Of the record.
-        release_s: When it was let go.
-        steady: Where it came to rest.
-        displacement: Ad with its sign: held position less steady state.
-        fall_time: From 0.9 Ad to 0.1 Ad.
-        rise_time: From the release to 90 % of the steady value.
-        cycles: P0, P1, P2, ..., as far as they are there.
-        overshoots: A1, A2, ..., sizes, also those within the residual band.
-        overshoot_times_s, crossing_times_s: When they are.
-        count: Overshoots above the residual band.
-        count_range: Least and largest count that the uncertainties leave open.
+        name: Name of the record.
+        release_s: Time of the release.
+        steady: Steady state.
+        displacement: Ad with its sign: held position minus steady state.
+        fall_time: Time from 0.9 Ad to 0.1 Ad.
+        rise_time: Time from the release to 90 % of the steady value.
+        cycles: P0, P1, P2, ..., as many as exist.
+        overshoots: Sizes of A1, A2, ..., including those within the residual band.
+        overshoot_times_s, crossing_times_s: Times of overshoots and zero crossings.
+        count: Number of overshoots above the residual band.
+        count_range: Least and largest count within the uncertainties.
         settled: Whether it came to rest.
-        settled_s: When it entered the residual band for good.
+        settled_s: Time from which it stays in the residual band.
         band: Residual band, in the position's unit.
-        noise, resolution: Of the position, in its unit.
+        noise, resolution: Noise and resolution of the position, in its unit.
         position_unit: ``rad`` or ``m``.
     """
 
@@ -84,11 +84,11 @@ class ReleaseFeatures:
 
     @property
     def underdamped(self) -> bool:
-        """Whether it overshoots by more than the residual band: what does not is judged by its way back."""
+        """Whether it overshoots by more than the residual band; otherwise fall time or rise time is compared."""
         return self.count > 0
 
     def aligned(self, record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Time from the release, s, and position from the steady state as a share of Ad, for plots over each other."""
+        """Time from the release, s, and position from the steady state as a share of Ad, for comparison plots."""
         return record.time_s - self.release_s.value, (record.position - self.steady.value) / self.displacement.value
 
 
@@ -98,15 +98,15 @@ def measure_release(
     """The features of a release.
 
     Args:
-        record: Held, let go and at rest again; 50 samples a second at least. The first sample may be the release, and the way to
-            the held position may stand before it.
-        rules: Residual band and shares of Ad; those of the default edition if left out.
-        tail: Share of the record after the release, at its end, over which the steady state is the mean.
-        settle_check: Refuse a record that does not come to rest; else measure whatever is there, ``settled`` says it.
+        record: Record of a control that is held, released and comes to rest, with at least 50 samples a second. The first
+            sample may be the release; motion to the held position may precede it.
+        rules: Residual band and shares of Ad. Default: those of the default edition.
+        tail: Share of the record after the release, at its end, whose mean is the steady state.
+        settle_check: Refuse a record that does not come to rest; otherwise ``settled`` states it.
 
     Raises:
-        InputError: With the record's name and a time: too few samples a second, no release or more than one,
-            clipped, ends before its first zero crossing or before it rests.
+        InputError: With the record's name and a time: too few samples a second, no release or more than one, clipped, or
+            ends before its first zero crossing or before it comes to rest.
 
     Example:
         >>> import forcefeel as ff
@@ -130,20 +130,20 @@ def measure_release(
 
 
 class _Measured:
-    """A record as the kernel measured it."""
+    """Measurement of a record by the kernel."""
 
     def __init__(self, record: Record, let_go: LetGo, rules: ReleaseRules) -> None:
         self.record, self.let_go, self.rules = record, let_go, rules
         resolution = record.position_resolution / np.sqrt(12)
         noise = record.position_noise
         self.white = combined(noise, resolution)
-        # Noise of half a step carries a mean below the step; without it a step is off for all samples alike.
+        # With noise above half a step, a mean resolves less than a step; without it all samples share one error.
         self.stuck = resolution if noise < 0.5 * record.position_resolution else 0.0
         rough = self._kernel(0.0)
         fall_time = float(rough[0, COLUMNS["low"].start] - rough[0, COLUMNS["high"].start])
         quiet = self.white < _QUIET * abs(let_go.displacement)
         self.detail = rough if quiet or not fall_time > 0 else self._kernel(_REACH * fall_time)
-        # What six samples say and what more of them say differs by what a polynomial cannot follow.
+        # The difference between fits of six and of more samples estimates the error of the polynomial.
         other = self._kernel(_WIDER * record.step_s)[0] if quiet else self.detail[0]
         values = self.detail[0]
         self.spread = np.nan_to_num(np.abs(other - values))
@@ -174,7 +174,7 @@ class _Measured:
         return bool(self.record.time_s[-1] - at >= REST * fall_time)
 
     def why_not_settled(self) -> str:
-        """A sentence with the record and the time at which it ends."""
+        """A sentence with the record's name and its end."""
         end, release = float(self.record.time_s[-1]), self.let_go.time_s
         # Any record crosses the mean of its own tail.
         crossed = self.detail[0, COLUMNS["crossings"].start] < self.record.time_s[-self.let_go.tail]
@@ -182,21 +182,21 @@ class _Measured:
         return (
             f"{self.record.name}: ends at {end:.6g} s, {end - release:.4g} s after the release, {what}; expected it to "
             f"stay within {100 * self.rules.residual_band:g} % of the initial displacement around its steady state for "
-            f"{REST:g} times its way from {self.rules.high:g} Ad to {self.rules.low:g} Ad, at the end; record for longer"
+            f"{REST:g} times its fall time from {self.rules.high:g} Ad to {self.rules.low:g} Ad; record for longer"
         )
 
     def _at(self, column: int, share: float) -> tuple[float, float, float, float]:
-        """An instant at ``share`` of Ad: its time, what is its own in its uncertainty, and per steady state and held position."""
+        """Time at ``share`` of Ad, its own uncertainty, and its sensitivities to steady state and held position."""
         time, slope, noise, last_term = self.detail[:, column].tolist()
         own = combined(self.white * noise, last_term, self.stuck) / abs(slope)
-        if not np.isfinite(own):  # a straight line between two samples that is no polynomial's
+        if not np.isfinite(own):  # linear interpolation between two samples, without a polynomial
             own = self.record.step_s / np.sqrt(12)
             slope = np.inf
         own = combined(own, self.spread[column])
         return time, own, (1 - share) / slope, share / slope
 
     def _lasted(self, begin: int, begin_share: float, end: int, end_share: float) -> Figure:
-        """The time from one instant to another; what is common to both is so in its uncertainty."""
+        """Time between two instants, with correlated parts of their uncertainties."""
         t0, own0, steady0, held0 = self._at(begin, begin_share)
         t1, own1, steady1, held1 = self._at(end, end_share)
         uncertainty = combined(own0, own1, (steady1 - steady0) * self.u_steady, (held1 - held0) * self.u_held)

@@ -1,4 +1,4 @@
-"""Features of many releases at once, by the kernel that measures one."""
+"""Features of many releases at once, by the kernel that measures single releases."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +18,12 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ReleaseBatch:
-    """Features of releases, a row for each; not a number where there is none.
+    """Features of releases, a row for each; NaN where a feature does not exist.
 
     Attributes:
-        values: What the kernel measured, (runs, features).
-        release_s: When all were let go, s.
-        end_s: When the records end, s.
+        values: Features from the kernel, (runs, features).
+        release_s: Time of all releases, s.
+        end_s: End of the records, s.
         band: Residual band, as a share of the displacement.
     """
 
@@ -79,18 +79,18 @@ class ReleaseBatch:
 
     @property
     def settled_s(self) -> _Array:
-        """When each entered the residual band for good (runs,), s."""
+        """Times from which the runs stay in the residual band (runs,), s."""
         return self._column("settled")
 
     @property
     def measured(self) -> NDArray[np.bool_]:
-        """Which are made of finite numbers and move (runs,)."""
+        """Whether each run is finite and moves (runs,)."""
         moves: NDArray[np.bool_] = np.logical_and(np.isfinite(self.displacement), self.displacement != 0)
         return moves
 
     @property
     def settled(self) -> NDArray[np.bool_]:
-        """Which came to rest: in the residual band for three times the way from 0.9 Ad to 0.1 Ad, at the end (runs,)."""
+        """Whether each run came to rest: in the residual band for three fall times at its end (runs,)."""
         with np.errstate(invalid="ignore"):
             rested = self.end_s - self.settled_s >= REST * self.fall_time_s
         rests: NDArray[np.bool_] = np.logical_and(self.measured, rested)
@@ -109,18 +109,18 @@ def measure_releases(
     """The features of many releases without noise, such as simulated ones.
 
     Args:
-        time_s: Times of the samples (samples,), s, rising; the same for all.
-        position: Positions (runs, samples); memory in that order is read as it lies.
-        held: Samples at the start in which the control is held; it is free from the last of them on.
-        tail: Share of the free samples, at the end, over which the steady state is the mean.
-        rules: Residual band and shares of Ad; those of the default edition if left out.
-        threads: On how many; all cores if left out.
+        time_s: Times of the samples (samples,), s, increasing; the same for all.
+        position: Positions (runs, samples); an array in C order is not copied.
+        held: Number of held samples at the start; the control is free from the last of them on.
+        tail: Share of the free samples, at the end, whose mean is the steady state.
+        rules: Residual band and shares of Ad. Default: those of the default edition.
+        threads: Number of threads. Default: all cores.
 
     Returns:
-        The features. A run that is not made of finite numbers, or does not move, has none: ``measured`` says which.
+        The features. A run that is not finite or does not move has none; see ``measured``.
 
     Raises:
-        InputError: If the shapes do not fit, the times do not rise, or there are too few samples.
+        InputError: If the shapes do not match, the times do not increase, or there are too few samples.
 
     Example:
         >>> import forcefeel as ff

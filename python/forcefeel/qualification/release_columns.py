@@ -1,4 +1,4 @@
-"""Where each group of features stands in the rows of the Rust kernel."""
+"""Columns of the feature groups in the rows of the Rust kernel."""
 
 from itertools import accumulate
 

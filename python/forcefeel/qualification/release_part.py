@@ -1,4 +1,4 @@
-"""The part of a record with its release: a session has the way to the held position before it, and may have more than one."""
+"""The part of a record with its release; motion to the held position may precede it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,28 +8,28 @@ from forcefeel.errors import InputError
 from forcefeel.qualification.records import Record
 
 _TAIL = 0.1
-"""Share of a record at its end over which its steady state is the mean."""
+"""Share of a record at its end whose mean is the steady state."""
 _BEYOND = 1.25
-"""A control that is let go never goes farther from its steady state than it was held, by the wander of a hand."""
+"""Largest excursion of a released control, in held displacements, with the wander of a hand."""
 _STILL_S = 0.3
-"""For so long a control is still that is held or rests; what swings is so near to its turn for less, from 0.5 Hz on."""
+"""Least time at rest of a held or settled control; a swing above 0.5 Hz stays near its turning point for less."""
 _BAND = 0.05
-"""Share of the farthest position within which a control is still."""
+"""Band within which a control is at rest, as a share of the farthest position."""
 _NOISE = 12.0
-"""Standard deviations of noise from its lowest to its highest value."""
+"""Peak-to-peak noise in standard deviations."""
 _AWAY = 0.25
-"""Share of the farthest position beyond which a control that is still is held off its steady state."""
+"""Share of the farthest position beyond which a control at rest is held."""
 _PASSED = 0.1
-"""Of the held position: there the way back is over."""
+"""Share of the held displacement at which the fall ends."""
 _HELD_S = 0.5
-"""Of the time that it is held so much is kept: its level there is the held position, without the last of the way to it."""
+"""Held time that is kept before the release; its mean is the held position."""
 
 
 def release_part(record: Record) -> Record:
-    """The record from the end of its hold on; one that begins in the hold, or says when it was let go, as it is.
+    """The record from the end of its hold on; unchanged if it begins held or its release time is known.
 
     Raises:
-        InputError: If the control is held and let go more than once, with the times.
+        InputError: If there is more than one release, with the times.
     """
     x, t = record.position, record.time_s
     away = np.abs(x - float(np.mean(x[-max(int(_TAIL * len(x)), 1) :])))
@@ -44,17 +44,17 @@ def release_part(record: Record) -> Record:
     if len(holds) > 1:
         at = ", ".join(f"{t[last]:.4g} s" for _, last in holds)
         raise InputError(
-            f"{record.name}: is let go {len(holds)} times, about {at}; expected one release; take one by the argument between_s"
+            f"{record.name}: has {len(holds)} releases, about {at}; expected one; select it with the argument between_s"
         )
     if not holds:
         return record
     begin, last = holds[0]
-    # The filters look half of their time to either side.
+    # The filters are centered.
     return record.between(max(float(t[begin]), float(t[min(last + samples // 2, len(t) - 1)]) - _HELD_S), float(t[-1]))
 
 
 def _holds(held: NDArray[np.bool_], rests: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last sample of each stretch that is held and after which the control rests next."""
+    """First and last sample of each hold that is followed by rest."""
     still = np.flatnonzero(held | rests)
     lasts = still[:-1][held[still[:-1]] & rests[still[1:]]]
     moving = np.flatnonzero(~held)
@@ -63,6 +63,6 @@ def _holds(held: NDArray[np.bool_], rests: NDArray[np.bool_]) -> list[tuple[int,
 
 
 def _is_hold(away: NDArray[np.float64], begin: int, last: int) -> bool:
-    """Whether a control is still for as long as its way takes then, which one that turns round slowly is not."""
+    """Whether a control is at rest for at least its fall time; a slow turning point is not a hold."""
     samples = int(np.argmax(away[last:] < _PASSED * away[last]))
     return last - begin >= samples

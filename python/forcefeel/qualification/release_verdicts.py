@@ -1,4 +1,4 @@
-"""The dynamic tests: a release against the reference's, quantity by quantity."""
+"""The dynamic tests: comparison of a release with the reference, by quantity."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -12,7 +12,7 @@ from forcefeel.qualification.verdicts import COVERAGE, Outcome, Row, Verdict
 from forcefeel.units import UnitSystem, show
 
 Overdamped = Literal["fall time", "rise time"]
-"""What a response without overshoots is judged by: the way from 0.9 to 0.1 Ad, or the time to 90 % of the steady value."""
+"""Quantity compared for a response without overshoots: time from 0.9 to 0.1 Ad, or to 90 % of the steady value."""
 
 
 def judge_release(
@@ -25,24 +25,26 @@ def judge_release(
     system: UnitSystem = UnitSystem.US,
     coverage: float = COVERAGE,
 ) -> tuple[Verdict, ...]:
-    """Verdicts on a release; steady states are aligned, since all quantities are taken from each record's own.
+    """Verdicts on a release; all quantities are relative to each record's own steady state.
 
-    The reference says what is compared. If it overshoots by more than the residual band: P0, the full cycles at whose end an
-    overshoot above the band lies (later ones are after the last significant overshoot), as far as they may be off by less than
-    themselves, and every overshoot above the band, up to the sixteenth. If not: the way back. In both cases the number of
-    overshoots, and the steady state, by the way there from the held position.
+    The reference determines the compared quantities:
+
+    - It overshoots by more than the residual band: P0; the full cycles that end at an overshoot above the band and whose
+      tolerance is below the cycle itself; every overshoot above the band, up to the sixteenth.
+    - It does not: fall time or rise time, as ``overdamped`` selects.
+    - In both cases: number of overshoots, and displacement from the held position to the steady state.
 
     Args:
         measured: Features of the record.
-        reference: Of what it is held against.
+        reference: Features of the reference.
         test: A release test of a rule.
         travel: Total travel of the control, in the position's unit, where a tolerance is a share of it.
-        overdamped: What a reference without overshoots is judged by.
-        system: Which of the rule's roundings of a force holds.
-        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+        overdamped: Quantity compared where the reference has no overshoot.
+        system: Unit system that selects the rule's rounding of forces.
+        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
-        InputError: If the records are of other quantities or go opposite ways, or the test is no release test.
+        InputError: If the records differ in unit or direction, or the test is not a release test.
 
     Example:
         >>> import forcefeel as ff
@@ -65,7 +67,7 @@ def check_same_way(measured: ReleaseFeatures, reference: ReleaseFeatures) -> Non
     """Refuses two releases that cannot be compared.
 
     Raises:
-        InputError: If one is of an angle and the other of a length, or they are let go on opposite sides.
+        InputError: If one is an angle and the other a length, or they are released on opposite sides.
     """
     if measured.position_unit != reference.position_unit:
         came = f"{measured.name} is in {measured.position_unit}, {reference.name} in {reference.position_unit}"
@@ -155,7 +157,7 @@ class _Judging:
             if first_apart and (k == 0) is not (rule.quantity == "A1"):
                 continue
             known, fades = k < len(self.measured.overshoots), ""
-            # One that is no longer looked for is far within the residual band.
+            # An overshoot that was not sought any more is far within the residual band.
             measured = (
                 self.measured.overshoots[k] if known else Figure(0.0, self.measured.steady.uncertainty, reference.unit)
             )

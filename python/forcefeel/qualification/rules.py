@@ -1,4 +1,4 @@
-"""The qualification rules: tables in ``data/rules``, a file for each edition, which check their own laws when read."""
+"""The qualification rules: one table for each edition in ``data/rules``, validated when read."""
 
 import tomllib
 from functools import cache
@@ -34,14 +34,14 @@ _QUANTITIES: dict[Kind, frozenset[str]] = {
 
 
 class ReleaseRules(BaseModel):
-    """How a free response is made and read.
+    """Settings of a free response.
 
     Attributes:
-        deflection: Least and largest share of full throw, or of the allowed deflection, from which it is let go.
+        deflection: Least and largest initial share of full throw, or of the allowed deflection.
         residual_band: Share of the initial displacement; only overshoots above it count.
-        high, low: Shares of the initial displacement between which the way back is timed.
-        source: Where it stands.
-        verified: Whether a person has held it against the document.
+        high, low: Shares of the initial displacement that define the fall time.
+        source: Section of the document.
+        verified: Whether it is verified against the document.
     """
 
     model_config = STRICT
@@ -62,7 +62,7 @@ class ReleaseRules(BaseModel):
 
 
 class Sweep(BaseModel):
-    """How long one of the three sweeps of the alternate method lasts, s."""
+    """Duration of one of the three sweeps of the alternate method, s."""
 
     model_config = STRICT
 
@@ -82,17 +82,17 @@ class Test(BaseModel):
     """One test of a rule.
 
     Attributes:
-        number: As the rule counts it.
-        name: What it compares.
-        kind: How it is measured.
-        axis: Which control.
-        conditions: Under which it is made.
-        tolerances: Of each quantity.
-        source: Where it stands.
-        verified: Whether a person has held its row against the document; tolerances can say otherwise of themselves.
+        number: Number in the rule.
+        name: Title in the rule.
+        kind: Method of measurement.
+        axis: The control.
+        conditions: Required conditions.
+        tolerances: Tolerance of each quantity.
+        source: Section of the document.
+        verified: Whether its row is verified against the document; a tolerance can override it.
     """
 
-    __test__ = False  # no test for pytest to collect
+    __test__ = False  # not a test for pytest to collect
 
     model_config = STRICT
 
@@ -114,15 +114,15 @@ class Test(BaseModel):
         if strangers := names - _QUANTITIES[self.kind]:
             raise ValueError(f"test {self.number}: a {self.kind} test measures no {', '.join(sorted(strangers))}")
         if missing := {tolerance.instead_of for tolerance in self.tolerances if tolerance.instead_of} - names:
-            raise ValueError(f"test {self.number}: there is no {', '.join(map(str, missing))} to stand in for")
+            raise ValueError(f"test {self.number}: instead_of: no tolerance of {', '.join(map(str, missing))}")
         return self
 
     def tolerance(self, quantity: str) -> Tolerance | None:
-        """The tolerance of a quantity; ``None`` if the test compares none."""
+        """The tolerance of a quantity; ``None`` if the test does not compare it."""
         return next((tolerance for tolerance in self.tolerances if tolerance.quantity == quantity), None)
 
     def is_verified(self, tolerance: Tolerance) -> bool:
-        """Whether a person has held one of its tolerances against the document."""
+        """Whether one of its tolerances is verified against the document."""
         return self.verified if tolerance.verified is None else tolerance.verified
 
 
@@ -131,8 +131,8 @@ class Rules(BaseModel):
 
     Attributes:
         id: Name of its file.
-        title, edition, category: The document, which edition, and for which aircraft.
-        release: How free responses are made and read.
+        title, edition, category: Document, edition and aircraft category.
+        release: Settings of free responses.
         sweeps: The sweeps of the alternate method.
         tests: Its tests.
 
@@ -163,7 +163,7 @@ class Rules(BaseModel):
 
     @property
     def verified(self) -> bool:
-        """Whether a person has held all that it says against the document."""
+        """Whether all its rows are verified against the document."""
         rows = [test.is_verified(tolerance) for test in self.tests for tolerance in test.tolerances]
         return all(rows) and self.release.verified and all(sweep.verified for sweep in self.sweeps)
 
@@ -171,7 +171,7 @@ class Rules(BaseModel):
         """The test of that number.
 
         Raises:
-            InputError: If there is none.
+            InputError: If there is no such test.
         """
         for test in self.tests:
             if test.number == number:
@@ -183,7 +183,7 @@ class Rules(BaseModel):
         """The test of that kind for that axis.
 
         Raises:
-            InputError: If the rule has none.
+            InputError: If the rule has no such test.
         """
         for test in self.tests:
             if (test.kind, test.axis) == (kind, axis):
@@ -202,7 +202,7 @@ def _folder() -> Traversable:
 
 @cache
 def editions() -> tuple[str, ...]:
-    """Names of the editions there are tables of.
+    """Names of the available editions.
 
     Example:
         >>> import forcefeel as ff
@@ -231,10 +231,10 @@ def load_rules(edition: str = DEFAULT_EDITION) -> Rules:
 
 
 def parse_rules(text: str, name: str) -> Rules:
-    """Rules from the text of a table; ``name`` is what a message says and what ``id`` must be.
+    """Rules from the text of a table; ``name`` is used in messages and must equal ``id``.
 
     Raises:
-        InputError: If it is not TOML or breaks a law of the tables, with each.
+        InputError: If the text is not TOML or the table is invalid, with every fault.
     """
     try:
         table = tomllib.loads(text)
@@ -243,7 +243,7 @@ def parse_rules(text: str, name: str) -> Rules:
             table = {"release": like.release, "sweeps": like.sweeps, "tests": like.tests} | table
         rules = Rules.model_validate(table)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{name}: is no TOML ({error})") from error
+        raise InputError(f"{name}: is not TOML ({error})") from error
     except ValidationError as error:
         problems = (
             f"{name}: {'.'.join(map(str, detail['loc'])) or 'rules'}: {detail['msg']}" for detail in error.errors()

@@ -1,14 +1,14 @@
-"""The force of a sweep without what its motion takes: what it would take to go ever so slowly.
+"""The static force of a sweep: its force minus damping and inertia.
 
-``F`` force · ``x`` position, ``v`` and ``a`` its speed and acceleration · ``S(x)`` spring · ``F_c`` friction · ``B`` damping ·
-``I`` inertia, both as the grip feels them
+``F`` force · ``x`` position, ``v`` and ``a`` its speed and acceleration · ``S(x)`` spring · ``F_c`` friction · ``B`` damping and
+``I`` inertia at the grip
 
-``F = S(x) + F_c sgn v + B v + I a``. At a position that is passed both ways the spring is the same, and half the width of the loop
-is ``(F_up - F_down) / 2 = F_c + B (v_up - v_down) / 2 + I (a_up - a_down) / 2``. Friction is the same over the middle of the
-travel, and the motion is not: a sweep slows down at its stops and passes neutral twice, each time at another speed. So B and I
-follow from the width by least squares, in which places where the loop is not that count less: knees, and where the control sticks.
+``F = S(x) + F_c sgn v + B v + I a``. The spring is the same in both directions, so half the width of the loop is
+``(F_up - F_down) / 2 = F_c + B (v_up - v_down) / 2 + I (a_up - a_down) / 2``. Over the middle of the travel friction is constant
+and speed is not: a sweep slows down at its stops and passes neutral at two speeds. B and I follow from the width by robust least
+squares, which gives less weight to knees and to positions where the control sticks.
 
-A sweep of one speed throughout does not tell damping from friction: its friction is that at its speed.
+At constant speed, damping and friction are inseparable: the estimated friction is that at this speed.
 """
 
 import math
@@ -21,23 +21,23 @@ from forcefeel.qualification.records import Record
 from forcefeel.qualification.sweep_curves import Legs
 
 MIDDLE = 0.8
-"""Share of the travel, around its middle, over which friction is read."""
+"""Share of the travel, around its middle, over which friction is estimated."""
 _SPEED_KNOWN = 0.02
-"""Of the mean speed: what noise may leave of a speed."""
+"""Allowed noise of a speed, as a share of the mean speed."""
 _LONGEST = 0.02
-"""Share of a record over which a speed is read at most."""
+"""Longest window of a speed, as a share of the record."""
 _MOVES = 1e-3
 """Share of the mean speed below which a control sticks."""
-_TOLD_APART = 0.05
-"""Share by which the speed differs over the travel, from which on it is told from friction."""
+_SEPARABLE = 0.05
+"""Relative variation of the speed over the travel above which damping and friction are separable."""
 _SURE = 4.0
-"""Standard errors of B and I from which on there are any."""
+"""Least B and I in standard errors; smaller estimates are set to zero."""
 _ROUNDS = 50
-"""Of least squares with new weights: half of them towards the least sum of magnitudes."""
+"""Iterations of reweighted least squares; the first half minimizes the sum of magnitudes."""
 _FAR = 3.0
-"""Usual deviations from which on a place counts little."""
+"""Robust scale, in standard deviations, above which a residual has little weight."""
 _ROUNDING = 1e-12
-"""Of the largest force."""
+"""Rounding, as a share of the largest force."""
 
 _Array = NDArray[np.float64]
 _Mask = NDArray[np.bool_]
@@ -45,13 +45,13 @@ _Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class StaticForce:
-    """The force of a sweep without what its motion takes.
+    """The static force of a sweep.
 
     Attributes:
-        force_n: Of each sample (samples,).
-        moving: Samples at which the control goes where it has not been on its leg (samples,): where it sticks, friction is any, and
-            where it comes back, a hysteresis is.
-        uncertainty_n: Standard uncertainty of what was taken off at the usual speed.
+        force_n: Static force of each sample (samples,).
+        moving: Samples at which the control advances on its leg (samples,); friction is undefined where it sticks, and
+            hysteresis where it moves back.
+        uncertainty_n: Standard uncertainty of the subtracted force at the median speed.
     """
 
     force_n: _Array
@@ -60,18 +60,18 @@ class StaticForce:
 
 
 def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
-    """Takes damping and inertia off the force of a sweep.
+    """Subtracts damping and inertia from the force of a sweep.
 
     Args:
         record: The sweep.
         force: Its force, N (samples,).
-        legs: Its ways.
+        legs: Its legs.
     """
     mean_speed = 2 * float(np.ptp(record.position)) / record.duration_s
     speed, acceleration, reach = _motion(record, mean_speed)
     direction = legs.directions[0].astype(float) - legs.directions[1]
     sticks = speed * direction <= _MOVES * mean_speed
-    # What was read across a sample at which it sticks is the motion of neither.
+    # A speed whose window includes a sticking sample is invalid.
     moving = ~np.convolve(sticks, np.ones(2 * reach + 3), "same").astype(bool) & _new_ground(legs)
     grid = legs.grid
     middle = np.abs(grid - (grid[0] + grid[-1]) / 2) <= MIDDLE / 2 * (grid[-1] - grid[0])
@@ -79,7 +79,7 @@ def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
     known = middle & np.all(np.isfinite(halves), axis=0)
     width, v, a = (half[known] for half in halves)
     taken, uncertainty = np.zeros(2), 0.0
-    if len(v) > 4 and np.std(v) > _TOLD_APART * np.sqrt(np.mean(v**2)):
+    if len(v) > 4 and np.std(v) > _SEPARABLE * np.sqrt(np.mean(v**2)):
         for terms in (np.column_stack([v, a]), v[:, np.newaxis]):
             coefficients, errors = _robust(np.column_stack([np.ones_like(v), terms]), width)
             if coefficients[1] > 0 and coefficients[-1] > _SURE * errors[-1]:
@@ -90,7 +90,7 @@ def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
 
 
 def _new_ground(legs: Legs) -> _Mask:
-    """Samples at which a leg has come farther than before."""
+    """Samples at which a leg advances beyond its earlier positions."""
     x, new_ground = legs.position, np.empty(len(legs.position), dtype=bool)
     first, other = legs.turns
     for leg in (slice(None, first + 1), slice(first + 1, other + 1), slice(other + 1, None)):
@@ -100,7 +100,7 @@ def _new_ground(legs: Legs) -> _Mask:
 
 
 def _motion(record: Record, mean_speed: float) -> tuple[_Array, _Array, int]:
-    """Speed and acceleration of the samples, by a parabola through as many neighbours as noise asks for; how many to a side."""
+    """Speed and acceleration by a moving parabola whose window depends on noise, and its half width in samples."""
     from scipy.signal import savgol_filter  # noqa: PLC0415  only here
 
     h, x = record.step_s, record.position
@@ -118,9 +118,9 @@ def _motion(record: Record, mean_speed: float) -> tuple[_Array, _Array, int]:
 
 
 def _robust(terms: _Array, width: _Array) -> tuple[_Array, _Array]:
-    """Coefficients of the terms by least squares in which what is far off counts little, and their standard errors.
+    """Coefficients of the terms by robust least squares, and their standard errors.
 
-    Neighbouring places miss alike where it is no noise that they miss; they count as so many fewer.
+    Systematic residuals are correlated between neighbors; the correlation enlarges the standard errors.
     """
     scale = np.max(np.abs(terms), axis=0)
     terms, weights = terms / scale, np.ones(len(width))

@@ -1,6 +1,6 @@
-"""A static sweep of a control: neutral, stop, opposite stop, neutral, with the force that it takes.
+"""A static sweep of a control: neutral, stop, opposite stop, neutral, with its force.
 
-``F_up``, ``F_down`` force while the position rises and falls · ``M = (F_up + F_down) / 2`` what the spring takes ·
+``F_up``, ``F_down`` force while the position rises and falls · ``M = (F_up + F_down) / 2`` spring force ·
 ``(F_up - F_down) / 2`` friction, half the width of the loop
 """
 
@@ -20,41 +20,41 @@ from forcefeel.qualification.static_force import MIDDLE, StaticForce, static_for
 from forcefeel.qualification.sweep_curves import Legs
 
 _SIDE = (0.02, 0.20)
-"""Shares of the travel from neutral between which the gradient of a side is read."""
+"""Shares of the travel from neutral between which the gradient of a side is fitted."""
 _ONSET = (0.03, 0.15)
-"""Shares of the largest spring force between which the spring's line is laid back to where its force begins."""
+"""Shares of the largest spring force between which the spring's line is fitted and extrapolated to zero force."""
 _ONWARD = 0.01
-"""Share of the travel beyond a deadband's end from which the gradient of a side is read."""
+"""Distance beyond a deadband's end at which the gradient fit begins, as a share of the travel."""
 _SIDES = (-1.0, 1.0)
 """Below and above neutral."""
 _SURE = 3.0
-"""Standard uncertainties of a force within which it may be none, or no other."""
+"""Standard uncertainties within which a force equals zero or another force."""
 _AFTER = 9
-"""Samples after the first move that say whether the force falls."""
+"""Samples after the first motion that show whether the force falls."""
 
 _Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class SweepFeatures:
-    """What the static tests compare. Positions in rad or m, forces in N.
+    """Features that the static tests compare; positions in rad or m, forces in N.
 
     Attributes:
-        name: Of the record.
+        name: Name of the record.
         position: Grid of positions (points,), from stop to stop.
-        force_up_n, force_down_n: Force while the position rises and falls (points,); not a number where it was not.
-        surface_up_rad, surface_down_rad: The same of the surface; ``None`` if it was not recorded.
+        force_up_n, force_down_n: Force while the position rises and falls (points,); NaN where it was not covered.
+        surface_up_rad, surface_down_rad: Surface position likewise; ``None`` if it was not recorded.
         friction_curve_n: Half the loop's width (points,).
         force_uncertainty_n: Standard uncertainty of a point of the curves.
-        breakout_low, breakout_high: Force at which the control moves off neutral, below and above it.
+        breakout_low, breakout_high: Force at which the control leaves neutral, below and above it.
         friction: Median of half the loop's width over the middle of the travel.
-        freeplay: Travel around neutral over which the spring takes no force.
-        centring: Largest distance from neutral at which the control rests without a force, coming from either side.
+        freeplay: Travel around neutral without spring force.
+        centring: Largest distance from neutral at which the control rests without force, from either side.
         gradient: Slope of the spring force near neutral, mean of both sides.
-        gradient_low, gradient_high: Of the side below and above neutral.
-        neutral: Where it began.
+        gradient_low, gradient_high: Slope below and above neutral.
+        neutral: Position at the start.
         stops: Lowest and highest position.
-        duration_s: How long the sweep took.
+        duration_s: Duration of the sweep.
         position_unit: ``rad`` or ``m``.
     """
 
@@ -80,7 +80,7 @@ class SweepFeatures:
     position_unit: PositionUnit
 
     def breakout(self, side: Literal["positive", "negative"]) -> Figure:
-        """Force at which the control moves off neutral, above or below it."""
+        """Force at which the control leaves neutral, above or below it."""
         return self.breakout_high if side == "positive" else self.breakout_low
 
 
@@ -88,11 +88,11 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
     """The features of a sweep to both stops.
 
     Args:
-        record: Begins at neutral, goes to one stop, to the other and back, with the force.
-        points: Positions at which the curves are given; samples between two of them are averaged.
+        record: Sweep from neutral to one stop, the other stop and back, with force.
+        points: Number of positions of the curves; samples around each are averaged.
 
     Raises:
-        InputError: With the record's name and a time: no force, no way to both sides, a direction that is missing.
+        InputError: With the record's name and a time: no force, no travel to both sides, or a missing direction.
 
     Example:
         >>> import forcefeel as ff
@@ -104,9 +104,7 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         'SweepFeatures'
     """
     if record.force_n is None:
-        raise InputError(
-            f"{record.name}: expected a force beside the position; record it, or name its column 'force (N)'"
-        )
+        raise InputError(f"{record.name}: expected a force for the position; record it, or name its column 'force (N)'")
     if not 21 <= points <= 10_001:
         raise InputError(f"points: expected 21 to 10001, got {points}")
     legs = Legs.of(record, points)
@@ -151,8 +149,7 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
 def _breakouts(record: Record, static: StaticForce, legs: Legs) -> list[Figure]:
     """The force at which the control leaves neutral, below and above it.
 
-    Static friction adds as much to the one side as to the other, and shows where the control leaves neutral from rest: the other
-    side it passes in motion.
+    Static friction adds equally to both sides. It is visible only on the side where the control leaves neutral from rest.
     """
     known = [_built_up(record, static, legs, sign) for sign in _SIDES]
     away = _breakaway(record, static, legs, known)
@@ -163,7 +160,7 @@ def _breakouts(record: Record, static: StaticForce, legs: Legs) -> list[Figure]:
 
 
 def _near(static: StaticForce, legs: Legs, sign: float) -> tuple[_Array, _Array]:
-    """Distance from neutral and force away from it of the samples on the way out to a side, from where the control is off it."""
+    """Distance from neutral, and force away from it, of the samples near neutral on the way out to a side."""
     first, (turn, other) = legs.moved, legs.turns
     out = sign * (legs.position - legs.neutral)
     leg = slice(first, turn + 1) if out[turn] > 0 else slice(turn, other + 1)
@@ -177,8 +174,8 @@ def _built_up(record: Record, static: StaticForce, legs: Legs, sign: float) -> F
 
 
 def _breakaway(record: Record, static: StaticForce, legs: Legs, known: Sequence[Figure]) -> Figure:
-    """What held the control at rest beyond what has built up: the force falls as it breaks away."""
-    assert record.force_n is not None  # it is measured as a sweep
+    """Static friction at rest beyond the built-up force, which falls as the control breaks away."""
+    assert record.force_n is not None  # a sweep has a force
     above = bool(legs.position[legs.turns[0]] > legs.neutral)
     sign, built_up = _SIDES[above], known[above]
     last, first = (sign * float(record.force_n[legs.moved - back]) for back in (1, 0))
@@ -199,7 +196,7 @@ def _median(values: _Array, each: float) -> Figure:
 
 
 def _side(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: float, unit: PositionUnit) -> Figure:
-    """Slope of the spring force on one side of neutral, beyond the breakout that has built up and a deadband."""
+    """Slope of the spring force on one side of neutral, beyond breakout and deadband."""
     x, travel = legs.grid, legs.grid[-1] - legs.grid[0]
     off = sign * (x - legs.neutral)
     begin, _ = _begin(legs, spring, known_n, sign, max(built_up_n, 0.0))
@@ -210,7 +207,7 @@ def _side(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: f
 
 
 def _begin(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: float = 0.0) -> tuple[float, float]:
-    """Where the line of a side's spring force begins, its distance from neutral, and its standard deviation."""
+    """Distance from neutral at which a side's spring force begins, and its standard deviation."""
     known = np.isfinite(spring)
     most = float(np.max(np.abs(spring[known]), initial=0.0))
     size, off = sign * spring - built_up_n, sign * (legs.grid - legs.neutral)
@@ -218,13 +215,13 @@ def _begin(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: 
     beyond = known & (off > 0) & (size > onset)
     begins_at = float(np.min(size[beyond], initial=np.inf))
     rising = beyond & (size <= begins_at + (_ONSET[1] - _ONSET[0]) * most)
-    # Position over force: where the force is nothing.
+    # Position over force, extrapolated to zero force.
     begin, _, deviation, _ = _line(size[rising], off[rising])
     return begin, deviation
 
 
 def _freeplay(legs: Legs, spring: _Array, known_n: float, unit: PositionUnit) -> Figure:
-    """Between where the lines of both sides begin; nothing where they meet before, as with a spring that is preloaded."""
+    """Distance between the onsets of both sides; zero where they overlap, as with a preloaded spring."""
     begins, deviations = zip(*(_begin(legs, spring, known_n, sign) for sign in _SIDES), strict=True)
     bin_known = (legs.grid[1] - legs.grid[0]) / math.sqrt(12)
     width = sum(begins)
@@ -232,7 +229,7 @@ def _freeplay(legs: Legs, spring: _Array, known_n: float, unit: PositionUnit) ->
 
 
 def _centring(record: Record, force: _Array, legs: Legs) -> Figure:
-    """Where the ways back pass through no force, the farther one from neutral."""
+    """Position of zero force on the ways back, the farther one from neutral."""
     turn, other = legs.turns
     position = combined(record.position_noise, record.position_resolution / math.sqrt(12))
     rests: list[Figure] = []
@@ -246,7 +243,7 @@ def _centring(record: Record, force: _Array, legs: Legs) -> Figure:
         at, near = float(x[k] + share * (x[k + 1] - x[k])), np.abs(size) <= _SURE * record.force_uncertainty_n
         if near.sum() > 2:
             at = float(np.mean(x[near]))
-        # A force that jumps there says no more than between which samples.
+        # A jump of the force bounds the position only by two samples.
         known = combined(float(np.std(x[near])) if near.any() else 0.0, abs(float(x[k + 1] - x[k])) / 2, position)
         rests.append(Figure(at, known, record.position_unit))
     if not rests:

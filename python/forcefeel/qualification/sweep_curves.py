@@ -1,4 +1,4 @@
-"""The ways of a sweep, and what was recorded over position on each: force, surface, speed."""
+"""The legs of a sweep, and its signals over position on each leg."""
 
 from dataclasses import dataclass
 
@@ -9,11 +9,11 @@ from forcefeel.errors import InputError
 from forcefeel.qualification.records import Record
 
 _SEEN = 5.0
-"""Standard deviations of the noise by which a control that has moved is off its place."""
+"""Standard deviations of noise beyond which a control has moved."""
 _COVERED = 0.8
-"""Share of the travel that each direction covers at least."""
+"""Least share of the travel that each direction covers."""
 _STILL = 1e-9
-"""Share of the travel within which a position without noise is the same."""
+"""Share of the travel within which noise-free positions are equal."""
 
 _Array = NDArray[np.float64]
 _Mask = NDArray[np.bool_]
@@ -21,16 +21,16 @@ _Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Legs:
-    """The ways of a sweep: out to one stop, across to the other, back to neutral.
+    """The legs of a sweep: out to one stop, across to the other, back to neutral.
 
     Attributes:
-        grid: Positions at which curves are given (points,).
-        position: Of the samples (samples,).
-        neutral: Position at the beginning.
-        moved: First sample that is off it.
+        grid: Positions of the curves (points,).
+        position: Position of the samples (samples,).
+        neutral: Position at the start.
+        moved: First sample away from neutral.
         turns: Samples at which the control turns back.
-        directions: Samples on the ways on which the position rises, and of those on which it falls (samples,); stops left out.
-        near: Distance within which positions are the same.
+        directions: Samples of rising and of falling position (samples,), without the stops.
+        near: Distance within which positions are equal.
     """
 
     grid: _Array
@@ -43,10 +43,10 @@ class Legs:
 
     @classmethod
     def of(cls, record: Record, points: int) -> "Legs":
-        """The ways of a record.
+        """The legs of a record.
 
         Raises:
-            InputError: If it does not go to both sides of where it began, or one direction is missing.
+            InputError: If it does not go to both sides of its start, or one direction is missing.
         """
         x = record.position
         low, high = float(x.min()), float(x.max())
@@ -79,30 +79,30 @@ class Legs:
         return legs
 
     def curves(self, values: _Array, among: _Mask | None = None) -> tuple[_Array, _Array]:
-        """Values over the grid while the position rises and while it falls; not a number where a direction does not go.
+        """Values over the grid while the position rises and while it falls; NaN where a direction has no samples.
 
         Args:
-            values: Of the samples (samples,).
-            among: The samples that count (samples,); all if not given.
+            values: Values of the samples (samples,).
+            among: Mask of the used samples (samples,). Default: all.
         """
         up, down = (direction if among is None else direction & among for direction in self.directions)
         return self._binned(values, up), self._binned(values, down)
 
     @property
     def samples_a_point(self) -> float:
-        """How many samples a point of a curve is the mean of; one at least."""
+        """Median number of samples per point of a curve, at least one."""
         cells = [self._cells(direction) for direction in self.directions]
         return max(float(np.median([np.mean(np.unique(cell, return_counts=True)[1]) for cell in cells])), 1.0)
 
     def _cells(self, direction: _Mask) -> NDArray[np.intp]:
-        """The place of the grid that each sample of a way is nearest to."""
+        """Index of the nearest grid point for each sample of a direction."""
         cell: NDArray[np.intp] = np.round(
             (self.position[direction] - self.grid[0]) / (self.grid[1] - self.grid[0])
         ).astype(np.intp)
         return cell
 
     def _binned(self, values: _Array, direction: _Mask) -> _Array:
-        """Means of values around each place of the grid, straight between them."""
+        """Means of the values around each grid point, linearly interpolated."""
         x, y, grid = self.position[direction], values[direction], self.grid
         if len(x) < 2:
             return np.full_like(grid, np.nan)
@@ -112,7 +112,7 @@ class Legs:
         with np.errstate(invalid="ignore", divide="ignore"):
             at, mean = (np.bincount(cell, signal, minlength=len(grid)) / count for signal in (x, y))
         curve = np.interp(grid, at[filled], mean[filled])
-        # Beyond the samples, and where too many cells in a row are empty, nothing is known.
+        # Beyond the samples, and across wide gaps, the curve is unknown.
         curve[(grid < x.min() - step - self.near) | (grid > x.max() + step + self.near)] = np.nan
         after = np.clip(np.searchsorted(at[filled], grid), 1, max(int(filled.sum()) - 1, 1))
         neighbors = at[filled][np.minimum([after - 1, after], int(filled.sum()) - 1)]

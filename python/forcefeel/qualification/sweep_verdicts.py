@@ -1,4 +1,4 @@
-"""The static tests, the alternate method of the dynamic ones, and the small inputs: curves against the reference's."""
+"""Static tests, the alternate method of the dynamic tests, and small inputs: comparison of curves with the reference."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -16,11 +16,11 @@ from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict
 from forcefeel.units import UnitSystem, show
 
 _COVERED = 0.9
-"""Share of the reference's curve that must be there to compare with."""
+"""Least share of the reference's curve that both curves must cover."""
 _SAME_DURATION = 0.2
-"""Share by which two sweeps that are compared may differ in duration."""
+"""Largest relative difference in duration of two compared sweeps."""
 _ENDS = 1.5
-"""Steps of the reference by which a record may be longer."""
+"""Steps of the reference by which a record may exceed it."""
 
 _SIDES: tuple[Literal["positive", "negative"], ...] = ("positive", "negative")
 
@@ -39,10 +39,10 @@ def judge_sweep(
 
     Args:
         measured: Features of the sweep.
-        reference: Of what it is held against.
+        reference: Features of the reference.
         test: A static or a freeplay test of a rule.
-        system: Which of the rule's roundings of a force holds.
-        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+        system: Unit system that selects the rule's rounding of forces.
+        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If one position is an angle and the other a length, or the test is of another kind.
@@ -89,7 +89,7 @@ def judge_dynamic_sweep(
     system: UnitSystem = UnitSystem.US,
     coverage: float = COVERAGE,
 ) -> tuple[Verdict, ...]:
-    """Verdicts on a medium or a fast sweep: what it takes above the slow one, against the same of the reference.
+    """Verdicts on a medium or a fast sweep: its force minus that of the slow one, compared with the reference.
 
     Args:
         measured: The medium or the fast sweep.
@@ -97,8 +97,8 @@ def judge_dynamic_sweep(
         reference: The reference's sweep of the same duration.
         reference_slow: The reference's slow one.
         test: A dynamic sweep of a rule.
-        system: Which of the rule's roundings of a force holds.
-        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+        system: Unit system that selects the rule's rounding of forces.
+        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If durations differ by more than a fifth, one position is an angle and another a length, or the test is
@@ -128,16 +128,15 @@ def judge_dynamic_sweep(
 def judge_small_inputs(
     record: Record, reference: Record, test: Test, *, coverage: float = COVERAGE
 ) -> tuple[Verdict, ...]:
-    """Verdict on the body rate after a small input, over the time from each record's beginning.
+    """Verdict on the body rate after a small input, over time from each record's start.
 
-    The two may be sampled at different rates: they are compared at the instants of both, each one's own samples against a cubic
-    spline through the other's.
+    The sampling rates may differ: the curves are compared at the samples of both, through cubic splines.
 
     Args:
-        record: With the body rate; without it nothing is evaluated.
+        record: Record with a body rate; without it the test is not evaluated.
         reference: The reference's record.
         test: A small-inputs test of a rule.
-        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If the reference is shorter than the record, or the test is of another kind.
@@ -187,7 +186,7 @@ def _curves(
 
 
 def _at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
-    """A curve of a sweep at distances from neutral; not a number beyond its ends."""
+    """A curve of a sweep at distances from neutral; NaN beyond its ends."""
     curves = {
         ("up", False): sweep.force_up_n,
         ("down", False): sweep.force_down_n,
@@ -205,7 +204,7 @@ def _at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = Fal
 def _worst(
     row: Row, name: str, at: _Array, curves: list[_Array], known: list[float], limit: _Array, unit: str
 ) -> Verdict:
-    """The verdict where a curve is closest to its limit, or beyond it most."""
+    """The verdict at the point of the largest difference relative to the limit."""
     measured, reference = curves
     required, known_in_both = np.isfinite(reference), np.isfinite(measured) & np.isfinite(reference)
     if not required.any() or known_in_both.sum() < _COVERED * required.sum():

@@ -1,4 +1,4 @@
-"""The throw of a control: how far it goes to either side, and who says so."""
+"""The throw of a control to either side, and its source."""
 
 from dataclasses import dataclass
 from math import isfinite, radians
@@ -10,19 +10,19 @@ from forcefeel.qualification import Rules
 from forcefeel.units import ANGLE, UnitSystem, show, to_text
 
 USUAL_RAD = radians(20.0)
-"""To either side, where nobody says otherwise: a little more than the 18 deg that the report's largest force, 96 lb at the grip,
-asks of the elevator's spring."""
+"""Default throw to either side: slightly above the 18 deg to which the report's largest force, 96 lb at the grip, moves the
+elevator's spring."""
 
 _LARGEST_RAD = radians(90.0)
 
 
 @dataclass(frozen=True)
 class Throw:
-    """Where a control ends.
+    """Ends of a control's travel.
 
     Attributes:
         low_rad, high_rad: Ends to either side of neutral, below and above 0.
-        source: Who says so, in words.
+        source: Source of the ends.
     """
 
     low_rad: Annotated[float, ANGLE]
@@ -37,24 +37,24 @@ class Throw:
 
     @classmethod
     def of(cls, loader: Loader, given_rad: float | None = None) -> "Throw":
-        """The throw that was given, or the loader's end stops, or its feel's hard stops, or the usual one.
+        """The stated throw, else the loader's end stops, else its feel's hard stops, else the default.
 
         Raises:
-            InputError: If it is no throw: an end at or beyond neutral, more than 90 deg.
+            InputError: If an end is at or beyond neutral, or more than 90 deg from it.
         """
         if given_rad is not None:
             if not (isfinite(given_rad) and given_rad > 0):
                 raise InputError(f"throw: expected an angle above 0, got {show(given_rad)} rad")
-            return cls(-given_rad, given_rad, "as asked for")
+            return cls(-given_rad, given_rad, "as requested")
         for part, name in (("column.stop", "the end stops of the column"), ("feel.hard_stop", "the feel's hard stops")):
             low, high = loader[f"{part}_low"], loader[f"{part}_high"]
             if isfinite(low) and isfinite(high):
                 return cls(low, high, name)
-        return cls(-USUAL_RAD, USUAL_RAD, "assumed, since the loader has no stops and no throw was given")
+        return cls(-USUAL_RAD, USUAL_RAD, "assumed, because the loader has no stops and no throw is stated")
 
     @property
     def travel_rad(self) -> float:
-        """From end to end."""
+        """Travel from end to end."""
         return self.high_rad - self.low_rad
 
     def end(self, sign: int) -> float:

@@ -1,4 +1,4 @@
-"""One tolerance of a rule: a share of something, a fixed amount, or whichever of the two is larger."""
+"""One tolerance of a rule: a share, a fixed amount, or the larger of the two."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from forcefeel.units import UnitSystem, factor, to_text
 STRICT = ConfigDict(extra="forbid", frozen=True)
 
 _ROUNDED = 0.03
-"""Most that the rule's daN differ from its lb, as a share: both are its own roundings."""
+"""Largest relative difference between the rule's daN and lb, both rounded by the rule."""
 
 _FORCES = frozenset({"breakout", "force", "dynamic increment"})
 _TIMES = frozenset({"P0", "Pn", "fall time", "rise time"})
@@ -49,10 +49,10 @@ Quantity = Literal[
 
 
 class Absolute(BaseModel):
-    """A fixed amount, in the units of the rule: a force in lb and daN, or one of the others.
+    """A fixed amount in the units of the rule: a force in lb and daN, or another quantity.
 
     Attributes:
-        lb, dan: Force in lb and in daN, each as the rule rounds it; ``dan`` is left out where only lb was read.
+        lb, dan: Force in lb and in daN, each as the rule rounds it; ``dan`` is omitted where only lb is stated.
         s, deg, deg_per_s, count: Time, angle, rate of an angle, number.
         inch: Length in inches, ``in`` in the table.
         travel: Share of the control's total travel.
@@ -71,14 +71,14 @@ class Absolute(BaseModel):
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Which of them it states, by the names in the table."""
+        """Units of the stated amounts, by their names in the table."""
         return tuple(self.model_dump(by_alias=True, exclude_none=True))
 
     def si(self, system: UnitSystem, travel: float | None) -> float | None:
-        """The amount in SI units; ``None`` where it is a share of a travel that is not given.
+        """The amount in SI units; ``None`` for a share of an unknown travel.
 
         Args:
-            system: Which of the rule's two roundings of a force holds.
+            system: Unit system that selects the rule's rounding of forces.
             travel: The control's total travel, m or rad.
         """
         if self.travel is not None:
@@ -98,7 +98,7 @@ class Absolute(BaseModel):
         return None
 
     def text(self, system: UnitSystem) -> str:
-        """The amount as the rule words it."""
+        """The amount in the wording of the rule."""
         if self.lb is not None:
             metric = system is UnitSystem.SI and self.dan is not None
             return f"{self.dan:g} daN" if metric else f"{self.lb:g} lb"
@@ -109,22 +109,22 @@ class Absolute(BaseModel):
 
 
 class Tolerance(BaseModel):
-    """How far a quantity may be from the reference's: the larger of a share and a fixed amount, where both are stated.
+    """Allowed difference from the reference: the larger of a share and a fixed amount if both are stated.
 
     Attributes:
-        quantity: What is compared.
+        quantity: The compared quantity.
         relative: Share of ``relative_to``, of the reference: the quantity itself, the first overshoot ``A1``, the largest
             ``Amax``, the displacement ``Ad``, or the largest value of a curve, ``peak``.
-        grows: ``n + 1``: the share holds for n = 0 and is n + 1 times as large for the n-th.
+        grows: ``n + 1``: the share of period n is n + 1 times that of n = 0.
         absolute: The fixed amount.
-        required: The quantity must be there; nothing is compared.
-        surface: Which surface, where a surface's position is compared.
-        instead_of: Another quantity of the same test in whose stead it can be asked for.
-        verified: Whether a person has held it against the document; ``None`` is what its test says.
+        required: The quantity must exist; its value is not compared.
+        surface: The surface, where a surface's position is compared.
+        instead_of: Another quantity of the same test that it can replace.
+        verified: Whether it is verified against the document; ``None`` as its test.
 
     Raises:
-        ValidationError: When it breaks a law: nothing stated, a share of nothing, a unit that does not measure the
-            quantity, lb and daN that are not the same force.
+        ValidationError: If it states no tolerance, a share without its base, a unit of another quantity, or lb and daN of
+            different forces.
     """
 
     model_config = STRICT
@@ -161,14 +161,14 @@ class Tolerance(BaseModel):
         """The largest difference that passes, in SI units.
 
         Args:
-            scale: What the share is of, from the reference, any shape.
-            n: Which period; counted from 0.
-            system: Which of the rule's roundings of a force holds.
-            travel: The control's total travel, m or rad; without it an amount that is a share of it is left out, which
-                is the stricter reading.
+            scale: Base of the share, from the reference, any shape.
+            n: Number of the period, from 0.
+            system: Unit system that selects the rule's rounding of forces.
+            travel: The control's total travel, m or rad; without it an amount that is a share of it is omitted, which
+                is stricter.
 
         Returns:
-            Shape as ``scale``; infinite where nothing is compared.
+            Shape as ``scale``; infinite where the quantity is not compared.
         """
         size = np.abs(np.asarray(scale, dtype=np.float64))
         fixed = None if self.absolute is None else self.absolute.si(system, travel)
@@ -180,7 +180,7 @@ class Tolerance(BaseModel):
     def text(self, system: UnitSystem = UnitSystem.US) -> str:
         """The tolerance in words, such as ``10 % or 5 lb, whichever is larger``."""
         if self.required:
-            return "must be there"
+            return "required"
         parts = []
         if self.relative is not None:
             of = {"itself": "", "peak": " of the peak"}.get(self.relative_to or "", f" of {self.relative_to}")

@@ -1,4 +1,4 @@
-"""Verdicts: how far a measured quantity is from the reference's, against the tolerance."""
+"""Verdicts: the difference between a measured quantity and the reference, compared with the tolerance."""
 
 import math
 from collections.abc import Iterable
@@ -9,11 +9,11 @@ from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.tolerance import Tolerance
 
 COVERAGE = 2.0
-"""Standard uncertainties within which of its limit a difference is too close to it to be called."""
+"""Standard uncertainties around the limit within which a difference is too close to call."""
 
 
 class Outcome(StrEnum):
-    """What a comparison came to.
+    """Outcome of a comparison.
 
     Example:
         >>> import forcefeel as ff
@@ -34,17 +34,17 @@ class Verdict:
     Attributes:
         test: Number of the test.
         quantity: Such as ``P1``, ``A2`` or ``force``.
-        outcome: What it came to.
-        measured, reference: The figures; ``None`` where there is none.
-        difference: Measured less reference, in ``unit``; of a curve where it comes closest to its limit, or beyond it most.
+        outcome: Outcome of the comparison.
+        measured, reference: The figures; ``None`` where a figure is missing.
+        difference: Measured minus reference, in ``unit``; for a curve at its worst point.
         tolerance: Largest difference that passes.
         margin: ``tolerance - |difference|``.
         uncertainty: Standard uncertainty of the difference.
         unit: SI unit; empty for a number.
-        reason: Why it was not evaluated, or what else there is to know.
+        reason: Why it was not evaluated, or a remark.
         at: Position or time of a curve's worst point; ``None`` otherwise.
         rule: The tolerance's row.
-        verified: Whether a person has held that row against the document.
+        verified: Whether that row is verified against the document.
 
     Example:
         >>> import forcefeel as ff
@@ -72,13 +72,13 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Row:
-    """The row of a table that a verdict is made by.
+    """The row of a rule's table for a verdict.
 
     Attributes:
         test: Number of the test.
         rule: The tolerance.
-        verified: Whether a person has held it against the document.
-        coverage: Standard uncertainties within which a difference is too close to its limit.
+        verified: Whether it is verified against the document.
+        coverage: Standard uncertainties around the limit within which a difference is too close to call.
     """
 
     test: str
@@ -95,7 +95,7 @@ class Row:
         at: float | None = None,
         reason: str = "",
     ) -> Verdict:
-        """A verdict on a measured figure and the reference's; not evaluated if one or the limit is not known."""
+        """A verdict on a measured figure and the reference; not evaluated if a figure or the limit is unknown."""
         measured, reference = figures
         difference = measured.less(reference)
         unknown = next(
@@ -106,7 +106,7 @@ class Row:
                 quantity, reason or f"the {f'{unknown} figure' if unknown else 'tolerance'} is not known", figures
             )
         margin = limit - abs(difference.value)
-        # A limit that was reached to the last digit is kept; what rounding adds decides nothing.
+        # A difference equal to the limit passes; rounding must not decide.
         rounding = 1e-12 * max(abs(measured.value), abs(reference.value), limit)
         if abs(margin) < self.coverage * difference.uncertainty:
             outcome = Outcome.TOO_CLOSE
@@ -130,7 +130,7 @@ class Row:
         )
 
     def not_evaluated(self, quantity: str, reason: str, figures: tuple[Figure, Figure] | None = None) -> Verdict:
-        """A verdict that there is none, and why."""
+        """A verdict of a quantity that was not evaluated, with the reason."""
         measured, reference = (figure if figure.known else None for figure in figures) if figures else (None, None)
         nan, unit = math.nan, figures[0].unit if figures else ""
         outcome = Outcome.NOT_EVALUATED
@@ -152,7 +152,7 @@ class Row:
         )
 
     def stated(self, quantity: str, outcome: Outcome, figures: tuple[Figure, Figure], reason: str) -> Verdict:
-        """A verdict on whether something is there."""
+        """A verdict with a known outcome, without a comparison of numbers."""
         measured, reference = figures
         nan = math.nan
         return Verdict(
@@ -161,7 +161,7 @@ class Row:
 
 
 def overall(verdicts: Iterable[Verdict]) -> Outcome:
-    """Of several: failed if one failed, else too close to call if one is; passed only if there are some, and all passed."""
+    """Overall outcome: the worst of the verdicts; not evaluated if there are none."""
     outcomes = {verdict.outcome for verdict in verdicts}
     order = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED, Outcome.PASSED)
     return next((outcome for outcome in order if outcome in outcomes), Outcome.NOT_EVALUATED)

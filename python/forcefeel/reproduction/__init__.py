@@ -1,6 +1,6 @@
-"""Every number and claim of the 1974 report, beside what the models give.
+"""Comparison of every number and claim of the 1974 report with the models.
 
-The report's matrices and digits are typed in here as an independent witness; nothing else in the package reads them.
+The report's matrices and digits are an independent reference; no other package reads them.
 """
 
 from forcefeel.public_names import public_names

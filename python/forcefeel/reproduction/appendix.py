@@ -1,4 +1,4 @@
-"""The appendix's constants: the two columns against each other, and where the values come from."""
+"""The appendix's constants: comparison of the two columns, and origin of the values."""
 
 import tomllib
 from functools import cache
@@ -32,7 +32,7 @@ def printed() -> dict[str, Any]:
 
 
 def columns() -> Section:
-    """Each SI value against the conversion of its U.S. value."""
+    """Comparison of each SI value with its converted U.S. value."""
     rows = []
     for key, entry in printed()["appendix"].items():
         converted = float(entry["us"]) * factor(entry["us_unit"], entry["si_unit"])
@@ -47,7 +47,7 @@ def columns() -> Section:
 
 
 def origins(loader: Loader) -> Section:
-    """The values that follow from others."""
+    """Values that follow from others."""
     values = loader.si_values
     c_i, c_p = _core.valve_gains(values, 0.2, 0.33)
     k, c = _core.linkage_from_resonance(values, parse("12 Hz", "rad/s", "12 Hz"), 0.1)

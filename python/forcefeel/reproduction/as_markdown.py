@@ -25,7 +25,7 @@ def markdown(sections: tuple[Section, ...]) -> str:
 
 
 def summary(sections: tuple[Section, ...]) -> str:
-    """How many rows have which verdict.
+    """Number of rows by verdict.
 
     Example:
         >>> import forcefeel as ff

@@ -1,4 +1,4 @@
-"""The report's claims in words, and what the models say of them."""
+"""Comparison of the report's claims with the models."""
 
 import numpy as np
 
@@ -75,7 +75,7 @@ def _printed_digits(design: Design) -> Row:
 
 
 def _scale(loader: Loader) -> list[Row]:
-    """What the original system makes of the programmed deflection."""
+    """Rendering of the programmed deflection by the original system."""
     assessment = assess(loader, None, linkage=Linkage.RIGID)
     k_1 = loader["potentiometer.gain"] * (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2
     k_1 /= loader["feel.maximum_stiffness"]

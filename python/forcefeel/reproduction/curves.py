@@ -1,4 +1,4 @@
-"""Figures 8 to 11 and 14: the curves are lost, what the text says of them is not."""
+"""Figures 8 to 11 and 14: the curves are lost; the statements on them are compared."""
 
 import numpy as np
 
@@ -116,7 +116,7 @@ def _link(loop_modes: tuple[Mode, ...]) -> Mode:
 
 
 def _piston_held(design: Design) -> Mode:
-    """The zeros of the servo's response: what the column does while the piston stands still."""
+    """The zeros of the servo's response: the mode of the column with the piston held."""
     opened = servo_model(design.loader, Linkage.COMPLIANT, closed=False).to_output(0)
     zero = max(zeros(opened), key=lambda s: s.imag)
     return Mode(zero.real, zero.imag, abs(zero), -zero.real / abs(zero))

@@ -1,4 +1,4 @@
-"""Eqs. (15), (17), (19), (21): the Jacobians of the model against the printed matrices."""
+"""Eqs. (15), (17), (19), (21): comparison of the model's Jacobians with the printed matrices."""
 
 import numpy as np
 from numpy.typing import NDArray

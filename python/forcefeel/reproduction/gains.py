@@ -27,7 +27,7 @@ def published(design: Design) -> tuple[Section, ...]:
 
 
 def horizon(design: Design) -> Section:
-    """What the printed vector is, and what it is not."""
+    """The horizon with which the printed vector was computed."""
     gains = {
         name: _us(gain_design)
         for name, gain_design in (("published", design.published), ("converged", design.converged))

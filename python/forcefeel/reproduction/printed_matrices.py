@@ -1,7 +1,7 @@
 """Eqs. (15), (17), (19) as printed, entry by entry, with the report's letters (``C_1`` read as ``C_i``).
 
-A second writing of the model on purpose: the witness against which its Jacobians are held. Units are whatever the
-letters are given in; ``delta`` is a voltage in (15) and (17), an angle in (19).
+An independent copy of the model, the reference for its Jacobians. Units are those of the letters; ``delta`` is a voltage in (15)
+and (17), an angle in (19).
 """
 
 from dataclasses import dataclass

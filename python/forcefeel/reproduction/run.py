@@ -9,7 +9,7 @@ from forcefeel.reproduction.table import Section
 
 
 def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section, ...]:
-    """Every number and claim of the 1974 report beside what the models give, for its own elevator loader.
+    """Comparison of every number and claim of the 1974 report with the models, for its elevator loader.
 
     Args:
         progress: Called with the name of each step of the design as it begins.

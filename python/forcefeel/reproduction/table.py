@@ -1,4 +1,4 @@
-"""One row of the comparison, and how a printed number is judged."""
+"""One row of the comparison, and the verdict on a printed number."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from forcefeel.units import to_text
 
 
 class Verdict(StrEnum):
-    """How a computed value stands to the printed one.
+    """Agreement of a computed value with the printed one.
 
     Example:
         >>> import forcefeel as ff
@@ -36,14 +36,14 @@ class Row:
     """One number or claim.
 
     Attributes:
-        item: What it is.
-        where: Where the report says it.
-        printed: As printed.
-        computed: What the models give, as text with the digits worth showing.
+        item: The number or claim.
+        where: Its location in the report.
+        printed: The printed value.
+        computed: The computed value as text.
         value: The same as a number, in ``unit``.
         unit: Unit of both.
-        verdict: How they stand to each other.
-        reason: Why, where they differ; a remark otherwise.
+        verdict: Their agreement.
+        reason: Reason of a difference; otherwise a remark.
 
     Example:
         >>> import forcefeel as ff
@@ -91,7 +91,7 @@ class Reason:
 
     Attributes:
         text: The reason in words.
-        predicts: What was printed, worked out from the reason: it has to come out to the printed digits.
+        predicts: The printed value as predicted by the reason; it must match the printed digits.
     """
 
     text: str
@@ -116,14 +116,14 @@ def cut(value: float, decimals: int) -> float:
 
 
 def claim(item: str, where: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
-    """A row for a claim without a number: what speaks for or against it."""
+    """A row for a claim without a number."""
     verdict = Verdict.AGREES if holds else Verdict.REFUTED
     computed = to_text(value) if abs(value) >= NOTHING else f"less than {NOTHING:g}"
     return Row(item, where, "claimed", computed, float(value), unit, verdict, reason)
 
 
 def about(item: str, where: str, printed: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
-    """A row for a number that the report gives as approximate: whether it holds is judged by the caller."""
+    """A row for an approximate number; the caller states whether it holds."""
     return Row(
         item, where, printed, to_text(value), float(value), unit, Verdict.AGREES if holds else Verdict.EXPLAINED, reason
     )

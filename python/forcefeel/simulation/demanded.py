@@ -1,4 +1,4 @@
-"""What a run asks of the drive: which outputs, and what is all that there is of each."""
+"""Demands of a run on the drive: outputs, ratings and limits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,17 +11,17 @@ from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 
 @dataclass(frozen=True)
 class Demanded:
-    """One quantity of a drive.
+    """One limited quantity of a drive.
 
     Attributes:
         output: Its name in a history.
-        peak: The measure that is its largest magnitude; empty where there is none.
-        title: What it is called.
-        whole: Row of the loader that is all there is of it.
-        whole_name: In words, with its article: ``the rated flow``.
-        limit: Row of a limit that the drive keeps by itself.
-        limit_name: In words.
-        ends: Whether the limit, where there is one, is the end of it: a relief opens in time, and is none.
+        peak: The measure of its largest magnitude; empty if it has no such measure.
+        title: Its title.
+        whole: Row of the loader with its rating.
+        whole_name: Name of the rating with its article: ``the rated flow``.
+        limit: Row of the limit that the drive enforces.
+        limit_name: Name of the limit.
+        ends: Whether the limit cannot be exceeded; a relief valve opens with a delay, so its pressure can.
     """
 
     output: str
@@ -34,11 +34,11 @@ class Demanded:
     ends: bool = True
 
     def known(self, loader: Loader) -> bool:
-        """Whether the loader says how much there is."""
+        """Whether the loader states the rating."""
         return isfinite(loader[self.whole])
 
     def most(self, loader: Loader) -> float:
-        """The largest that a run can ask for: the limit, or all there is where that is none; may be infinite."""
+        """Largest possible value in a run: the limit, or else the rating; may be infinite."""
         limit = loader[self.limit]
         return limit if self.ends and isfinite(limit) else loader[self.whole]
 
@@ -106,14 +106,14 @@ DEMANDED: Mapping[str, tuple[Demanded, ...]] = MappingProxyType(
         ),
     }
 )
-"""The quantities of each drive that have an end."""
+"""The limited quantities of each drive."""
 
 
 def peaks(drive: str) -> tuple[Demanded, ...]:
-    """Those of a drive that have a largest magnitude among the measures of a run."""
+    """Limited quantities of a drive with a peak among the measures of a run."""
     return tuple(row for row in DEMANDED[drive] if row.peak)
 
 
 def demanded(loader: Loader) -> tuple[Demanded, ...]:
-    """Those of a loader's drive of which it says how much there is."""
+    """Limited quantities of a loader's drive whose rating it states."""
     return tuple(row for row in DEMANDED[loader.drive] if row.known(loader))

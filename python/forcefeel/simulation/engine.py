@@ -1,4 +1,4 @@
-"""The Rust engine, asked for one run or for many."""
+"""Runs of the Rust engine, single or in batches."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -36,20 +36,19 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
     """Runs a loader through a scenario.
 
     Args:
-        loader: The loader, with whatever effects its rows give it.
-        scenario: What is done to it. The run begins at rest: hands off, under the first value of a recorded force, or held at the
+        loader: The loader with its optional effects.
+        scenario: The inputs. The run begins at rest: hands off, under the first value of a recorded force, or held at the
             angle of a release.
-        law: The law, as ``Law.of`` takes it: a law, its name or its file; the original position loop, eq. (13), if not
-            given.
+        law: The law, its name or its file, as for ``Law.of``. Default: the original position loop, eq. (13).
 
     Returns:
-        The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
-        some 1e-5 of full travel at steps of 1 ms, and so is one whose matrices are too ill-conditioned to begin at rest. Peaks of
-        an exact run are those of its samples.
+        The run. A loader without optional rows is linear, and its run is exact at the samples. Other loaders are stepped, with
+        an error of about 1e-5 of full travel at steps of 1 ms; so are loaders whose matrices are too ill-conditioned for an
+        equilibrium. Peaks of an exact run are those of its samples.
 
     Raises:
-        InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
-            for another controller.
+        InputError: If a time is not on a step, a required input is missing, or a sampled law was designed for another
+            controller.
 
     Example:
         >>> import forcefeel as ff
@@ -80,7 +79,7 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
 
 
 def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Outputs and measures of the linear model; ``None`` where it does not apply, or rounding leaves no equilibrium of it."""
+    """Outputs and measures of the linear model; ``None`` if it does not apply, or rounding leaves no equilibrium."""
     if law.gains is not None or law.sampled or not linear.applies(loader, scenario):
         return None
     try:
@@ -101,7 +100,7 @@ def _stepped(
 
 
 def _angle_noise_rad(loader: Loader, law: Law) -> float:
-    """What the sensors' noise moves the column by, r.m.s.: no smaller swing is measured. Zero where runs have laws of their own."""
+    """R.m.s. column angle caused by sensor noise, the smallest measurable swing; zero if each run has its own law."""
     single_law = law.gains is None and (law.sampled is None or law.sampled.settings == 1)
     return angle_noise_rad(loader, law) if single_law else 0.0
 
@@ -116,24 +115,24 @@ def simulate_batch(
     first_run: int = 0,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Runs many loaders through one scenario, eight side by side in vector lanes, on all cores.
+    """Runs many loaders through one scenario, eight at a time in vector lanes, on all cores.
 
     Args:
-        loader: The nominal loader: its curves, controller and force hold for all.
-        scenario: What is done to each.
+        loader: The nominal loader; its curves, controller and force apply to all runs.
+        scenario: The inputs of each run.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
-        law: The law, as ``Law.of`` takes it: one for all, or one for each run (gains c_1 .. c_7 (runs, 7), or a sampled
-            law). Not given, each run has the original position loop of its own parameters.
+        law: The law, as for ``Law.of``: one for all, or one for each run (gains c_1 .. c_7 (runs, 7), or a sampled
+            law). Default: the original position loop with the parameters of each run.
         keep: Names of outputs whose histories are kept, such as ``column_angle_rad``.
-        first_run: Index of the first run, for the noise: a batch cut in pieces gives the same numbers.
-        threads: How many; all cores if not given. The numbers do not depend on it.
+        first_run: Index of the first run, for the noise; a batch in parts returns the same numbers.
+        threads: Number of threads. Default: all cores. The numbers do not depend on it.
 
     Returns:
-        Over ``run``: every measure of ``Measures``, ``status``, and the histories that were asked for over ``time_s``. With one law
-        for all, no measure is of a swing that the sensors' noise hides on the nominal loader.
+        Over ``run``: every measure of ``Measures``, ``status``, and the requested histories over ``time_s``. With one law for
+        all, measures exclude swings below the sensor noise of the nominal loader.
 
     Raises:
-        InputError: As ``simulate``; if values have the wrong shape, vary what all runs must share, or the histories are too large.
+        InputError: As ``simulate``; if values have the wrong shape, vary a shared row, or the histories are too large.
 
     Example:
         >>> import forcefeel as ff
@@ -185,7 +184,7 @@ def simulate_batch(
 
 
 def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law | None = None) -> _core.Simulation:
-    """The engine, ready to run loaders through a scenario; ``law`` is the one that runs, and that the scenario's changes follow."""
+    """The engine for a scenario; ``law`` is the initial law, before the scenario's changes."""
     steps = Steps.of(scenario, loader)
     curve = loader.force_curve
     return _core.Simulation(
@@ -205,7 +204,7 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
 def engine_changes(
     loader: Loader, scenario: Scenario, steps: Steps, law: Law | None
 ) -> list[tuple[int, int, NDArray[np.float64], NDArray[np.float64] | None]]:
-    """The changes of the feel: first step, step at which it is done, values and law afterwards."""
+    """The changes of the feel: first step, last step, values and law afterwards."""
     return [
         (*change, None if law is None else _next_law(loader, law, feel_change.law))
         for change, feel_change in zip(steps.changes, scenario.feel_changes, strict=True)
@@ -213,15 +212,15 @@ def engine_changes(
 
 
 def _next_law(loader: Loader, law: Law, following: LawLike) -> NDArray[np.float64] | None:
-    """The law after a change of the feel, as the engine takes it."""
+    """The law after a change of the feel, for the engine."""
     if following is None:
         return None
     after = Law.of(following, loader).sampled
     if law.sampled is None or after is None:
-        raise InputError("feel change: a sampled law can only follow a sampled law; give one as the law of the run")
+        raise InputError("feel change: a sampled law can only follow a sampled law; use one as the law of the run")
     if (after.settings, after.states) != (1, law.sampled.states):
         raise InputError(
-            f"feel change: expected one law of {law.sampled.states} states, as the one before, got {after.settings} laws of "
+            f"feel change: expected one law of {law.sampled.states} states, as before, got {after.settings} laws of "
             f"{after.states}"
         )
     row: NDArray[np.float64] = after.rows()[0]
@@ -229,7 +228,7 @@ def _next_law(loader: Loader, law: Law, following: LawLike) -> NDArray[np.float6
 
 
 SHARED = ("valve.orifice", "controller.period", "controller.delay", "feel.shaker_frequency")
-"""What all runs of a batch have in common."""
+"""Rows that all runs of a batch share."""
 
 
 def _check(loader: Loader, values: NDArray[np.float64]) -> None:
@@ -242,7 +241,7 @@ def _check(loader: Loader, values: NDArray[np.float64]) -> None:
 
 
 def _cut(values: NDArray[np.float64], sample_s: float, diverged_at_s: float) -> NDArray[np.float64]:
-    """The outputs of a run, not a number from where it diverged."""
+    """The outputs of a run, NaN from its divergence on."""
     return _cut_all(values, sample_s, np.full(len(values), diverged_at_s))
 
 

@@ -1,4 +1,4 @@
-"""Where a column that came to rest hangs: held by an end stop, dry friction or the drive's limit away from where its feel rests."""
+"""A column at rest away from its programmed angle: held by an end stop, dry friction or the drive's limit."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -13,18 +13,18 @@ from forcefeel.simulation.outcome import BAND, Run, RunStatus, feel_position, pe
 from forcefeel.units import ANGLE
 
 _TAIL = 10
-"""Share of the run at its end, one over this, over which the final angle is the mean: as of the measures."""
+"""The final angle is the mean over the last ``1 / _TAIL`` of the run, as in the measures."""
 
 
 @dataclass(frozen=True)
 class Hang:
-    """A column at rest where its feel does not rest, over the last tenth of a run.
+    """A column at rest away from its programmed angle, over the last tenth of a run.
 
     Attributes:
         angle_rad: Mean of the column's angle.
         feel_rad: Mean of the programmed angle.
-        held_by: What holds it there: an end stop, dry friction, or nothing but the drive.
-        current: Whether the current was at its limit all the time.
+        held_by: The cause: an end stop or dry friction; empty if only the drive holds it.
+        current: Whether the current was at its limit throughout.
     """
 
     angle_rad: Annotated[float, ANGLE]
@@ -35,7 +35,7 @@ class Hang:
 
 @of_result
 def hang(run: Run) -> Hang | None:
-    """Where a settled column hangs further than ``BAND`` of its swing from its feel; ``None`` where nothing here holds it so.
+    """The hang of a settled column, more than ``BAND`` of its swing from the programmed angle; ``None`` without a cause.
 
     Example:
         >>> import forcefeel as ff

@@ -1,4 +1,4 @@
-"""What of a run means something, and what held the machine back, in numbers."""
+"""Valid measures of a run, and times at its limits."""
 
 from dataclasses import dataclass, fields
 from math import inf, isnan, nan
@@ -34,20 +34,19 @@ AT = 1e-6
 
 @dataclass(frozen=True)
 class LimitTimes:
-    """What held the machine back during a run; zero where the loader has no such limit.
+    """Times at limits during a run; zero where the loader has no such limit.
 
     Attributes:
         current: Share of the time that the current was at the amplifier's limit.
-        over_current: Share of the time that the current was above the valve's rating; of a motor, which has no other limits than
-            those of its amplifier, zero, as the next two.
+        over_current: Share of the time that the current was above the valve's rating; zero for a motor, as the next two.
         over_flow: Share of the time that the flow was above the valve's rating.
         over_pressure: Share of the time that the load pressure was above the supply's.
-        stop_low_s: How long the column was at its lower stop.
-        stop_high_s: How long at its upper stop.
-        feel_low_s: How long the programmed control was at its lower hard stop.
-        feel_high_s: How long at its upper one.
-        stuck_s: How long dry friction held the column that had moved before.
-        stuck_at_end: Whether it did so at the end.
+        stop_low_s: Time of the column at its lower stop.
+        stop_high_s: Time at its upper stop.
+        feel_low_s: Time of the programmed control at its lower hard stop.
+        feel_high_s: Time at its upper hard stop.
+        stuck_s: Time for which dry friction held the column after its first motion.
+        stuck_at_end: Whether dry friction held it at the end.
 
     Example:
         >>> import forcefeel as ff
@@ -70,7 +69,7 @@ class LimitTimes:
 
 @of_result
 def limit_times(run: Run) -> LimitTimes:
-    """What held the machine back, from the samples of the run; up to where it diverged.
+    """Times at limits, from the samples of the run up to its divergence.
 
     Example:
         >>> import forcefeel as ff
@@ -116,10 +115,10 @@ def limit_times(run: Run) -> LimitTimes:
 
 @of_result
 def known_measures(run: Run) -> Measures | MotorMeasures:
-    """The measures that mean something: of a run that diverged only when it did.
+    """The valid measures; for a diverged run only the time of divergence.
 
-    Overshoot and period are those of a column that goes to a place and stays there; final and equilibrium angle and settling time
-    are those of a column that is left alone in the end.
+    Overshoot and period require an input that leads to a new equilibrium. Final and equilibrium angle and settling time require
+    an input that ends before the run.
     """
     kind = type(run.measures)
     values = {field.name: getattr(run.measures, field.name) for field in fields(kind)}
@@ -134,7 +133,7 @@ def known_measures(run: Run) -> Measures | MotorMeasures:
 
 
 def why_no_overshoot(run: Run) -> str:
-    """Why a column that is left alone in the end has no overshoot; empty where it has one, or is not left alone."""
+    """Why there is no overshoot after the end of the input; empty if there is one, or if the input does not end."""
     if run.status is RunStatus.DIVERGED or keeps_moving(run.scenario.force):
         return ""
     if not goes_to_a_place(run.scenario.force):
@@ -143,12 +142,12 @@ def why_no_overshoot(run: Run) -> str:
 
 
 def below_noise(run: Run) -> bool:
-    """Whether the column moved no farther than the sensors' noise alone moves it."""
+    """Whether the motion of the column is within sensor noise."""
     return run.measures.maximum_angle_rad - run.measures.minimum_angle_rad < 2 * _PEAK * run.angle_noise_rad
 
 
 def _why_no_number(run: Run) -> str:
-    """Why a run that leads from one place to another does not tell by how much the column went beyond."""
+    """Why a run that leads to a new equilibrium has no valid overshoot."""
     measures, met = run.measures, limit_times(run)
     first, end = float(run.history["column_angle_rad"].values[0]), measures.equilibrium_angle_rad
     low, high = measures.minimum_angle_rad, measures.maximum_angle_rad

@@ -1,4 +1,4 @@
-"""Runs of a loader without any optional row, one or many: linear, and so exact at the samples."""
+"""Linear runs of loaders without optional rows, single or in batches, exact at the samples."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ from forcefeel.threads import threads_or_cores
 
 
 def applies(loader: Loader, scenario: Scenario) -> bool:
-    """Whether the run is one of the linear models: nothing optional, and nothing but the pilot's force at work."""
+    """Whether the linear model applies: no optional rows, and no input other than the pilot's force."""
     others = (
         scenario.trim_rad,
         scenario.dynamic_pressure_pa,
@@ -74,7 +74,7 @@ def run(loader: Loader, law: GainLaw, scenario: Scenario) -> tuple[NDArray[np.fl
 
 
 def _angle_under(model: LinearModel, force: float) -> float:
-    """Column angle in rad at rest under a force in N; not a number where rounding leaves none."""
+    """Column angle in rad at rest under a force in N; NaN where rounding leaves no equilibrium."""
     if force == 0:
         return 0.0
     try:
@@ -100,12 +100,12 @@ def simulate_linear_batch(
 
     Args:
         loader: A loader without optional rows, as all runs are.
-        scenario: What is done to each; nothing but a force, a release included.
+        scenario: The inputs of each run: a force or a release only.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
         law: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
             position loop, eq. (13), of its own parameters.
         keep: Names of the outputs whose histories are kept.
-        threads: How many; all cores if not given. The numbers do not depend on it.
+        threads: Number of threads. Default: all cores. The numbers do not depend on it.
 
     Returns:
         Over ``run`` and ``time_s``: the outputs in ``keep``, SI units, and ``diverged_at_s``: when the column of an unstable loop

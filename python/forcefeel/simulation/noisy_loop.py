@@ -1,4 +1,4 @@
-"""What the sensors' noise does to the column, from the linear loop.
+"""Effect of sensor noise on the column, from the linear loop.
 
 ``x+ = M x + N v``, ``v = [F_c; x_p; theta]`` noise of the samples, white, of variance ``V`` · ``P`` covariance of ``x``
 
@@ -97,7 +97,7 @@ class NoisyLoop:
 def angle_noise_rad(loader: Loader, law: Law) -> float:
     """R.m.s. of the column's angle by the sensors' noise, hands off, in rad.
 
-    Zero of a loader without noise or sampled controller, and of an unstable loop: it moves by itself.
+    Zero for a loader without noise or sampled controller, and for an unstable loop.
     """
     if not loader["controller.period"] or not any(loader[f"{sensor}.noise"] for sensor in sensors_of(loader)):
         return 0.0
@@ -117,7 +117,7 @@ def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArr
     rows = [wide.index(state) for state in states]
     for sensor, key in enumerate(keys):
         if _SHOWN + sensor not in wide:
-            continue  # no law asks this sensor
+            continue  # no law uses this sensor
         index = wide.index(_SHOWN + sensor)
         kept = np.exp(-lagging[key] * step_s)
         column = lagging_loop[0, :, index].copy()

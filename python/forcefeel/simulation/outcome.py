@@ -1,4 +1,4 @@
-"""What comes of a run."""
+"""Results of a run."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -59,7 +59,7 @@ within it around where it rests."""
 
 
 def named(name: str, unit: str) -> str:
-    """``name`` with the ending that tells its unit."""
+    """``name`` with the suffix of its unit."""
     return name + _SUFFIX[unit]
 
 
@@ -89,7 +89,7 @@ class RunStatus(StrEnum):
 
 @dataclass(frozen=True)
 class Motion:
-    """What a run is judged by, whatever the drive.
+    """Measures of a run for any drive.
 
     Attributes:
         maximum_angle_rad: Largest column angle.
@@ -127,7 +127,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Measures(Motion):
-    """What a run of a hydraulic loader is judged by.
+    """Measures of a run of a hydraulic loader.
 
     Attributes:
         peak_pressure_pa: Largest magnitude of the load pressure.
@@ -148,7 +148,7 @@ class Measures(Motion):
 
 @dataclass(frozen=True)
 class MotorMeasures(Motion):
-    """What a run of an electric loader is judged by.
+    """Measures of a run of an electric loader.
 
     Attributes:
         peak_current_a: Largest magnitude of its current.
@@ -166,7 +166,7 @@ class MotorMeasures(Motion):
 KINDS: Mapping[str, type[Measures] | type[MotorMeasures]] = MappingProxyType(
     {HYDRAULIC: Measures, ELECTRIC: MotorMeasures}
 )
-"""What a run is judged by, by drive."""
+"""Type of the measures by drive."""
 
 
 def as_measures(drive: str, values: Iterable[float]) -> Measures | MotorMeasures:
@@ -180,10 +180,10 @@ class Run:
 
     Attributes:
         loader: The loader.
-        scenario: What was done to it.
-        status: How it ended.
-        measures: What it is judged by.
-        history: Every output over ``time_s``, SI units; not a number once the run has diverged.
+        scenario: The inputs.
+        status: Status at the end.
+        measures: The measures.
+        history: Every output over ``time_s``, SI units; NaN after divergence.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
         angle_noise_rad: R.m.s. of the column's angle by the sensors' noise alone.
         law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.

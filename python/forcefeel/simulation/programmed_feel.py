@@ -43,9 +43,9 @@ def spring_is_g(run: Run) -> bool:
 
 
 def ideal_angle(run: Run) -> NDArray[np.float64] | None:
-    """Column angle of the ideal feel at the run's samples, rad; ``None`` where it says nothing of the run.
+    """Column angle of the ideal feel at the run's samples, rad; ``None`` where it does not apply.
 
-    It does where the spring is G about a neutral that stays, and the input is one that the eye can follow.
+    It applies if the spring is G about a constant neutral, and the input is not a sweep or a multisine.
     """
     if not spring_is_g(run) or not isinstance(run.scenario.force, Step | Pulse | Doublet | Recorded | Release):
         return None

@@ -1,4 +1,4 @@
-"""What is done to a loader in a run: forces, trim, dynamic pressure, shaker, changes of the feel."""
+"""Inputs of a run: forces, trim, dynamic pressure, shaker, changes of the feel."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -37,9 +37,9 @@ class FeelChange:
     beyond it come back, and a limit takes hold over some hundredths of a second.
 
     Attributes:
-        at_s: When it begins.
+        at_s: Start time.
         changes: New values of ``feel.`` rows, as ``Loader.replace`` takes them.
-        fade_s: How long it takes.
+        fade_s: Duration.
         law: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
             if there is none.
 
@@ -58,7 +58,7 @@ class FeelChange:
 
 @dataclass(frozen=True)
 class Scenario:
-    """One run, but for the loader.
+    """The inputs of one run.
 
     Attributes:
         force: The pilot's force over time, or a release.

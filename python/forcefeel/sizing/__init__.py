@@ -1,4 +1,4 @@
-"""Whether a drive is large enough: what feel and rule ask of it at the grip, and what it gives there."""
+"""Sizing of a drive: demand of the feel and the rule at the grip, and the capability of the drive there."""
 
 from forcefeel.public_names import public_names
 

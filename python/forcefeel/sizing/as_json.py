@@ -1,4 +1,4 @@
-"""What came of sizing a drive, for machines."""
+"""The sizing of a drive as JSON."""
 
 from importlib.metadata import version
 
@@ -11,7 +11,7 @@ from forcefeel.units import ANGLE, MASS, UnitSystem
 
 
 def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:
-    """What is asked and given, every number with its unit."""
+    """Demands and capability, every number with its unit."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),

@@ -17,8 +17,8 @@ class CockpitSizing:
     r"""The sizing of each drive of a cockpit.
 
     Attributes:
-        name: The project, by its file.
-        axes: By axis, in the file's order.
+        name: Name of the project's file.
+        axes: Sizing by axis, in the file's order.
 
     Example:
         >>> import forcefeel as ff
@@ -33,7 +33,7 @@ class CockpitSizing:
 
     @property
     def good(self) -> bool:
-        """Whether every drive gives what its programmed feel asks for."""
+        """Whether every drive is large enough for its programmed feel."""
         return all(sizing.good for sizing in self.axes.values())
 
 
@@ -42,10 +42,10 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
 
     Args:
         project: The project.
-        release_rad: Angle in rad of the releases; as ``size_drive`` if not given.
+        release_rad: Angle of the releases, rad. Default: as ``size_drive``.
 
     Raises:
-        InputError: If the angle is bad.
+        InputError: If the angle is invalid.
 
     Example:
         >>> import forcefeel as ff
@@ -60,7 +60,7 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
 
 @of_result
 def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusions:
-    """What follows for the whole: each axis's verdict, and what would do where a drive is too small."""
+    """Conclusions for the cockpit: the verdict of each axis, and the remedy where a drive is too small."""
     lacking = [axis for axis, sizing in cockpit.axes.items() if not sizing.good]
     verdict = (
         f"Too small for the programmed feel: the drive of {', '.join(lacking)}."

@@ -16,10 +16,10 @@ class ForceLimit:
     Attributes:
         axis: ``pitch``, ``roll`` or ``yaw``.
         duration: ``short`` or ``long``.
-        hands: With which hands; empty where the rule does not say.
+        hands: Number of hands; empty if the rule does not state it.
         force_n: The largest force at wheel or pedals, N.
-        source: Where it stands.
-        verified: Whether a person has held the row against the document.
+        source: Section of the document.
+        verified: Whether the row is verified against the document.
     """
 
     axis: str
@@ -31,12 +31,12 @@ class ForceLimit:
 
     @property
     def name(self) -> str:
-        """In words: ``short term, two hands``."""
+        """Name of the row: ``short term, two hands``."""
         return ", ".join(filter(None, (f"{self.duration} term", self.hands)))
 
 
 RULE = "14 CFR 25.143(d)"
-"""Whose limits they are."""
+"""Rule of the limits."""
 
 
 @cache
@@ -44,8 +44,8 @@ def control_forces() -> tuple[ForceLimit, ...]:
     """All rows.
 
     Raises:
-        ValueError: If the table breaks its own laws: another rule, a row twice, a force that is not above zero, a long-term force
-            that is not below the short-term ones.
+        ValueError: If the table is invalid: another rule, a duplicate row, a force that is not above zero, or a long-term
+            force that is not below the short-term ones.
     """
     table = tomllib.loads(resources.files("forcefeel").joinpath("data/control_forces.toml").read_text(encoding="utf-8"))
     rows = tuple(

@@ -1,4 +1,4 @@
-"""What feel and rule ask of a drive at the grip.
+"""Demands of the feel and the rule on a drive, at the grip.
 
 ``F`` force at the grip · ``v`` its speed · ``theta_0`` angle of the release · ``R_p`` arm of the grip ·
 ``J`` inertia of the column · ``I``, ``B``, ``G`` the programmed feel
@@ -20,7 +20,7 @@ from forcefeel.units import ANGLE, UnitSystem, to_text
 
 
 class Duration(StrEnum):
-    """How long a force is asked for."""
+    """Duration of a demand."""
 
     SHORT = "short"
     LONG = "long"
@@ -29,17 +29,17 @@ class Duration(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """One thing that is asked of a drive.
+    """One demand on a drive.
 
     Attributes:
-        name: In words.
-        duration: How long.
-        programmed: Whether the loader's own feel asks for it, not the rule.
-        force_n: Force at the grip that turns the column, N, a moment each: one of a force that is held.
-        acceleration_m_per_s2: Of the grip, along the force: the drive's own mass takes more force by it.
-        speed_m_per_s: Speed of the grip, along the force.
-        source: Where it comes from.
-        verified: Whether a person has held it against that.
+        name: Its name.
+        duration: Its duration.
+        programmed: Whether it comes from the loader's feel, not from the rule.
+        force_n: Force at the grip that moves the column, N, over time; one value for a held force.
+        acceleration_m_per_s2: Acceleration of the grip along the force; the drive's own mass adds force.
+        speed_m_per_s: Speed of the grip along the force.
+        source: Its source.
+        verified: Whether it is verified against the source.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Demand:
 
 
 def demands(plan: SizingPlan) -> tuple[Demand, ...]:
-    """All that is asked: the pilot's force, the feel where it is hardest, a release, the rule's limits."""
+    """All demands: pilot's force, largest force of the feel, a release, limits of the rule."""
     return tuple(_demands(plan))
 
 
@@ -69,7 +69,7 @@ def _demands(plan: SizingPlan) -> Iterator[Demand]:
 
 
 def _feel(plan: SizingPlan) -> Iterator[Demand]:
-    """The feel where it is hardest to hold, up to its stops or the angle of the release."""
+    """Largest holding force of the feel, up to its stops or the angle of the release."""
     loader, stops = plan.loader, _stops_rad(plan.loader)
     ends = stops or (-plan.release_rad, plan.release_rad)
     angle = hardest_angle(loader, min(*ends, 0.0), max(*ends, 0.0))
@@ -95,7 +95,7 @@ def _held(
 
 
 def _stops_rad(loader: Loader) -> list[float]:
-    """The ends of the travel; none where nothing ends it."""
+    """Ends of the travel; empty without stops."""
     for part in ("column.stop", "feel.hard_stop"):
         if known := [end for side in ("low", "high") if isfinite(end := loader[f"{part}_{side}"])]:
             return known
@@ -103,10 +103,10 @@ def _stops_rad(loader: Loader) -> list[float]:
 
 
 def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float64]:
-    """Force at the grip in N, a magnitude, that holds the programmed control still at angles; shape as ``angles_rad``.
+    """Largest holding force of the programmed control at rest, N at the grip, a magnitude; shape as ``angles_rad``.
 
-    The largest: of the model's feel at rest (`crates/model/src/feel.rs`) whichever way its hysteresis was left and its shaker
-    swings, up to where its friction breaks away, and with whichever factor the dynamic pressure asks for.
+    The maximum covers the states of hysteresis and shaker, static friction, and all stiffness factors of the dynamic pressure
+    (`crates/model/src/feel.rs`).
     """
     angles = np.asarray(angles_rad, dtype=np.float64)
     curve, factor = loader.force_curve, loader.stiffness_factor
@@ -119,12 +119,12 @@ def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float6
 
 
 def column_mass_kg(loader: Loader) -> float:
-    """The column at the grip, kg: ``J / R_p^2``."""
+    """Mass of the column at the grip, kg: ``J / R_p^2``."""
     return float(_core.column_grip_force(loader.si_values, np.array([1 / loader["column.grip_arm"]]))[0])
 
 
 def hardest_angle(loader: Loader, low_rad: float, high_rad: float) -> float:
-    """Angle within two at which the programmed control takes most force; of several the farthest from neutral."""
+    """Angle between two limits with the largest holding force; of several, the farthest from neutral."""
     ends, hardest = (low_rad, high_rad), 0.0
     for _ in range(_ZOOMS):
         angles = np.linspace(*ends, _ANGLES)
@@ -137,7 +137,7 @@ def hardest_angle(loader: Loader, low_rad: float, high_rad: float) -> float:
 
 
 _ANGLES, _ZOOMS, _ROUNDING = 1001, 4, 1e-12
-"""Angles that are looked at, then as many between the neighbors of the hardest, so often; force that is as much."""
+"""Angles of a search, number of refinements around the hardest angle, and rounding of equal forces."""
 
 
 def _release(plan: SizingPlan) -> Demand:
@@ -157,9 +157,9 @@ def _release(plan: SizingPlan) -> Demand:
 
 
 def release_s(loader: Loader) -> float:
-    """How long a release is looked at."""
+    """Evaluated duration of a release, s."""
     return PERIODS * 2 * pi / _core.feel_frequency(loader.si_values)[0]
 
 
 PERIODS, MOMENTS = 1.5, 601
-"""Periods of a release that are looked at, since later swings are smaller, and into how many moments they are cut."""
+"""Evaluated periods of a release, because later swings are smaller, and number of samples."""

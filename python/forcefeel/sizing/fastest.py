@@ -1,4 +1,4 @@
-"""The fastest fall of a column that is let go, whatever the law: the drive gives all that it has from that moment on.
+"""The fastest fall of a released column for any law: the drive is at its limits from the release on.
 
 ``theta_0`` angle of the release · ``v`` largest speed of the drive, in rad/s of the column · ``w`` frequency of the column on its
 link, with the oil beside it · ``s`` angle by which the held link is stretched · ``a`` largest acceleration
@@ -9,9 +9,9 @@ link, with the oil beside it · ``s`` angle by which the held link is stretched 
     c        = (A^2 / k + V_E / (4 beta)) / (alpha R_b A)^2   of a valve, eqs. (5), (9)
     c        = 1 / (k (alpha R_b)^2)                          of a motor
 
-What the column does after a motion of the drive's end, ``1 - cos(w t)``, is never negative, so that no other motion of it takes the
-column further; but for one that first pushes it out. Lags, delay, friction and the link's damper are left out: nothing real is
-faster. A limit that the loader file does not give is none.
+The step response of the column to the drive's end, ``1 - cos(w t)``, is never negative, so no other motion of the drive moves the
+column further, except one that first pushes it outward. Lags, delay, friction and the link's damper are neglected, so the bound
+is on the safe side. A limit missing in the loader file is infinite.
 """
 
 from dataclasses import dataclass
@@ -30,11 +30,11 @@ from forcefeel.sizing.valve import Valve
 from forcefeel.units import FORCE, MASS, SPEED
 
 _MOMENTS = 2048
-"""Into which a fall is cut."""
+"""Time samples of a fall."""
 
 
 class Limit(StrEnum):
-    """What of a drive keeps a fall slow."""
+    """Limit of a drive that determines the fall."""
 
     FLOW = "the valve's flow"
     CURRENT = "the amplifier's current"
@@ -45,14 +45,14 @@ class Limit(StrEnum):
 
 @dataclass(frozen=True)
 class Fastest:
-    """What a drive gives a column that falls, at the grip.
+    """Limits of a drive during the fall of a column, at the grip.
 
     Attributes:
-        force_n, speed_m_per_s: The largest standing still, and without a load; infinite without a limit.
-        of_force, of_speed: What sets each.
-        mass_kg: What the force moves.
-        compliance_rad_per_n_m: c.
-        loader: Whose it is.
+        force_n, speed_m_per_s: Largest force at rest, and largest speed without load; infinite without a limit.
+        of_force, of_speed: The limits that set them.
+        mass_kg: Mass moved by the force.
+        compliance_rad_per_n_m: Compliance c.
+        loader: The loader.
     """
 
     force_n: Annotated[float, FORCE]
@@ -65,7 +65,7 @@ class Fastest:
 
     @classmethod
     def of(cls, loader: Loader) -> "Fastest":
-        """That of a loader."""
+        """The limits of a loader's drive."""
         return _of_motor(loader) if loader.drive == ELECTRIC else _of_valve(loader)
 
     def fall_s(
@@ -81,7 +81,7 @@ class Fastest:
             return np.full(len(stiffness), np.inf if speed == 0 else 0.0)
         w = 1 / np.sqrt(self.compliance_rad_per_n_m * self.loader["column.inertia"])
         stretch = stiffness * angle * self.compliance_rad_per_n_m
-        # The column lags the drive's end by less than a turn of its swing.
+        # The column lags the drive's end by less than one period.
         time = np.linspace(0.0, angle / speed + 2 * np.pi / w, _MOMENTS)
         gone = speed * time - speed / w * np.sin(w * time) + stretch[:, None] * (1 - np.cos(w * time))
         furthest = np.maximum.accumulate(gone, axis=1)

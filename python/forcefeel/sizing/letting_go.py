@@ -1,4 +1,4 @@
-"""How soon a column that is let go falls through a level, whatever the law: before its drive can follow, the link throws it.
+"""Latest time at which a released column falls through a level, for any law: the link moves it before the drive can follow.
 
 ``theta`` angle of the column · ``tau`` from the release to the first command that can know of it · ``q`` flow into the actuator,
 ``p`` load pressure, ``p_s`` supply's · ``q_s``, ``q_i`` largest flow at no load by spool and by current · ``i``, ``e``, ``u``
@@ -7,21 +7,20 @@ current, its command and the voltage of a phase, ``i_0`` the current that held
     x' = A x + b q + friction,   q = min(q_s, q_i int_0^t |g|) sqrt(1 - p / p_s)        of a valve, eq. (1); g its answer, eq. (9)
     x' = A x + b i + friction,   i = min(e + (i_0 - e) exp(-w_c (t - tau)), f + u int_0^t |g|)                        of a motor
 
-``A``, ``b`` are the model's own matrices of column, link and drive. What the column does after a motion or force of the drive's end
-is never negative, so that none takes it less far down than the largest at every moment: the drive runs after the column with all
-that it has.
+``A``, ``b`` are the model's matrices of column, link and drive. The response of the column to a motion or force of the drive's end
+is never negative. So the largest drive input at every time gives the slowest fall.
 
-Of a motor no current is larger than the lesser of two: what the largest command asks of the current loop, and what the largest
-voltage, of whatever sign at each moment, brings about in winding, rotor, link and column; ``g`` is the current's answer to an
-impulse of voltage, ``f`` the current without one. With dry friction of the column, which stirs the rotor too, the first alone.
+The current of a motor has two bounds: the response of the current loop to the largest command, and the response of winding, rotor,
+link and column to the largest voltage of either sign. ``g`` is the impulse response of the current to the voltage, ``f`` the free
+current. With dry friction of the column only the first bound applies.
 
-Of a valve the largest motion is the one with equality. Suppose that another has let in as much oil for the first time: up to there
-it had let in less, hence the piston was behind as long as what an impulse of oil does to piston and column is nowhere negative,
-hence the load pressure helped it less, and it goes on no faster. That holds for about half a swing of the column on link and oil;
-nothing is told beyond.
+For a valve the largest motion satisfies the equality. Suppose another motion reaches the same oil volume for the first time. Before
+that its volume was smaller, so its piston was behind while the impulse response of piston and column is not negative. The load
+pressure then helped it less, and it is no faster. This holds for about half a swing of the column on link and oil; later times are
+not evaluated.
 
-The hand lets go as the controller samples. Load cell and encoders see nothing of it then, since what they measure goes on without a
-jump, so that ``tau`` is period and delay; with a sensor at the grip, which sees the force jump, the delay alone.
+The release coincides with a sample of the controller. Signals of load cell and encoders do not jump, so ``tau`` is period plus
+delay; with a force sensor at the grip it is the delay.
 """
 
 from collections.abc import Callable
@@ -43,22 +42,22 @@ from forcefeel.sizing.valve import Valve
 _Matrix = NDArray[np.float64]
 
 _MOMENTS = 2400
-"""Into which a swing of the column on its link is cut."""
+"""Time samples of a swing of the column on its link."""
 
 _LEAST_DAMPING = 5e-4
-"""Damping ratio of the column on its link: without any the oil's spring has no state."""
+"""Least damping ratio of the column on its link; without damping the oil's spring has no state."""
 
 
 def falls_through_s(
     loader: Loader, angle_rad: float, stiffness: NDArray[np.float64], level: float
 ) -> NDArray[np.float64]:
-    """By when at the latest the column falls through a share of the angle; infinite where its first swing on the link need not.
+    """Latest time at which the column falls through a share of the angle, s; infinite if its first swing need not reach it.
 
     Args:
-        loader: The loader. Nothing is told of one whose drive has no limit, whose valve follows no orifice, whose motor or
-            transmission has friction, whose link has play, whose column is not balanced, or at whose grip there is an arm.
-        angle_rad: Where it is let go.
-        stiffness: G in N m/rad, one for each time.
+        loader: The loader. The time is infinite without a limit of the drive or an orifice of the valve. It is also infinite
+            with friction of motor or transmission, backlash of the link, an unbalanced column, or an arm.
+        angle_rad: Angle of the release.
+        stiffness: G in N m/rad, one for each result.
         level: The share.
     """
     latest = np.full(len(stiffness), np.inf)
@@ -71,7 +70,7 @@ def falls_through_s(
     state = np.vstack([drive.held(angle_rad, torque), np.ones_like(torque), np.zeros_like(torque)])
     gives = drive.gives(state[:-2])
     for moment in range(1, drive.ordered(step)):
-        # The load helps less and less as the link lets go: its value at the step's begin is the more generous one.
+        # The load helps less as the link relaxes; its value at the start of the step is the upper bound.
         state[-1] = gives[:, moment] * np.sqrt(np.maximum(1 - drive.load @ state[:-2], 0.0))
         state = step @ state
         first = (drive.angle @ state[:-2] < level * angle_rad) & np.isinf(latest)
@@ -80,7 +79,7 @@ def falls_through_s(
 
 
 def _driven(matrix: _Matrix, *columns: _Matrix) -> _Matrix:
-    """A linear system with inputs that stay as states of their own."""
+    """A linear system with constant inputs as additional states."""
     size = len(matrix)
     whole = np.zeros((size + len(columns), size + len(columns)))
     whole[:size] = np.column_stack([matrix, *columns])
@@ -119,16 +118,16 @@ def _applies(loader: Loader) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Drive:
-    """Column and link with what drives them, ``x' = A x + b u``.
+    """Column and link with their drive, ``x' = A x + b u``.
 
     Attributes:
-        matrix, by_input, by_force: A, b, and what a force at the grip does.
-        angle: theta of the states.
-        load: p / p_s of them; none of a motor.
-        rising: States whose answer to a step of the input has to rise; none of a motor.
-        held: The states before the release, (states, torques), from the angle and the torques that were held.
-        gives: The input without a load, (torques, moments), from these states.
-        time: The moments of one swing.
+        matrix, by_input, by_force: A, b, and the input vector of a force at the grip.
+        angle: Output row of theta.
+        load: Output row of p / p_s; zero for a motor.
+        rising: States whose step response must increase; empty for a motor.
+        held: Function of angle and torques that returns the states before the release, (states, torques).
+        gives: Function of these states that returns the input without load, (torques, times).
+        time: Times of one swing.
     """
 
     matrix: _Matrix
@@ -142,7 +141,7 @@ class _Drive:
     time: _Matrix
 
     def ordered(self, step: _Matrix) -> int:
-        """For how many moments nothing answers to an impulse of the input negatively: while the answers to a step of it rise."""
+        """Number of times for which no impulse response is negative: the step responses increase."""
         answer = np.append(self.by_input / np.linalg.norm(self.by_input), [0.0, 0.0])
         largest = np.zeros(len(self.rising))
         for moment in range(1, len(self.time) if self.rising else 0):
@@ -154,13 +153,13 @@ class _Drive:
 
 
 _ROUNDING = 1e-12
-"""Of the largest answer so far."""
+"""Rounding, as a share of the largest response so far."""
 
 
 def _valve(loader: Loader) -> _Drive:
     """Column, link and piston, eq. (17): states ``x_p, p, x_b, x_b'``, driven by the flow into the actuator."""
     values = loader.si_values.copy()
-    # What the flow depends on stands beside the matrix.
+    # The pressure dependence of the flow is not part of the matrix.
     values[INDEX["valve.pressure_gain"]] = 0.0
     per_square, _ = _core.linkage_from_resonance(values, 1.0, 0.0)
     w = np.sqrt(loader["linkage.stiffness"] / per_square)
@@ -191,7 +190,7 @@ def _valve(loader: Loader) -> _Drive:
 
 
 def _valve_flow(loader: Loader, answers: _Matrix, time: _Matrix) -> _Matrix:
-    """Largest flow at no load at moments after the release: of the spool, and of the largest current through the valve's answer.
+    """Largest flow without load after the release: limits of the spool, and of the current with the valve's response.
 
     ``answers`` is the matrix of flow and its rate, eq. (3).
     """
@@ -235,7 +234,7 @@ def _motor(loader: Loader) -> _Drive:
 
 
 def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: _Matrix) -> _Matrix:
-    """Largest current at moments after the release from the states ``x_m, x_m', x_b, x_b'``, by the command and by the voltage."""
+    """Largest current after the release from the states ``x_m, x_m', x_b, x_b'``, by the command and by the voltage."""
     most, volts = (loader[f"current_loop.{name}_limit"] for name in ("current", "voltage"))
     unseen, period = _unseen_s(loader), time[1]
     end, _, base, _ = held
@@ -245,12 +244,12 @@ def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: 
     by_command = most - (most - before) * lag if np.isfinite(most) else np.where(since > 0, np.inf, before)
     if not np.isfinite(volts) or _column_friction(loader):
         return np.asarray(by_command)
-    # u = c x + d e, solved for the command e: what the voltage does to the states.
+    # u = c x + d e, solved for the command e: effect of the voltage on the states.
     voltage, direct = plant.c[_VOLTAGE], plant.d[_VOLTAGE, 1]
     by_voltage = plant.b[:, 1] / direct
     under = plant.a - np.outer(by_voltage, voltage)
     state = np.array([end, 0.0, before, base, 0.0])
-    # The old command until then; it holds the current.
+    # Until then the old command holds the current.
     state = scipy.linalg.expm(_driven(plant.a, plant.b[:, 1] * before) * unseen)[:-1] @ np.append(state, 1.0)
     step = scipy.linalg.expm(under * period)
     free, pulse, swings = state, by_voltage, 0.0
@@ -258,7 +257,7 @@ def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: 
     for moment, at in enumerate(time):
         if at <= unseen:
             continue
-        # By the end of this moment, a step ahead of what has come about: the more generous one.
+        # The value at the end of this step is the upper bound.
         before, free = free[CURRENT], step @ free
         swings += volts * period * max(abs(pulse[CURRENT]), abs((pulse := step @ pulse)[CURRENT]))
         largest[moment] = min(by_command[moment], max(before, free[CURRENT]) + swings)
@@ -269,10 +268,10 @@ _VOLTAGE = OUTPUTS.index("motor_voltage_v")
 
 
 def _column_friction(loader: Loader) -> float:
-    """At the grip, N."""
+    """Largest dry friction of the column, N at the grip."""
     return max(loader["column.coulomb_friction"], loader["column.static_friction"])
 
 
 def _unseen_s(loader: Loader) -> float:
-    """From the release to the first command that can know of it."""
+    """Time from the release to the first command that depends on it."""
     return loader["controller.delay"] + (0.0 if has_grip_sensor(loader) else loader["controller.period"])

@@ -1,9 +1,9 @@
-"""A motor at the grip: what a force at a speed takes of it, what it gives, and how warm it becomes.
+"""A motor at the grip: its demand for a force at a speed, its capability, and its temperature.
 
 The equations are the model's (`crates/model/src/drive/electric/statics.rs`): torque, current and voltage of rotor, transmission and
-winding at an even speed and a current that stays, the winding at the temperature around. Cogging is left out.
+winding at constant speed and current, with the winding at ambient temperature. Cogging is neglected.
 
-``T' = A T + b`` winding and housing over the temperature around, at a current that stays
+``T' = A T + b`` temperature rise of winding and housing above ambient, at constant current
 """
 
 from collections.abc import Callable
@@ -22,12 +22,12 @@ from forcefeel.units import FORCE, LENGTH, MASS, MOTOR_CURRENT, SECONDS, SPEED, 
 
 @dataclass(frozen=True)
 class MotorNeeds:
-    """What a force takes of a motor.
+    """Demand of a force on a motor.
 
     Attributes:
-        torque_n_m, current_a, voltage_v: The most at any moment, as magnitudes; current and voltage are the peak of a phase.
-        winding_degc: Winding in the end of a force that is held; infinite where it never stops, not a number where it is not known.
-        derates_after_s: When the winding, cold at first, is so warm that the current is taken back; infinite where it never is.
+        torque_n_m, current_a, voltage_v: Largest magnitudes over time; current and voltage are phase peaks.
+        winding_degc: Final winding temperature of a held force; infinite in thermal runaway, NaN if unknown.
+        derates_after_s: Time until a cold winding reaches derating; infinite if it does not.
     """
 
     torque_n_m: Annotated[float, TORQUE]
@@ -39,14 +39,14 @@ class MotorNeeds:
 
 @dataclass(frozen=True)
 class MotorCapability:
-    """What a motor gives at the grip.
+    """Capability of a motor at the grip.
 
     Attributes:
-        peak_force_n: Standing still, at its largest current; infinite where no limit is given.
-        continuous_force_n: So that the winding stays below derating; not a number where its heat is not known.
-        fastest_m_per_s: Without a load; infinite where no voltage is given.
-        peak_torque_n_m, continuous_torque_n_m, continuous_current_a: At the motor.
-        added_mass_kg: The rotor at the grip.
+        peak_force_n: Force at rest at the largest current; infinite without a limit.
+        continuous_force_n: Force that keeps the winding below derating; NaN if its thermal data are unknown.
+        fastest_m_per_s: Speed without load; infinite without a voltage limit.
+        peak_torque_n_m, continuous_torque_n_m, continuous_current_a: Limits at the motor.
+        added_mass_kg: Mass of the rotor at the grip.
     """
 
     peak_force_n: Annotated[float, FORCE]
@@ -60,12 +60,12 @@ class MotorCapability:
 
 @dataclass(frozen=True)
 class MotorRemedy:
-    """What would hold a force that the motor does not.
+    """Remedies where the motor cannot hold a force.
 
     Attributes:
-        torque_n_m: Torque that it takes with this transmission.
-        travel_m: Travel per radian with which this motor does; not a number where none does.
-        added_mass_kg: The rotor at the grip then.
+        torque_n_m: Required torque with this transmission.
+        travel_m: Required travel per radian with this motor; NaN if no travel is sufficient.
+        added_mass_kg: Mass of the rotor at the grip with that travel.
     """
 
     torque_n_m: Annotated[float, TORQUE]
@@ -81,29 +81,29 @@ class Motor:
 
     @cached_property
     def statics(self) -> _core.MotorStatics:
-        """The model's."""
+        """Statics of the model."""
         return _core.MotorStatics(self.loader.si_values)
 
     @property
     def added_mass_kg(self) -> float:
-        """The rotor at the grip."""
+        """Mass of the rotor at the grip."""
         return self.statics.added_mass
 
     def torque(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Torque in N m that a force at the grip takes, both with their signs."""
+        """Torque in N m for a force at the grip, both signed."""
         return self.statics.taken(force, speed)[0]
 
     def voltage(self, current: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Voltage of a phase in V, at a current that stays and a speed of the grip."""
+        """Phase voltage in V at constant current and a speed of the grip."""
         return self.statics.voltage(current, speed)
 
     def share(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of the largest current or voltage that a force at a speed takes, whichever is more; not a number without either."""
+        """Used share of the current or voltage limit for a force at a speed, the larger one; NaN without limits."""
         _, current, voltage = self.statics.taken(force, speed)
         return self.share_of(current, voltage)
 
     def share_of(self, current: NDArray[np.float64], voltage: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of the largest current or voltage, whichever is more; not a number without either."""
+        """Used share of the current or voltage limit, the larger one; NaN without limits."""
         shares = [
             np.abs(taken) / limit
             for taken, limit in (
@@ -115,7 +115,7 @@ class Motor:
         return np.max(shares, axis=0) if shares else np.full(np.shape(current), nan)
 
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> MotorNeeds:
-        """The most that forces at speeds take, moment by moment."""
+        """Largest demands of forces at speeds over time."""
         torque, current, volts = self.statics.taken(force, speed)
         standing = float(current[0])
         return MotorNeeds(
@@ -128,7 +128,7 @@ class Motor:
 
     @cached_property
     def capability(self) -> MotorCapability:
-        """What it gives at the grip."""
+        """Capability at the grip."""
         limits = [self.loader[f"current_loop.{name}_limit"] for name in ("current", "voltage")]
         stalled = min(limits[0], float(self._current(limits[1], np.zeros(1))[0]))
         lasting = min(self.continuous_current_a, stalled) if isfinite(self.continuous_current_a) else nan
@@ -144,11 +144,11 @@ class Motor:
         )
 
     def _current(self, voltage: float, speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Current that a voltage drives at speeds of the grip; infinite without a limit."""
+        """Current at a voltage and speeds of the grip; infinite without a limit."""
         return self.statics.current(np.full(len(speed), voltage), speed)
 
     def curve(self, fastest: float, largest_current: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Speeds up to ``fastest`` and the force in N that the motor gives at each, within a current and the voltage."""
+        """Speeds up to ``fastest`` and the motor's largest force in N at each, within limits of current and voltage."""
         speed = np.linspace(0.0, min(fastest, self.capability.fastest_m_per_s), POINTS)
         by_voltage = self._current(self.loader["current_loop.voltage_limit"], speed)
         return speed, self.statics.given(np.minimum(largest_current, by_voltage), speed)
@@ -157,19 +157,19 @@ class Motor:
 
     @property
     def heat_rows(self) -> tuple[str, ...]:
-        """Rows that the loader file does not give, without which the heat is not known."""
+        """Missing rows of the loader file for the thermal model."""
         return tuple(row for row in HEAT if not isfinite(self.loader[row]))
 
     @property
     def _allowed(self) -> float:
-        """Temperature over that around from which on the current is taken back, K."""
+        """Temperature rise above ambient at which derating begins, K."""
         return max(self.loader["thermal.derating_from"] - self.loader["thermal.ambient"], 0.0)
 
     @property
     def continuous_current_a(self) -> float:
-        """Current at which the winding stays where derating begins, A; not a number where its heat is not known.
+        """Current that holds the winding at the start of derating, A; NaN if its thermal data are unknown.
 
-        ``T' = 0`` of matrices that are straight in the current's square: first the housing's temperature, then that square.
+        ``T' = 0``, with matrices linear in the square of the current: first the housing temperature, then that square.
         """
         if self.heat_rows:
             return nan
@@ -179,16 +179,16 @@ class Motor:
         return float(np.sqrt(-(cold[0] @ steady) / per_square[0]))
 
     def winding_degc(self, current: float) -> float:
-        """Temperature of the winding in the end."""
+        """Final temperature of the winding."""
         if self.heat_rows:
             return nan
         matrix, heat = self.statics.warming(current)
-        # Two rates that pull back have a determinant above zero; below it the resistance grows faster than it cools.
+        # A stable system has a positive determinant; otherwise the resistance grows faster than the winding cools.
         runs_away = np.linalg.det(matrix) <= 0
         return inf if runs_away else self.loader["thermal.ambient"] - float(np.linalg.solve(matrix, heat)[0, 0])
 
     def derates_after_s(self, current: float) -> float:
-        """How long a winding that is as warm as the air bears a current; not a number where its heat is not known."""
+        """Time until a winding at ambient temperature reaches derating, s; NaN if its thermal data are unknown."""
         if self.heat_rows:
             return nan
         if self.winding_degc(current) <= self.loader["thermal.derating_from"]:
@@ -197,7 +197,7 @@ class Motor:
         return _first_time(rise, self._allowed, guess=1.0)
 
     def _warming(self, current: float) -> Callable[[float], float]:
-        """Rise of the winding over the time, K: two masses, linear, by the eigenvalues of their matrix."""
+        """Temperature rise of the winding over time, K, by the eigenvalues of the two-mass model."""
         matrix, heat = self.statics.warming(current)
         values, vectors = np.linalg.eig(matrix)
         parts = vectors[0] * np.linalg.solve(vectors, heat[:, 0])
@@ -210,7 +210,7 @@ class Motor:
         return rise
 
     def remedy(self, force: float, available: float) -> MotorRemedy:
-        """What would hold ``force`` where ``available`` is too little, both in N: the travel per radian goes as the force."""
+        """Remedies for ``force`` above ``available``, both in N; the travel per radian is proportional to the force."""
         travel = self.loader["transmission.travel"] * available / force
         torque = float(self.torque(np.array([force]), np.zeros(1))[0])
         if not available > 0:
@@ -224,17 +224,17 @@ HEAT = (
     "thermal.winding_capacity",
     "thermal.housing_capacity",
 )
-"""Rows that the heat follows from; a loader file gives all or none."""
+"""Rows of the thermal model; a loader file states all or none."""
 
 POINTS = 201
-"""Of a curve."""
+"""Points of a curve."""
 
 LARGEST_EXPONENT = 500.0
-"""Its exponential is still a number: a winding that runs away has long passed every limit there."""
+"""Largest exponent before overflow; in thermal runaway every limit is exceeded earlier."""
 
 
 def _first_time(rise: Callable[[float], float], level: float, guess: float) -> float:
-    """When a rise first passes a level."""
+    """First time at which a rise exceeds a level."""
     from scipy.optimize import brentq  # noqa: PLC0415  a motor that stays cool does not need it
 
     late = guess

@@ -1,4 +1,4 @@
-"""What a drive is sized for: a loader, which control it is, and how far its releases go."""
+"""Inputs of a sizing: loader, control, and angle of its releases."""
 
 from dataclasses import dataclass
 from math import degrees, isfinite, pi
@@ -18,15 +18,15 @@ AXES: tuple[str, ...] = get_args(Axis)
 
 @dataclass(frozen=True)
 class SizingPlan:
-    """What a drive is sized for.
+    """Inputs of a sizing.
 
     Attributes:
         loader: The loader.
-        axis: Which control it is: ``pitch``, ``roll``, ``yaw`` or ``stick``.
-        release_rad: Angle from which the control is let go.
+        axis: The control: ``pitch``, ``roll``, ``yaw`` or ``stick``.
+        release_rad: Angle of the release, rad.
 
     Raises:
-        InputError: If the axis is none of these, or the angle is not above 0 and within a quarter turn.
+        InputError: If the axis is unknown, or the angle is not above 0 and within a quarter turn.
 
     Example:
         >>> import forcefeel as ff
@@ -53,8 +53,8 @@ class SizingPlan:
 
         Args:
             loader: The loader.
-            axis: Which control it is; that of a built-in loader of its name, else pitch, if not given.
-            release_rad: Angle of the release, rad; half the throw's shorter side, 10 deg without stops, if not given.
+            axis: The control. Default: that of the built-in loader with this name, else pitch.
+            release_rad: Angle of the release, rad. Default: half the throw's shorter side, 10 deg without stops.
 
         Raises:
             InputError: As the class.

@@ -1,8 +1,7 @@
-"""What a release takes of a drive in the engine: as the hand lets go, the drive relieves the stretch of the link.
+"""Demand of a simulated release on a drive: at the release the drive relieves the stretch of the link.
 
-The programmed feel asks for that in no time, since the hand's force goes in none. How soon it comes is the law's: the engine's run
-under the law `robust`, or without a digital controller under the report's position loop, held at the angle before. The noise of the
-sensors, which comes on top, is left out.
+The programmed feel requires this relief instantly, because the hand's force vanishes instantly. Its duration depends on the law:
+`robust`, or without a digital controller the report's position loop. The noise of the sensors is omitted.
 """
 
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from forcefeel.sizing.motor import Motor, MotorNeeds
 from forcefeel.sizing.valve import Valve, ValveNeeds
 
 LAW = "robust"
-"""Of a loader with a digital controller."""
+"""Law of a loader with a digital controller."""
 
 _STEP_S = 2.5e-4
 _NOISE = [INDEX[key] for key in TABLE if key.endswith(".noise")]
@@ -28,13 +27,13 @@ _NOISE = [INDEX[key] for key in TABLE if key.endswith(".noise")]
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """What a release takes in the engine, moment by moment.
+    """Demand of a simulated release over time.
 
     Attributes:
-        law: Under which.
-        force_n, speed_m_per_s: Of the drive, at the grip.
-        share: Of what the drive gives for a short time.
-        needs: The most that it takes of the drive.
+        law: Name of the law.
+        force_n, speed_m_per_s: Force and speed of the drive at the grip.
+        share: Used share of the drive's peak limit.
+        needs: Largest demand on the drive.
     """
 
     law: str
@@ -45,17 +44,17 @@ class Relief:
 
     @property
     def of_peak(self) -> float:
-        """The largest share; a drive at its limit uses all, and no more."""
+        """Largest share, at most 1: a drive cannot exceed its limit."""
         return min(float(self.share.max()), 1.0)
 
 
 def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief | None:
-    """The run of a release; ``None`` where no law is found, or its run does not stay within numbers.
+    """The simulated release; ``None`` if no law can be designed, or the run diverges.
 
     Args:
         drive: The drive of the loader.
-        angle_rad: From which it is let go.
-        duration_s: For how long it is looked at.
+        angle_rad: Angle of the release.
+        duration_s: Evaluated duration.
     """
     loader = drive.loader
     try:

@@ -1,4 +1,4 @@
-"""What came of sizing a drive, with what made it."""
+"""Results of the sizing of a drive."""
 
 from dataclasses import dataclass, field
 from math import isnan, nan
@@ -21,23 +21,23 @@ Remedy = MotorRemedy | ValveRemedy
 
 @dataclass(frozen=True, eq=False)
 class DemandResult:
-    """One thing that is asked of the drive, and what it takes.
+    """One demand on the drive, and the share of the limits that it uses.
 
     Attributes:
-        name: In words.
-        duration: How long.
-        programmed: Whether the loader's own feel asks for it.
-        force_n, speed_m_per_s: The largest of each at the grip, as magnitudes, with what the rotor's own mass takes.
-        of_peak: At the moment that takes most of the drive, share of what the drive gives for a short time; not a
-            number where the loader file gives no limit. Of a release also in the engine, which relieves the link.
-        of_continuous: Share of what it gives for ever; not a number of a movement, and where that is not known.
-        needs: What it takes of the drive.
-        remedy: What would give it; ``None`` where the drive does, or where it lacks speed.
-        source: Where it comes from.
-        verified: Whether a person has held it against that.
-        of_motion: Of a release the share that its ideal motion takes by itself; not a number of what is held.
-        law: Under which the engine released; empty of what is held, and where there is no law for the loader.
-        path_speed_m_per_s, path_force_n: Moment by moment as the drive pushes, not a number where it holds back.
+        name: Its name.
+        duration: Its duration.
+        programmed: Whether it comes from the loader's feel.
+        force_n, speed_m_per_s: Largest magnitudes at the grip, including the force on the rotor's own mass.
+        of_peak: Largest used share of the drive's peak limit; NaN without a limit. For a release it includes the simulated
+            relief of the link.
+        of_continuous: Used share of the continuous limit; NaN for a movement, and if the limit is unknown.
+        needs: Demand on the drive.
+        remedy: Remedy; ``None`` if none is required, or if the speed is too low.
+        source: Its source.
+        verified: Whether it is verified against the source.
+        of_motion: Used share of the ideal motion of a release alone; NaN for a held force.
+        law: Law of the simulated release; empty for a held force, and if no law fits the loader.
+        path_speed_m_per_s, path_force_n: Speed and force over time while the drive pushes; NaN while it brakes.
     """
 
     name: str
@@ -58,7 +58,7 @@ class DemandResult:
 
     @property
     def available(self) -> bool:
-        """Whether the drive gives it; also where no limit is known."""
+        """Whether the drive can supply it; true if the limit is unknown."""
         share = self.of_continuous if self.duration is Duration.LONG else self.of_peak
         return isnan(share) or share <= 1
 
@@ -68,8 +68,8 @@ class Curve:
     """Force over speed.
 
     Attributes:
-        name: Of the drive: for how long.
-        speed_m_per_s, force_n: At the grip.
+        name: Name of the limit.
+        speed_m_per_s, force_n: Speed and force at the grip.
     """
 
     name: str
@@ -79,16 +79,16 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Sizing:
-    """What is asked of a drive and what it gives.
+    """Demands on a drive and its capability.
 
     Attributes:
-        plan: What was asked.
-        capability: What the drive gives at the grip.
-        demands: What is asked of it, and what that takes.
-        curves: Force over speed that it gives; none without a limit.
-        missing: Rows that the loader file does not give, and without which something is not known.
-        added_mass_kg: The rotor at the grip, J (F / T)^2; none of a piston, which has no mass in the model.
-        column_mass_kg: The column at the grip, J / R_p^2.
+        plan: Inputs of the sizing.
+        capability: Capability of the drive at the grip.
+        demands: Demands and the used shares of the limits.
+        curves: Largest force over speed; empty without a limit.
+        missing: Missing rows of the loader file that leave a limit unknown.
+        added_mass_kg: Mass of the rotor at the grip, J (F / T)^2; zero for a piston.
+        column_mass_kg: Mass of the column at the grip, J / R_p^2.
 
     Example:
         >>> import forcefeel as ff
@@ -112,5 +112,5 @@ class Sizing:
 
     @property
     def good(self) -> bool:
-        """Whether the drive gives what the programmed feel asks for."""
+        """Whether the drive is large enough for the programmed feel."""
         return all(demand.available for demand in self.demands if demand.programmed)

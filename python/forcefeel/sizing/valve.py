@@ -1,7 +1,7 @@
-"""A valve and its piston at the grip: what a force at a speed takes of them and what they give.
+"""A valve and its piston at the grip: their demand for a force at a speed, and their capability.
 
-The equations are the model's (`crates/model/src/drive/hydraulic/statics.rs`): eq. (5) at an even speed, eq. (1) or (4). The give of
-oil and link is left out.
+The equations are the model's (`crates/model/src/drive/hydraulic/statics.rs`): eq. (5) at constant speed, eq. (1) or (4).
+Compliance of oil and link is neglected.
 """
 
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ from forcefeel.units import AREA, FLOW, FORCE, PRESSURE, SPEED
 
 @dataclass(frozen=True)
 class ValveNeeds:
-    """What a force at a speed takes of a valve.
+    """Demand of a force at a speed on a valve.
 
     Attributes:
         pressure_pa: The largest load pressure, a magnitude.
-        flow_m3_per_s: The largest flow at no load that the spool must let through; infinite where the load presses harder than
-            the supply.
+        flow_m3_per_s: The largest required no-load flow of the spool; infinite if the load pressure exceeds the supply
+            pressure.
     """
 
     pressure_pa: Annotated[float, PRESSURE]
@@ -33,12 +33,12 @@ class ValveNeeds:
 
 @dataclass(frozen=True)
 class ValveCapability:
-    """What a valve gives at the grip.
+    """Capability of a valve at the grip.
 
     Attributes:
-        peak_force_n: Standing still, at the supply's pressure or the relief's; it holds it as long as it likes.
-        fastest_m_per_s: Without a load, at the largest current.
-        peak_pressure_pa, flow_m3_per_s: Of the valve: standing still, and without a load.
+        peak_force_n: Force at rest, at the pressure of supply or relief; also the continuous force.
+        fastest_m_per_s: Speed without load, at the largest current.
+        peak_pressure_pa, flow_m3_per_s: Pressure at rest and flow without load.
     """
 
     peak_force_n: Annotated[float, FORCE]
@@ -49,11 +49,11 @@ class ValveCapability:
 
 @dataclass(frozen=True)
 class ValveRemedy:
-    """What would hold a force that the valve does not.
+    """Remedies where the valve cannot hold a force.
 
     Attributes:
-        pressure_pa: Load pressure that it takes with this piston.
-        area_m2: Piston with which this pressure does.
+        pressure_pa: Required load pressure with this piston.
+        area_m2: Required piston area at this pressure.
     """
 
     pressure_pa: Annotated[float, PRESSURE]
@@ -68,63 +68,63 @@ class Valve:
 
     @cached_property
     def statics(self) -> _core.ValveStatics:
-        """The model's."""
+        """Statics of the model."""
         return _core.ValveStatics(self.loader.si_values)
 
     @property
     def force_per_pressure(self) -> float:
-        """Force at the grip per load pressure, N/Pa, or m^3/m: flow per speed of the grip."""
+        """Force at the grip per load pressure, N/Pa; also flow per speed of the grip, m^3/m."""
         return self.statics.force_per_pressure
 
     @property
     def added_mass_kg(self) -> float:
-        """None: the model's piston has no mass."""
+        """Zero: the model's piston has no mass."""
         return 0.0
 
     @property
     def flow_by_current_m3_per_s(self) -> float:
-        """Flow at no load of the amplifier's largest current, whatever the spool's stroke; infinite without a limit."""
+        """No-load flow at the amplifier's largest current, without the stroke limit; infinite without a current limit."""
         return self.statics.no_load_flow(self.loader["amplifier.current_limit"])
 
     @property
     def flow_m3_per_s(self) -> float:
-        """Largest flow at no load: of the largest current, the rated one without a limit, and of the spool's stroke."""
+        """Largest no-load flow: at the largest current, or the rated one without a limit, and at the spool's stroke."""
         limit = self.loader["amplifier.current_limit"]
         current = limit if np.isfinite(limit) else self.loader["valve.rated_current"]
         return min(self.loader["valve.flow_limit"], self.statics.no_load_flow(current))
 
     def share(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of the largest pressure or flow that a force at a speed takes, whichever is more."""
+        """Used share of the pressure or flow limit for a force at a speed, the larger one."""
         pressure, flow = self.statics.taken(force, speed)
         return self.share_of(pressure, flow)
 
     def share_of(self, pressure: NDArray[np.float64], flow: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of the largest pressure, or of the largest flow at no load, whichever is more."""
+        """Used share of the pressure limit or of the no-load flow limit, the larger one."""
         capability = self.capability
         return np.asarray(np.maximum(np.abs(pressure) / capability.peak_pressure_pa, flow / capability.flow_m3_per_s))
 
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> ValveNeeds:
-        """The most that forces at speeds take, moment by moment."""
+        """Largest demands of forces at speeds over time."""
         pressure, flow = self.statics.taken(force, speed)
         return ValveNeeds(float(np.abs(pressure).max()), float(flow.max()))
 
     @cached_property
     def capability(self) -> ValveCapability:
-        """What it gives at the grip."""
+        """Capability at the grip."""
         flow = self.flow_m3_per_s
         limits = [self.loader[key] for key in ("valve.supply_pressure", "actuator.relief_pressure")]
         pressure = min(*limits, self.statics.stall_pressure(flow))
         return ValveCapability(self.force_per_pressure * pressure, flow / self.force_per_pressure, pressure, flow)
 
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Speeds and the force in N that the valve gives at each, at its largest current."""
+        """Speeds and the valve's force in N at each, at its largest current."""
         capability = self.capability
         pressure = np.linspace(capability.peak_pressure_pa, 0.0, POINTS)
         flow = self.statics.flow(np.full(POINTS, capability.flow_m3_per_s), pressure)
         return flow / self.force_per_pressure, self.force_per_pressure * pressure
 
     def remedy(self, force: float) -> ValveRemedy:
-        """What would hold ``force`` in N."""
+        """Remedies for ``force`` in N."""
         capability = self.capability
         needed = force / self.force_per_pressure
         return ValveRemedy(needed, self.loader["actuator.area"] * needed / capability.peak_pressure_pa)

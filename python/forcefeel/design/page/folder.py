@@ -1,4 +1,4 @@
-"""The report's folder: everything is computed and written aside first, then put in place, the page last."""
+"""The report's folder: all files are computed first, then written, the page last."""
 
 from pathlib import Path
 
@@ -30,10 +30,10 @@ def write_report(
 
     Args:
         design: What to report.
-        out: The folder; made if it is not there.
+        out: The folder; created if it does not exist.
         units: The units of every number.
         tried: Laws that were tried, for a loader with a digital controller, as ``choice.best_law`` gives them.
-        command: The command that asked for it, to stand on the page.
+        command: The command line, shown on the page.
 
     Returns:
         The path of the page.

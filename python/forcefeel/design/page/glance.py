@@ -1,4 +1,4 @@
-"""The table that says it all at a glance: the three configurations beside the ideal feel."""
+"""The summary table: the three configurations and the ideal feel."""
 
 import math
 
@@ -11,7 +11,7 @@ from forcefeel.units import ANGLE, HERTZ, RATIO, ROTARY_STIFFNESS, Unit, UnitSys
 
 
 def side_by_side(design: Design, system: UnitSystem) -> Table:
-    """What each configuration does at the programmed setting."""
+    """Each configuration at the programmed setting."""
     loops = [configuration.programmed for configuration in design.configurations]
     assessments = [loop.assessment for loop in loops]
     programmed_rad = programmed_angle_rad(design.loader)
@@ -44,7 +44,7 @@ def smallest(system: UnitSystem) -> str:
 
 
 def edge(boundary: StabilityBoundary, system: UnitSystem) -> str:
-    """The smallest stable stiffness; "none" if there is none."""
+    """The smallest stable stiffness; "none" if no stiffness is stable."""
     value = boundary.stiffness_n_m_per_rad
     return "none" if value == math.inf else value_text(value, ROTARY_STIFFNESS, system)
 
@@ -55,7 +55,7 @@ def row(name: Text, values: list[str], ideal: str = NONE) -> tuple[Cell, ...]:
 
 
 def stable(assessment: Assessment) -> Cell:
-    """Whether a loop is."""
+    """Whether a loop is stable."""
     return number("yes") if assessment.stable else number("unstable", bad=True)
 
 

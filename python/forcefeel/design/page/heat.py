@@ -1,4 +1,4 @@
-"""The cells of the sensitivity table: the worse the feel, the darker the cell."""
+"""Cells of the sensitivity table; a worse feel has a darker cell."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Tables of the law and what it bears: gains, dropped paths, sensitivity."""
+"""Tables of the law: gains, dropped paths, sensitivity."""
 
 import math
 
@@ -54,7 +54,7 @@ def gains(design: Design, system: UnitSystem) -> Table:
 
 
 def laws(design: Design, system: UnitSystem) -> Table:
-    """What recursion (22) was run with for each set of gains, and how it ended."""
+    """Settings of recursion (22) for each set of gains, and its result."""
     named = (("chosen", design.compensation), ("published horizon", design.published), ("converged", design.converged))
     head = heads(
         "Gains", "Step", "Horizon", "Steps", "Position weight", symbol_html("R_1"), symbol_html("R_2"), "Residual"
@@ -122,7 +122,7 @@ def _rendering(assessment: Assessment, system: UnitSystem) -> tuple[Cell, ...]:
 
 
 def sensitivity(design: Design) -> Table:
-    """Deviation from the ideal for every quantity and change; what harms most stands first among gains and plant."""
+    """Deviation from the ideal by quantity and change; the most harmful first among gains and plant."""
     by_quantity: dict[str, dict[float, Deviation]] = {}
     for row in design.deviations:
         by_quantity.setdefault(row.quantity, {})[row.change] = row

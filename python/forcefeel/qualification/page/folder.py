@@ -1,4 +1,4 @@
-"""The folder of a qualification: its page, its numbers, and its PDF, whole or not at all."""
+"""The folder of a qualification: page, results and PDF, written completely or not at all."""
 
 from pathlib import Path
 
@@ -19,15 +19,15 @@ FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
 
 
 def write_qualification(qualification: Qualification, out: Path, *, pdf: bool = False, command: str = "") -> Path:
-    """Writes ``qualification.html``, ``results.json`` and, if asked for, ``qualification.pdf``.
+    """Writes ``qualification.html``, ``results.json`` and, with ``pdf``, ``qualification.pdf``.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are not changed.
 
     Args:
         qualification: The qualification to report.
-        out: The folder; made if it is not there.
-        pdf: Print the page too; it takes a Chromium.
-        command: The command that asked for it, to stand on the page.
+        out: The folder; created if it does not exist.
+        pdf: Print the page too; requires Chromium.
+        command: The command line, shown on the page.
 
     Returns:
         The path of the page.
@@ -60,7 +60,7 @@ def write_cockpit(
     Args:
         cockpit: The qualification of each axis.
         out: The folder; made if it is not there.
-        units: The units that it was made in.
+        units: The units of the results.
         pdf: Print the page too; it takes a Chromium.
         command: The command that asked for it, to stand on the page.
 
@@ -84,7 +84,7 @@ def write_cockpit(
 
 
 def _beside(pdf: bool) -> tuple[str, ...]:
-    """The files beside the page."""
+    """Names of the other files in the folder."""
     return (NUMBERS, PDF) if pdf else (NUMBERS,)
 
 

@@ -1,4 +1,4 @@
-"""The plots of a qualification: both curves over each other, with the band in which the measured one may lie."""
+"""The plots of a qualification: measured and reference curves with the tolerance band."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -20,12 +20,12 @@ _Array = NDArray[np.float64]
 
 
 def color(section: str) -> str:
-    """The colour of a law."""
+    """The color of a law."""
     return _COLORS.get(section, COMPENSATED)
 
 
 def sweep(result: Result, qualification: Qualification, section: str) -> go.Figure:
-    """Force over position both ways; of a medium or fast sweep what it takes above the slow one."""
+    """Force over position in both directions; for a medium or fast sweep, the force minus that of the slow one."""
     assert result.measured
     assert result.reference
     picture = make_subplots(rows=1, cols=1)
@@ -103,7 +103,7 @@ def _band(picture: go.Figure, x: _Array, low: _Array, high: _Array, *, first: bo
 
 
 def _curves(side: Side) -> dict[str, tuple[_Array, _Array]]:
-    """Position from neutral and force each way, less those of the slow sweep where one is given."""
+    """Position from neutral and force in each direction, minus the force of the slow sweep where there is one."""
     swept = side.features
     assert isinstance(swept, SweepFeatures)  # a sweep's result
     at = swept.position - swept.neutral
@@ -129,7 +129,7 @@ def _rule(result: Result) -> Tolerance:
 
 
 def drawn(result: Result, qualification: Qualification, section: str) -> go.Figure | None:
-    """The plot of a test; ``None`` where there is nothing to draw."""
+    """The plot of a test; ``None`` where nothing can be drawn."""
     if result.measured is None or result.reference is None:
         return None
     match result.trial.test.kind:

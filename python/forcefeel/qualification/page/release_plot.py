@@ -1,4 +1,4 @@
-"""The plot of a release: both curves over each other, and on them what is judged, with its name and its tolerance."""
+"""The plot of a release: both curves, with the compared quantities, their names and tolerances."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ BAND = "rgba(34,34,34,0.10)"
 _TOLERANCE = "#6B7580"
 _MOST_POINTS = 1200
 _SHOWN = 1.25
-"""It is drawn until so much longer than the slower of the two takes to come to rest."""
+"""Drawn duration, as a multiple of the longer of the two settling times."""
 _ROOM = 0.06
-"""Of what is drawn, by which the names of what is marked are apart: what one takes on the page of a phone."""
+"""Least distance between labels, as a share of the drawn duration: the width of a label on a phone."""
 
 _Limits = Mapping[str, float]
-"""Tolerances by what is judged, in SI units."""
+"""Tolerances by quantity, in SI units."""
 
 
 def release(result: Result, qualification: Qualification, color: str) -> go.Figure:
-    """Position from each record's steady state over the time from its release, with the tolerances at the reference's marks."""
+    """Position from each record's steady state over time from its release, with the tolerances of the reference."""
     assert result.measured
     assert result.reference
     picture = make_subplots(rows=1, cols=1)
@@ -61,7 +61,7 @@ def release(result: Result, qualification: Qualification, color: str) -> go.Figu
 
 
 def _marks(picture: go.Figure, result: Result, qualification: Qualification, color: str, room_s: float) -> None:
-    """What is judged: instants and overshoots of both curves, and on the reference their names and tolerances."""
+    """Compared times and overshoots of both curves, with names and tolerances on the reference."""
     assert result.measured
     assert result.reference
     limits = {verdict.quantity: verdict.tolerance for verdict in result.verdicts if np.isfinite(verdict.tolerance)}
@@ -76,7 +76,7 @@ def _marks(picture: go.Figure, result: Result, qualification: Qualification, col
 def _mark_spans(
     picture: go.Figure, features: ReleaseFeatures, rules: ReleaseRules, limits: _Limits, scale: float, room_s: float
 ) -> None:
-    """The tolerance of each time where it ends; a double arrow with its name at the height where the first begins."""
+    """Tolerance of each time at its end, and a double arrow with its name."""
     spans = [span for span in _spans(features, rules) if span.name in limits]
     if not spans:
         return
@@ -100,7 +100,7 @@ def _mark_spans(
 def _mark_overshoots(
     picture: go.Figure, features: ReleaseFeatures, limits: _Limits, scale: float, room_s: float
 ) -> None:
-    """The tolerance of each, with its name beyond it."""
+    """Tolerance of each overshoot, with its name beyond it."""
     tops = [overshoot for overshoot in _overshoots(features, scale) if overshoot[0] in limits]
     if not tops:
         return
@@ -115,7 +115,7 @@ def _mark_overshoots(
 
 
 def _apart(times_s: list[float], room_s: float) -> list[int]:
-    """Which of rising times have room for a name: the first, and each so far from the last that has one."""
+    """Indices of rising times with room for a label: the first, and each far enough from the last labeled one."""
     kept: list[int] = []
     for k, time in enumerate(times_s):
         if not kept or time - times_s[kept[-1]] >= room_s:
@@ -125,12 +125,12 @@ def _apart(times_s: list[float], room_s: float) -> list[int]:
 
 @dataclass(frozen=True)
 class _Span:
-    """A time that is judged.
+    """A compared time.
 
     Attributes:
-        name: As ``P0``.
-        start_s, end_s: From the release.
-        foot: Share of Ad at which it ends.
+        name: Its name, such as ``P0``.
+        start_s, end_s: Start and end from the release.
+        foot: Position at its end as a share of Ad.
     """
 
     name: str
@@ -140,7 +140,7 @@ class _Span:
 
 
 def _spans(features: ReleaseFeatures, rules: ReleaseRules) -> list[_Span]:
-    """All that a release can be judged by."""
+    """All times that can be compared for a release."""
     low = features.rise_time.value
     high = low - features.fall_time.value
     passes = _crossings(features)
@@ -166,7 +166,7 @@ def _overshoots(features: ReleaseFeatures, scale: float) -> list[tuple[str, floa
 def _judged_points(
     features: ReleaseFeatures, judged: Collection[str], rules: ReleaseRules, scale: float
 ) -> list[tuple[float, float]]:
-    """The instants between which judged times lie, all crossings up to the last of them, and judged overshoots."""
+    """Ends of the compared times, zero crossings up to the last of them, and compared overshoots."""
     away = features.displacement.value * scale
     spans = [span for span in _spans(features, rules) if span.name in judged]
     last = max((span.end_s for span in spans), default=0.0)

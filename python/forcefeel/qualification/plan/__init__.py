@@ -1,4 +1,4 @@
-"""Qualification runs: the programme of a rule's tests, made on a simulated loader or on recorded files."""
+"""Qualification runs: the tests of a rule on a simulated loader or on recorded files."""
 
 from forcefeel.qualification.plan.result import Qualification, QualificationStatus, Result, Section
 from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader

@@ -1,4 +1,4 @@
-"""A qualification for machines: every figure with its unit, as plain data."""
+"""A qualification as JSON: every figure with its unit."""
 
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -29,7 +29,7 @@ _SWEEP = (
 
 
 def qualification_json(qualification: Qualification) -> dict[str, Json]:
-    """Everything but the records themselves."""
+    """The whole qualification without the records' samples."""
     system, rules = qualification.system, qualification.rules
     rule = {
         "id": rules.id,

@@ -1,4 +1,4 @@
-"""One law, or one recorded simulator, through the programme: what is measured, what it is held against, and the verdicts."""
+"""Runs the tests of a rule on one law or one recorded simulator: measurements, references and verdicts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -24,40 +24,40 @@ from forcefeel.simulation.inputs import Recorded
 from forcefeel.units import UnitSystem
 
 PROGRAMMED = "programmed feel"
-"""What its records are called."""
+"""Name of the records of the programmed feel."""
 
 _LONGER = 4.0
-"""A simulated release that has not come to rest is recorded for so many times as long, once."""
+"""Factor by which a simulated release is extended, once, if it has not come to rest."""
 
 _ROOM = 0.02
-"""Of the limits of the share of throw, by which a recorded release may be off without a remark."""
+"""Deviation from the rule's shares of the throw that a recorded release may have without a remark."""
 
 
 _Features = TypeVar("_Features", ReleaseFeatures, SweepFeatures)
 
 
 class MissingError(Exception):
-    """What a test needs and does not have."""
+    """A required input of a test is missing."""
 
 
 class BrokenError(Exception):
-    """Why a simulated loader fails a test that cannot be measured on it."""
+    """A simulated loader fails a test because it cannot be measured."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What all sections share.
+    """Inputs common to all sections.
 
     Attributes:
         loader: The loader, hands off.
         feel: Its programmed feel alone.
-        motions: Makes records.
-        rules: By which it is judged.
-        throw: How far the control goes.
-        references: Recorded references by test; none where the programmed feel is the reference.
-        system: Which of the rule's roundings of a force holds.
-        overdamped: What a response without overshoots is judged by.
-        programmed: What the programmed feel did, by what was asked of it: it is the same for all laws.
+        motions: Simulates records.
+        rules: The rule.
+        throw: Travel of the control.
+        references: Recorded references by test; empty where the programmed feel is the reference.
+        system: Unit system that selects the rule's rounding of forces.
+        overdamped: Quantity compared where a response has no overshoot.
+        programmed: Records of the programmed feel by input, shared by all laws.
     """
 
     loader: Loader
@@ -71,10 +71,10 @@ class Task:
     programmed: dict[object, Record] = field(default_factory=dict)
 
     def once(self, what: object, make: Callable[[], Record]) -> Record:
-        """What the programmed feel does, made once.
+        """A record of the programmed feel, simulated once.
 
         Raises:
-            MissingError: If it cannot be had.
+            MissingError: If it cannot be simulated.
         """
         if what not in self.programmed:
             try:
@@ -88,23 +88,23 @@ class TestBench:
     """One simulated loader, or one recorded simulator.
 
     Args:
-        task: What all sections share.
-        name: What its records are called.
-        moved: The simulated loader; ``None`` where there are records.
-        records: The recorded simulator's records by test.
+        task: Inputs common to all sections.
+        name: Name of its records.
+        moved: The simulated loader; ``None`` for a recorded simulator.
+        records: Records of the simulator by test.
     """
 
-    __test__ = False  # no test for pytest to collect
+    __test__ = False  # not a test for pytest to collect
 
     def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, Given]) -> None:
         self.task, self.name, self.moved, self.records = task, name, moved, records
         self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
 
     def result(self, trial: RuleTestCase) -> Result:
-        """What a test comes to.
+        """The result of a test.
 
         Raises:
-            InputError: If a given record is bad.
+            InputError: If a record is invalid.
         """
         made: dict[str, Callable[[RuleTestCase], Result]] = {
             "static": self._static,
@@ -169,7 +169,7 @@ class TestBench:
         if least - _ROOM <= share <= most + _ROOM:
             return ""
         return (
-            f"Released from {100 * share:.3g} % of the throw; the rule asks for {100 * least:g} to {100 * most:g} % of it, or "
+            f"Released from {100 * share:.3g} % of the throw; the rule requires {100 * least:g} to {100 * most:g} % of it, or "
             "of the allowed deflection."
         )
 
@@ -180,11 +180,11 @@ class TestBench:
         verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
         kept = tuple(verdict for verdict in verdicts if (verdict.rule.quantity == "surface") is (trial.key == SURFACE))
         if trial.key == SURFACE and all(verdict.outcome is Outcome.NOT_EVALUATED for verdict in kept):
-            raise MissingError("needs the surface in both static sweeps, in a column 'surface (deg)'")
+            raise MissingError("both static sweeps require a column 'surface (deg)'")
         return _judged(trial, kept, measured, reference)
 
     def _freeplay(self, trial: RuleTestCase) -> Result:
-        """The rule has it as a length at the grip: of an angle ``R_p theta``."""
+        """The rule's freeplay is a length at the grip: ``R_p theta`` for an angle."""
         measured, reference = self._slow(trial.key)
         arm = self.task.loader["column.grip_arm"]
         measured_at_grip, reference_at_grip = (_at_grip(_swept(side), arm) for side in (measured, reference))
@@ -196,7 +196,7 @@ class TestBench:
         )
 
     def _slow(self, key: str) -> tuple[Side, Side]:
-        """The slow sweep of both, made once; recorded ones are each of their own test."""
+        """The slow sweeps of loader and reference, run once; recorded sweeps belong to one test each."""
         key = key if self.records or self.task.references else STATIC
         if key not in self._slow_sweeps:
             self._slow_sweeps[key] = self._swept_slowly(key)
@@ -230,7 +230,7 @@ class TestBench:
         record, recorded_reference = self._given(trial.key), self._reference(trial.key)
         for what, those in (("record", self.records), ("reference", self.task.references)):
             if those and STATIC not in those:
-                raise MissingError(f"needs the slow sweep too: no {what} of the test {STATIC} was given")
+                raise MissingError(f"requires the slow sweep too: add a {what} for the test {STATIC}")
         slow, slow_reference = self._slow(STATIC)
         measured = _side(record) if record is not None else None
         reference = _side(recorded_reference) if recorded_reference is not None else None
@@ -253,7 +253,7 @@ class TestBench:
         return _judged(trial, verdicts, *sides)
 
     def _loader_fast(self, slow: Side, recorded_reference: Record | None, name: SweepName) -> Side:
-        """The loader under the force of the recorded reference, or under that of its slow sweep in less time."""
+        """The loader under the recorded reference's force, or under that of its slow sweep in less time."""
         force = _force_of(recorded_reference) if recorded_reference is not None else self._quicker(slow, name)
         record = self._moved(lambda moved: self.task.motions.forced(moved, force, self.name))
         return Side(record, _measured(lambda: measure_sweep(record)))
@@ -265,18 +265,18 @@ class TestBench:
         return Side(record, _reference_of(lambda: measure_sweep(record)))
 
     def _quicker(self, slow: Side, name: SweepName) -> Recorded:
-        """The force of a slow sweep, in the time of another."""
+        """The force of a slow sweep, compressed to the duration of another."""
         record, lasts = slow.record, duration_s(self.task.rules, name)
         time = (record.time_s - record.time_s[0]) * (lasts / record.duration_s)
         assert record.force_n is not None  # it was swept
         return Recorded(time, record.force_n, name)
 
-    # Small inputs, and what all share.
+    # Small inputs, and helpers of all tests.
 
     def _small(self, trial: RuleTestCase) -> Result:
         record, recorded_reference = self._given(trial.key), self._reference(trial.key)
         if record is None or recorded_reference is None:
-            raise MissingError("needs a record and a reference with a column 'body rate (deg/s)'")
+            raise MissingError("requires a record and a reference, each with a column 'body rate (deg/s)'")
         return _judged(
             trial, judge_small_inputs(record, recorded_reference, trial.test), Side(record), Side(recorded_reference)
         )
@@ -286,7 +286,7 @@ class TestBench:
         if self.moved is not None:
             return None
         if key not in self.records:
-            raise MissingError("no record was given")
+            raise MissingError("no record")
         return self.records[key].record
 
     def _reference(self, key: str) -> Record | None:
@@ -294,11 +294,11 @@ class TestBench:
         if not self.task.references:
             return None
         if key not in self.task.references:
-            raise MissingError("no reference was given")
+            raise MissingError("no reference")
         return self.task.references[key].record
 
     def _moved(self, make: Callable[[Moved], Record]) -> Record:
-        assert self.moved is not None  # records are asked for first
+        assert self.moved is not None  # records are checked first
         try:
             return make(self.moved)
         except LoopError as error:
@@ -312,7 +312,7 @@ def _judged(
 
 
 def _measured(measure: Callable[[], _Features]) -> _Features:
-    """What is measured on a simulated loader; what cannot be is a failure of the loader, since its record is whole."""
+    """Features of a simulated loader; its record is complete, so a failed measurement is a failure of the loader."""
     try:
         return measure()
     except InputError as error:
@@ -320,7 +320,7 @@ def _measured(measure: Callable[[], _Features]) -> _Features:
 
 
 def _reference_of(measure: Callable[[], _Features]) -> _Features:
-    """What is measured on the programmed feel; what cannot be is no reference."""
+    """Features of the programmed feel; if they cannot be measured, there is no reference."""
     try:
         return measure()
     except InputError as error:
@@ -332,12 +332,12 @@ def _side(record: Record) -> Side:
 
 
 def _swept(side: Side) -> SweepFeatures:
-    assert isinstance(side.features, SweepFeatures)  # sides of sweeps are made of them
+    assert isinstance(side.features, SweepFeatures)  # a sweep's result
     return side.features
 
 
 def _at_grip(swept: SweepFeatures, grip_arm_m: float) -> SweepFeatures:
-    """Its freeplay as a length; the other figures stay what they are."""
+    """The features with freeplay as a length at the grip; other figures are unchanged."""
     if swept.position_unit == "m":
         return swept
     play = swept.freeplay
@@ -353,5 +353,5 @@ def _force_of(record: Record) -> Recorded:
 def _angles_only(record: Record | None) -> None:
     if record is not None and record.position_unit != "rad":
         raise MissingError(
-            f"{record.name}: its position is a length, the programmed feel's an angle; give both as files"
+            f"{record.name}: position: expected an angle, as of the programmed feel, got a length; add a recorded reference"
         )

@@ -18,8 +18,8 @@ class CockpitQualification:
     r"""The qualification of each axis of a cockpit.
 
     Attributes:
-        name: The project, by its file.
-        axes: By axis, in the file's order.
+        name: Name of the project's file.
+        axes: Qualification by axis, in the file's order.
 
     Example:
         >>> import forcefeel as ff
@@ -36,17 +36,17 @@ class CockpitQualification:
 
     @property
     def status(self) -> QualificationStatus:
-        """The worst of the axes'."""
+        """The worst status of the axes."""
         return worst_status(qualification.status for qualification in self.axes.values())
 
     @property
     def qualifies(self) -> bool:
-        """Whether every axis does."""
+        """Whether every axis qualifies."""
         return self.status is QualificationStatus.QUALIFIES
 
     @property
     def fulfilled(self) -> bool:
-        """Whether every axis qualifies, or passed every test where only some were asked for."""
+        """Whether every axis qualifies, or passed all requested tests where only some were requested."""
         return all(qualification.fulfilled for qualification in self.axes.values())
 
 
@@ -56,16 +56,15 @@ def qualify_cockpit(
     *,
     progress: Progress = lambda test, done, total: None,
 ) -> CockpitQualification:
-    r"""Makes the tests of a rule on each axis of a project.
+    r"""Runs the tests of a rule on each axis of a project.
 
     Args:
         project: The project.
-        setup: How a loader of it is qualified. The rule's rows are those of its axis, whatever the setup says; of a stick those
-            of pitch and roll.
-        progress: Called as each test of an axis begins.
+        setup: Setup for a loader. The axis of the project overrides that of the setup; a stick is tested as pitch and roll.
+        progress: Called when a test of an axis begins.
 
     Raises:
-        InputError: As ``qualify_loader``, with the axis; or if a setup has records or references, which are of one control.
+        InputError: As ``qualify_loader``, with the axis; or if a setup has records or references, which belong to one control.
 
     Example:
         >>> import forcefeel as ff
@@ -80,7 +79,7 @@ def qualify_cockpit(
     def qualified(axis: str, loader: Loader) -> Qualification:
         axis_setup = setup(loader)
         if axis_setup.records or axis_setup.references:
-            raise InputError("setup: has records or references, which are of one control; qualify its loader by itself")
+            raise InputError("setup: records and references belong to one control; qualify its loader separately")
         return qualify_loader(
             loader,
             replace(axis_setup, axis=rule_axis(axis)),
@@ -92,7 +91,7 @@ def qualify_cockpit(
 
 @of_result
 def cockpit_conclusions(cockpit: CockpitQualification) -> Conclusions:
-    """What to conclude of the whole: each axis's verdict, and the first tests that are off."""
+    """Conclusions for the cockpit: the verdict of each axis, and the first tests that fail."""
     rules = " and ".join(dict.fromkeys(map(rule_text, cockpit.axes.values())))
     lines = []
     for axis, qualification in cockpit.axes.items():
@@ -113,7 +112,7 @@ def _standing(cockpit: CockpitQualification) -> str:
         QualificationStatus.INCOMPLETE: "is not complete",
     }
     if cockpit.fulfilled:
-        return f"passed what was asked for: {', '.join(cockpit.axes)}"
+        return f"passed the requested tests: {', '.join(cockpit.axes)}"
     return "; ".join(f"{text}: {axes}" for status, text in short.items() if (axes := _listed(cockpit, status)))
 
 

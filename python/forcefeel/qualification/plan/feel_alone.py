@@ -1,4 +1,4 @@
-"""The programmed feel alone, without servo, linkage and column: what a qualification test holds the loader against."""
+"""The programmed feel alone, without servo, linkage and column: the reference of a qualification test."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,14 @@ from forcefeel.simulation import Scenario
 from forcefeel.simulation.engine import prepared
 
 _PART_S = 5e-5
-"""Longest part of a step in which the force is held: a force that changes is followed to second order in it."""
+"""Longest substep with constant force; the error of a changing force is of second order in it."""
 
 
 class FeelAlone:
     """The programmed feel of a loader, moved by scenarios: its feel computer under the torque ``T = R_p F_p`` of the pilot.
 
     Args:
-        loader: Whose feel.
+        loader: The loader with the feel.
     """
 
     def __init__(self, loader: Loader) -> None:
@@ -28,15 +28,15 @@ class FeelAlone:
 
     @property
     def method(self) -> str:
-        """What it is, in words."""
+        """Description of the reference."""
         more = f", {', '.join(self.rows)}" if self.rows else ""
         return f"the programmed feel alone: I, B, G{more}"
 
     def move(self, scenario: Scenario) -> NDArray[np.float64]:
-        """Its angle at the samples of a scenario, rad: from rest under the first force, or held and let go.
+        """Angle at the samples of a scenario, rad: from rest under the first force, or released.
 
         Raises:
-            InputError: If it does not stay within bounds, or the scenario does not fit the loader.
+            InputError: If the feel diverges, or the scenario does not fit the loader.
         """
         angle = prepared(self._loader, scenario).feel_alone(self._loader.si_values, _PART_S)
         if not np.all(np.abs(angle) < BOUND_RAD):  # also where it is not a number

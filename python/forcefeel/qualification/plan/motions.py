@@ -1,4 +1,4 @@
-"""Records of what moves: a loader under a law, or the programmed feel alone, released and swept."""
+"""Simulated records of releases and sweeps: of a loader under a law, or of the programmed feel alone."""
 
 from dataclasses import dataclass, replace
 from math import log, pi
@@ -18,33 +18,33 @@ from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.inputs import Force, Recorded, Release, Schedule
 
 _SAMPLE_S = 1e-3
-"""About the time between samples of what is simulated: whole periods of a digital controller; and the longest step."""
+"""Approximate sample time of simulated records, rounded to whole controller periods; also the longest step."""
 
 _SLOW_S, _SLOWER = 20.0, 10
-"""Sweeps from this duration on are sampled so many times less often."""
+"""Duration above which sweeps are sampled less often, and the factor."""
 
 _HELD_S = 0.1
-"""About how long the grip is held before it is let go."""
+"""Approximate time for which the grip is held before the release."""
 
 _LEAST_S, _MOST_S, _PERIODS, _LEFT = 3.0, 60.0, 12, 1e-4
-"""A release is recorded so long at least and at most, for so many periods, and until so little is left of its swing."""
+"""Shortest and longest record of a release, its number of periods, and the residual swing at its end."""
 
 SHORT = 0.97
-"""Share of the throw that a sweep reaches: the force of a stop is no part of the feel."""
+"""Share of the throw that a sweep reaches; the force of a stop is not part of the feel."""
 
 _ROUNDS, _NEAR, _MOST_FACTOR = 12, 5e-3, 4.0
-"""Rounds in which the force is found that reaches so far, how near is near enough, largest change of a round."""
+"""Iterations of the sweep's force, their tolerance, and the largest change in one iteration."""
 
 
 class Moved(Protocol):
-    """Something that moves under a scenario."""
+    """A system whose response to a scenario can be simulated."""
 
     def move(self, scenario: Scenario) -> NDArray[np.float64]:
-        """Its angle at the samples, rad."""
+        """Angle at the samples, rad."""
 
 
 class LoopError(InputError):
-    """A simulated loader that does not stay within bounds: no bad input, but a failed test."""
+    """A simulated loader diverges: a failed test, not an invalid input."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class SimulatedLoader:
 
     Attributes:
         loader: The loader, hands off.
-        law: The law; ``None`` for the original loop.
+        law: The law.
     """
 
     loader: Loader
@@ -73,10 +73,10 @@ class SimulatedLoader:
 
 @dataclass(frozen=True)
 class Motions:
-    """Makes records.
+    """Simulates records.
 
     Attributes:
-        dynamic_pressure_pa: For a feel that depends on it.
+        dynamic_pressure_pa: Dynamic pressure, for a feel that depends on it.
         sample_s: Time between samples.
     """
 
@@ -85,12 +85,12 @@ class Motions:
 
     @classmethod
     def of(cls, loader: Loader, dynamic_pressure_pa: float | None) -> "Motions":
-        """Those whose samples fall on the periods of a loader's controller."""
+        """Motions sampled at whole periods of a loader's controller."""
         period = loader["controller.period"]
         return cls(dynamic_pressure_pa, max(round(_SAMPLE_S / period), 1) * period if period else _SAMPLE_S)
 
     def release(self, moved: Moved, angle_rad: float, duration_s: float, name: str) -> Record:
-        """Held at an angle, then let go."""
+        """A record of a release from an angle."""
         held = round(_HELD_S / self.sample_s)
         samples = held + round(duration_s / self.sample_s)
         force = Release(angle_rad, held * self.sample_s)
@@ -98,7 +98,7 @@ class Motions:
         return replace(_record(angle, self.sample_s, name), release_s=force.start_s)
 
     def forced(self, moved: Moved, force: Recorded, name: str) -> Record:
-        """Moved by a force over time, from zero on."""
+        """A record under a force that starts at time zero."""
         duration = float(force.time_s[-1])
         sample_s = (_SLOWER if duration > _SLOW_S else 1) * self.sample_s
         duration = int(duration / sample_s * (1 + 1e-9)) * sample_s
@@ -107,14 +107,14 @@ class Motions:
         return _record(angle, sample_s, name, np.asarray(np.interp(at, force.time_s, force.force_n), dtype=np.float64))
 
     def swept(self, moved: Moved, throw: Throw, force: SweepForce, duration_s: float, name: str) -> Record:
-        """A sweep to just short of the throw, whatever force that takes; of what cannot reach it, one far beyond the first.
+        """A sweep to just short of the throw, with an iterated force; the force is limited if the throw is not reached.
 
         Args:
-            moved: What moves.
-            throw: How far.
-            force: A first guess.
-            duration_s: How long it lasts.
-            name: Of the record.
+            moved: The simulated system.
+            throw: Travel to reach.
+            force: Initial guess.
+            duration_s: Duration.
+            name: Name of the record.
         """
         for _ in range(_ROUNDS):
             record = self.forced(moved, force.over(duration_s), name)
@@ -135,13 +135,13 @@ class Motions:
 
 
 def first_force(loader: Loader, throw: Throw) -> SweepForce:
-    """What the spring G alone takes at the throw: a first guess. ``F = G theta / R_p``."""
+    """Force of the spring G alone at the throw, an initial guess: ``F = G theta / R_p``."""
     per_angle = loader["feel.stiffness"] / loader["column.grip_arm"]
     return SweepForce(per_angle * throw.low_rad, per_angle * throw.high_rad)
 
 
 def release_duration_s(loader: Loader) -> float:
-    """How long a release of the programmed feel is worth recording."""
+    """Record length of a release of the programmed feel, s."""
     frequency, damping = feel_frequency(loader.si_values)
     fades = log(1 / _LEFT) / (frequency * damping) if damping > 0 else _MOST_S
     if damping > 1:  # the slower of its two modes
@@ -150,6 +150,6 @@ def release_duration_s(loader: Loader) -> float:
 
 
 def _record(angle: NDArray[np.float64], sample_s: float, name: str, force: NDArray[np.float64] | None = None) -> Record:
-    """What was simulated, whose numbers have neither noise nor steps."""
+    """A record of a simulation, without noise and quantization."""
     time = np.arange(len(angle), dtype=np.float64) * sample_s
     return Record(time, angle, force, name=name, resolution=0.0, noise=0.0, force_resolution_n=0.0, force_noise_n=0.0)

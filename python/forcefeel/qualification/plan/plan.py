@@ -1,4 +1,4 @@
-"""The programme: which tests of a rule are made of a control, what each one is called, and which of them must be there."""
+"""The test plan: the tests of a rule for a control, their names, and those that are required."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from forcefeel.units import show
 SweepName = Literal["slow", "medium", "fast"]
 
 SIGNS = {1: "positive", -1: "negative"}
-"""Directions by the sign of the column's angle, as test names have them."""
+"""Directions in test names by the sign of the column's angle."""
 
 STATIC, SURFACE, FREEPLAY, SMALL = "static", "surface", "freeplay", "small-inputs"
 
 _BY_HAND: tuple[Kind, ...] = ("pedal steering", "trim indicator", "trim rate")
-"""Tests that nothing is measured of here, neither on a simulated loader nor on a record."""
+"""Tests that are judged by hand, for a simulated loader and for a record."""
 
 OF_THE_AIRCRAFT = {
     SURFACE: "a control loader has no surface",
@@ -26,23 +26,23 @@ OF_THE_AIRCRAFT = {
     "trim-indicator": "a control loader shows no trim",
     "trim-rate": "a control loader trims no surface",
 }
-"""Tests that a simulated control loader cannot be given, and why: they are of what it moves."""
+"""Tests of the aircraft that cannot be simulated on a control loader, and why."""
 
 _RELEASES: Kind = "release"
 _SWEEPS: Kind = "dynamic sweep"
-"""The two methods of the dynamic tests. The rule takes either: the second is its alternate one."""
+"""The two methods of the dynamic tests; the rule accepts either. The second is its alternate method."""
 
 
 @dataclass(frozen=True)
 class RuleTestCase:
-    """One test to be made.
+    """One test of the plan.
 
     Attributes:
-        key: What files and results call it: ``release-25-positive``.
-        title: In words.
+        key: Its name in files and results, such as ``release-25-positive``.
+        title: Its title.
         test: The rule's row.
-        share: Share of the throw, signed, from which a release is made; 0 otherwise.
-        sweep: Which sweep it needs; ``None`` for a release and where no sweep is made.
+        share: Signed share of the throw from which the control is released; 0 for other tests.
+        sweep: The required sweep; ``None`` for tests without a sweep.
     """
 
     key: str
@@ -53,24 +53,23 @@ class RuleTestCase:
 
     @property
     def verified(self) -> bool:
-        """Whether a person has held every tolerance that it is judged by against the document."""
+        """Whether all its tolerances are verified against the document."""
         return all(self.test.is_verified(tolerance) for tolerance in self.test.tolerances)
 
     @property
     def demand(self) -> str:
-        """What of the rule it meets: of a release its direction, since any share of the throw within the rule's limits will do."""
+        """The requirement of the rule that it meets: for a release its direction, because one share of the throw is enough."""
         return f"release {SIGNS[1 if self.share > 0 else -1]}" if self.share else self.key
 
 
 @dataclass(frozen=True)
 class RulePlan:
-    """The tests that a control has to pass.
+    """The tests that a control must pass.
 
     Attributes:
-        trials: In the order of the rule.
-        outside: Tests of the rule that what is tested cannot be given, or that nothing is measured of here; they are neither made
-            nor missed.
-        named: Keys of the tests that alone are made; all are if there are none.
+        trials: Tests in the order of the rule.
+        outside: Tests of the rule that cannot be simulated or are judged by hand; they are neither run nor missing.
+        named: Keys of the requested tests; empty for all.
     """
 
     trials: tuple[RuleTestCase, ...]
@@ -79,13 +78,13 @@ class RulePlan:
 
     @property
     def made(self) -> tuple[RuleTestCase, ...]:
-        """The tests that are made."""
+        """The tests that are run."""
         return tuple(trial for trial in self.trials if not self.named or trial.key in self.named)
 
     def missing(self, evaluated: Collection[str]) -> tuple[tuple[RuleTestCase, ...], ...]:
-        """What the rule asks for beyond the tests that were evaluated: of each group one test will do.
+        """Groups of tests that the rule still requires; one test of each group is enough.
 
-        Of the two methods of the dynamic tests one is enough; if neither is whole, the releases are missing.
+        One of the two methods of the dynamic tests is enough; if neither is complete, the releases are missing.
         """
         demands: dict[str, list[RuleTestCase]] = {}
         for trial in self.trials:
@@ -98,16 +97,16 @@ class RulePlan:
 
 
 def rule_plan(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] = ()) -> RulePlan:
-    """The programme of a control.
+    """The test plan of a control.
 
     Args:
         rules: The rule.
-        axis: Which control.
-        recorded: A simulator that was recorded, which has surfaces and a body; else a simulated control loader.
-        named: Keys of the tests that alone are made.
+        axis: The control.
+        recorded: Whether a simulator was recorded, with surfaces and body; false for a simulated control loader.
+        named: Keys of the requested tests; all if empty.
 
     Raises:
-        InputError: If the rule has none for that axis, or a name is of no test of the programme.
+        InputError: If the rule has no tests for the axis, or a requested test is not in the plan.
     """
     planned, by_hand = trials(rules, axis), _trials_by_hand(rules, axis)
     outside = () if recorded else tuple(trial for trial in planned if trial.key in OF_THE_AIRCRAFT)
@@ -118,21 +117,20 @@ def rule_plan(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] 
             continue
         others = f"expected some of {', '.join(keys)}"
         if any(trial.key == name for trial in by_hand):
-            raise InputError(f"test: nothing is measured of {name} here; judge it by hand; {others}")
+            raise InputError(f"test: {others}, got {name}, which is judged by hand")
         if any(trial.key == name for trial in outside):
             raise InputError(
-                f"test: {name} is outside the programme of a simulated loader: {OF_THE_AIRCRAFT[name]}; {others}; or record the "
-                "simulator"
+                f"test: {name} cannot be simulated: {OF_THE_AIRCRAFT[name]}; {others}; or record the simulator"
             )
         raise InputError(f"test: unknown test {show(name)}; {others}")
     return RulePlan(inside, (*outside, *by_hand), tuple(key for key in keys if key in named))
 
 
 def trials(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
-    """The tests of an axis that are made, in the order of the rule: static, freeplay, releases, alternate method, small inputs.
+    """The measured tests of an axis in the order of the rule: static, freeplay, releases, alternate method, small inputs.
 
     Raises:
-        InputError: If the rule has none for that axis.
+        InputError: If the rule has no tests for the axis.
     """
     cases: list[RuleTestCase] = []
     if static := _test(rules, "static", axis):
@@ -160,18 +158,18 @@ def trials(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
 
 
 def _trials_by_hand(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
-    """The tests of an axis that nothing is measured of."""
+    """The tests of an axis that are judged by hand."""
     tests = ((kind, _test(rules, kind, axis)) for kind in _BY_HAND)
     return tuple(RuleTestCase(kind.replace(" ", "-"), test.name, test) for kind, test in tests if test is not None)
 
 
 def is_by_hand(trial: RuleTestCase) -> bool:
-    """Whether nothing is measured of a test here."""
+    """Whether a test is judged by hand."""
     return trial.test.kind in _BY_HAND
 
 
 def duration_s(rules: Rules, name: SweepName) -> float:
-    """How long a sweep is made to last: the middle of what the rule asks for."""
+    """Duration of a simulated sweep: the middle of the rule's range."""
     return sum(rules.sweep(name).duration_s) / 2
 
 

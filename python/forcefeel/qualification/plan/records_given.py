@@ -1,4 +1,4 @@
-"""Records that were handed over as files: which test each is of, and what is wrong with two that do not go together."""
+"""Input records from files: recognition of their tests, and checks of pairs that are compared."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,16 +18,16 @@ from forcefeel.tables.column_names import ColumnNames
 from forcefeel.tables.table_file import ENDINGS
 
 _BOTH_SIDES = 0.3
-"""Of its range a record goes to either side of where it began at least, if it is a sweep."""
+"""Least excursion of a sweep to either side of its start, as a share of its range."""
 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A record that was handed over.
+    """An input record.
 
     Attributes:
-        record: What is in it.
-        path: Where it was read; ``None`` of one that was in memory.
+        record: The record.
+        path: Its file; ``None`` for a record in memory.
     """
 
     record: Record
@@ -40,16 +40,16 @@ class Given:
 
 
 def given_files(option: str, words: Sequence[str], planned: Sequence[RuleTestCase]) -> list[tuple[str, Path]]:
-    """The files that an option names, each with its test, empty where that is not said.
+    """The files of an option, each with the name of its test, which is empty if not stated.
 
     Args:
-        option: What a message names.
-        words: ``NAME=FILE``; a file by itself, whose test is that of its name or else seen from what is in it; or a folder,
-            all of whose files are named after tests.
-        planned: The tests there are.
+        option: Name of the option for messages.
+        words: ``NAME=FILE``; a file, whose test follows from its name or else from its contents; or a folder of files
+            that are named after tests.
+        planned: The tests.
 
     Raises:
-        InputError: If a test is unknown or a folder has no such file.
+        InputError: If a test is unknown, or a folder has no file that is named after a test.
     """
     keys = [trial.key for trial in planned]
     return [pair for word in words for pair in _paths(option, word, keys)]
@@ -57,12 +57,12 @@ def given_files(option: str, words: Sequence[str], planned: Sequence[RuleTestCas
 
 @dataclass(frozen=True)
 class Recognition:
-    """What tells which test a record is of.
+    """Recognition of the test of a record.
 
     Attributes:
-        planned: The tests there are.
-        rules: How long sweeps last.
-        throw: Where the control ends, for a release that is told by its share of it.
+        planned: The tests.
+        rules: The rule, with the durations of its sweeps.
+        throw: Travel of the control; a release is recognized by its share of it.
     """
 
     planned: Sequence[RuleTestCase]
@@ -72,16 +72,16 @@ class Recognition:
     def read(
         self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames, times: Mapping[str, Times]
     ) -> dict[str, Given]:
-        """The records by the test they are of.
+        """The records by test.
 
         Args:
-            option: What a message names.
-            files: As of ``given_files``.
-            names: What the files call their columns.
-            times: Between which times they are read, by stem.
+            option: Name of the option for messages.
+            files: Files as of ``given_files``.
+            names: Column names of the files.
+            times: First and last time to read, by stem.
 
         Raises:
-            InputError: If a file cannot be read or measured, is of no test, or two are of one.
+            InputError: If a file cannot be read or measured, belongs to no test, or two belong to the same test.
         """
         records: dict[str, Given] = {}
         for stated, path in files:
@@ -98,7 +98,7 @@ class Recognition:
         return records
 
     def _test_of(self, record: Record) -> str:
-        """The test that a record is of: a sweep goes to both sides with a force, a release to one."""
+        """The test of a record: a sweep has a force and goes to both sides, a release goes to one."""
         keys = {trial.key for trial in self.planned}
         away = record.position - record.position[0]
         span = float(np.ptp(away))
@@ -121,17 +121,15 @@ class Recognition:
         )
         same_side = [share for share in releases if share * sign > 0]
         if not same_side:
-            raise InputError(
-                f"{record.name}: is a {SIGNS[sign]} release, of which {self.rules.id} has none for this axis"
-            )
+            raise InputError(f"{record.name}: is a {SIGNS[sign]} release; {self.rules.id} has none for this axis")
         return releases[min(same_side, key=lambda candidate: abs(candidate - share))].key
 
 
 def check_cover(first: tuple[Record, ReleaseFeatures], other: tuple[Record, ReleaseFeatures]) -> None:
-    """Refuses two releases of which one ends while the other still moves.
+    """Refuses two releases if one record ends while the other still moves.
 
     Raises:
-        InputError: With the one that is too short, and the time at which it ends.
+        InputError: With the shorter record and its end.
     """
     for (short, features), (long, their) in ((first, other), (other, first)):
         lasts = float(short.time_s[-1]) - features.release_s.value
@@ -139,12 +137,12 @@ def check_cover(first: tuple[Record, ReleaseFeatures], other: tuple[Record, Rele
         if lasts < needed:
             raise InputError(
                 f"{short.name}: ends at {short.time_s[-1]:.6g} s, {lasts:.4g} s after its release; {long.name} comes to rest "
-                f"{needed:.4g} s after its own; expected records of one length; record {short.name} for longer"
+                f"{needed:.4g} s after its own; expected records of equal length; record {short.name} for longer"
             )
 
 
 def _paths(option: str, word: str, keys: Sequence[str]) -> list[tuple[str, Path]]:
-    """The files of a word, each with its test, empty where it is not said."""
+    """The files of an argument, each with the name of its test, which is empty if not stated."""
     name, equals, rest = word.partition("=")
     if equals and name in keys:
         return [(name, Path(rest))]
@@ -157,7 +155,7 @@ def _paths(option: str, word: str, keys: Sequence[str]) -> list[tuple[str, Path]
     files = [file for file in input_files(path) if file.suffix.lower() in ENDINGS and file.stem in keys]
     if not files:
         raise InputError(
-            f"{option}: {path}: has no file that is named after a test; expected some of {', '.join(keys)}, each with "
+            f"{option}: {path}: no file is named after a test; expected some of {', '.join(keys)}, each with "
             f"{', '.join(ENDINGS)}"
         )
     return [(file.stem, file) for file in files]

@@ -1,4 +1,4 @@
-"""What a qualification came to."""
+"""Results of a qualification."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -20,29 +20,29 @@ Features = ReleaseFeatures | SweepFeatures
 
 
 class QualificationStatus(StrEnum):
-    """What all tests together come to, the worst first."""
+    """Overall status of all tests, the worst first."""
 
     DOES_NOT_QUALIFY = "does not qualify"
     """A test failed."""
     INCOMPLETE = "incomplete"
-    """None failed, but some of the programme are missing: not evaluated, not asked for, or too close to call."""
+    """No test failed, but some are missing: not evaluated, not requested, or too close to call."""
     QUALIFIES = "qualifies"
-    """The programme is whole, and all that was evaluated passed."""
+    """The test plan is complete, and all evaluated tests passed."""
 
 
 def worst_status(of: Iterable[QualificationStatus]) -> QualificationStatus:
-    """What several come to together."""
+    """The worst of several statuses."""
     return min(of, key=[*QualificationStatus].index)
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """One of the two that are compared.
+    """One of the two compared records.
 
     Attributes:
-        record: What was recorded or simulated.
-        features: What was measured on it; ``None`` of a record that is compared sample by sample.
-        slow: Features of the slow sweep that a medium or fast one is held against.
+        record: The recorded or simulated signals.
+        features: Measured features; ``None`` for a record that is compared sample by sample.
+        slow: Features of the slow sweep with which a medium or fast one is compared.
     """
 
     record: Record
@@ -52,15 +52,15 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A test that was made, or could not be.
+    """The result of a test, evaluated or not.
 
     Attributes:
-        trial: Which.
-        outcome: What it came to.
-        verdicts: Of each quantity.
-        measured, reference: What was compared; ``None`` where there is none.
-        reason: Why it was not evaluated, or failed without being measured.
-        remarks: What else a reader must know.
+        trial: The test.
+        outcome: Its outcome.
+        verdicts: Verdict on each quantity.
+        measured, reference: The compared records; ``None`` where a record is missing.
+        reason: Why the test was not evaluated, or failed without a measurement.
+        remarks: Further remarks.
     """
 
     trial: RuleTestCase
@@ -77,11 +77,11 @@ class Section:
     """All tests of one law, or of the recorded simulator.
 
     Attributes:
-        name: Of the law; ``record``.
-        title: In words.
-        results: Of the tests that were made, in the order of the rule.
-        test_plan: The tests that it has to pass.
-        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
+        name: Name of the law, or ``record``.
+        title: Title for sentences.
+        results: Results of the tests, in the order of the rule.
+        test_plan: The tests to pass.
+        law_remark: Remark that the law was designed for another loader, else empty: ``Law.made_for_another``.
     """
 
     name: str
@@ -92,46 +92,46 @@ class Section:
 
     @property
     def status(self) -> QualificationStatus:
-        """What its tests come to."""
+        """Overall status of its tests."""
         if self.count(Outcome.FAILED):
             return QualificationStatus.DOES_NOT_QUALIFY
         return QualificationStatus.INCOMPLETE if self.missing else QualificationStatus.QUALIFIES
 
     @property
     def missing(self) -> tuple[tuple[RuleTestCase, ...], ...]:
-        """What a whole programme lacks: of each group one test will do."""
+        """Missing groups of tests; one test of each group is enough."""
         evaluated = {result.trial.key for result in self.results if result.outcome is not Outcome.NOT_EVALUATED}
         undecided = ((result.trial,) for result in self.results if result.outcome is Outcome.TOO_CLOSE)
         return *undecided, *self.test_plan.missing(evaluated)
 
     @property
     def fulfilled(self) -> bool:
-        """Whether it qualifies, or passed every test where only some were asked for."""
+        """Whether it qualifies, or passed all requested tests where only some were requested."""
         passed = self.count(Outcome.PASSED) == len(self.results)
         return self.status is QualificationStatus.QUALIFIES or (bool(self.test_plan.named) and passed)
 
     def count(self, outcome: Outcome) -> int:
-        """How many tests came to that."""
+        """Number of tests with that outcome."""
         return sum(result.outcome is outcome for result in self.results)
 
 
 @dataclass(frozen=True, eq=False)
 class Qualification:
-    """The whole.
+    """Result of a qualification.
 
     Attributes:
         loader: The loader, hands off.
-        omitted: Rows of the loader that were left out, as the arm at the grip.
-        rules: By which it was judged.
-        axis: Which control.
-        throw: How far it goes.
-        system: Units; of the rule's two roundings of a force, that one holds.
-        reference: What was the reference, in words.
+        omitted: Rows of the loader that were omitted, such as the arm at the grip.
+        rules: The rule.
+        axis: The control.
+        throw: Its travel.
+        system: Unit system; it also selects the rule's rounding of forces.
+        reference: Description of the reference.
         test_plan: The tests to pass.
         sections: One for each law, or one for the record.
-        files: Files that were read, by what they were given as.
-        simulator, operator: Which was tested, and by whom; blank lines of the page where nobody says.
-        day: When.
+        files: Input records by kind and test.
+        simulator, operator: Tested simulator and tester; blank lines on the page if empty.
+        day: Date.
 
     Example:
         >>> import forcefeel as ff
@@ -167,15 +167,15 @@ class Qualification:
 
     @property
     def status(self) -> QualificationStatus:
-        """The worst of the sections'."""
+        """The worst status of the sections."""
         return worst_status(section.status for section in self.sections)
 
     @property
     def qualifies(self) -> bool:
-        """Whether every section does."""
+        """Whether every section qualifies."""
         return self.status is QualificationStatus.QUALIFIES
 
     @property
     def fulfilled(self) -> bool:
-        """Whether every section qualifies, or passed every test where only some were asked for."""
+        """Whether every section qualifies, or passed all requested tests where only some were requested."""
         return all(section.fulfilled for section in self.sections)

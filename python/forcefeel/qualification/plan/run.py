@@ -1,4 +1,4 @@
-"""Carries out a qualification."""
+"""Run of a qualification."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,29 +25,29 @@ from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 
 Records = Sequence[str] | Mapping[str, Record]
-"""Records as the command takes them, ``NAME=FILE``, files or folders; or records in memory by the test they are of."""
+"""Records as command-line arguments, ``NAME=FILE``, files or folders; or records in memory by test."""
 
 
 @dataclass(frozen=True)
 class QualificationSetup:
-    """How a loader is qualified.
+    """Settings of a qualification.
 
     Attributes:
-        laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each. If not given, the
-            original loop of a hydraulic loader and the robust law of an electric one.
+        laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` for the original loop; one section each. Default: the
+            original loop of a hydraulic loader, the robust law of an electric one.
         rule: Edition of the rule.
-        axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
-        throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
-        references: Recorded references; the programmed feel if there are none.
-        records: Records of a simulator that take the place of the simulated loader; no law then counts.
-        tests: Keys of the tests that alone are made, as ``release-25-positive``; the whole programme if there are none.
-        columns: What the files of both call their columns, as the command takes it: ``[STEM:]position=NAME``.
-        units: Units of columns whose header has none, likewise: ``[STEM:]NAME=deg``.
-        starts, ends: First and last time that is read of the files, likewise: ``[STEM=]TIME``; all if not given.
-        dynamic_pressure_pa: For a feel whose stiffness depends on it.
-        overdamped: What a response without overshoots is judged by.
-        system: Units; of the rule's two roundings of a force, that one holds.
-        simulator, operator: For the page: which was tested, and by whom.
+        axis: The control. Default: that of the built-in loader with this name, else pitch.
+        throw_rad: Throw to either side, rad. Default: the stops of the loader or its feel, else ``throw.USUAL_RAD``.
+        references: Recorded references. Default: the programmed feel.
+        records: Records of a simulator, used instead of the simulated loader; laws are then ignored.
+        tests: Keys of the requested tests, such as ``release-25-positive``. Default: the whole test plan.
+        columns: Column names of the files, as command-line arguments: ``[STEM:]position=NAME``.
+        units: Units of columns without a unit in the header: ``[STEM:]NAME=deg``.
+        starts, ends: First and last time to read from the files: ``[STEM=]TIME``. Default: all.
+        dynamic_pressure_pa: Dynamic pressure, for a feel whose stiffness depends on it.
+        overdamped: Quantity compared where a response has no overshoot.
+        system: Unit system; it also selects the rule's rounding of forces.
+        simulator, operator: Tested simulator and tester, for the page.
 
     Example:
         >>> import forcefeel as ff
@@ -74,25 +74,25 @@ class QualificationSetup:
 
 
 Progress = Callable[[str, int, int], None]
-"""Called with the test that begins, how many are done, and of how many."""
+"""Called with the starting test, the number of completed tests, and the total."""
 
 
 def qualify_loader(
     loader: Loader, setup: QualificationSetup | None = None, *, progress: Progress = lambda test, done, total: None
 ) -> Qualification:
-    """Makes the tests of a rule on a loader, hands off: an arm at the grip is left out.
+    """Runs the tests of a rule on a loader, hands off: an arm at the grip is omitted.
 
     Args:
-        loader: The loader; its programmed feel is the reference where none was recorded.
-        setup: Which laws, rule, axis, throw and records.
-        progress: Called as each test begins.
+        loader: The loader; its programmed feel is the reference if none was recorded.
+        setup: Laws, rule, axis, throw and records.
+        progress: Called when a test begins.
 
     Returns:
-        Every test with its verdicts. A simulated loader that diverges, does not come to rest, or on which a test cannot be
-        measured has failed it; a test without a record or a reference is not evaluated.
+        Every test with its verdicts. A simulated loader fails a test if it diverges, does not come to rest, or cannot be
+        measured. A test without a record or a reference is not evaluated.
 
     Raises:
-        InputError: If a part of the setup or a record is bad, with the record and the time.
+        InputError: If a part of the setup or a record is invalid, with the record and the time.
 
     Example:
         >>> import forcefeel as ff
@@ -131,9 +131,9 @@ def qualify_loader(
             results.append(bench.result(test))
         sections.append(Section(name, bench.name, tuple(results), test_plan, remarks.get(name, "")))
     files = {
-        f"{kind} {key}": given
+        f"{kind} {key}": record
         for kind, those in (("record", records), ("reference", references))
-        for key, given in those.items()
+        for key, record in those.items()
     }
     return Qualification(
         loader,
@@ -152,7 +152,7 @@ def qualify_loader(
 
 
 def law_text(name: str) -> str:
-    """What a law is called in a sentence."""
+    """Title of a law for sentences."""
     return LAW_TEXTS.get(name, f"law of {name}")
 
 
@@ -168,7 +168,7 @@ def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:
 
 
 def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:
-    """References and records by the test they are of."""
+    """References and records by test."""
     both = {"reference": setup.references, "record": setup.records}
     files = {
         kind: given_files(f"--{kind}", those, recognition.planned)

@@ -1,6 +1,6 @@
-"""The force of a sweep neutral - stop - opposite stop - neutral, without corners, so that it does not ring.
+"""The force of a sweep neutral - stop - opposite stop - neutral, without corners, to avoid oscillation.
 
-``F`` goes from 0 to ``F_high`` in a quarter of the time, to ``F_low`` in a half, back to 0 in a quarter, each way as half a
+``F`` goes from 0 to ``F_high`` in a quarter of the time, to ``F_low`` in a half, and back to 0 in a quarter, each as half a
 cosine: ``F = a + (b - a) (1 - cos(pi s)) / 2``, ``s`` from 0 to 1.
 """
 
@@ -20,14 +20,14 @@ class SweepForce:
     """Greatest forces to either side, N at the grip.
 
     Attributes:
-        low_n, high_n: Below and above 0.
+        low_n, high_n: Lowest and highest force, below and above 0.
     """
 
     low_n: float
     high_n: float
 
     def over(self, duration_s: float) -> Recorded:
-        """The force of a sweep that lasts ``duration_s``."""
+        """The force of a sweep of ``duration_s``."""
         time = np.linspace(0.0, duration_s, max(_FEWEST_POINTS, round(_POINTS_EACH_SECOND * duration_s) + 1))
         part = 4 * time / duration_s
         out = self.high_n * _eased(part)
@@ -36,7 +36,7 @@ class SweepForce:
         return Recorded(time, out + across + back, "sweep")
 
     def scaled(self, low: float, high: float) -> "SweepForce":
-        """Each side so many times as large."""
+        """The force with each side scaled by a factor."""
         return SweepForce(self.low_n * low, self.high_n * high)
 
 

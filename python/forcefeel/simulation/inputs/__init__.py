@@ -1,6 +1,6 @@
-"""What is applied to a simulated loader over time: the pilot's force, the release of the grip, the other inputs.
+"""Inputs of a simulated loader over time: pilot force, release of the grip, and others.
 
-Every kind is frozen data with one method, ``sample(time_s, step_s)``, that gives its ``Sampled`` for a run of ``time_s``.
+Every input is frozen data with one method, ``sample(time_s, step_s)``, which returns its ``Sampled`` for a run of ``time_s``.
 """
 
 from forcefeel.simulation.inputs.multisine import Multisine
@@ -9,7 +9,7 @@ from forcefeel.simulation.inputs.sampled import Sampled, Schedule
 from forcefeel.simulation.inputs.signals import Chirp, Doublet, HandsOff, Pulse, Release, Step, StopToStop
 
 Force = Step | Pulse | Doublet | StopToStop | Chirp | Multisine | Recorded | Release | HandsOff
-"""What a pilot may do to the grip."""
+"""Inputs of the pilot at the grip."""
 
 __all__ = [
     "Chirp",

@@ -24,9 +24,9 @@ class Multisine:
 
     The weights w_i are all 1 if not given. Without a seed the phases are Schroeder's, ``phi_i = -2 pi sum_{j<i} (i - j) p_j`` with
     the shares ``p_j = w_j^2 / sum w^2`` of the power, ``-pi i (i - 1) / N`` for N equal lines: low peaks where the lines are
-    evenly spaced. With a seed, random phases are improved by clipping the signal and keeping the phases of
-    what is left, over and over: lower peaks, also where the lines are spread. A is such that the greatest ``|F|`` over
-    the period, anywhere and not only at the steps, is ``force_n``.
+    evenly spaced. With a seed, random phases are improved iteratively by clipping the signal and keeping the phases of
+    the clipped one: lower peaks, also for unevenly spaced lines. A is such that the greatest ``|F|`` over the period,
+    not only at the steps, is ``force_n``.
 
     Attributes:
         force_n: Peak, N.
@@ -36,7 +36,7 @@ class Multisine:
         weights: Relative amplitude w_i of each line, above 0; ``None`` for equal lines.
 
     Raises:
-        InputError: When built, if a number is not so, or the highest line has more than 100000 cycles in a period.
+        InputError: When built, if a number is out of range, or the highest line has more than 100000 cycles in a period.
 
     Source: M. R. Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with Low Autocorrelation, IEEE
     Trans. Information Theory 16 (1970); E. Van der Ouderaa, J. Schoukens and J. Renneboog, Peak Factor Minimization
@@ -121,7 +121,7 @@ class Multisine:
         return float(self.force_n / self._peak())
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
-        """The force over a run, N: exact at the times of the steps, straight between; one period follows another.
+        """The force over a run, N, periodic: exact at the times of the steps, linear between them.
 
         Raises:
             InputError: If the run is not a whole number of steps, or a line is at half the sampling rate or above.
@@ -141,7 +141,7 @@ class Multisine:
         return np.ones(len(self.lines_hz)) if self.weights is None else np.array(self.weights, dtype=np.float64)
 
     def _sum(self, periods: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The sum of the cosines; line by line, because lines times steps may not fit in memory."""
+        """The sum of the cosines, line by line to limit memory."""
         total = np.zeros_like(periods)
         for harmonic, phase, weight in zip(self._harmonics, self.phases_rad, self._weights, strict=True):
             total += weight * np.cos(2 * np.pi * harmonic * periods + phase)

@@ -32,7 +32,7 @@ class Quantity:
     def __get__(self, instance: object | None, owner: type) -> float:
         if instance is None:
             if self._default is None:
-                raise AttributeError(self._name)  # by which the dataclass knows that there is no default
+                raise AttributeError(self._name)  # tells the dataclass that the field has no default
             return self._default
         value: float = vars(instance)[self._name]
         return value

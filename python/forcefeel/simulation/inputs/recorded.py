@@ -1,4 +1,4 @@
-"""A force recorded on a bench or an aircraft, and the file that it comes in."""
+"""A force recorded on a bench or an aircraft, and its file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,23 +17,23 @@ _SIGNALS = Signals(
     {"time": ("s",), "force": ("N",)},
     needed=("time", "force"),
     example="time (s),force (lb)",
-    also={"pilot_force": "force"},  # as a bench calls it
+    also={"pilot_force": "force"},  # name in bench records
 )
 _UNITS = {"time": "s", "force": "N"}
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """A recorded force, straight between its points; they may be at any distance, but without a gap.
+    """A recorded force, linear between its points, which may be uneven but without gaps.
 
     Attributes:
         time_s: Times of the points, s, each above the one before; a step of more than ``faults.GAP`` times the median is a gap.
         force_n: Forces at these times, N.
-        name: What a message names.
+        name: Name for messages.
 
     Raises:
-        InputError: When built, with the row at fault: fewer than two rows, numbers that are not finite, time that runs
-            backwards or stands still, a gap.
+        InputError: When built, with the row: fewer than two rows, values that are not finite, time that does not increase,
+            or a gap.
 
     Example:
         >>> import forcefeel as ff
@@ -68,7 +68,7 @@ class Recorded:
         return Recorded(self.time_s - self.time_s[0], self.force_n, self.name)
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
-        """The force over a run, N; of points closer than the steps, only the line at the times of the steps is seen.
+        """The force over a run, N; points closer than the steps are sampled at the steps.
 
         Args:
             time_s: Length of the run; the recording must cover it from time zero.
@@ -76,7 +76,7 @@ class Recorded:
 
         Raises:
             InputError: If the run is not a whole number of steps, or the recording begins after its start or ends before
-                its end: what the force was there is not known.
+                its end.
         """
         grid = Grid.of(time_s, step_s)
         first, last = float(self.time_s[0]), float(self.time_s[-1])

@@ -1,6 +1,6 @@
-"""An input over time as a simulation takes it: a straight line within each step, free to jump between two.
+"""A sampled input: linear within each step, with jumps between steps.
 
-One engine samples whatever is made of straight lines: points in order of time, a jump being two points at one time.
+Piecewise linear inputs are sampled from points in order of time; a jump is two points at one time.
 """
 
 import math
@@ -103,14 +103,14 @@ def through_points(owner: str, grid: Grid, times_s: ArrayLike, values: ArrayLike
     """Straight lines through points, sampled; beyond the first and last point their values hold.
 
     Args:
-        owner: What a message names.
+        owner: Name for messages.
         grid: The times of the run.
         times_s: Times of the points, non-decreasing; a time that stands twice is a jump.
         values: Values of the points.
 
     Raises:
-        InputError: If a jump within the run is not at a time of the grid, or three points are at one such time to rounding,
-            so that what comes and goes between them would be lost.
+        InputError: If a jump within the run is not at a time of the grid, or three points coincide with one such time to
+            rounding, so that a pulse would be lost.
     """
     times, heights = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     jumps = times[1:][times[1:] == times[:-1]]
@@ -152,17 +152,17 @@ def through_values(values: NDArray[np.float64]) -> Sampled:
 
 
 def frozen(start: NDArray[np.float64], end: NDArray[np.float64]) -> Sampled:
-    """``Sampled`` whose numbers nobody changes."""
+    """``Sampled`` with read-only arrays."""
     start.setflags(write=False)
     end.setflags(write=False)
     return Sampled(start, end)
 
 
 def check_number(owner: str, name: str, value: object, bound: Bound) -> None:
-    """Refuses what is no number within ``bound``.
+    """Refuses a value that is not a number within ``bound``.
 
     Raises:
-        InputError: Naming the owner, the argument, what was expected and what came.
+        InputError: With the owner, the argument, the expected and the actual value.
     """
     try:
         number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
@@ -174,7 +174,7 @@ def check_number(owner: str, name: str, value: object, bound: Bound) -> None:
 
 
 def check_frequencies(owner: str, highest_hz: float, grid: Grid) -> None:
-    """Refuses a frequency that the samples of ``grid`` cannot show.
+    """Refuses a frequency above half the sampling rate of ``grid``.
 
     Raises:
         InputError: If ``highest_hz`` is half the sampling rate or more; the remedy is a smaller step.
@@ -188,7 +188,7 @@ def check_frequencies(owner: str, highest_hz: float, grid: Grid) -> None:
 
 
 def check_lasts(owner: str, duration_s: float, steps: int, grid: Grid) -> None:
-    """Refuses what is over before the steps of ``grid`` can show it.
+    """Refuses an input that is shorter than ``steps`` steps of ``grid``.
 
     Raises:
         InputError: If ``duration_s`` is less than ``steps`` steps.
@@ -210,10 +210,10 @@ class Schedule:
     Attributes:
         times_s: Times of the points, finite, non-decreasing, none more than twice.
         values: Values of the points, finite, as many.
-        name: What a message names.
+        name: Name for messages.
 
     Raises:
-        InputError: When built, if times or values are not so.
+        InputError: When built, if times or values are invalid.
 
     Example:
         >>> import forcefeel as ff

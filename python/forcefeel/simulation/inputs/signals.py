@@ -1,8 +1,8 @@
-"""Forces at the grip by formula: what a test engineer commands, one frozen class per kind.
+"""Forces at the grip by formula, one frozen class for each.
 
-Forces are in N at the grip, positive as the column's angle is; times in s from the start of the run; zero force where
-nothing else is said. Each field also takes text with a unit: ``Step("100 lb")``. Each ``sample(time_s, step_s)`` takes the length
-of the run and the step.
+Forces are in N at the grip, positive as the column's angle; times in s from the start of the run. The force is zero outside the
+stated time. Each field also accepts text with a unit: ``Step("100 lb")``. ``sample(time_s, step_s)`` takes the length of the run
+and the step.
 """
 
 import math
@@ -33,7 +33,7 @@ Spacing = Literal["linear", "logarithmic"]
 
 @dataclass(frozen=True)
 class HandsOff:
-    """Nobody at the grip: ``F(t) = 0``.
+    """No force at the grip: ``F(t) = 0``.
 
     Example:
         >>> import forcefeel as ff
@@ -52,11 +52,11 @@ class HandsOff:
 
 @dataclass(frozen=True)
 class Step:
-    """A force that comes and stays: ``F(t) = force_n`` for ``t > start_s``.
+    """A step of force: ``F(t) = force_n`` for ``t > start_s``.
 
     Attributes:
         force_n: The force, N.
-        start_s: When it comes, s, 0 or later.
+        start_s: Start time, s, 0 or later.
 
     Raises:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
@@ -85,12 +85,12 @@ class Step:
 
 @dataclass(frozen=True)
 class Pulse:
-    """A force for a while: ``F(t) = force_n`` for ``start_s < t < start_s + width_s``.
+    """A pulse of force: ``F(t) = force_n`` for ``start_s < t < start_s + width_s``.
 
     Attributes:
         force_n: The force, N.
-        start_s: When it comes, s, 0 or later.
-        width_s: How long it lasts, s, above 0.
+        start_s: Start time, s, 0 or later.
+        width_s: Duration, s, above 0.
 
     Raises:
         InputError: When built, if a number is not finite or below its bound.
@@ -127,8 +127,8 @@ class Doublet:
 
     Attributes:
         force_n: The first force, N.
-        start_s: When it comes, s, 0 or later.
-        width_s: How long each half lasts, s, above 0.
+        start_s: Start time, s, 0 or later.
+        width_s: Duration of each half, s, above 0.
 
     Raises:
         InputError: When built, if a number is not finite or below its bound.
@@ -167,7 +167,7 @@ class StopToStop:
 
     Attributes:
         force_n: The greatest force, N; enough to reach both stops.
-        duration_s: How long it lasts, s, above 0: a minute for a force-displacement loop, a second for a fast one.
+        duration_s: Duration, s, above 0: a minute for a force-displacement loop, a second for a fast one.
 
     Raises:
         InputError: When built, if a number is not finite or ``duration_s`` is not above 0.
@@ -210,7 +210,7 @@ class Chirp:
         force_n: Amplitude, N.
         from_hz: First frequency, Hz; above 0 if logarithmic, 0 or more if linear.
         to_hz: Last frequency, Hz, as ``from_hz``; may be the lower one.
-        duration_s: How long it lasts, s, above 0; then the force is zero.
+        duration_s: Duration, s, above 0; then the force is zero.
         spacing: ``"linear"`` or ``"logarithmic"``, which gives each octave the same time.
 
     Raises:
@@ -241,8 +241,8 @@ class Chirp:
         """The force over a run, N: exact at the times of the steps, straight between.
 
         Raises:
-            InputError: If the run is not a whole number of steps, the end of the chirp is within it and not between two
-                steps, ``duration_s`` is less than a step, or a frequency is half the sampling rate or more.
+            InputError: If the run is not a whole number of steps; if the chirp ends within a step or is shorter than a
+                step; if a frequency is half the sampling rate or more.
         """
         grid = Grid.of(time_s, step_s)
         check_lasts("Chirp", self.duration_s, 1, grid)
@@ -263,11 +263,11 @@ class Chirp:
 
 @dataclass(frozen=True)
 class Release:
-    """The grip is held at an angle, then let go: the free response begins there, at rest. No force from then on.
+    """A release: the grip is held at an angle until ``start_s``; the free response begins there, at rest.
 
     Attributes:
         angle_rad: The column's angle until ``start_s``, rad.
-        start_s: When it is let go, s, 0 or later.
+        start_s: Time of the release, s, 0 or later.
 
     Raises:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
@@ -287,7 +287,7 @@ class Release:
         check_number("Release", "start_s", self.start_s, "number of 0 or more")
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
-        """Zeros, N: what holds the grip until ``start_s`` is a constraint, which whoever simulates must impose.
+        """Zeros, N; the caller must hold the grip until ``start_s`` by a constraint.
 
         Raises:
             InputError: If the run is not a whole number of steps, or ``start_s`` is within it and not between two steps.

@@ -1,4 +1,4 @@
-"""The folder of a simulation: its page, its history and its numbers, whole or not at all."""
+"""The folder of a simulation: page, history and results, written completely or not at all."""
 
 import csv
 import io

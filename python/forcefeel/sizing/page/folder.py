@@ -1,4 +1,4 @@
-"""The folder of a sizing: its page and its results, whole or not at all."""
+"""The folder of a sizing: page and results, written completely or not at all."""
 
 from pathlib import Path
 
@@ -22,16 +22,16 @@ def write_sizing(sizing: Sizing, out: Path, units: UnitSystem, *, replace: bool 
 
     Args:
         sizing: The sizing.
-        out: The folder; made if it is not there.
+        out: The folder; created if it does not exist.
         units: The units of every number.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        replace: Whether existing files may be replaced.
+        command: The command line, shown on the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+        InputError: If ``out`` is a file, contains files of these names without ``replace``, or cannot be written.
 
     Example:
         >>> import forcefeel as ff
@@ -53,10 +53,10 @@ def write_cockpit(
 
     Args:
         cockpit: The sizing of each axis.
-        out: The folder; made if it is not there.
+        out: The folder; created if it does not exist.
         units: The units of every number.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        replace: Whether existing files may be replaced.
+        command: The command line, shown on the page.
 
     Returns:
         The path of the page.

@@ -1,4 +1,4 @@
-"""The page of a sizing: the template filled with the picture, the table and words."""
+"""The page of a sizing: the template filled with plot, table and texts."""
 
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render

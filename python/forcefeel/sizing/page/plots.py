@@ -1,4 +1,4 @@
-"""Force over speed at the grip: what is asked, what the drive gives."""
+"""Force over speed at the grip: demands and capability."""
 
 import plotly.graph_objects as go
 
@@ -15,7 +15,7 @@ _RULE = ("circle", "circle-open", "triangle-up")
 
 
 def force_over_speed(sizing: Sizing, units: UnitSystem) -> go.Figure:
-    """The drive's curves, the release as a curve, what is held as a mark at no speed."""
+    """The drive's limits and the release as curves, held forces as marks at zero speed."""
     picture = go.Figure()
     for curve, look in zip(sizing.curves, _CURVES, strict=False):
         x, y = SPEED.from_si(1.0, units) * curve.speed_m_per_s, FORCE.from_si(1.0, units) * curve.force_n

@@ -1,4 +1,4 @@
-"""The tables of a sizing: what is asked and what it takes, and where each demand comes from."""
+"""The tables of a sizing: demands with the used shares of the limits, and their sources."""
 
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import prose_html
@@ -9,7 +9,7 @@ from forcefeel.units import UnitSystem
 
 
 def demands(sizing: Sizing, units: UnitSystem) -> Table:
-    """A row for each demand; what the drive does not give stands out."""
+    """A row for each demand; demands above the capability are highlighted."""
     shown_columns = columns(sizing, units)
     rows = tuple(
         (
@@ -22,11 +22,13 @@ def demands(sizing: Sizing, units: UnitSystem) -> Table:
 
 
 def sources(sizing: Sizing) -> Table:
-    """Where each demand comes from."""
+    """Source of each demand."""
     rows = tuple(
         (
             words(demand.name),
-            words(prose_html(demand.source if demand.verified else f"{demand.source}; not held against the document")),
+            words(
+                prose_html(demand.source if demand.verified else f"{demand.source}; not verified against the document")
+            ),
         )
         for demand in sizing.demands
     )
@@ -34,7 +36,7 @@ def sources(sizing: Sizing) -> Table:
 
 
 def axes(cockpit: CockpitSizing, units: UnitSystem) -> Table:
-    """A row for each axis; one whose drive is too small stands out."""
+    """A row for each axis; a drive that is too small is highlighted."""
     shown_columns = axis_columns(units)
     rows = tuple(
         (words(axis), *(number(prose_html(column.text(sizing)), bad=not sizing.good) for column in shown_columns))
