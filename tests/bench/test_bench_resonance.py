@@ -136,7 +136,7 @@ def test_what_it_holds_for_is_said():
     )
     by_signal = read_resonance(response(FINE, value, drive="test_signal")).note
     assert by_signal.endswith(
-        "test_signal is none, so that half power is off by the order of the damping ratio; the circle by less"
+        "test_signal is no force, so half power is off by the order of the damping ratio; the circle by less"
     )
     assert "velocity or a flow: the mobility" in read_resonance(response(FINE, value, "actuator_flow")).note
 

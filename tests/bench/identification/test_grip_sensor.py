@@ -93,7 +93,7 @@ def test_a_measured_hand_tells_the_gain(loader):
         assert abs(value - TRUE[key]) < SURE * deviation + WITHIN * abs(TRUE[key])
     in_pounds = in_place_of(pulled, pulled.channels["grip_force"] / bench_machine.LBF)
     (wrong, *_) = find_grip_sensor(loader, [in_pounds], None).wrong
-    assert "shows 0.24 times as much of the hand's force as the file promises: look at its unit" in wrong
+    assert "shows 0.24 times as much of the hand's force as the file predicts: check its unit" in wrong
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_measured_hand_tells_the_gain(loader):
         (lambda shown: np.full(SAMPLES, 1.5), "shows 0.337 lb from the first sample to the last"),
         (lambda shown: -shown, "with the wrong sign"),
         (lambda shown: shown / bench_machine.LBF**2, "0.071 times as much of what moves the mass"),
-        (lambda shown: np.clip(shown, -0.5 * np.ptp(shown), 0.2 * np.ptp(shown)), "is cut off at"),
+        (lambda shown: np.clip(shown, -0.5 * np.ptp(shown), 0.2 * np.ptp(shown)), "is clipped at"),
     ],
     ids=[
         "sees-nothing",

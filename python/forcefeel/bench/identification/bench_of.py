@@ -67,7 +67,7 @@ def _check_current(loader: Loader, record: BenchRecord) -> None:
             limited = np.abs(record.channels[name]) >= _AT_LIMIT * limit
             if np.count_nonzero(limited) >= _FEW:
                 raise InputError(
-                    f"{record.name}: {name} is at current_loop.current_limit, {limit:.4g} A, in {np.count_nonzero(limited)} samples "
-                    f"from {record.time_s[int(np.argmax(limited))]:.4g} s; expected one below; drive less, or correct "
-                    "the limit in the loader file"
+                    f"{record.name}: {name} is at current_loop.current_limit, {limit:.4g} A, in "
+                    f"{np.count_nonzero(limited)} samples from {record.time_s[int(np.argmax(limited))]:.4g} s; "
+                    "expected a current below it; drive less, or correct the limit in the loader file"
                 )
