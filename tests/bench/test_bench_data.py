@@ -148,7 +148,7 @@ BAD_RESPONSES = {
     "contradiction": (
         TO_POTENTIOMETER + LINES,
         {"experiment": "servo-open"},
-        "says that it is of servo-closed test_signal, and",
+        "states servo-closed test_signal, but",
     ),
     "other output": (
         TO_POTENTIOMETER + LINES,

@@ -331,7 +331,7 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
             (*GOOD, "--column", "column_angle=theta"),
             "closed.csv: --column: unknown name 'column_angle'; the names are frequency, gain",
         ),
-        ((*RUN, "--experiment", "release"), "says that it is of servo-closed test_signal, and --experiment is"),
+        ((*RUN, "--experiment", "release"), "states servo-closed test_signal, but --experiment is"),
         ((*RUN, "--hold", "straight"), "states 'hold: staircase', but --hold is 'straight'"),
         ((*RUN, "--input-channel", "test_signal"), "to which --input-channel does not apply"),
         ((*GOOD, "--from", "1 s"), "is a frequency response, to which --from and --until does not apply"),
@@ -341,7 +341,7 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
             "--from and --until: expected a time and a later one",
         ),
         ((*RUN, "--column", "angle=theta"), "--column: unknown name 'angle'"),
-        (RUN, "the file's own name of one is given by --column"),
+        (RUN, "name the file's own columns by --column"),
         ((*RUN, "--column", "column_angle=theta"), "add it to the header or by --unit"),
         (
             (*RUN, "--column", "column_angle=theta", "--unit", "theta=deg"),

@@ -161,7 +161,7 @@ def test_the_end_of_the_table_s_range_is_another_bound():
     found = dataclasses.replace(determined(), estimates=(at_end,), correlation=np.eye(1), ends=ends((at_end,)))
     text = said(found)[1]
     assert "ended at its lower bound" in text
-    assert "ask for a smaller value" in text
+    assert "fit a smaller value better" in text
     assert "units and experiment of the data" in text
 
 
