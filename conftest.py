@@ -29,7 +29,7 @@ _TERMINALS: dict[str, Terminal] = {}
 
 _GRID = '--grid "stiffness=30,100 %" --grid "frequency=1,2 Hz" --grid "damping=0.4,1"'
 _FEW = {
-    "compensate": _GRID,
+    "law": _GRID,
     "envelope": f"{_GRID} --draws 0",
     "frontier": _GRID,
 }
@@ -61,8 +61,8 @@ def _run(example: Example) -> None:
 def small(body: str) -> str:
     """The same commands for fewer machines and settings."""
     body = re.sub(r"--runs \d+", "--runs 8", body)
-    body = body.replace("--method auto", "--method original --envelope")
-    body = body.replace("--compare", "--law original").replace("frontier elevator-2khz", "frontier elevator")
+    body = body.replace("--law auto", "--law original --envelope")
+    body = body.replace("--compare", "--law original").replace("frontier elevator-2khz", "frontier elevator-1974")
     body = re.sub(r":\d+(:log)?([\"'])", r":2\1\2", body)  # the values along an axis
     return "\n".join(_few(line) for line in commands(body))
 
@@ -71,7 +71,7 @@ def _few(line: str) -> str:
     command, *comment = re.split(r"(?<=\S)\s+(?=# )", line, maxsplit=1)
     name = command.split()[1]
     takes_settings = name in _FEW and command.startswith("forcefeel")
-    if not takes_settings or (name == "compensate" and "--envelope" not in command):
+    if not takes_settings or (name == "law" and "--envelope" not in command):
         return line
     axes = re.findall(r"--grid [\"'](\w+)=", command)
     options = re.findall(r'--\w+ (?:"[^"]*"|\S+)', _FEW[name])

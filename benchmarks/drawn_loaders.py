@@ -109,7 +109,7 @@ def known(loader: ff.Loader) -> ff.Loader:
 
 
 def taken(loader: ff.Loader) -> str:
-    """The law that ``forcefeel compensate --method auto`` takes of a loader that is known exactly, or ``NO_LAW``."""
+    """The law that ``forcefeel law --law auto`` takes of a loader that is known exactly, or ``NO_LAW``."""
     return choose(score_laws(loader, changes={})).chosen or NO_LAW
 
 

@@ -21,7 +21,7 @@ COMMANDS = {
     "envelope": f"elevator-2khz --law robust {GRID}",
     "sweep": "--set column.coulomb_friction=2lb --runs 60000",
     "frontier": "elevator-2khz --grid stiffness=2..60%:3:log --grid frequency=1..3Hz:2 --grid damping=0.3,0.7",
-    "compensate": f"elevator-2khz --method auto {SMALL}",
+    "law": f"elevator-2khz --law auto {SMALL}",
 }
 MARKS = (0.1, 0.25, 0.5)
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from forcefeel.cli import main
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
-LOADERS = ("elevator", "elevator-2khz")
+LOADERS = ("elevator-1974", "elevator-2khz")
 GRID = ("--grid", "stiffness=5, 20, 60 %", "--grid", "frequency=1, 2 Hz", "--grid", "damping=0.2, 0.7")
 KNOTS = """\
 dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
@@ -83,8 +83,8 @@ def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
         yield f"new-{loader}", ("new", f"{loader}.toml", "--built-in", loader)
         yield f"analyze-{loader}", ("analyze", loader)
         yield f"design-{loader}", ("design", loader)
-        yield f"compensate-{loader}", ("compensate", loader)
-        yield f"compensate-converge-{loader}", ("compensate", loader, "--converge", "--units", "si")
+        yield f"compensate-{loader}", ("law", loader)
+        yield f"compensate-converge-{loader}", ("law", loader, "--converge", "--units", "si")
         for law in laws:
             yield f"simulate-{loader}-{law}", ("simulate", loader, "--law", law)
         yield f"simulate-rough-{loader}", ("simulate", loader, *ROUGH, "--input", "release", "--angle", "10 deg")
@@ -94,7 +94,7 @@ def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
         yield f"qualify-{loader}", ("qualify", loader, "--compare")
         yield f"qualify-rough-{loader}", ("qualify", loader, "--law", laws[-1], *ROUGH)
         yield f"envelope-{loader}", ("envelope", loader, "--compare", "--draws", "8", *GRID)
-        yield f"choice-{loader}", ("compensate", loader, "--method", "auto", *GRID)
+        yield f"choice-{loader}", ("law", loader, "--law", "auto", *GRID)
         yield f"frontier-{loader}", ("frontier", loader, *GRID)
         yield (
             f"excite-{loader}",
@@ -113,7 +113,7 @@ def make(folder: Path) -> None:
     Path("knots.csv").write_text(KNOTS)
     for name, words in commands():
         takes_out = words[0] not in {"new", "analyze", "reproduce", "resonance", "excite"} and (
-            words[0] != "compensate" or "--method" in words
+            words[0] != "law" or "--law" in words
         )
         out = ("--out", name) if takes_out else ()
         status, text = _called((*words, *out, "--json"))

@@ -1,4 +1,4 @@
-"""The floors of the package, reckoned from its imports: ``docs/architecture.svg``, which cannot lie."""
+"""The layers of the package, computed from its imports: ``docs/architecture.svg``."""
 
 import ast
 from collections import defaultdict
@@ -15,61 +15,61 @@ Arrows = dict[str, set[str]]
 
 
 @dataclass(frozen=True)
-class House:
-    """Modules and what each imports.
+class Package:
+    """Modules and their imports.
 
     Attributes:
         paths: Path of each module below the package, by its dotted name.
-        imports: Modules that each imports, at whatever place of the file, for type checkers too.
+        imports: Modules that each module imports, also inside functions and for type checkers.
     """
 
     paths: dict[str, Path]
     imports: Arrows
 
     @classmethod
-    def of(cls, package: Path = PACKAGE) -> "House":
-        """Reads every file of the package but its list of public names."""
+    def of(cls, package: Path = PACKAGE) -> "Package":
+        """Read every file of the package except its list of public names."""
         files = [path for path in sorted(package.rglob("*.py")) if path.parent != package or path.stem != "__init__"]
         paths = {_dotted(path.relative_to(package.parent)): path.relative_to(package) for path in files}
         return cls(paths, {name: _imported(package / path, paths) - {name} for name, path in paths.items()})
 
-    def room(self, module: str) -> str:
-        """The folder of a module; a module that lies loose in the package is a room of its own."""
+    def subpackage(self, module: str) -> str:
+        """The folder of a module; a top-level module stands for itself."""
         path = self.paths[module]
         return path.parent.as_posix() if len(path.parts) > 1 else path.stem
 
     @cached_property
     def arrows(self) -> Arrows:
-        """Rooms that each room imports from."""
-        found: Arrows = {self.room(module): set() for module in self.paths}
+        """Subpackages that each subpackage imports from."""
+        arrows: Arrows = {self.subpackage(module): set() for module in self.paths}
         for module, others in self.imports.items():
-            found[self.room(module)] |= {self.room(other) for other in others} - {self.room(module)}
-        return found
+            arrows[self.subpackage(module)] |= {self.subpackage(other) for other in others} - {self.subpackage(module)}
+        return arrows
 
     @cached_property
-    def floors(self) -> list[list[str]]:
-        """The rooms, ground floor first; a room stands on the floor above the highest that it imports from.
+    def layers(self) -> list[list[str]]:
+        """The subpackages, lowest layer first; each is one layer above the highest that it imports from.
 
         Raises:
-            ValueError: If rooms import from one another in a circle.
+            ValueError: If subpackages import name another in a cycle.
         """
-        if found := circles(self.arrows):
-            raise ValueError(f"expected no circle among the rooms, got {found}")
+        if circular := cycles(self.arrows):
+            raise ValueError(f"expected no cycle among the subpackages, got {circular}")
         level: dict[str, int] = {}
 
-        def height(room: str) -> int:
-            if room not in level:
-                level[room] = 1 + max(map(height, self.arrows[room]), default=-1)
-            return level[room]
+        def height(name: str) -> int:
+            if name not in level:
+                level[name] = 1 + max(map(height, self.arrows[name]), default=-1)
+            return level[name]
 
-        floors: dict[int, list[str]] = defaultdict(list)
-        for room in sorted(self.arrows):
-            floors[height(room)].append(room)
-        return [floors[k] for k in range(len(floors))]
+        layers: dict[int, list[str]] = defaultdict(list)
+        for name in sorted(self.arrows):
+            layers[height(name)].append(name)
+        return [layers[k] for k in range(len(layers))]
 
 
-def circles(arrows: Arrows) -> list[list[str]]:
-    """The sets of nodes that reach one another: what is left when whatever has no arrow out, or none in, is taken away."""
+def cycles(arrows: Arrows) -> list[list[str]]:
+    """Sets of nodes that reach name another, sorted."""
     left = {node: set(others) for node, others in arrows.items()}
     while ends := [node for node in left if not left[node] & left.keys()]:
         for node in ends:
@@ -79,11 +79,11 @@ def circles(arrows: Arrows) -> list[list[str]]:
     return sorted(sorted(group) for group in groups)
 
 
-def drawing(house: House) -> str:
-    """The floors as an SVG. Arrows that follow from others are left out; one that passes a floor has a gap of its own there."""
-    paths = _paths(house)
-    floors = _ordered(house.floors, paths)
-    at = {node: place for level, row in enumerate(floors) for node, place in _row(row, len(floors) - 1 - level).items()}
+def drawing(package: Package) -> str:
+    """The layers as an SVG, without implied arrows; an arrow that crosses a layer has its own gap there."""
+    paths = _paths(package)
+    layers = _ordered(package.layers, paths)
+    at = {node: place for level, row in enumerate(layers) for node, place in _row(row, len(layers) - 1 - level).items()}
     lines = [
         f'<polyline points="{" ".join(_through(at[node]) for node in path)}"/>'
         for path in sorted(paths, key=lambda path: (path[0], path[-1]))
@@ -94,17 +94,17 @@ def drawing(house: House) -> str:
         for node, (x, y, wide) in at.items()
         if isinstance(node, str)
     ]
-    count = len(floors)
-    marks = [f'<text class="floor" x="24" y="{_TOP + (count - 1 - k) * _FLOOR + 20}">{k}</text>' for k in range(count)]
-    height = _TOP + count * _FLOOR
+    count = len(layers)
+    marks = [f'<text class="layer" x="24" y="{_TOP + (count - 1 - k) * _LAYER + 20}">{k}</text>' for k in range(count)]
+    height = _TOP + count * _LAYER
     return "\n".join(
         (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" font-family="sans-serif" font-size="13">',
-            "<title>Floors of the package forcefeel, and who imports from whom</title>",
+            "<title>Layers of the package forcefeel and their imports</title>",
             "<style>rect{fill:#f4f7fa;stroke:#5a6b7b}polyline{fill:none;stroke:#9fb0c0}text{fill:#1c2733;text-anchor:middle}"
-            ".floor{fill:#5a6b7b}</style>",
+            ".layer{fill:#5a6b7b}</style>",
             f'<rect x="0" y="0" width="{_WIDTH}" height="{height}" style="fill:#fff;stroke:none"/>',
-            '<text class="floor" x="24" y="24">floor</text>',
+            '<text class="layer" x="24" y="24">layer</text>',
             *lines,
             *boxes,
             *marks,
@@ -113,39 +113,39 @@ def drawing(house: House) -> str:
     )
 
 
-_WIDTH, _FLOOR, _BOX, _TOP, _LEFT = 1280, 78, 30, 46, 50
+_WIDTH, _LAYER, _BOX, _TOP, _LEFT = 1280, 78, 30, 46, 50
 
 Gap = tuple[str, str, int]
-"""Where an arrow passes a floor: from which room to which, on which floor."""
+"""Where an arrow crosses a layer: its start, its end, the layer."""
 
 Node = str | Gap
 
 
-def _paths(house: House) -> list[list[Node]]:
-    """Each arrow as the nodes that it goes through, from above."""
-    level = {room: k for k, rooms in enumerate(house.floors) for room in rooms}
+def _paths(package: Package) -> list[list[Node]]:
+    """Each arrow as the nodes that it passes, from above."""
+    level = {name: k for k, names in enumerate(package.layers) for name in names}
     return [
-        [one, *((one, other, k) for k in range(level[one] - 1, level[other], -1)), other]
-        for one, others in _reduced(house.arrows).items()
+        [name, *((name, other, k) for k in range(level[name] - 1, level[other], -1)), other]
+        for name, others in _reduced(package.arrows).items()
         for other in sorted(others)
     ]
 
 
-def _ordered(floors: list[list[str]], paths: list[list[Node]]) -> list[list[Node]]:
-    """The nodes of each floor, so that arrows cross little: each by the mean place of its neighbours, up and down in turn."""
+def _ordered(layers: list[list[str]], paths: list[list[Node]]) -> list[list[Node]]:
+    """Nodes of each layer, sorted by the mean position of their neighbors, up and down in turn, for few crossings."""
     gaps: list[list[Node]] = [
-        [node for path in paths for node in path[1:-1] if node[2] == k] for k in range(len(floors))
+        [node for path in paths for node in path[1:-1] if node[2] == k] for k in range(len(layers))
     ]
-    rows: list[list[Node]] = [[*rooms, *passing] for rooms, passing in zip(floors, gaps, strict=True)]
+    rows: list[list[Node]] = [[*names, *passing] for names, passing in zip(layers, gaps, strict=True)]
     near: dict[Node, list[Node]] = defaultdict(list)
     for path in paths:
-        for one, other in pairwise(path):
-            near[one].append(other)
-            near[other].append(one)
+        for name, other in pairwise(path):
+            near[name].append(other)
+            near[other].append(name)
     for sweep in range(_SWEEPS):
         for row in rows[:: 1 if sweep % 2 else -1]:
             place = {node: (k + 1) / (len(other) + 1) for other in rows for k, node in enumerate(other)}
-            row.sort(key=lambda node: sum(place[one] for one in near[node]) / len(near[node]) if near[node] else 0.5)
+            row.sort(key=lambda node: sum(place[name] for name in near[node]) / len(near[node]) if near[node] else 0.5)
     return rows
 
 
@@ -153,18 +153,18 @@ _SWEEPS = 24
 
 
 def _row(row: list[Node], down: int) -> dict[Node, tuple[float, float, float]]:
-    """Middle, upper edge and width of each node of a floor."""
+    """Middle, upper edge and width of each node of a layer."""
     size = [7.4 * len(node) + 18 if isinstance(node, str) else 0.0 for node in row]
     gap = (_WIDTH - _LEFT - sum(size)) / (len(row) + 1)
-    found, x = {}, _LEFT + gap
+    nodes, x = {}, _LEFT + gap
     for node, wide in zip(row, size, strict=True):
-        found[node] = (x + wide / 2, float(_TOP + down * _FLOOR), wide)
+        nodes[node] = (x + wide / 2, float(_TOP + down * _LAYER), wide)
         x += wide + gap
-    return found
+    return nodes
 
 
 def _through(place: tuple[float, float, float]) -> str:
-    """An arrow passes a floor straight down; behind a box it is not seen."""
+    """Points of an arrow across a layer: straight down, hidden behind a box."""
     x, y, _ = place
     return f"{x:.0f},{y:.0f} {x:.0f},{y + _BOX:.0f}"
 
@@ -174,32 +174,32 @@ def _dotted(path: Path) -> str:
 
 
 def _imported(path: Path, known: dict[str, Path]) -> set[str]:
-    """The modules of the package that a file imports."""
-    found = set()
+    """Modules of the package that a file imports."""
+    imported = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 whole = f"{node.module}.{alias.name}"
-                found.add(whole if whole in known else node.module)
-    return found & known.keys()
+                imported.add(whole if whole in known else node.module)
+    return imported & known.keys()
 
 
 def _reached(start: str, arrows: Arrows) -> set[str]:
-    found: set[str] = set()
+    reached: set[str] = set()
     todo = list(arrows.get(start, ()))
     while todo:
         node = todo.pop()
-        if node not in found:
-            found.add(node)
+        if node not in reached:
+            reached.add(node)
             todo.extend(arrows.get(node, ()))
-    return found
+    return reached
 
 
 def _reduced(arrows: Arrows) -> Arrows:
-    """The arrows without those that follow from others."""
+    """The arrows without implied ones."""
     below = {node: _reached(node, arrows) for node in arrows}
-    return {node: {one for one in out if not any(one in below[two] for two in out)} for node, out in arrows.items()}
+    return {node: {name for name in out if not any(name in below[two] for two in out)} for node, out in arrows.items()}
 
 
 if __name__ == "__main__":
-    PICTURE.write_text(drawing(House.of()), encoding="utf-8")
+    PICTURE.write_text(drawing(Package.of()), encoding="utf-8")

@@ -30,4 +30,4 @@ def nonlinear() -> Loader:
 
 def small(runs: int = 400, **options: object) -> Sweep:
     """A Monte Carlo sweep of some hundred runs."""
-    return Sweep(nonlinear(), PUSH, runs=runs, **options)  # type: ignore[arg-type]
+    return Sweep(nonlinear(), PUSH, runs=runs, **{"law": "original", **options})  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""The plan of the package, held against its imports: floors without a circle, and no wing that leans on its own page."""
+"""Imports of the package: layers without cycles, and no subpackage that imports its own page."""
 
 import importlib.util
 import sys
@@ -10,9 +10,9 @@ from .rust_files import CRATES, uses
 
 DOCS = Path(__file__).parents[1] / "docs"
 
-MOST_FLOORS = 14
+MOST_LAYERS = 14
 """Two more than the commands by themselves take: `commission` runs them one after the other, and has a page."""
-MOST_LOOSE = 12
+MOST_TOP_MODULES = 12
 """Modules that lie in the package itself."""
 
 
@@ -27,13 +27,13 @@ def house():
     del sys.modules[spec.name]
 
 
-def test_no_modules_import_one_another_in_a_circle(house):
-    assert house.circles(house.House.of().imports) == []
+def test_modules_have_no_import_cycle(house):
+    assert house.cycles(house.Package.of().imports) == []
 
 
 @pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
-def test_no_files_of_a_crate_use_one_another_in_a_circle(house, crate):
-    assert house.circles(uses(CRATES / crate / "src")) == []
+def test_files_of_a_crate_have_no_cycle(house, crate):
+    assert house.cycles(uses(CRATES / crate / "src")) == []
 
 
 RUST = {
@@ -48,7 +48,7 @@ RUST = {
 }
 
 
-def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
+def test_path_leads_to_the_file_that_declares_the_name(tmp_path):
     for name, text in RUST.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -63,46 +63,46 @@ def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
     }
 
 
-def test_rooms_stand_on_floors(house):
-    found = house.House.of()
-    assert house.circles(found.arrows) == []
-    assert len(found.floors) <= MOST_FLOORS
-    assert [] not in found.floors
+def test_subpackages_form_layers(house):
+    package = house.Package.of()
+    assert house.cycles(package.arrows) == []
+    assert len(package.layers) <= MOST_LAYERS
+    assert [] not in package.layers
 
 
-def test_few_modules_lie_loose(house):
-    loose = [path.name for path in house.PACKAGE.glob("*.py")]
-    assert len(loose) <= MOST_LOOSE
+def test_package_has_few_top_level_modules(house):
+    top_modules = [path.name for path in house.PACKAGE.glob("*.py")]
+    assert len(top_modules) <= MOST_TOP_MODULES
 
 
-def test_a_wing_does_not_import_its_own_page(house):
-    found = house.House.of()
+def test_subpackage_does_not_import_its_own_page(house):
+    package = house.Package.of()
     own = [
         (module, other)
-        for module, others in found.imports.items()
+        for module, others in package.imports.items()
         for other in others
-        if found.room(other) == f"{found.room(module)}/page"
+        if package.subpackage(other) == f"{package.subpackage(module)}/page"
     ]
     assert own == []
 
 
-def test_the_picture_is_the_one_that_the_imports_give(house):
-    assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.House.of()), "make docs draws it anew"
+def test_picture_matches_imports(house):
+    assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.Package.of()), "make docs draws it anew"
 
 
-def test_circles_are_found(house):
-    assert house.circles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+def test_cycles_are_found(house):
+    assert house.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 
-def test_a_floor_is_above_all_that_it_imports(house):
-    found = house.House.of()
-    level = {room: k for k, rooms in enumerate(found.floors) for room in rooms}
-    assert all(level[room] > level[other] for room, others in found.arrows.items() for other in others)
-    assert level["cli"] == len(found.floors) - 1
+def test_layer_is_above_its_imports(house):
+    package = house.Package.of()
+    level = {name: k for k, names in enumerate(package.layers) for name in names}
+    assert all(level[name] > level[other] for name, others in package.arrows.items() for other in others)
+    assert level["cli"] == len(package.layers) - 1
     assert level["errors"] == 0
 
 
-def test_every_room_is_explained(house):
+def test_page_explains_every_subpackage(house):
     page = (DOCS / "architecture.md").read_text(encoding="utf-8")
-    rooms = [room for room in house.House.of().arrows if not room.endswith("/page")]
-    assert [room for room in rooms if f"`{room}`" not in page] == []
+    names = [name for name in house.Package.of().arrows if not name.endswith("/page")]
+    assert [name for name in names if f"`{name}`" not in page] == []

@@ -48,9 +48,9 @@ def test_a_changed_result_begins_without(counted):
 
 
 COMMANDS = {
-    "simulate": ("forcefeel.simulation.findings", ("simulate", "elevator")),
-    "design": ("forcefeel.design.findings", ("design", "elevator")),
-    "qualify": ("forcefeel.qualification.plan.sentences", ("qualify", "elevator")),
+    "simulate": ("forcefeel.simulation.findings", ("simulate", "elevator-1974")),
+    "design": ("forcefeel.design.findings", ("design", "elevator-1974")),
+    "qualify": ("forcefeel.qualification.plan.sentences", ("qualify", "elevator-1974")),
 }
 
 

@@ -24,20 +24,20 @@ CALLS = {
     "scale": [lambda: LOADER.scale_feel("a")],
     "units": [lambda: LOADER.to_toml("us"), lambda: LOADER.plot_bode(units="si")],
     "loader": [
-        lambda: ff.compliant_model("elevator"),
+        lambda: ff.compliant_model("elevator-1974"),
         lambda: ff.linear.ideal_feel(ff.elevator),
         lambda: ff.linear.design_plant(None),
-        lambda: ff.analyze("elevator"),
-        lambda: ff.design_loader("elevator"),
-        lambda: ff.design_gains("elevator"),
-        lambda: ff.Law.of("robust", "elevator"),
-        lambda: ff.simulate("elevator", SCENARIO),
-        lambda: ff.simulation.simulate_batch("elevator", SCENARIO, LOADER.si_values[np.newaxis]),
-        lambda: ff.Sweep("elevator", SCENARIO),
-        lambda: ff.qualify_loader("elevator"),
-        lambda: ff.find_envelope("elevator"),
-        lambda: ff.find_frontier("elevator"),
-        lambda: ff.identify("elevator", [], "k"),
+        lambda: ff.analyze("elevator-1974"),
+        lambda: ff.design_loader("elevator-1974"),
+        lambda: ff.design_gains("elevator-1974"),
+        lambda: ff.Law.of("robust", "elevator-1974"),
+        lambda: ff.simulate("elevator-1974", SCENARIO),
+        lambda: ff.simulation.simulate_batch("elevator-1974", SCENARIO, LOADER.si_values[np.newaxis]),
+        lambda: ff.Sweep("elevator-1974", SCENARIO),
+        lambda: ff.qualify_loader("elevator-1974"),
+        lambda: ff.find_envelope("elevator-1974"),
+        lambda: ff.find_frontier("elevator-1974"),
+        lambda: ff.identify("elevator-1974", [], "k"),
     ],
     "model": [lambda: ff.modes(ARRAY), lambda: ff.modes(LOADER), lambda: ff.step_response(LOADER, 1.0)],
     "model: expected a model in continuous": [lambda: ff.modes(control.ss(-1.0, 1.0, 1.0, 0.0, 0.01))],
@@ -105,5 +105,5 @@ def test_what_came_is_said_by_its_type():
         ff.Scenario(ARRAY)
     with pytest.raises(ff.InputError, match=r"got the class Step itself$"):
         ff.Scenario(ff.Step)
-    with pytest.raises(ff.InputError, match=r"got the text 'elevator'$"):
-        ff.analyze("elevator")
+    with pytest.raises(ff.InputError, match=r"got the text 'elevator-1974'$"):
+        ff.analyze("elevator-1974")

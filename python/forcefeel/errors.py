@@ -1,5 +1,7 @@
 """What can be wrong with what a user hands over."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from numbers import Integral, Real
 
 MOST_LINES = 20
@@ -35,6 +37,17 @@ class UnknownKeyError(InputError, KeyError):
 
     def __str__(self) -> str:
         return ValueError.__str__(self)
+
+
+def suggestion(name: str, names: Iterable[str]) -> str:
+    """What ends a message on an unknown name: the nearest known one as a question; empty if none is near.
+
+    Example:
+        >>> suggestion("robusst", ("original", "robust"))
+        '; did you mean robust?'
+    """
+    close = get_close_matches(name, list(names), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def shortened(text: str, longest: int) -> str:

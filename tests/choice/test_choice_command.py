@@ -1,4 +1,4 @@
-"""``forcefeel compensate --method`` as a user types it, and the folder that it writes."""
+"""``forcefeel law`` as a user types it, and the folder that it writes."""
 
 import json
 import re
@@ -8,20 +8,21 @@ import pytest
 import forcefeel as ff
 from forcefeel.choice import score as scoring
 from forcefeel.choice.page.folder import PAGE, RESULTS
-from tests.command_line import runner
+from tests.command_line import on_the_report_loader, runner
 
 SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
-FOLDER = "forcefeel-compensate"
+FOLDER = "forcefeel-law"
 
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel compensate ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "compensate", columns=100)
+    """Runs ``forcefeel law ...``; gives exit status, output and error output."""
+    call = runner(monkeypatch, capsys, tmp_path, "law", columns=100)
+    return lambda *words: call(*on_the_report_loader(words))
 
 
-def test_one_method_at_the_own_setting(run, tmp_path):
-    status, out, err = run("elevator-2khz", "--method", "robust")
+def test_one_law_at_the_own_setting(run, tmp_path):
+    status, out, err = run("elevator-2khz", "--law", "robust")
     assert (status, err) == (0, "")
     assert "Robust is stable" in out
     assert "every case" not in out
@@ -31,8 +32,8 @@ def test_one_method_at_the_own_setting(run, tmp_path):
     assert "envelope" not in stored["laws"]["robust"]
 
 
-def test_one_method_over_the_envelope(run):
-    status, out, _ = run("--method", "converged", "--envelope", *SMALL, "--json", "--units", "si")
+def test_one_law_over_the_envelope(run):
+    status, out, _ = run("--law", "converged", "--envelope", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
     assert found["laws"]["converged"]["envelope"]["shares"]["stable"]["value"] > 0
@@ -43,7 +44,7 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     names = ("published", "observer", "robust")
     monkeypatch.setattr(scoring, "names_for", lambda _: names)  # all seven take their time
     grid = ("--grid", "stiffness=30, 100 %", "--grid", "frequency=3, 4 Hz", "--grid", "damping=0.7, 1")
-    status, out, err = run("elevator-2khz", "--method", "auto", *grid, "--out", "found")
+    status, out, err = run("elevator-2khz", "--law", "auto", *grid, "--out", "found")
     assert (status, err) == (0, "")
     stored = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
     assert tuple(stored["laws"]) == names
@@ -56,9 +57,9 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
 
 def test_none_is_eligible(run):
     grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
-    status, out, _ = run("--method", "auto", *grid)
+    status, out, _ = run("--law", "auto", *grid)
     assert status == 1
-    assert "None of the 3 methods is eligible" in out
+    assert "None of the 3 laws is eligible" in out
     assert "elevator-2khz" in out
 
 
@@ -67,12 +68,12 @@ def test_an_unstable_law_ends_with_one(run, tmp_path):
         {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
     )
     (tmp_path / "soft.toml").write_text(soft.to_toml(), encoding="utf-8")
-    status, out, _ = run("soft.toml", "--method", "published")
+    status, out, _ = run("soft.toml", "--law", "published")
     assert status == 1
     assert "unstable" in out
 
 
-def test_without_a_method_it_is_recursion_22(run, tmp_path):
+def test_default_of_an_analog_loader_is_recursion_22(run, tmp_path):
     status, out, _ = run("--json")
     assert status == 0
     assert set(json.loads(out)) == {"loader", "compensation", "assessment", "peaks"}
@@ -80,13 +81,13 @@ def test_without_a_method_it_is_recursion_22(run, tmp_path):
 
 
 def test_what_is_there_is_not_overwritten(run, tmp_path):
-    assert run("--method", "published")[0] == 0
+    assert run("--law", "published")[0] == 0
     before = (tmp_path / FOLDER / RESULTS).read_bytes()
-    status, _, err = run("--method", "converged")
+    status, _, err = run("--law", "converged")
     assert status == 2
     assert "--replace" in err
     assert (tmp_path / FOLDER / RESULTS).read_bytes() == before
-    assert run("--method", "converged", "--replace")[0] == 0
+    assert run("--law", "converged", "--replace")[0] == 0
     assert json.loads((tmp_path / FOLDER / RESULTS).read_text())["chosen"] == "converged"
 
 
@@ -95,7 +96,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(scoring, "compute", interrupted)
-    status, _, err = run("--method", "auto", *SMALL)
+    status, _, err = run("--law", "auto", *SMALL)
     assert status == 130
     assert "nothing is written" in err
     assert not (tmp_path / FOLDER).exists()
@@ -104,21 +105,21 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--method", "auto", "--r2", "0.05"), "--r2: is for recursion (22)"),
-        (("--method", "robust", "--converge"), "--converge: is for recursion (22)"),
-        (("--method", "auto", "--pilot-coupling", "column"), "--pilot-coupling: is for recursion (22)"),
-        (("--method", "auto", "--horizon", "0.05"), "--horizon: is for recursion (22)"),
-        (("--method", "best"), "original, published, converged"),
-        (("--method", "robust"), "elevator-2khz"),
-        (("--method", "auto", "--envelope"), "--envelope: is for one method"),
-        (("--method", "published", *SMALL), "--grid: is for the envelope"),
-        (("--method", "auto", "--grid", "mass=1..2:3"), "unknown axis"),
-        (("--method", "auto", "--rule", "part61"), "part60-a-2014"),
-        (("--out", "here"), "--out: is for --method"),
-        (("--replace",), "--replace: is for --method"),
-        (("--envelope",), "--envelope: is for --method"),
-        (SMALL, "--grid: is for --method"),
-        (("there-is-none.toml", "--method", "auto"), "there-is-none.toml"),
+        (("--law", "auto", "--r2", "0.05"), "--r2: is for recursion (22)"),
+        (("--law", "robust", "--converge"), "--converge: is for recursion (22)"),
+        (("--law", "auto", "--pilot-coupling", "column"), "--pilot-coupling: is for recursion (22)"),
+        (("--law", "auto", "--horizon", "0.05"), "--horizon: is for recursion (22)"),
+        (("--law", "best"), "original, published, converged"),
+        (("--law", "robust"), "elevator-2khz"),
+        (("--law", "auto", "--envelope"), "--envelope: is for one law"),
+        (("--law", "published", *SMALL), "--grid: is for the envelope"),
+        (("--law", "auto", "--grid", "mass=1..2:3"), "unknown axis"),
+        (("--law", "auto", "--rule", "part61"), "part60-a-2014"),
+        (("--out", "here"), "--out: does not go with --law report"),
+        (("--replace",), "--replace: does not go with --law report"),
+        (("--envelope",), "--envelope: does not go with --law report"),
+        (SMALL, "--grid: does not go with --law report"),
+        (("there-is-none.toml", "--law", "auto"), "there-is-none.toml"),
     ],
 )
 def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
@@ -127,3 +128,9 @@ def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
     assert message in err
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
+
+
+def test_default_of_a_digital_loader_is_robust(run, tmp_path):
+    status, _, _ = run("elevator-2khz", "--out", "laws")
+    assert status == 0
+    assert json.loads((tmp_path / "laws" / RESULTS).read_text())["chosen"] == "robust"

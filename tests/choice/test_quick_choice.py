@@ -40,7 +40,7 @@ def test_a_loader_that_no_law_is_eligible_for():
     assert tried.laws == (tried.report,)
     assert len(tried.remarks) == len(names_for(late))
     assert all("not eligible" in remark or "cannot be designed" in remark for remark in tried.remarks)
-    assert tried.compare_command == "forcefeel compensate late.toml --method auto --out methods"
+    assert tried.compare_command == "forcefeel law late.toml --law auto --out laws"
 
 
 def test_a_loader_that_cannot_be_tested_says_why():

@@ -113,7 +113,7 @@ COMMANDS = {
     "new": ("x.toml", "--replace"),
     "simulate": ("my.toml", "--duration", "0.2"),
     "sweep": ("my.toml", "--runs", "4", "--duration", "0.2", "--replace"),
-    "compensate": ("my.toml",),
+    "law": ("my.toml",),
     "excite": ("my.toml", "--fit", "k", "--time", "2", "--replace"),
     "resonance": ("my.toml", "--data", "other.csv"),
     "identify": ("my.toml", "--data", "other.csv", "--fit", "k", "--replace"),

@@ -9,6 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.cli import main
 from forcefeel.laws.analog import recursion
+from tests.command_line import on_the_report_loader
 
 WHOLE = 0.5
 """lb in/rad: the report's reproduction prints the boundary as a whole number."""
@@ -25,13 +26,18 @@ def run(monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("COLUMNS", "100")
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["forcefeel", *_words(*map(str, words))])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()
         return ended.value.code or 0, printed.out, printed.err
 
     return call
+
+
+def _words(command, *words):
+    """A command on the report's loader where it names none."""
+    return [command, *(on_the_report_loader(words) if command in ("analyze", "law", "design") else words)]
 
 
 UNSTABLE = {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
@@ -69,7 +75,7 @@ def test_analyze_answers_without_python_control():
     assert out.splitlines()[-1] == "[]"
 
 
-@pytest.mark.parametrize("command", ["new", "design", "analyze", "compensate", "reproduce"])
+@pytest.mark.parametrize("command", ["new", "design", "analyze", "law", "reproduce"])
 def test_every_command_has_help_with_an_example(run, command):
     status, out, _ = run(command, "--help")
     assert status == 0
@@ -81,7 +87,7 @@ def test_every_command_has_help_with_an_example(run, command):
 @pytest.mark.parametrize("units", ["us", "si"])
 def test_new_writes_a_file_that_loads(run, tmp_path, units):
     status, out, _ = run("new", "my.toml", "--units", units)
-    assert (status, out) == (0, "wrote my.toml\n")
+    assert (status, out) == (0, "wrote my.toml; next: forcefeel qualify my.toml, forcefeel law my.toml --law auto\n")
     assert ff.load(tmp_path / "my.toml")["linkage.stiffness"] == pytest.approx(ff.elevator()["linkage.stiffness"])
 
 
@@ -125,7 +131,7 @@ def test_analyze_as_json(run):
 
 def test_an_unstable_loader_is_a_bad_answer(run, unstable_file, tmp_path):
     assert run("analyze", unstable_file)[0] == 1
-    status, out, _ = run("compensate", unstable_file)
+    status, out, _ = run("law", unstable_file)
     assert status == 1
     assert "unstable" in out
     status, out, _ = run("design", unstable_file, "--out", "report")
@@ -135,25 +141,25 @@ def test_an_unstable_loader_is_a_bad_answer(run, unstable_file, tmp_path):
 
 
 def test_compensate_prints_the_published_gains(run):
-    status, out, _ = run("compensate")
+    status, out, _ = run("law")
     assert status == 0
     for printed in ("-4.929", "22.03", "0.6688", "0.5064", "-0.01828", "-0.006517"):
         assert printed in out
-    assert "-1.94" in run("compensate", "--units", "si")[1]
+    assert "-1.94" in run("law", "--units", "si")[1]
 
 
 def test_compensate_converged_and_its_options(run):
-    _, out, _ = run("compensate", "--converge", "--json")
+    _, out, _ = run("law", "--converge", "--json")
     gains = {row["symbol"]: row for row in json.loads(out)["compensation"]["gains"]}
     assert gains["c_1"]["value"] == pytest.approx(-6.342, abs=FOUR_DIGITS)
     assert gains["c_1"]["unit"] == "V/in"
-    smaller = json.loads(run("compensate", "--r2", "10", "--json")[1])["compensation"]["gains"][0]["value"]
+    smaller = json.loads(run("law", "--r2", "10", "--json")[1])["compensation"]["gains"][0]["value"]
     assert abs(smaller) < 4.9
 
 
 def test_gains_that_do_not_settle_are_a_bad_answer(run, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)
-    status, out, _ = run("compensate", "--converge", "--r2", "1e4")
+    status, out, _ = run("law", "--converge", "--r2", "1e4")
     assert status == 1
     assert "not converged after 1000000 steps" in " ".join(out.split())
 
@@ -164,7 +170,7 @@ def test_q_from_a_file(run, tmp_path):
         "\n".join(",".join(repr(float(x)) for x in row) for row in weight), encoding="utf-8"
     )
     given, default = (
-        json.loads(run("compensate", *words, "--json")[1])["compensation"]["gains"] for words in (["--q", "q.csv"], [])
+        json.loads(run("law", *words, "--json")[1])["compensation"]["gains"] for words in (["--q", "q.csv"], [])
     )
     assert [row["value"] for row in given] == pytest.approx([row["value"] for row in default], rel=READ_BACK)
 
@@ -183,13 +189,13 @@ def test_q_from_a_file(run, tmp_path):
     ],
 )
 def test_bad_options_are_refused_in_a_line(run, words, said):
-    status, out, err = run("compensate", *words)
+    status, out, err = run("law", *words)
     assert (status, out) == (2, "")
     assert said in err
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("command", ["analyze", "compensate", "design"])
+@pytest.mark.parametrize("command", ["analyze", "law", "design"])
 def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, command):
     text = ff.elevator().to_toml().replace('area = "2.36 in^2"', 'area = "2.36 lb"')
     (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
@@ -219,14 +225,14 @@ def test_a_loader_at_the_edge_of_its_range_is_analysed(run, tmp_path):
 
 def test_an_empty_q_is_refused_in_a_line(run, tmp_path):
     (tmp_path / "q.csv").touch()
-    status, _, err = run("compensate", "--q", "q.csv")
+    status, _, err = run("law", "--q", "q.csv")
     assert status == 2
     assert err.startswith("forcefeel: q.csv: expected [Q] as CSV")
 
 
 def test_a_q_that_is_text_is_not_repeated_at_length(run, tmp_path):
     (tmp_path / "q.csv").write_text("x" * 10_000, encoding="utf-8")
-    status, _, err = run("compensate", "--q", "q.csv")
+    status, _, err = run("law", "--q", "q.csv")
     assert status == 2
     assert len(err) < 300
 
@@ -262,9 +268,9 @@ def test_a_law_of_another_rate_is_refused_by_the_option_that_gave_it(run, tmp_pa
         assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("words", ["compensate --method grip", "envelope --law grip", "frontier --law grip"])
+@pytest.mark.parametrize("words", ["law elevator-2khz", "envelope elevator-2khz", "frontier elevator-2khz"])
 def test_the_law_for_the_grips_sensor_is_refused_without_one(run, words):
-    status, _, err = run(*words.split(), "elevator-2khz", "--out", "out")
+    status, _, err = run(*words.split(), "--law", "grip", "--out", "out")
     assert status == 2
     assert "grip needs a force sensor at the grip, and elevator-2khz has none; give grip_sensor.gain" in err
     assert "compensator:" not in err

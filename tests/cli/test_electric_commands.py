@@ -18,15 +18,15 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
 @pytest.mark.parametrize(
     ("command", "more"),
     [
-        ("compensate", ()),
-        ("compensate", ("--converge",)),
+        ("law", ("--law", "report")),
+        ("law", ("--law", "report", "--converge")),
     ],
 )
 def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):
     status, out, error = runner(monkeypatch, capsys, tmp_path, command)(LOADER, *more)
     assert (status, out) == (BAD_INPUT, "")
     assert "has an electric drive" in error
-    assert "compensate --method auto" in error
+    assert "design, law, simulate" in error
 
 
 def test_analyze_tells_what_moves(monkeypatch, capsys, tmp_path):
@@ -52,12 +52,12 @@ def test_design_refuses_the_options_of_recursion_22(monkeypatch, capsys, tmp_pat
 
 
 def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "compensate")
-    status, out, _ = call(LOADER, "--method", "robust", "--save-law", "law.json")
+    call = runner(monkeypatch, capsys, tmp_path, "law")
+    status, out, _ = call(LOADER, "--law", "robust", "--save-law", "law.json")
     assert status == 0
     assert "% of the current and" in out
     assert "% of the voltage that there is" in " ".join(out.split())
-    found = json.loads((tmp_path / "forcefeel-compensate" / "results.json").read_text(encoding="utf-8"))
+    found = json.loads((tmp_path / "forcefeel-law" / "results.json").read_text(encoding="utf-8"))
     assert '"demand": {"current"' in json.dumps(found)
     assert '"pressure"' not in json.dumps(found)
 

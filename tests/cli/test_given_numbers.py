@@ -33,7 +33,7 @@ def record(path, experiment, header, column, cell):
 )
 def test_a_cell_beyond_every_sensor_is_named(run, tmp_path, experiment, header, column, cell):
     record(tmp_path / "data.csv", experiment, header, column, cell)
-    status, out, err = run("identify", "elevator", "--data", "data.csv", "--fit", "k,c")
+    status, out, err = run("identify", "elevator-1974", "--data", "data.csv", "--fit", "k,c")
     assert (status, out) == (2, "")
     name = "column_angle" if column == 2 else header.split()[0]
     assert re.search(rf"data\.csv: line {AT + 3}: {name} is -?[\d.]+e\+\d+ \w+; expected at most 1e\+15", err), err
@@ -43,7 +43,7 @@ def test_a_cell_beyond_every_sensor_is_named(run, tmp_path, experiment, header, 
 def test_the_same_of_every_reader(run, tmp_path, command):
     header = "test_signal (V)" if command[0] == "resonance" else "force (lb)"
     record(tmp_path / "data.csv", "servo-closed test_signal", header, 1, "1e300")
-    status, out, err = run(command[0], "elevator", command[1], "data.csv")
+    status, out, err = run(command[0], "elevator-1974", command[1], "data.csv")
     assert (status, out) == (2, "")
     assert f"data.csv: line {AT + 3}: " in err
 
@@ -65,7 +65,7 @@ def test_a_feel_that_no_loader_has_is_not_exported(run, tmp_path, target):
 
 def test_gains_under_which_nothing_comes_to_rest_have_no_residual(run, tmp_path):
     np.savetxt(tmp_path / "q.csv", np.eye(7), delimiter=",")
-    status, out, _ = run("compensate", "elevator", "--q", "q.csv")
+    status, out, _ = run("law", "elevator-1974", "--q", "q.csv")
     assert status == 1
     assert "nan" not in out
     assert "residual of eqs. (22): none, because a state does not decay under these gains" in " ".join(out.split())
@@ -75,6 +75,6 @@ def test_what_the_help_of_off_says_is_what_it_takes(run):
     text = " ".join(run("envelope", "--help")[1].replace("│", " ").split())
     said = re.search(r"'([\w.]+=none)' for", text)
     small = ("--grid", "stiffness=20, 50 %", "--grid", "frequency=1, 2 Hz", "--grid", "damping=0.3, 1", "--draws", "0")
-    assert run("envelope", "elevator", *small, "--deviation", said[1])[0] == 0
-    status, _, err = run("envelope", "elevator", *small, "--deviation", "none")
+    assert run("envelope", "elevator-1974", *small, "--deviation", said[1])[0] == 0
+    status, _, err = run("envelope", "elevator-1974", *small, "--deviation", "none")
     assert (status, "expected part.name=value such as" in err) == (2, True)

@@ -14,18 +14,18 @@ LONG = "x" * 300
 """More than the 255 bytes that a name in a file system has at most."""
 
 NEEDED = {
-    "schedule": ("elevator", "--knots", "knots.csv"),
-    "identify": ("elevator", "--data", "data.csv", "--fit", "k"),
-    "resonance": ("elevator", "--data", "data.csv"),
-    "excite": ("elevator", "--fit", "k", "--out", "excite.csv"),
-    "commission": ("elevator", "--data", "data.csv"),
+    "schedule": ("elevator-1974", "--knots", "knots.csv"),
+    "identify": ("elevator-1974", "--data", "data.csv", "--fit", "k"),
+    "resonance": ("elevator-1974", "--data", "data.csv"),
+    "excite": ("elevator-1974", "--fit", "k", "--out", "excite.csv"),
+    "commission": ("elevator-1974", "--data", "data.csv"),
     "run": ("elevator-2khz", "--headless", "--duration", "0.1 s"),
-    "export": ("elevator", "--to", "table"),
-    "compensate": ("elevator-2khz", "--method", "robust"),
+    "export": ("elevator-1974", "--to", "table"),
+    "law": ("elevator-2khz", "--law", "robust"),
 }
 """What a command is given beside the path; the others take a loader alone."""
 
-ENDINGS = {("excite", "--out"): ".csv", ("compensate", "--save-law"): ".json", ("new", "FILE"): ".toml"}
+ENDINGS = {("excite", "--out"): ".csv", ("law", "--save-law"): ".json", ("new", "FILE"): ".toml"}
 """Of options that write a file; the others that write name a folder."""
 
 
@@ -139,11 +139,11 @@ def bad_path(folder, kind, ending="", *, file=False):
 @pytest.mark.parametrize(
     ("command", "file"),
     [
-        (("simulate", "elevator", "--duration", "0.5"), "simulation.html"),
-        (("size", "elevator"), "results.json"),
-        (("export", "elevator", "--to", "table"), "loader_parameters.csv"),
+        (("simulate", "elevator-1974", "--duration", "0.5"), "simulation.html"),
+        (("size", "elevator-1974"), "results.json"),
+        (("export", "elevator-1974", "--to", "table"), "loader_parameters.csv"),
         (("run", "elevator-2khz", "--headless", "--duration", "0.1 s"), "record.mcap"),
-        (("sweep", "elevator", "--runs", "4", "--duration", "0.5"), "runs.nc"),
+        (("sweep", "elevator-1974", "--runs", "4", "--duration", "0.5"), "runs.nc"),
     ],
     ids=lambda it: it if isinstance(it, str) else it[0],
 )
@@ -161,7 +161,7 @@ def test_within_a_folder_only_files_are_replaced(run, tmp_path, command, file, k
 
 def test_a_message_says_where_a_link_leads(run, tmp_path):
     (tmp_path / "out").symlink_to("folder")
-    _, _, err = run("size", "elevator", "--out", "out", "--replace")
+    _, _, err = run("size", "elevator-1974", "--out", "out", "--replace")
     assert err == (
         "forcefeel: out: is a link to folder, and links are not followed; expected a folder for the sizing; name another one, or "
         "move it away"
@@ -174,9 +174,11 @@ def test_a_record_of_any_legal_name_is_read(run, tmp_path, option):
     name = "r" * 240 + ".csv"
     rows = "".join(f"{k / 100},{8 * 2.718 ** (-k / 30) if k > 20 else 8}\n" for k in range(400))
     (tmp_path / name).write_text("time (s),position (deg)\n" + rows)
-    status, _, err = run("qualify", "elevator", option, f"release-25-positive={name}", "--test", "release-25-positive")
+    status, _, err = run(
+        "qualify", "elevator-1974", option, f"release-25-positive={name}", "--test", "release-25-positive"
+    )
     assert status in {0, 1}, err
-    status, _, err = run("qualify", "elevator", option, f"wheel={name}", "--replace")
+    status, _, err = run("qualify", "elevator-1974", option, f"wheel={name}", "--replace")
     assert (status, "unknown test 'wheel'" in err) == (2, True)
 
 
@@ -185,14 +187,14 @@ def test_a_record_of_any_legal_name_is_read(run, tmp_path, option):
 @pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe"])
 def test_a_record_that_cannot_be_read(run, tmp_path, option, prefix, kind):
     path = bad_path(tmp_path, kind, ".csv")
-    status, out, err = run("qualify", "elevator", option, f"{prefix}{path}")
+    status, out, err = run("qualify", "elevator-1974", option, f"{prefix}{path}")
     assert (status, out) == (2, ""), err
 
 
 @pytest.mark.parametrize("key", ["period", "delay", "load_cell_arm"])
 @pytest.mark.parametrize("sign", ["", "-"])
 def test_a_number_of_a_law_file_beyond_every_float(run, tmp_path, key, sign):
-    law, loader = (ff.Law.of("published", ff.elevator()), "elevator")
+    law, loader = (ff.Law.of("published", ff.elevator()), "elevator-1974")
     if key != "load_cell_arm":
         law, loader = ff.Law.of("robust", ff.digital_elevator()), "elevator-2khz"
     law.save(tmp_path / "law.json")

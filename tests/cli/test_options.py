@@ -51,7 +51,7 @@ def _read(app: App, words: str):
         "--axis roll --overdamped rise-time --record fast=x.csv --column position=theta --law robust --law 'my law.json'",
         "forcefeel identify --experiment servo-open --input-channel 'test_signal (V)' --from '6 s' --until b=7 "
         "--data a.csv --data b.mat --fit k,c --starts 2 --loss soft-l1 --no-priors --responses",
-        "forcefeel compensate elevator-2khz --horizon 0.1 --r2 0.5 --pilot-coupling column",
+        "forcefeel law elevator-2khz --horizon 0.1 --r2 0.5 --pilot-coupling column",
         "forcefeel simulate --input release --angle='-10 deg' --seed 3",
     ],
 )

@@ -80,5 +80,5 @@ def test_the_command_finds_the_law_that_qualifies(tmp_path, monkeypatch, capsys)
     assert results["conclusions"]["verdict"].startswith("By 14 CFR Part 60, Appendix A")
     page = " ".join(" ".join(words(tmp_path / "report" / "report.html").words).split())
     assert "forcefeel qualify elevator-2khz --law robust --out tests" in page
-    assert "forcefeel compensate elevator-2khz --method auto --out methods" in page
+    assert "forcefeel law elevator-2khz --law auto --out laws" in page
     assert re.search(r"robust +the best .* qualifies: 7 of 7 tests passed", page)

@@ -152,5 +152,5 @@ def test_the_best_law_of_a_motor_is_found_without_the_report_s():
 
 
 def test_recursion_22_is_refused():
-    with pytest.raises(InputError, match="a motor's law is by method"):
+    with pytest.raises(InputError, match="a motor takes a sampled law"):
         ff.design_loader(ff.loader.electric("desktop-yoke"), DesignSettings())

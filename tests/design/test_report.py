@@ -39,7 +39,7 @@ def drawn(designed: Design) -> dict[str, Figure]:
 
 @pytest.fixture(scope="module")
 def out(designed: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    written = write_report(designed, tmp_path_factory.mktemp("reports") / "elevator", UnitSystem.US)
+    written = write_report(designed, tmp_path_factory.mktemp("reports") / "elevator-1974", UnitSystem.US)
     assert written.name == "report.html"
     return written.parent
 

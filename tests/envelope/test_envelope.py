@@ -122,7 +122,7 @@ def _with_arm(a, values, arm):
     return np.linalg.solve(left, right)
 
 
-@pytest.mark.parametrize("law", NAMED_DESIGNS)
+@pytest.mark.parametrize("name_of_law", NAMED_DESIGNS)
 def test_passivity_is_that_of_the_frequency_response(found, name_of_law):
     grip = found.passivity[name_of_law]
     loader = ff.elevator()

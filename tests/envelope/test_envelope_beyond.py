@@ -59,7 +59,7 @@ def test_a_valve_and_a_strong_motor_have_none():
 
 
 @pytest.mark.parametrize(
-    ("command", "more"), [("compensate", ("--method", "robust")), ("qualify", ("--test", "release-25-positive"))]
+    ("command", "more"), [("law", ("--law", "robust")), ("qualify", ("--test", "release-25-positive"))]
 )
 def test_other_commands_name_what_would_hold_the_programmed_force(monkeypatch, capsys, tmp_path, command, more):
     call = runner(monkeypatch, capsys, tmp_path, command)

@@ -143,7 +143,7 @@ COMMANDS = {
     "envelope": (("mine.toml", "--law", "original", *SMALL, "--draws", "2"), 0),
     "frontier": (("mine.toml", "--law", "original", *SMALL), 0),
     "schedule": (("mine-2khz.toml", "--knots", "knots.csv", "--refine", "2"), 0),
-    "compensate": (("mine.toml", "--method", "original", "--envelope", *SMALL), 0),
+    "law": (("mine.toml", "--law", "original", "--envelope", *SMALL), 0),
 }
 
 
@@ -182,9 +182,9 @@ def test_every_command_with_cases_takes_the_files_tolerances_and_its_options(com
 
 
 def test_a_law_by_its_equations_takes_set_too(monkeypatch, capsys, tmp_path):
-    run = runner(monkeypatch, capsys, tmp_path, "compensate")
+    run = runner(monkeypatch, capsys, tmp_path, "law")
     found = [json.loads(run("--json", *words)[1]) for words in ((), ("--set", "linkage.stiffness=9000 lb/in"))]
     gains = [[one["value"] for one in each["compensation"]["gains"]] for each in found]
     assert not np.allclose(*gains, rtol=A_CHANGE)
     status, _, err = run("--deviation", f"{INERTIA}=2 %")
-    assert (status, "--deviation: is for --method" in err) == (2, True)
+    assert (status, "--deviation: is for --law" in err) == (2, True)

@@ -35,8 +35,8 @@ def test_json_names_files_law_and_loader(export):
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (("--to", "table", "--name", "9x"), "--name: expected an identifier of C"),
-        (("--to", "table", "--name", "a-b"), "--name: expected an identifier of C"),
+        (("--to", "table", "--name", "9x"), "--name: expected a C identifier"),
+        (("--to", "table", "--name", "a-b"), "--name: expected a C identifier"),
         (("--to", "plc"), "--to: expected c, firmware, fmu, matlab or table"),
         (
             ("--to", "matlab", "--law", "original"),
@@ -47,7 +47,7 @@ def test_json_names_files_law_and_loader(export):
         (("--to", "matlab", "--law", "robust", "--knots", "none.csv"), "none.csv: cannot be read"),
         (("--to", "c", "--target", "avr"), "--target: is for --to firmware, and --to is c; leave it out"),
         (("--to", "fmu", "--law", "original"), "is gains of an analog law, and elevator-2khz has a digital controller"),
-        (("--to", "fmu", "--name", "a-b"), "--name: expected an identifier of C"),
+        (("--to", "fmu", "--name", "a-b"), "--name: expected a C identifier"),
         (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),
         (("--to", "table", "--units", "si"), "--units"),
         ((), "--to: is needed, and not given"),
@@ -83,7 +83,7 @@ def test_fmus_of_loader_law_and_machine(export, tmp_path):
 
 
 def test_an_analog_loader_gives_no_fmu(export, tmp_path):
-    status, _, error = export("elevator", "--law", "converged", "--to", "fmu")
+    status, _, error = export("elevator-1974", "--law", "converged", "--to", "fmu")
     assert status == 2
     assert "--law: converged is an analog law, and the target is digital; give the loader a controller.period" in error
     assert list(tmp_path.iterdir()) == []

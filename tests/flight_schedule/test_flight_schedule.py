@@ -206,12 +206,12 @@ def test_knots_by_i_b_g_and_an_axis_without_unit(tmp_path: Path) -> None:
         (
             "0,7000,200,1.4,0.7\n",
             "",
-            "full grid of 2 by 2 knots, got 3: there is none at flaps 0 deg, dynamic pressure 200",
+            "full grid of 2 by 2 knots, got 3: missing: flaps 0 deg, dynamic pressure 200",
         ),
         (
             "0,7000,200,1.4",
             "20,7000,200,1.4",
-            "line 6: flaps 20 deg, dynamic pressure 200 lb/ft.2 stands in line 2 already",
+            "line 6: flaps 20 deg, dynamic pressure 200 lb/ft.2 is already in line 2",
         ),
         ("7000,200", "much,200", "line 6: stiffness: expected a finite number, got 'much'"),
         ("7000,200", "nan,200", "line 6: stiffness: expected a finite number"),

@@ -75,7 +75,7 @@ def test_the_results_agree_with_what_is_printed(run, tmp_path):
 
 
 def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
-    status, out, err = run("elevator-2khz", "--knots", "soft.csv", "--method", "observer", "--refine", "2")
+    status, out, err = run("elevator-2khz", "--knots", "soft.csv", "--law", "observer", "--refine", "2")
     assert (status, err) == (1, "")
     assert "Not stable: " in out
     results = json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text(encoding="utf-8"))
@@ -86,11 +86,11 @@ def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
 def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
     run(*GOOD)
     before = (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes()
-    status, _, err = run(*GOOD, "--method", "observer")
+    status, _, err = run(*GOOD, "--law", "observer")
     assert status == 2
     assert "--replace" in err
     assert (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes() == before
-    run(*GOOD, "--method", "observer", "--replace")
+    run(*GOOD, "--law", "observer", "--replace")
     assert json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text())["law"] == "observer"
 
 
@@ -110,8 +110,8 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
     [
         ((), "--knots"),
         (("elevator-2khz", "--knots", "none.csv"), "none.csv: cannot be read"),
-        (("elevator", "--knots", "knots.csv"), "controller.period: expected a sample period"),
-        ((*GOOD, "--method", "published"), "law: expected"),
+        (("elevator-1974", "--knots", "knots.csv"), "controller.period: expected a sample period"),
+        ((*GOOD, "--law", "published"), "law: expected"),
         ((*GOOD, "--rule", "part61"), "part60-a-2014"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1"), "refine"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1000000"), "smaller refine"),

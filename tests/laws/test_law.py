@@ -197,38 +197,38 @@ def run(tmp_path, monkeypatch, capsys):
 
 
 def test_a_saved_law_takes_a_names_place(run, tmp_path):
-    status, out, _ = run("compensate", "elevator-2khz", "--method", "robust", "--save-law", "law.json")
+    status, out, _ = run("law", "elevator-2khz", "--law", "robust", "--save-law", "law.json")
     assert (status, "law file: law.json" in out) == (0, True)
     by_name, by_file = (run("simulate", "elevator-2khz", "--law", law)[1] for law in ("robust", "law.json"))
     assert by_name == by_file
     said = run("qualify", "elevator-2khz", "--law", "law.json", "--test", "release-25-positive")[1]
     assert "the law of law.json" in " ".join(said.split())
     saved = (tmp_path / "law.json").read_text(encoding="utf-8")
-    for method in ([], ["--method", "observer", "--out", "other"]):
-        status, _, err = run("compensate", "elevator-2khz", *method, "--save-law", "law.json")
+    for method in ([], ["--law", "observer", "--out", "other"]):
+        status, _, err = run("law", "elevator-2khz", *method, "--save-law", "law.json")
         assert (status, "law.json: is there already; give another name, or --replace" in err) == (2, True)
     assert (tmp_path / "law.json").read_text(encoding="utf-8") == saved
     assert not (tmp_path / "other").exists()
-    assert run("compensate", "elevator", "--save-law", "law.json", "--replace")[0] == 0
+    assert run("law", "elevator-1974", "--save-law", "law.json", "--replace")[0] == 0
     assert (tmp_path / "law.json").read_text(encoding="utf-8") != saved
-    assert run("compensate", "elevator", "--save-law", "gains.json")[0] == 0
+    assert run("law", "elevator-1974", "--save-law", "gains.json")[0] == 0
     status, _, err = run("simulate", "elevator-2khz", "--law", "gains.json")
     assert status == 2
     assert "is an analog law" in err
 
 
 def test_the_laws_of_an_envelope_are_saved_with_it(run):
-    assert run("compensate", "elevator", "--method", "published", "--envelope", *AXES, "--save-law", "law.json")[0] == 0
+    assert run("law", "elevator-1974", "--law", "published", "--envelope", *AXES, "--save-law", "law.json")[0] == 0
     common = ("--draws", "0", *AXES, "--json", "--replace")
     by_name, by_file = (
-        json.loads(run("envelope", "elevator", "--law", law, *common)[1]) for law in ("published", "law.json")
+        json.loads(run("envelope", "elevator-1974", "--law", law, *common)[1]) for law in ("published", "law.json")
     )
     named, read = (
         {**found["laws"][law]["shares"], "law": ""} for law, found in (("published", by_name), ("law.json", by_file))
     )
     assert named == read
     status, _, err = run(
-        "envelope", "elevator", "--law", "law.json", "--grid", "stiffness=10, 30 %", *AXES[2:], "--replace"
+        "envelope", "elevator-1974", "--law", "law.json", "--grid", "stiffness=10, 30 %", *AXES[2:], "--replace"
     )
     assert status == 2
     assert "has laws for 9 settings of the feel, none for I, B, G" in err
@@ -238,13 +238,13 @@ def test_bad_names_of_law_files(run, tmp_path):
     for command in (["simulate"], ["qualify"], ["identify", "--data", "x.csv", "--fit", "k"]):
         status, _, err = run(*command, "--law", "best")
         assert status == 2
-        assert "or the file of a law" in err
-    status, _, err = run("compensate", "elevator", "--save-law", "law.txt")
+        assert "or a law file" in err
+    status, _, err = run("law", "elevator-1974", "--save-law", "law.txt")
     assert (status, "whose name ends with .json" in err) == (2, True)
-    status, _, err = run("compensate", "elevator", "--save-law", "none/law.json")
+    status, _, err = run("law", "elevator-1974", "--save-law", "none/law.json")
     assert (status, "expected a file in a folder that is there" in err) == (2, True)
-    status, _, err = run("frontier", "elevator", "--law", "law.json")
-    assert (status, "is designed anew for each changed machine" in err) == (2, True)
+    status, _, err = run("frontier", "elevator-1974", "--law", "law.json")
+    assert (status, "expected the name of a design" in err) == (2, True)
 
 
 def test_a_law_is_made_once_for_a_sweep_and_for_a_model():

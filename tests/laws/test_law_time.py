@@ -50,7 +50,7 @@ def test_a_schedule_refuses_another_loader(row):
         ("simulate",),
         ("qualify",),
         ("envelope",),
-        ("compensate",),
+        ("law",),
         ("sweep", "--vary", "valve.damping_ratio=0.8..0.9:2"),
     ],
 )
@@ -58,18 +58,17 @@ def test_commands_refuse_its_file(monkeypatch, capsys, tmp_path, command):
     path = tmp_path / "law.json"
     ff.Law.of("robust", FAST).save(path)
     call = runner(monkeypatch, capsys, tmp_path, command[0])
-    option = "--method" if command[0] == "compensate" else "--law"
-    status, _, error = call("elevator-2khz", "--set", "controller.period=1 ms", option, str(path), *command[1:])
+    status, _, error = call("elevator-2khz", "--set", "controller.period=1 ms", "--law", str(path), *command[1:])
     assert status == 2
     assert "made for a controller.period of 0.5 ms, the loader has 1 ms; design it for this loader" in error
 
 
 def test_noise_declared_as_zero_is_named_with_what_is_taken(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "compensate")
+    call = runner(monkeypatch, capsys, tmp_path, "law")
     silent = [f"--set=column_sensor.{row}=0 deg" for row in ("noise", "resolution")]
-    status, out, _ = call("elevator-2khz", *silent, "--method", "robust", "--json")
+    status, out, _ = call("elevator-2khz", *silent, "--law", "robust", "--json")
     assert status == 0
     assert "Noise declared as zero, and no smallest step: column_sensor." in out
     assert "deg r.m.s. State noise and resolution in the loader file (column_sensor.noise)" in out
-    _, out, _ = call("elevator-2khz", "--method", "robust", "--json", "--replace")
+    _, out, _ = call("elevator-2khz", "--law", "robust", "--json", "--replace")
     assert "Noise declared as zero" not in out

@@ -38,7 +38,7 @@ def test_run_prints_timing_and_record(run):
 @pytest.mark.parametrize(
     ("words", "part"),
     [
-        (("elevator", "--headless"), "controller.period"),
+        (("elevator-1974", "--headless"), "controller.period"),
         (("elevator-2khz", "--headless", "--duration", "-1"), "--duration"),
         (("elevator-2khz", "--headless", "--machine", "nowhere"), "host:port"),
         (("elevator-2khz", "--headless", "--law", "magic"), "--law"),

@@ -214,7 +214,7 @@ def test_a_key_of_a_hundred_thousand_parts_is_refused_at_once(path: Path, line: 
 def test_dots_that_are_no_key_are_text(path: Path, text: str) -> None:
     loader = dataclasses.replace(elevator(), source=text)
     assert read(path, loader.to_toml()).source == text
-    assert read(path, BUILT_IN + "\n# " + text).name == "elevator"
+    assert read(path, BUILT_IN + "\n# " + text).name == "elevator-1974"
 
 
 # The same loader, stated in another way
@@ -474,11 +474,11 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
                 "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, safety, tolerances"
             ],
         ),
-        ([('name = "elevator"', "")], ['name: missing value; add name = "elevator"']),
-        ([('name = "elevator"', "name = 5")], ['name: expected text such as name = "elevator", got 5']),
-        ([('name = "elevator"', 'name = ["a"]')], ['name: expected text such as name = "elevator", got an array']),
+        ([('name = "elevator-1974"', "")], ['name: missing value; add name = "elevator"']),
+        ([('name = "elevator-1974"', "name = 5")], ['name: expected text such as name = "elevator", got 5']),
+        ([('name = "elevator-1974"', 'name = ["a"]')], ['name: expected text such as name = "elevator", got an array']),
         (
-            [('name = "elevator"', f'name = "elevator"\n{AREA}')],
+            [('name = "elevator-1974"', f'name = "elevator-1974"\n{AREA}')],
             ["area: unknown key; it belongs in the table [actuator]"],
         ),
     ],

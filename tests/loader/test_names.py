@@ -19,7 +19,7 @@ NAMES = ["elevator v1.2", "rig [/2]", "[bold]rig[/] :smile:", "Höhenruder 昇�
 KNOTS = "flaps (deg),stiffness (lb in/rad),frequency (Hz),damping ratio\n0,9600,2,0.2\n1,9000,2,0.2\n"
 COMMANDS = {
     "analyze": (),
-    "compensate": ("--horizon", "0.05"),
+    "law": ("--law", "report", "--horizon", "0.05"),
     "simulate": ("--duration", "0.5", "--out", "out"),
     "sweep": ("--runs", "4", "--duration", "0.5", "--replace"),
     "excite": ("--fit", "k,c", "--time", "5", "--replace"),
@@ -72,7 +72,7 @@ def test_a_model_of_any_name_is_made(name):
 
 @pytest.mark.parametrize("c", ["\x1b", "\x07", "\n", "\r", "\x85", "\u2028", "\u202e", "\u2066", "\x00"])
 def test_a_control_character_is_refused_when_the_file_is_read(run, tmp_path, c):
-    text = ff.elevator().to_toml().replace('name = "elevator"', f'name = "a\\u{ord(c):04x}[31mb"')
+    text = ff.elevator().to_toml().replace('name = "elevator-1974"', f'name = "a\\u{ord(c):04x}[31mb"')
     (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=f"bad.toml: name: has the control character U\\+{ord(c):04X}; expected"):
         ff.load(tmp_path / "bad.toml")

@@ -13,7 +13,7 @@ TAKE_A_PROJECT = ("qualify", "envelope", "size")
 TAKE_A_LOADER = {
     "analyze": (),
     "commission": ("--data", "x.csv"),
-    "compensate": (),
+    "law": (),
     "design": (),
     "export": ("--to", "matlab"),
     "excite": ("--experiment", "servo-closed", "--fit", "k"),
@@ -59,20 +59,21 @@ def test_a_byte_order_mark_is_no_part_of_a_project(cockpit):
     [
         ("[axes]\n", "axes: expected a table with a loader for at least one axis"),
         ("axes = 3\n", "axes: expected a table with a loader for at least one axis"),
-        ('[axes]\ntail = "elevator"\n', "axes.tail: is no axis; expected some of pitch, roll, yaw, stick-pitch"),
+        ('[axes]\ntail = "elevator-1974"\n', "axes.tail: is no axis; expected some of pitch, roll, yaw, stick-pitch"),
         ("[axes]\npitch = 3\n", "axes.pitch: expected a loader"),
         ('[axes]\npitch = "gone.toml"\n', "axes.pitch: {folder}/gone.toml: cannot be read"),
         ('[axes]\npitch = "cockpit.toml"\n', "axes.pitch: {folder}/cockpit.toml: is a project"),
         (
             '[axes]\npitch = "sidestick-pitch"\n',
-            "axes.pitch: sidestick-pitch is the name of a built-in loader of stick-pitch; expected one of pitch, such as elevator",
+            "axes.pitch: sidestick-pitch is the name of a built-in loader of stick-pitch; expected one of pitch, such as "
+            "elevator-2khz",
         ),
         ('[axes]\nroll = "own.toml"\n', "axes.roll: elevator-2khz is the name of a built-in loader of pitch"),
         (
             '[axes]\npitch = "own.toml"\nroll = "./own.toml"\n',
             "axes.roll: ./own.toml is the loader of pitch already; expected a file of its own for each axis",
         ),
-        ('name = "x"\n[axes]\npitch = "elevator"\n', "name: a project file has a table [axes] and nothing else"),
+        ('name = "x"\n[axes]\npitch = "elevator-1974"\n', "name: a project file has a table [axes] and nothing else"),
     ],
 )
 def test_a_bad_project_is_named(cockpit, project, told):

@@ -131,10 +131,10 @@ def test_an_identification_draws_its_intervals_over_the_tolerances():
 
 
 def test_results_read_well(run, envelope):
-    assert repr(run) == f"<Run of 'elevator', 0.5 s, {run.method}: {run.note}>"
-    assert repr(envelope).startswith("<Envelope of 'elevator', 40 settings: original passes at ")
+    assert repr(run) == f"<Run of 'elevator-1974', 0.5 s, {run.method}: {run.note}>"
+    assert repr(envelope).startswith("<Envelope of 'elevator-1974', 40 settings: original passes at ")
     assert "c not determined" in repr(found(Status.DETERMINED, Status.UNDETERMINED))
-    assert repr(ff.elevator()).startswith("<Loader 'elevator': feel G = 9600 lb in/rad, 2.01 Hz")
+    assert repr(ff.elevator()).startswith("<Loader 'elevator-1974': feel G = 9600 lb in/rad, 2.01 Hz")
 
 
 def _frontier():
@@ -152,18 +152,18 @@ def _qualification():
     [
         (
             lambda: ff.design_loader(ff.elevator()),
-            "<Design of 'elevator': programmed 2.01 Hz, 0.2; compensated 1.62 Hz, damping ratio 0.24>",
+            "<Design of 'elevator-1974': programmed 2.01 Hz, 0.2; compensated 1.62 Hz, damping ratio 0.24>",
             '<th scope="row">compensated</th><td>1.62 Hz</td><td>0.24</td>',
         ),
         (
             lambda: ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32)),
-            "<Sweep of 'elevator', 32 runs: 32 moving>",
+            "<Sweep of 'elevator-1974', 32 runs: 32 moving>",
             '<th scope="row">moving</th><td>32</td>',
         ),
-        (_frontier, "<Frontier of 'elevator' with published, 8 settings: ", "<b>elevator with published</b>"),
+        (_frontier, "<Frontier of 'elevator-1974' with published, 8 settings: ", "<b>elevator with published</b>"),
         (
             _qualification,
-            "<Qualification of 'elevator', pitch, by part60-a-2014: original loop does not qualify, 0 of 1 tests passed>",
+            "<Qualification of 'elevator-1974', pitch, by part60-a-2014: original loop does not qualify, 0 of 1 tests passed>",
             '<th scope="row">original loop</th><td>does not qualify</td>',
         ),
     ],

@@ -136,7 +136,7 @@ def references():
     return {name: (released[k], swept[k]) for k, name in enumerate(names)}
 
 
-ELEVATORS = ("elevator", "elevator-2khz")
+ELEVATORS = ("elevator-1974", "elevator-2khz")
 """The feel alone knows no drive; its rows here are of the size of an elevator's."""
 
 

@@ -14,7 +14,7 @@ from pyarrow import parquet
 
 import forcefeel as ff
 from forcefeel.cli import main
-from tests.command_line import runner
+from tests.command_line import on_the_report_loader, runner
 
 WRITTEN = {"plotly.min.js", "qualification.html", "results.json"}
 ANGLE_DEG = 5.0
@@ -28,12 +28,12 @@ PUBLISHED_P0_S = 0.16866
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel qualify ...`` in an empty folder; gives exit status, output and error output."""
+    """Runs ``forcefeel qualify ...`` in an empty folder, of the report's loader by default."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "120")
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "qualify", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "qualify", *on_the_report_loader(words)])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()
@@ -272,7 +272,7 @@ def test_an_aircraft_at_60_hz_and_a_simulator_at_100_hz(run, tmp_path, slower, e
 
 def test_the_history_of_a_simulated_release_is_a_record(run, tmp_path, monkeypatch, capsys):
     words = ("--input", "release", "--angle", f"{ANGLE_DEG} deg", "--start", "0.2", "--duration", "6")
-    runner(monkeypatch, capsys, tmp_path, "simulate")(*words, "--law", "published", "--out", "run")
+    runner(monkeypatch, capsys, tmp_path, "simulate")("elevator-1974", *words, "--law", "published", "--out", "run")
     found = json.loads(run("--record", "run/history.csv", "--json")[1])
     tests = {test["key"]: test for test in found["sections"][0]["tests"]}
     first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")
@@ -356,7 +356,7 @@ def test_two_files_of_one_test(run, tmp_path):
         _csv(tmp_path / name, *_free())
     status, _, err = run("--record", "a.csv", "--record", "b.csv")
     assert status == 2
-    assert "b.csv and a.csv are both of the test release-25-positive; say which is which with NAME=FILE" in err
+    assert "b.csv and a.csv are both for the test release-25-positive; expected one; name each with NAME=FILE" in err
 
 
 def test_a_pdf_without_a_chromium_is_refused_before_the_work(run, tmp_path, monkeypatch):

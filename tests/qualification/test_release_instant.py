@@ -25,7 +25,7 @@ BAND = RULES.release.residual_band
 OVERDAMPED = {"feel.damping": "2400 lb in s/rad"}
 """A damping ratio of 1.58."""
 
-ELEVATORS = ("elevator", "elevator-2khz")
+ELEVATORS = ("elevator-1974", "elevator-2khz")
 
 LAWS = [
     (name, law, noisy)

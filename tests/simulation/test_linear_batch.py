@@ -125,7 +125,7 @@ def test_gains_for_each_run_and_force_scaled():
         ({"loader": LOADER.replace({"valve.orifice": True})}, "simulate_batch"),
         ({"values": draws(2)[:, :5]}, "a row of"),
         ({"values": draws(2) * np.nan}, "optional|linear model|finite"),
-        ({"compensator": np.zeros((3, 7))}, r"\(2, 7\)"),
+        ({"law": np.zeros((3, 7))}, r"\(2, 7\)"),
         ({"keep": ("angle",)}, "column_angle_rad"),
         ({"scenario": Scenario(Step(1.0, 0.1), 1000.0), "values": np.tile(LOADER.si_values, (600, 1))}, "GiB"),
     ],

@@ -93,7 +93,9 @@ def test_a_digital_controller_gets_times_on_its_steps():
     steps = [time / 3e-4 for time in (found.duration_s, found.sample_s, found.force.start_s, found.force.width_s)]
     assert steps == pytest.approx([round(step) for step in steps], **EXACT)
     assert found.duration_s == pytest.approx(2.0, abs=found.sample_s)
-    assert ff.simulate(loader, found).history.sizes["time_s"] == round(found.duration_s / found.sample_s) + 1
+    assert (
+        ff.simulate(loader, found, "original").history.sizes["time_s"] == round(found.duration_s / found.sample_s) + 1
+    )
 
 
 def test_a_recording_begins_with_its_first_point_and_is_played_whole(tmp_path):

@@ -13,6 +13,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.cli import main
 from forcefeel.units import factor
+from tests.command_line import on_the_report_loader
 
 UNSTABLE = ("feel.inertia=0.6 lb in s^2/rad", "feel.damping=3.04 lb in s/rad", "feel.stiffness=96 lb in/rad")
 ROUNDING = 1e-12  # relative; a conversion, and all digits written
@@ -22,12 +23,12 @@ WRITTEN = {"simulation.html", "plotly.min.js", "history.csv", "results.json"}
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel simulate ...`` in an empty folder; gives exit status, output and error output."""
+    """Runs ``forcefeel simulate ...`` in an empty folder, of the report's loader by default."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "simulate", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "simulate", *on_the_report_loader(words)])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()
@@ -111,7 +112,7 @@ def test_json_holds_every_number_with_its_unit(run):
     found = json.loads(out)
     assert status == 0
     assert found["status"] == "settled"
-    assert found["compensator"] == "published"
+    assert found["law"] == "published"
     assert found["scenario"]["force"]["kind"] == "release"
     assert found["measures"]["maximum_angle"] == {"value": pytest.approx(10.0), "unit": "deg"}
     assert found["measures"]["peak_pressure"]["unit"] == "MPa"
@@ -155,7 +156,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
     assert json.loads(run("--duration", "0.2", "--json", "--out", "other")[1])["page"] == "other/simulation.html"
     folder = tmp_path / "runs" / "first"
     assert set(_files(folder)) == WRITTEN
-    asked = "asked for by <code>forcefeel simulate --input doublet --force &#39;20 lb&#39; --duration 1.5</code>"
+    asked = "asked for by <code>forcefeel simulate elevator-1974 --input doublet --force &#39;20 lb&#39; --duration 1.5</code>"
     assert asked in (folder / "simulation.html").read_text(encoding="utf-8")
     head, *rows = (folder / "history.csv").read_text(encoding="utf-8").splitlines()
     assert head.split(",") == [

@@ -121,12 +121,12 @@ def test_the_tolerance_of_a_grid_s_parameter_is_left_out():
 
 def test_a_run_of_a_sweep_is_that_loader_s_run():
     """By the second route: the loader of that run, simulated alone."""
-    sweep = Sweep(nonlinear().replace({"load_cell.noise": None}), PUSH, runs=40)
+    sweep = Sweep(nonlinear().replace({"load_cell.noise": None}), PUSH, law="original", runs=40)
     found = run_sweep(sweep).runs
     for run in (0, 7, 39):
         loader = sweep.loader.with_tolerances(dict.fromkeys(sweep.varied))
         loader = loader.replace({key: float(found[key][run]) for key in sweep.varied}, si=True)
-        alone = simulate(loader, PUSH)
+        alone = simulate(loader, PUSH, "original")
         assert str(found["status"].values[run]) == alone.status
         for name in MEASURES:
             want = getattr(alone.measures, name)
@@ -400,7 +400,9 @@ def test_bad_sweeps_are_refused_with_a_remedy(options, said):
 
 def test_a_loader_without_tolerances_says_what_to_do():
     loader = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
-    with pytest.raises(InputError, match=r"nothing varies: elevator has no tolerances; add a section \[tolerances\]"):
+    with pytest.raises(
+        InputError, match=r"nothing varies: elevator-1974 has no tolerances; add a section \[tolerances\]"
+    ):
         Sweep(loader, PUSH)
     with pytest.raises(InputError, match="all machines at a point are the same; leave --runs out"):
         Sweep(loader, PUSH, runs=4, grids={"feel.damping": [1.0, 2.0]})

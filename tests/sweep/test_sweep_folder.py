@@ -67,7 +67,7 @@ def test_units_and_coordinates_survive_the_file(tmp_path, whole):
     for name, values in whole.variables.items():
         assert stored[name].attrs == values.attrs, name
         assert np.array_equal(stored[name].values, values.values, equal_nan=values.dtype.kind == "f"), name
-    assert stored.attrs["loader"] == "elevator"
+    assert stored.attrs["loader"] == "elevator-1974"
 
 
 def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path, whole):

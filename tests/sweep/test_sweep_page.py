@@ -51,7 +51,9 @@ SWEEPS = {
     "tolerances": (lambda: run_sweep(small(600)), UnitSystem.US),
     "unstable": (_unstable, UnitSystem.SI),
     "map": (
-        lambda: run_sweep(Sweep(nonlinear(), PUSH, grids={"feel.stiffness": STIFFNESS, "feel.inertia": INERTIA})),
+        lambda: run_sweep(
+            Sweep(nonlinear(), PUSH, law="original", grids={"feel.stiffness": STIFFNESS, "feel.inertia": INERTIA})
+        ),
         UnitSystem.US,
     ),
     "machines": (
@@ -156,13 +158,13 @@ def test_a_histogram_holds_every_run(results):
     [([1.0, 10.0, 100.0], True), ([1.0, 2.0, 3.0], False), ([0.0, 1.0, 10.0], False), ([1.0, 2.0], False)],
 )
 def test_even_steps_in_proportion_have_a_logarithmic_axis(values, expected):
-    sweep = Sweep(nonlinear(), PUSH, grids={"feel.damping": values})
+    sweep = Sweep(nonlinear(), PUSH, law="original", grids={"feel.damping": values})
     assert sweep_maps.logarithmic(SweepResult(sweep, None), "feel.damping") is expected
 
 
 def test_an_input_that_goes_on_has_its_own_measures(tmp_path):
     scenario = Scenario(StopToStop(200.0, 1.0), duration_s=1.0)
-    result = run_sweep(Sweep(nonlinear(), scenario, runs=40))
+    result = run_sweep(Sweep(nonlinear(), scenario, law="original", runs=40))
     page = write_sweep(result, summarize(result), tmp_path, UnitSystem.SI)
     assert "40 loaders stay within bounds; largest column angle" in words(page)
     assert "overshoot" not in words(page).lower()

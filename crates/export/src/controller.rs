@@ -7,7 +7,7 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::{Control, FeelState, LawState, Sample};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
@@ -17,6 +17,7 @@ use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::with_drive;
 use std::sync::OnceLock;
 
 /// What a controller is given in a period, in this order; `blend` is how far the feel has been changed.
@@ -120,10 +121,7 @@ impl Job {
 
     /// What the law of each setting remembers in equilibrium.
     fn still(&self, shared: &Shared) -> Still<Vec<f64>> {
-        let of = |setting| match self.kind() {
-            DriveKind::Hydraulic => self.still_of::<OfHydraulic>(shared, setting),
-            DriveKind::Electric => self.still_of::<OfElectric>(shared, setting),
-        };
+        let of = |setting| with_drive!(self.kind(), K => self.still_of::<K>(shared, setting));
         let all: Vec<Still<f64>> = (0..self.values.len()).map(of).collect();
         core::array::from_fn(|k| core::array::from_fn(|part| all.iter().map(|still| still[k][part]).collect()))
     }
@@ -206,10 +204,7 @@ impl Job {
     fn traced<T>(&self, work: impl FnOnce(&Shared, &Control<Trace>) -> T) -> (T, Graph) {
         traced(self.single, self.values.len(), Some(SHARE), || {
             let shared = self.shared();
-            let control = match self.kind() {
-                DriveKind::Hydraulic => self.tracing::<OfHydraulic>(&shared),
-                DriveKind::Electric => self.tracing::<OfElectric>(&shared),
-            };
+            let control = with_drive!(self.kind(), K => self.tracing::<K>(&shared));
             work(&shared, &control)
         })
     }
@@ -383,12 +378,7 @@ fn next(feeling: &FeelState<Trace>, remembered: &LawState<Trace>) -> Vec<(usize,
 
 /// What a controller answers sample by sample, from rest at the first sample's sensors: command, torque, displacement, rate.
 pub fn answers(job: &Job, given: &[Given]) -> Vec<[f64; ANSWERS]> {
-    match (job.kind(), job.single) {
-        (DriveKind::Hydraulic, false) => run::<f64, OfHydraulic>(job, 0.0, given),
-        (DriveKind::Hydraulic, true) => run::<f32, OfHydraulic>(job, 0.0, given),
-        (DriveKind::Electric, false) => run::<f64, OfElectric>(job, 0.0, given),
-        (DriveKind::Electric, true) => run::<f32, OfElectric>(job, 0.0, given),
-    }
+    with_drive!(job.kind(), K => if job.single { run::<f32, K>(job, 0.0, given) } else { run::<f64, K>(job, 0.0, given) })
 }
 
 fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> Vec<[f64; ANSWERS]> {

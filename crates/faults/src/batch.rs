@@ -3,9 +3,10 @@
 use crate::case::Case;
 use crate::oracle::{Outcome, judge};
 use crate::run::{LawOf, Moving, run};
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::with_drive;
 use forcefeel_solve::threads::{NoThreads, pool};
 use rayon::prelude::*;
 
@@ -23,10 +24,8 @@ impl Loaders<'_> {
     pub fn outcome(&self, seed: (u64, u64), pairs: bool) -> Option<Outcome> {
         let case = Case::drawn(self.values, seed, pairs);
         let law = self.observers.map(|laws| &laws[case.loader]);
-        match DriveKind::of(&case.values) {
-            DriveKind::Hydraulic => of_drive::<OfHydraulic>(&case, law, DriveKind::Hydraulic),
-            DriveKind::Electric => of_drive::<OfElectric>(&case, law, DriveKind::Electric),
-        }
+        let kind = DriveKind::of(&case.values);
+        with_drive!(kind, K => of_drive::<K>(&case, law, kind))
     }
 
     /// The outcomes of the cases `first..first + count`.

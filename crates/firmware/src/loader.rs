@@ -6,13 +6,14 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::Control;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::{Curve, MOST_POINTS};
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::known_friction::LEVEL_FROM_END;
 use forcefeel_model::machine::{Machine, Shared};
 use forcefeel_model::modifiers::ModifierRates;
 use forcefeel_model::observer::{NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::with_drive;
 
 /// One setting of the feel.
 #[derive(Debug, Clone, Copy)]
@@ -75,10 +76,7 @@ impl Setting {
 
     /// Law, feel and converters.
     pub fn control<S: Scalar>(&self, shared: &Shared, like: S) -> Control<S> {
-        match self.drive() {
-            DriveKind::Hydraulic => self.control_of::<S, OfHydraulic>(shared, like),
-            DriveKind::Electric => self.control_of::<S, OfElectric>(shared, like),
-        }
+        with_drive!(self.drive(), K => self.control_of::<S, K>(shared, like))
     }
 
     /// How evenly what is set around the feel comes, with this period in s.

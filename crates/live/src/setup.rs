@@ -5,12 +5,13 @@ use forcefeel_model::compensator::{Compensator, Displacement};
 use forcefeel_model::control::Control;
 use forcefeel_model::controller::{MOST_UNDER_WAY, Timing};
 use forcefeel_model::curve::Curve;
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Shared};
 use forcefeel_model::observer::{Estimate, MOST_STATES, NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
+use forcefeel_model::with_drive;
 use forcefeel_solve::law::Law;
 
 /// A loader, its law, and when the controller acts.
@@ -100,18 +101,12 @@ impl Setup {
 
     /// The controller's own share of it.
     pub fn control(&self) -> Control<f64> {
-        match self.drive() {
-            DriveKind::Hydraulic => *self.machine::<OfHydraulic>().control(),
-            DriveKind::Electric => *self.machine::<OfElectric>().control(),
-        }
+        with_drive!(self.drive(), K => *self.machine::<K>().control())
     }
 
     /// What the sensors show where the column rests: [`Machine::sensors_at_rest`].
     pub fn at_rest(&self) -> [[f64; SENSORS]; 2] {
-        match self.drive() {
-            DriveKind::Hydraulic => self.machine::<OfHydraulic>().sensors_at_rest(&self.shared().effects),
-            DriveKind::Electric => self.machine::<OfElectric>().sensors_at_rest(&self.shared().effects),
-        }
+        with_drive!(self.drive(), K => self.machine::<K>().sensors_at_rest(&self.shared().effects))
     }
 
     /// What drives it.

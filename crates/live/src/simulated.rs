@@ -11,10 +11,11 @@ use crate::input_output::{Command, Disturbance, Fault, InputOutput, Sampled};
 use crate::setup::{Beginning, Setup};
 use forcefeel_model::control::Sample;
 use forcefeel_model::controller::CommandDelay;
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State};
-use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
+use forcefeel_model::with_drive;
 use forcefeel_solve::start::Start;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -41,10 +42,7 @@ impl Script {
 
 /// The machine of a loader, and where it begins: the controller is to begin there too.
 pub fn simulated(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning) {
-    match setup.drive() {
-        DriveKind::Hydraulic => begun::<OfHydraulic>(setup, script),
-        DriveKind::Electric => begun::<OfElectric>(setup, script),
-    }
+    with_drive!(setup.drive(), K => begun::<K>(setup, script))
 }
 
 fn begun<K: Kind>(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning)

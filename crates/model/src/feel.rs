@@ -7,11 +7,11 @@
 //! States: `delta` and its rate. The unit of `delta` follows from the torque that drives it: N m gives rad, and N m V/rad,
 //! the scaled torque of the analog computer, gives V.
 //!
-//! `I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_breakout + F_preload + F_detent + F_hysteresis) + stops + friction = T`
+//! `I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_preload + parts) + stops + friction = T`
 //!
 //! The spring `S` is `G (delta - lambda n)`, or `mu R_p` times a curve of force over angle, after the deadband and times the factor that
-//! the dynamic pressure asks for. Every part is a force of its own at the grip, so parts add up and none changes another. Where
-//! `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
+//! the dynamic pressure asks for. The parts are those of `feel_parts.rs`; each is a force of its own at the grip, so parts add up and
+//! none changes another. Where `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
 //!
 //! The linear models divide eq. (11) by the inertia as it is written. A run sums the resistance first and multiplies by `1 / I`, which it
 //! takes from that same equation: a division less at every stage, and rounded elsewhere, so both forms stay.
@@ -22,6 +22,7 @@ use crate::contact::Stops;
 use crate::curve::Curve;
 use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
+use crate::feel_parts::{FeelParts, FeelPlace, FeelUnits};
 use crate::parameters::{Feel, Parameters};
 
 impl<S: Scalar> Feel<S> {
@@ -68,11 +69,8 @@ pub struct FeelLaw<S> {
     quadratic_damping: S,
     grip_force: S,
     deadband: S,
-    breakout: Ramp<S>,
     preload: S,
-    detent: Ramp<S>,
-    detent_position: S,
-    hysteresis: Ramp<S>,
+    parts: FeelParts<S>,
     /// Soft stops.
     pub soft_stops: Stops<S>,
     shaker: S,
@@ -82,35 +80,6 @@ pub struct FeelLaw<S> {
     high: S,
     velocity_limit: S,
     trim_rate: S,
-}
-
-/// A force that builds up over a travel.
-#[derive(Debug, Clone, Copy)]
-struct Ramp<S> {
-    slope: S,
-    travel: S,
-}
-
-impl<S: Scalar> Ramp<S> {
-    #[inline(always)]
-    fn new(force: S, travel: S) -> Self {
-        Self { slope: force / travel, travel }
-    }
-
-    /// Up to the full force, and no further: `(|x + t| - |x - t|) / 2` is `x` within `t`. Magnitudes cost a small processor less than
-    /// comparisons.
-    #[inline(always)]
-    fn held(&self, x: S) -> S {
-        self.slope.times(0.5) * ((x + self.travel).abs() - (x - self.travel).abs())
-    }
-
-    /// Up to the full force and back to nothing after as much travel again: `min(|x|, 2 t - |x|)` is `z = t - |t - |x||`, and of that
-    /// `max(z, 0)` is `(z + |z|) / 2`.
-    #[inline(always)]
-    fn passed(&self, x: S) -> S {
-        let height = self.travel - (self.travel - x.abs()).abs();
-        self.slope.times(0.5) * (height + height.abs()).times_sign(x)
-    }
 }
 
 /// What the feel is told from outside.
@@ -152,7 +121,6 @@ impl<S: Scalar> FeelLaw<S> {
         let mu = law.load_cell_arm / linkage.base_force(column.base_arm);
         let grip_force = mu * column.grip_arm;
         let per_torque = feel.acceleration(one.zero(), one.zero(), one);
-        let ramp = |force: S, travel: S| Ramp::new(force * grip_force, travel * lambda);
         Self {
             per_torque,
             per_angle: lambda,
@@ -161,11 +129,8 @@ impl<S: Scalar> FeelLaw<S> {
             quadratic_damping: feel.quadratic_damping * mu / (lambda * lambda),
             grip_force,
             deadband: feel.deadband * lambda,
-            breakout: ramp(feel.breakout, feel.breakout_travel),
             preload: feel.preload * grip_force,
-            detent: ramp(feel.detent_force, feel.detent_travel),
-            detent_position: feel.detent_angle * lambda,
-            hysteresis: ramp(feel.hysteresis, feel.hysteresis_travel),
+            parts: FeelParts::new(feel, FeelUnits { grip_force, per_angle: lambda }),
             soft_stops: soft_stops(feel, lambda, mu),
             shaker: feel.shaker_force * grip_force,
             friction: DryFriction::new(feel.coulomb_friction, feel.static_friction, grip_force * per_torque),
@@ -226,7 +191,7 @@ impl<S: Scalar> FeelLaw<S> {
         [-1.0, 1.0].map(|side| {
             let around = FeelConditions {
                 shaker: one.times(-side),
-                slider: delta - self.hysteresis.travel.times(side),
+                slider: delta - self.parts.hysteresis.travel.times(side),
                 ..FeelConditions::at_rest(neutral, stiffness_factor, delta)
             };
             // T = mu R_p F = S + ... + friction                                                       eq. (11) at rest
@@ -247,15 +212,14 @@ impl<S: Scalar> FeelLaw<S> {
         }
     }
 
-    /// Torque of what is built up over a travel: breakout, detent, hysteresis.
+    /// Torque of the parts that depend on the displacement.
     #[inline(always)]
     fn built_up(&self, effects: &Effects, delta: S, around: &FeelConditions<S>) -> S {
         if !effects.feel_spring {
             return delta.zero();
         }
-        self.breakout.held(Self::from_neutral(effects, delta, around))
-            + self.detent.passed(delta - self.detent_position)
-            + self.hysteresis.held(delta - around.slider)
+        let from_neutral = Self::from_neutral(effects, delta, around);
+        self.parts.torque(&FeelPlace { from_neutral, delta, slider: around.slider })
     }
 
     #[inline(always)]
@@ -282,7 +246,7 @@ impl<S: Scalar> FeelLaw<S> {
     /// Where the hysteresis leaves its slider once `delta` has been reached.
     #[inline(always)]
     pub fn dragged(&self, slider: S, delta: S) -> S {
-        slider.clamp(delta - self.hysteresis.travel, delta + self.hysteresis.travel)
+        slider.clamp(delta - self.parts.hysteresis.travel, delta + self.parts.hysteresis.travel)
     }
 
     /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit. A stop that is met inside the

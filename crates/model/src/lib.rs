@@ -57,6 +57,7 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
+pub mod feel_parts;
 pub mod grip_sensor;
 pub mod host;
 pub mod known_friction;

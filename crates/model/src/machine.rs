@@ -31,7 +31,7 @@ use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::control::Control;
 use crate::drive::hydraulic::Hydraulic;
-use crate::drive::{Coupling, Drive, Neighbors};
+use crate::drive::{Coupling, Drive, Motion, Neighbors};
 use crate::feel::FeelLaw;
 use crate::grip_sensor::GripForce;
 use crate::observer::Observer;
@@ -53,13 +53,13 @@ pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
 }
 
 /// State of a machine with this drive between two steps.
-pub type State<S, D = Hydraulic<S>> = run::State<S, <D as Drive<S>>::Memory>;
+pub type State<S, D = Hydraulic<S>> = run::RunState<S, <D as Motion<S>>::Memory>;
 
 /// Quantities of a machine with this drive at one instant.
-pub type Snapshot<S, D = Hydraulic<S>> = run::Snapshot<S, <D as Drive<S>>::Balance>;
+pub type Snapshot<S, D = Hydraulic<S>> = run::RunSnapshot<S, <D as Motion<S>>::Balance>;
 
 /// Start of a step of a machine with this drive.
-pub type StepStart<S, D = Hydraulic<S>> = run::StepStart<S, <D as Drive<S>>::Balance, <D as Drive<S>>::Side>;
+pub type StepStart<S, D = Hydraulic<S>> = run::RunStepStart<S, <D as Motion<S>>::Balance, <D as Motion<S>>::Side>;
 
 /// What there is where a controller may sample.
 #[derive(Debug, Clone, Copy)]

@@ -8,7 +8,7 @@ mod state;
 
 pub use inputs::{Inputs, StepFraction};
 pub use slow::{Slow, cubic};
-pub use state::{SIGNALS, Snapshot, State, StepStart};
+pub use state::{RunSnapshot, RunState, RunStepStart, SIGNALS};
 
 use crate::cancellation::Cancellation;
 use crate::controller::Timing;

@@ -8,10 +8,11 @@ use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::curve::MOST_POINTS;
-use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::Kind;
 use forcefeel_model::machine::Machine;
 use forcefeel_model::observer::{NUMBERS, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::with_drive;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -70,10 +71,7 @@ impl BoardAxis {
                 *place = piece;
             }
         }
-        loader.at_rest = match settings[0].drive() {
-            DriveKind::Hydraulic => standing::<OfHydraulic>(&loader, &settings),
-            DriveKind::Electric => standing::<OfElectric>(&loader, &settings),
-        };
+        loader.at_rest = with_drive!(settings[0].drive(), K => standing::<K>(&loader, &settings));
         Ok(Self { loader, settings })
     }
 

@@ -5,11 +5,12 @@ use crate::errors::refused;
 use crate::laws::{Laws, NamedLaw, effects_of};
 use crate::limits::{step, timing as in_steps};
 use crate::model::drive_of;
-use forcefeel_model::drive::Drive;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::drive::{Kind, Signals};
 use forcefeel_model::machine::Shared;
 use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::with_drive;
 use forcefeel_solve::StateSpace;
 use forcefeel_solve::sampled_loops::SampledLoops;
 use forcefeel_solve::slopes::{Linkage, Slopes, linear, sampled};
@@ -25,11 +26,7 @@ type Sloped<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Stack<'p
 #[pyfunction]
 #[pyo3(signature = (drive = "hydraulic"))]
 pub fn channels(drive: &str) -> PyResult<Vec<(&'static str, &'static str)>> {
-    Ok(match drive_of(drive)? {
-        DriveKind::Hydraulic => <Hydraulic<f64> as Drive<f64>>::CHANNELS,
-        DriveKind::Electric => <Electric<f64> as Drive<f64>>::CHANNELS,
-    }
-    .to_vec())
+    Ok(with_drive!(drive_of(drive)?, K => <<K as Kind>::Of<f64> as Signals<f64>>::CHANNELS.to_vec()))
 }
 
 /// The loader on a bench in continuous time and its slopes along the parameters at `keys`.

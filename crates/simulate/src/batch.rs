@@ -9,10 +9,11 @@ use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::with_drive;
 use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
@@ -115,10 +116,7 @@ impl Job<'_> {
     }
 
     fn dispatch(&self, kind: DriveKind, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        match kind {
-            DriveKind::Hydraulic => self.on_vectors::<OfHydraulic>(level, first, measures, histories),
-            DriveKind::Electric => self.on_vectors::<OfElectric>(level, first, measures, histories),
-        }
+        with_drive!(kind, K => self.on_vectors::<K>(level, first, measures, histories))
     }
 
     /// A group on the widest instructions that the machine has; a run alone needs none.

@@ -10,12 +10,13 @@
 
 use crate::batch::{Job, Sampling};
 use crate::run::{FeelChange, Middles, Record, run};
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
+use forcefeel_model::with_drive;
 use forcefeel_solve::sampled_loops::without_steps;
 use forcefeel_solve::slopes::along;
 use forcefeel_solve::threads::{NoThreads, pool};
@@ -64,10 +65,7 @@ impl SlopeJob<'_> {
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.
     fn pair(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
-        match DriveKind::of(&self.job.values[run_index]) {
-            DriveKind::Hydraulic => self.pair_with::<OfHydraulic>(run_index, key, slopes, values),
-            DriveKind::Electric => self.pair_with::<OfElectric>(run_index, key, slopes, values),
-        }
+        with_drive!(DriveKind::of(&self.job.values[run_index]), K => self.pair_with::<K>(run_index, key, slopes, values))
     }
 
     fn pair_with<K: Kind>(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {

@@ -1,11 +1,11 @@
 //! What a run gives over time: one table, of whose places everything else is told.
 
 use forcefeel_model::Scalar;
-use forcefeel_model::drive::Drive;
+use forcefeel_model::drive::Signals;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::parameters::DriveKind;
-use forcefeel_model::run::Snapshot;
+use forcefeel_model::run::RunSnapshot;
 
 /// An output of a run; `as usize` it is its place in [`outputs`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,10 +51,10 @@ const ALL: [Output; 11] = [
 type Name = (&'static str, &'static str);
 
 /// Name of each output of a loader with a hydraulic drive and its SI unit; `feel_position` is in the unit of the law's displacement.
-pub const OUTPUTS: &[Name; 10] = &named(<Hydraulic<f64> as Drive<f64>>::NAMES);
+pub const OUTPUTS: &[Name; 10] = &named(<Hydraulic<f64> as Signals<f64>>::NAMES);
 
 /// The same with an electric drive.
-pub const ELECTRIC_OUTPUTS: &[Name; 11] = &named(<Electric<f64> as Drive<f64>>::NAMES);
+pub const ELECTRIC_OUTPUTS: &[Name; 11] = &named(<Electric<f64> as Signals<f64>>::NAMES);
 
 /// The outputs of a kind of loader.
 pub const fn outputs(kind: DriveKind) -> &'static [Name] {
@@ -94,7 +94,7 @@ impl Output {
 
     /// What it is at one instant; `per_base`: column angle per displacement of the base.
     #[inline(always)]
-    pub fn of<S: Scalar, B>(self, now: &Snapshot<S, B>, per_base: S) -> S {
+    pub fn of<S: Scalar, B>(self, now: &RunSnapshot<S, B>, per_base: S) -> S {
         match self {
             Self::ColumnAngle => now.base * per_base,
             Self::ColumnVelocity => now.base_rate * per_base,

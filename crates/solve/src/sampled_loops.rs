@@ -12,11 +12,12 @@ use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind, Signals};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::with_drive;
 use rayon::prelude::*;
 
 /// Inputs of a period: signal on the command, pilot force.
@@ -79,10 +80,7 @@ impl SampledLoops<'_> {
 
     /// The matrix of a run, whose parameters may have slopes of their own.
     pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
-        match self.kind(run) {
-            DriveKind::Hydraulic => self.matrix_with::<T, OfHydraulic>(run, parameters),
-            DriveKind::Electric => self.matrix_with::<T, OfElectric>(run, parameters),
-        }
+        with_drive!(self.kind(run), K => self.matrix_with::<T, K>(run, parameters))
     }
 
     fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
@@ -101,10 +99,7 @@ impl SampledLoops<'_> {
     /// What a test signal at the amplifier during each step of a period makes of the next state, a column each, and of the channels
     /// while it is there.
     pub(crate) fn by_test_signal<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
-        match self.kind(run) {
-            DriveKind::Hydraulic => self.tested::<T, OfHydraulic>(run, parameters),
-            DriveKind::Electric => self.tested::<T, OfElectric>(run, parameters),
-        }
+        with_drive!(self.kind(run), K => self.tested::<T, K>(run, parameters))
     }
 
     fn tested<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
@@ -119,16 +114,13 @@ impl SampledLoops<'_> {
         let state = [none; PERIOD_STATES];
         let next = |step: usize| period.of().next(&state, &drives(step)).map(|number| number.slope);
         let now = period.of().now(&state, &drives(0));
-        let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
+        let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
         ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
     }
 
     /// The channels at the start of a period.
     pub(crate) fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
-        match self.kind(run) {
-            DriveKind::Hydraulic => self.rows_with::<T, OfHydraulic>(run, parameters),
-            DriveKind::Electric => self.rows_with::<T, OfElectric>(run, parameters),
-        }
+        with_drive!(self.kind(run), K => self.rows_with::<T, K>(run, parameters))
     }
 
     fn rows_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
@@ -138,7 +130,7 @@ impl SampledLoops<'_> {
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
             let now = period.of().now(&state, &drives);
-            let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &on_bench);
+            let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &on_bench);
             for (row, number) in rows.iter_mut().zip(shown) {
                 row[column] = number.slope;
             }

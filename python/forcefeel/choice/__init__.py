@@ -1,4 +1,4 @@
-"""Choosing for the engineer: every method tried on a loader, scored, and one chosen by a rule that is written down."""
+"""Choosing for the engineer: every law tried on a loader, scored, and one chosen by a rule that is written down."""
 
 from forcefeel.public_names import public_names
 

@@ -1,4 +1,4 @@
-"""Methods that were tried, for machines: every number with its unit, and the law that is taken."""
+"""Comparison of laws as JSON: every number with its unit, and the chosen law."""
 
 from importlib.metadata import version
 
@@ -17,17 +17,17 @@ from forcefeel.units import ANGLE, SECONDS, UnitSystem
 
 
 def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
-    """What was tried, what is taken, and why.
+    """Scores of all laws, the chosen law and the reasons.
 
     Args:
-        scored: The methods.
-        choice: The choice; ``None`` for one method that was asked for by name.
-        units: Of every number but those of the law, which are SI.
+        scored: The laws with their scores.
+        choice: The choice; ``None`` for one law requested by name.
+        units: Units of all numbers except those of the law, which are SI.
     """
     plan, loader = scored.plan, scored.plan.loader
     conclusions = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
     taken = scored.scores[0].name if choice is None else choice.chosen
-    found: dict[str, Json] = {
+    report: dict[str, Json] = {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": loader.name,
@@ -40,12 +40,12 @@ def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> 
         "laws": {score.name: _score(score, units) for score in scored.scores},
     }
     if any(score.over for score in scored.scores):
-        found["grid"] = grid_json(plan.settings, units)
-        found["tolerances"] = deviations_json(plan.deviations)
+        report["grid"] = grid_json(plan.settings, units)
+        report["tolerances"] = deviations_json(plan.deviations)
     if scored.sampled:
-        found["arm_that_holds_the_grip"] = HOLDING.name
+        report["arm_that_holds_the_grip"] = HOLDING.name
     if choice is not None:
-        found["rule_of_choice"] = {
+        report["rule_of_choice"] = {
             "least_gain_margin": LEAST_GAIN,
             "least_phase_margin": quantity(LEAST_PHASE_RAD, ANGLE, units),
             "least_delay_margin": quantity(LEAST_PERIODS * loader["controller.period"], SECONDS, units),
@@ -53,8 +53,8 @@ def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> 
         }
     for score in scored.scores:
         if score.name == taken:
-            found["law"] = law_json(score.own.law.numbers)
-    return found
+            report["law"] = law_json(score.own.law.numbers)
+    return report
 
 
 def law_json(numbers: Numbers) -> Json:
@@ -70,7 +70,7 @@ def law_json(numbers: Numbers) -> Json:
 
 def _score(score: Score, units: UnitSystem) -> dict[str, Json]:
     own, over = score.own, score.over
-    found: dict[str, Json] = {
+    report: dict[str, Json] = {
         "summary": score.summary,
         "own_setting": {
             "stable": own.stable,
@@ -82,10 +82,10 @@ def _score(score: Score, units: UnitSystem) -> dict[str, Json]:
         },
     }
     if over is not None:
-        found["envelope"] = {
+        report["envelope"] = {
             "shares": json_value(over.shares, units),
             "worst_case": json_value(over.worst_case, units),
             "largest_demand": json_value(over.demand, units),
             "minimum_margins": json_value(over.margins, units),
         }
-    return found
+    return report

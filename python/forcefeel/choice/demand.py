@@ -1,4 +1,4 @@
-"""What releases ask of the drive: peak current, flow and load pressure, or current and voltage, as shares of their limits."""
+"""Demand of releases on the drive: peak current, flow and load pressure, or current and voltage, as shares of their limits."""
 
 from dataclasses import dataclass, fields
 from math import ceil, nan, pi
@@ -17,19 +17,19 @@ from forcefeel.simulation.inputs import Release
 from forcefeel.units import PERCENT
 
 _PERIODS = 2
-"""Programmed periods of a run: the column, let go, is fastest in the first."""
+"""Duration of a run in programmed periods: a released column is fastest in the first."""
 
 _SAMPLE_S = 1e-3
 
 
 @dataclass(frozen=True)
 class Demand:
-    """Largest demand on the valve, as shares of what it has; not numbers where no run ends.
+    """Largest demand on the valve, as shares of its limits; NaN if all runs diverge.
 
     Attributes:
-        current: Of the amplifier's limit; of the valve's rated current where there is none.
-        flow: Of the spool's limit at no load; of the rated flow where there is none.
-        pressure: Load pressure, of the supply's.
+        current: Share of the amplifier's limit; without a limit, of the valve's rated current.
+        flow: Share of the spool's limit at no load; without a limit, of the rated flow.
+        pressure: Load pressure as a share of the supply pressure.
     """
 
     current: Annotated[float, PERCENT]
@@ -39,11 +39,11 @@ class Demand:
 
 @dataclass(frozen=True)
 class MotorDemand:
-    """Largest demand on the motor, likewise; zero where there is no limit.
+    """Largest demand on the motor, as shares of its limits; zero without a limit.
 
     Attributes:
-        current: Of the amplifier's limit.
-        voltage: Of the supply's.
+        current: Share of the amplifier's limit.
+        voltage: Share of the supply voltage.
     """
 
     current: Annotated[float, PERCENT]
@@ -51,49 +51,49 @@ class MotorDemand:
 
 
 AnyDemand = Demand | MotorDemand
-"""Of either drive."""
+"""Demand on either drive."""
 
 KINDS = MappingProxyType({HYDRAULIC: Demand, ELECTRIC: MotorDemand})
-"""By drive; their shares are those of ``demanded.peaks``, in that order."""
+"""Demand type by drive; its fields are the shares of ``demanded.peaks``, in the same order."""
 
 
 def unknown(drive: str) -> AnyDemand:
-    """The demand where no run ends: not numbers."""
-    found: AnyDemand = KINDS[drive](*(nan for _ in peaks(drive)))
-    return found
+    """Demand if all runs diverge: NaN."""
+    demand: AnyDemand = KINDS[drive](*(nan for _ in peaks(drive)))
+    return demand
 
 
-def demand_shares(found: AnyDemand) -> dict[str, float]:
-    """The shares by what they are of: ``current``, ``flow``, ..."""
-    return {row.name: getattr(found, row.name) for row in fields(found)}
+def demand_shares(demand: AnyDemand) -> dict[str, float]:
+    """The shares by name: ``current``, ``flow``, ..."""
+    return {row.name: getattr(demand, row.name) for row in fields(demand)}
 
 
 def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_rad: float) -> AnyDemand:
-    """The largest peaks over releases at settings I, B, G, a row each, of equal natural frequency.
+    """Largest peaks over releases at settings of similar natural frequency.
 
     Args:
         loader: The loader.
-        laws: The law of each setting, stable.
-        feel: I, B, G.
-        angle_rad: Where the grip is let go.
+        laws: Stable law of each setting.
+        feel: I, B, G in SI units, (settings, 3).
+        angle_rad: Release angle.
     """
     slowest = 2 * pi * float(np.sqrt(feel[:, 0] / feel[:, 2]).max())
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
     runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
-    found = np.array([runs[row.peak].values for row in peaks(loader.drive)])
-    known = np.isfinite(found).all(axis=0)
-    of_limits = found[:, known] / limits(loader)[:, None]
+    currents = np.array([runs[row.peak].values for row in peaks(loader.drive)])
+    known = np.isfinite(currents).all(axis=0)
+    of_limits = currents[:, known] / limits(loader)[:, None]
     return KINDS[loader.drive](*of_limits.max(axis=1).tolist()) if known.any() else unknown(loader.drive)
 
 
-def of_all(found: list[AnyDemand], drive: str = HYDRAULIC) -> AnyDemand:
-    """The largest of several of a drive; not numbers where there are none."""
-    table = np.array([list(demand_shares(one).values()) for one in found])
-    known = np.isfinite(table).all(axis=1) if len(found) else np.zeros(0, dtype=bool)
+def of_all(demands: list[AnyDemand], drive: str = HYDRAULIC) -> AnyDemand:
+    """Largest of several demands on a drive; NaN for an empty list."""
+    table = np.array([list(demand_shares(demand).values()) for demand in demands])
+    known = np.isfinite(table).all(axis=1) if len(demands) else np.zeros(0, dtype=bool)
     return KINDS[drive](*table[known].max(axis=0).tolist()) if known.any() else unknown(drive)
 
 
 def limits(loader: Loader) -> NDArray[np.float64]:
-    """The largest of each of ``demanded.peaks`` that a loader has, in SI units."""
+    """Limits of a loader for ``demanded.peaks``, in SI units."""
     return np.array([row.most(loader) for row in peaks(loader.drive)])

@@ -1,4 +1,4 @@
-"""What an engineer should conclude from methods that were tried, in words."""
+"""What an engineer should conclude from laws that were tried, in words."""
 
 from math import degrees, inf, isfinite
 
@@ -18,10 +18,10 @@ from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 @of_result
 def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> Conclusions:
-    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method is eligible."""
+    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a law is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
-        among = f"None of the {len(scored.scores)} methods is eligible for {scored.plan.loader.name}."
+        among = f"None of the {len(scored.scores)} laws is eligible for {scored.plan.loader.name}."
         return Conclusions(False, among, (*_too_small(scored, units), *lines, *_caveats(scored)))
     best = next(score for score in scored.scores if score.name == choice.chosen)
     verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
@@ -32,13 +32,13 @@ def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> 
 
 def _too_small(scored: LawScores, units: UnitSystem) -> tuple[str, ...]:
     """That the motor does not give what is programmed, and what would; nothing where it does."""
-    found = too_small_text(scored.plan.given, units, scored.plan.release_rad)
-    return (found,) if found else ()
+    text = too_small_text(scored.plan.given, units, scored.plan.release_rad)
+    return (text,) if text else ()
 
 
 @of_result
 def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
-    """What one method does; ``good`` where it is stable at the loader's own setting."""
+    """What one law does; ``good`` where it is stable at the loader's own setting."""
     score = scored.scores[0]
     own, name = score.own, capital(score.name)
     where = "at the loader's own setting"
@@ -52,7 +52,7 @@ def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
     )
     lines = [*_about(scored, score, units)]
     if wrong := obstacles(score, scored.plan.loader["controller.period"]):
-        lines.append(f"It would not be eligible under --method auto: {'; '.join(wrong)}.")
+        lines.append(f"It would not be eligible under --law auto: {'; '.join(wrong)}.")
     return Conclusions(
         True, f"{name} is stable {where} and {outcome}.", (*_too_small(scored, units), *lines, *_caveats(scored))
     )
@@ -114,10 +114,10 @@ def _rendered(scored: LawScores, score: Score) -> list[str]:
     near = tuple(mode for mode in score.own.modes if mode.frequency_rad_per_s > _NEAR * frequency)
     if len(near) < _PAIR:
         return []
-    found = feel_mode(near, frequency, ratio)
-    shown = [to_text(HERTZ.from_si(one, UnitSystem.SI), 3) for one in (found.frequency_rad_per_s, frequency)]
+    mode = feel_mode(near, frequency, ratio)
+    texts = [to_text(HERTZ.from_si(omega, UnitSystem.SI), 3) for omega in (mode.frequency_rad_per_s, frequency)]
     return [
-        f"The column swings at {shown[0]} Hz with a damping ratio of {to_text(found.damping_ratio, 3)}; {shown[1]} Hz and "
+        f"The column swings at {texts[0]} Hz with a damping ratio of {to_text(mode.damping_ratio, 3)}; {texts[1]} Hz and "
         f"{to_text(ratio, 3)} are programmed."
     ]
 
@@ -134,7 +134,7 @@ def _caveats(scored: LawScores) -> tuple[str, ...]:
     lines = []
     if not scored.sampled:
         lines.append(
-            "The loader is analog and can only take the report's methods. Those that were made since need a digital controller: "
+            "The loader is analog and can only take the report's laws. Those that were made since need a digital controller: "
             "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
         )
     laws = [score.own.law for score in scored.scores]

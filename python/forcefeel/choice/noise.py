@@ -1,6 +1,6 @@
-"""What the sensors' noise does to the grip, from the linear loop.
+"""Effect of the sensor noise on the grip, from the linear loop.
 
-The hand that holds the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as
+A hand at the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as
 central differences from sample to sample.
 """
 
@@ -15,16 +15,16 @@ from forcefeel.simulation.noisy_loop import NoisyLoop
 from forcefeel.units import ANGLE, FORCE
 
 HOLDING: PilotArm = REFERENCE_ARMS[-1]
-"""The arm that holds the grip: the firmest of the reference."""
+"""Arm at the grip: the firmest of the reference arms."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """What the sensors' noise does to the grip, r.m.s.
+    """Effect of the sensor noise on the grip, r.m.s.
 
     Attributes:
-        angle_rad: The column's angle, hands off; infinite where the loop is not stable.
-        force_n: Force on a hand that holds the grip with the arm ``HOLDING``; infinite where the loop is not stable with it.
+        angle_rad: Column angle, hands off; infinite for an unstable loop.
+        force_n: Force on a hand with the arm ``HOLDING``; infinite if the loop is unstable with it.
     """
 
     angle_rad: Annotated[float, ANGLE]
@@ -32,11 +32,11 @@ class Noise:
 
 
 def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
-    """What the sensors' noise does to the grip; ``None`` for an analog loader, which takes no samples.
+    """Effect of the sensor noise on the grip; ``None`` for an analog loader.
 
     Args:
         loader: The loader, without an arm.
-        law: Its law, one.
+        law: A single law.
     """
     if not loader["controller.period"]:
         return None
@@ -45,7 +45,7 @@ def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
 
 
 def hand_force_rms(loop: NoisyLoop, loader: Loader) -> float:
-    """R.m.s. of the force in N on the hand whose arm is at the grip of the loader."""
+    """R.m.s. force in N on the hand with the loader's arm."""
     mass, damping, stiffness = (loader[row] for row in ARM_ROWS)
     lever, t = loader["column.grip_arm"], loop.period_s
     swing, drag = mass / t**2, damping / (2 * t)

@@ -1,4 +1,4 @@
-"""One law at the loader's own setting: poles, margins, noise, demand, and its release against the ideal."""
+"""One law at the loader's own setting: poles, margins, noise, demand, and its release with the ideal."""
 
 from dataclasses import dataclass, field
 
@@ -22,12 +22,12 @@ from forcefeel.qualification.batch_verdicts import judge_releases
 
 @dataclass(frozen=True, eq=False)
 class Released:
-    """A release of the column beside that of I, B and G alone.
+    """Release of the column and of I, B and G alone.
 
     Attributes:
         time_s: Time, (samples,).
-        angle_rad: The column's angle; not numbers where the loop is unstable.
-        ideal_rad: The ideal's.
+        angle_rad: Column angle; NaN for an unstable loop.
+        ideal_rad: Angle of the ideal.
     """
 
     time_s: NDArray[np.float64] = field(repr=False)
@@ -37,16 +37,16 @@ class Released:
 
 @dataclass(frozen=True, eq=False)
 class OwnSetting:
-    """What a law does at the loader's own setting, hands off.
+    """Results of a law at the loader's own setting, hands off.
 
     Attributes:
         law: The law.
-        stable: Whether it is stable there.
-        outcome: ``passes``, ``unstable``, or the figure of the rule's release test that fails first.
-        margins: What the loop bears at its command.
-        demand: What the release asks of the drive; not numbers where it is unstable.
-        noise: What the sensors' noise does to the grip; ``None`` for an analog loader.
-        modes: Of the closed loop, slowest first.
+        stable: Whether its loop is stable.
+        outcome: ``passes``, ``unstable``, or the first failing figure of the rule's release test.
+        margins: Margins of the loop, broken at the command.
+        demand: Demand of the release on the drive; NaN if unstable.
+        noise: Effect of the sensor noise on the grip; ``None`` for an analog loader.
+        modes: Modes of the closed loop, slowest first.
         release: The release.
     """
 
@@ -61,7 +61,7 @@ class OwnSetting:
 
 
 def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
-    """A law at the own setting of the plan's loader, with the plan's rule and angle.
+    """Compute a law at the own setting of the plan's loader, with the plan's rule and angle.
 
     Raises:
         InputError: If the law cannot be designed.
@@ -86,12 +86,12 @@ def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
 
 
 def _released(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int) -> tuple[bool, str, Released]:
-    """Whether it is stable, the outcome of the release test, and the release, as the envelope has them."""
+    """Stability, outcome of the release test and release, computed as in the envelope."""
     (frequency,), (damping,) = (values.tolist() for values in _core.feel_frequencies(feel))
     record = Record.of(frequency, damping)
     stable, angles = released(plan, plan.cases[:1], feel, laws, record, threads)
     ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)
-    found, reference = (measured(plan, record, one, threads) for one in (angles, ideal))
-    verdict = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
+    measures, reference = (measured(plan, record, history, threads) for history in (angles, ideal))
+    verdict = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
     failing = PASSES if verdict.passed[0] else verdict.names[int(verdict.first_failing[0])]
     return bool(stable[0]), failing, Released(record.time_s, angles[0], ideal[0])

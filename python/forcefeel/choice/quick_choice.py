@@ -1,6 +1,6 @@
-"""The best law for a loader with a digital controller, in seconds: chosen on few settings, and tested.
+"""Best law for a loader with a digital controller, in seconds: chosen on few settings, then tested.
 
-What is ruled out at the loader's own setting is not tried over the envelope.
+Laws that are not eligible at the loader's own setting are not computed over the envelope.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,17 +26,17 @@ from forcefeel.units import UnitSystem
 FEW: Mapping[str, str] = MappingProxyType(
     {"stiffness": "2.5..100 %:3:log", "frequency": "0.5, 2, 4 Hz", "damping": "0.1, 0.7"}
 )
-"""Settings that are tried: 18 in place of the 96 of ``score.COARSE``, from its slowest to its fastest."""
+"""18 settings instead of the 96 of ``score.COARSE``, over the same range of frequencies."""
 
 REPORT = "published"
 """The report's law: its state feedback over the published horizon."""
 
 STEPS = ("the report's law tested", "laws at the own setting", "laws over the envelope", "the best law tested")
-"""What ``best_law`` reports as it goes; a motor has no law of the report."""
+"""Progress messages of ``best_law``; a motor has no law of the report."""
 
 
 def steps(loader: Loader) -> tuple[str, ...]:
-    """What ``best_law`` reports of a loader."""
+    """Progress messages of ``best_law`` for a loader."""
     return STEPS if REPORT in names_for(loader) else STEPS[1:]
 
 
@@ -49,21 +49,21 @@ def best_law(
     threads: int | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> LawComparison:
-    """Tries every law that a loader can run, takes the best by the rule of ``choose``, and tests it and, of a valve, the report's.
+    """Find the best law of a loader by the rule of ``choose`` and test it, for a valve together with the report's law.
 
     Args:
         loader: The loader, with a digital controller.
-        grid: Settings to try, as ``find_envelope`` takes them.
-        units: The units of what is said of the tests; of the rule's two roundings of a force, theirs holds.
-        called: What a command line calls the loader; its name if not given.
-        threads: How many; all cores if not given. The numbers do not depend on it.
-        progress: Called with each of ``steps(loader)`` as it begins.
+        grid: Settings, as in ``find_envelope``.
+        units: Units of the test results; they also select the rule's rounding of forces.
+        called: Name of the loader on a command line; default: its name.
+        threads: Number of threads; default: all cores. The results do not depend on it.
+        progress: Called with each of ``steps(loader)`` when it begins.
 
     Returns:
-        Both laws, of a motor the best alone. The choice is made on few settings, 18 if not given; ``score_laws`` looks closer.
+        The best law and, for a valve, the report's law. The choice uses few settings, by default 18; ``score_laws`` uses more.
 
     Raises:
-        InputError: If the loader is analog or the grid is bad.
+        InputError: If the loader is analog or the grid is invalid.
 
     Example:
         >>> import forcefeel as ff
@@ -75,12 +75,12 @@ def best_law(
     check_loader(loader)
     if not loader["controller.period"]:
         raise InputError(
-            "loader: is analog and can only take the report's laws; give controller.period and controller.delay, for example "
-            "0.5 ms each, or take the built-in loader elevator-2khz"
+            "loader: is analog and can only use the report's laws; set controller.period and controller.delay, for example "
+            "0.5 ms each, or use the built-in loader elevator-2khz"
         )
     threads = threads_or_cores(threads)
     called = tuple(called) or (loader.name,)
-    Settings.of(grid)  # what is wrong with it is no fault of the loader
+    Settings.of(grid)  # raises before the try block, which reports errors of the loader
     report = LawResult(REPORT, summary_of(REPORT), None, None) if REPORT in names_for(loader) else None
     try:
         rule, tested = "", None
@@ -107,7 +107,7 @@ def best_law(
 
 
 def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
-    """A score for each law, without the envelope; and a sentence for each that cannot be designed."""
+    """A score for each law at the own setting, and a sentence for each law that cannot be designed."""
     scores, refused = [], []
     for name, law in plan.laws.items():
         try:
@@ -118,25 +118,26 @@ def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
 
 
 def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawScores, dict[str, EnvelopeSummary]]:
-    """The scores, over the settings where the law is not ruled out yet; and what those and the report's law render."""
+    """Add results over the envelope for eligible laws and the report's law; return scores and shares."""
     period = plan.loader["controller.period"]
-    asked = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
+    eligible = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
 
-    plan = replace(plan, laws={score.name: plan.laws[score.name] for score in asked})
-    found = compute_few(plan, threads=threads)
-    over = {score.name: score_over(plan, score, found) for score in asked}
-    shares = {name: found.shares(name) for name in over}
+    plan = replace(plan, laws={score.name: plan.laws[score.name] for score in eligible})
+    envelope = compute_few(plan, threads=threads)
+    over = {score.name: score_over(plan, score, envelope) for score in eligible}
+    shares = {name: envelope.shares(name) for name in over}
     rendered = {
-        name: EnvelopeSummary(one.stable, one.nominal_share, one.worst_case_share) for name, one in shares.items()
+        name: EnvelopeSummary(law_shares.stable, law_shares.nominal_share, law_shares.worst_case_share)
+        for name, law_shares in shares.items()
     }
     return LawScores(plan, tuple(over.get(score.name, score) for score in scores)), rendered
 
 
 def _qualified(loader: Loader, name: str, units: UnitSystem) -> tuple[str, QualificationSummary]:
-    """The rule, and what its tests came to under a law."""
-    found = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
-    (section,) = found.sections
+    """The rule, and a law's results in its tests."""
+    qualification = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
+    (section,) = qualification.sections
     status = QualificationSummary(
-        section.fulfilled, str(section.status), outcome_counts(section), tuple(reasons(section, found))
+        section.fulfilled, str(section.status), outcome_counts(section), tuple(reasons(section, qualification))
     )
-    return rule_text(found), status
+    return rule_text(qualification), status

@@ -1,18 +1,17 @@
-"""How a method is chosen, in words that can be argued with.
+"""Rule for the choice of a law.
 
-A method is eligible if, with the nominal plant and hands off,
+A law is eligible if, with the nominal plant and hands off,
 
 1. it is stable at the loader's own setting and at every setting of the grid;
 2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
    and one more period of delay (a digital loader).
 
-Of those that are eligible the one with the largest share of settings within tolerance in every case is chosen; of those less than
-``CLOSE`` behind it the one with the largest nominal share; of those as close again the one with the least noise at the grip.
-Where a nominal share is asked for, those that reach it go before those that do not; if none does, those within ``CLOSE`` of the
-largest.
+The rule takes the eligible law with the largest share of settings within tolerance in every case. Among laws less than ``CLOSE``
+behind it, it takes the one with the largest nominal share; among equally close ones, the one with the least noise at the grip. With
+a required nominal share, laws that reach it come first; if no law reaches it, those within ``CLOSE`` of the largest.
 
-Margins elsewhere are not asked for: there the worst case, in which the valve's gain is off by its tolerance, counts what the lack
-of them costs.
+Margins at other settings are reported, not required: the worst case, with the valve's gain off by its tolerance, contains their
+cost.
 """
 
 from dataclasses import dataclass
@@ -23,22 +22,22 @@ from forcefeel.conclusions import capital, share_text
 from forcefeel.units import to_text
 
 LEAST_GAIN = 2.0
-"""Gain margin either way, 6 dB: the usual least of servo practice."""
+"""Required gain margin either way, 6 dB: usual in servo practice."""
 
 LEAST_PHASE_RAD = radians(30.0)
-"""Phase margin, the usual least."""
+"""Required phase margin, usual in servo practice."""
 
 LEAST_PERIODS = 1.0
-"""Delay margin in sample periods: a law that a single late sample would upset is none for a machine that holds a hand."""
+"""Required delay margin in sample periods: with a hand at the grip, one late sample must not destabilize the loop."""
 
 
 @dataclass(frozen=True)
 class Reserve:
-    """What a loop is to bear beyond what it is designed for.
+    """Required margins of a loop.
 
     Attributes:
-        gain: Factor, either way.
-        phase_rad: Lag or lead.
+        gain: Gain factor, either way.
+        phase_rad: Phase, lag or lead.
     """
 
     gain: float
@@ -48,19 +47,19 @@ class Reserve:
 USUAL = Reserve(LEAST_GAIN, LEAST_PHASE_RAD)
 
 MEASURED = Reserve(1.5, radians(25.0))
-"""For a loader that was measured to a per cent. Of the usual 6 dB a factor of 1.3 is for a valve's gain that is known to 30 %, of
-the usual 30 deg some 5 are for its lag ``2 zeta w / w_n``, 25 to 30 deg at 15 Hz, known to 20 %."""
+"""Margins for a loader measured to 1 %. The usual 6 dB include a factor of 1.3 for a valve gain known to 30 %. The usual 30 deg
+include some 5 deg for the valve's lag ``2 zeta w / w_n``, 25 to 30 deg at 15 Hz, known to 20 %."""
 
 CLOSE = 0.01
-"""Shares that differ by less are level: on a coarse grid that is a setting."""
+"""Shares that differ by less count as equal: about one setting of a coarse grid."""
 
 
 @dataclass(frozen=True)
 class Remark:
-    """Why a method is chosen, or not.
+    """Why a law is chosen or not.
 
     Attributes:
-        name: The method.
+        name: The law.
         eligible: Whether it may be chosen.
         sentence: Why it is chosen, or why not.
     """
@@ -72,11 +71,11 @@ class Remark:
 
 @dataclass(frozen=True)
 class Choice:
-    """The method that is chosen, and why.
+    """The chosen law, with reasons.
 
     Attributes:
-        chosen: Its name; ``None`` where none is eligible.
-        remarks: One for each method, the chosen one first.
+        chosen: Its name; ``None`` if no law is eligible.
+        remarks: One for each law, the chosen law first.
 
     Example:
         >>> import forcefeel as ff
@@ -89,12 +88,12 @@ class Choice:
 
 
 def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> Choice:
-    """Chooses among methods that were scored over the envelope, by the rule of this file.
+    """Choose among laws with scores over the envelope, by the rule of this module.
 
     Args:
-        scored: The methods.
-        least: The nominal share that is asked for; none if not given.
-        reserve: What the loop at the own setting is to bear.
+        scored: The laws with their scores.
+        least: Required nominal share; default: 0.
+        reserve: Required margins of the loop at the loader's own setting.
 
     Example:
         >>> import forcefeel as ff
@@ -118,30 +117,30 @@ def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> C
 
 
 def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[str]:
-    """What keeps a method from being chosen; empty for one that is eligible."""
+    """Reasons why a law is not eligible; empty for an eligible law."""
     own, margins = score.own, score.own.margins
     if not own.stable:
         return ["it is unstable at the loader's own setting"]
-    found = []
+    sentences = []
     if score.over is not None and score.over.shares.stable < 1:
-        found.append(
+        sentences.append(
             f"it is stable at only {share_text(score.over.shares.stable)} of the settings with the nominal plant"
         )
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
-        found.append(
+        sentences.append(
             f"the loop's gain may only go from {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} of its own"
         )
     if margins.phase_rad < reserve.phase_rad:
-        found.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
+        sentences.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
     if period_s and margins.delay_s < LEAST_PERIODS * period_s:
-        found.append(
-            f"it bears {to_text(1e3 * margins.delay_s, 3)} ms more delay, less than a period of {to_text(1e3 * period_s, 3)} ms"
+        sentences.append(
+            f"its delay margin is {to_text(1e3 * margins.delay_s, 3)} ms, less than the period of {to_text(1e3 * period_s, 3)} ms"
         )
-    return found
+    return sentences
 
 
 def _best(able: list[Score]) -> Score | None:
-    """Worst case first, then nominal, then noise."""
+    """The best eligible law: by worst-case share, then nominal share, then noise."""
     for key in ("worst_case_share", "nominal_share"):
         most = max((_share(score, key) for score in able), default=0.0)
         able = [score for score in able if _share(score, key) > most - CLOSE]
@@ -149,7 +148,7 @@ def _best(able: list[Score]) -> Score | None:
 
 
 def _reaching(able: list[Score], least: float) -> list[Score]:
-    """Those whose nominal share is what is asked for, or as near as the best of them comes to it."""
+    """Laws that reach the required nominal share; if none does, those close to the largest."""
     most = max((_share(score, "nominal_share") for score in able), default=0.0)
     return [
         score
@@ -160,40 +159,40 @@ def _reaching(able: list[Score], least: float) -> list[Score]:
 
 def _why(best: Score, eligible: int) -> str:
     if best.over is None:
-        return f"{capital(best.name)} is stable with the margins that are asked for."
+        return f"{capital(best.name)} is stable with the required margins."
     shares = best.over.shares
     what = (
         f"{capital(best.name)} renders {share_text(shares.worst_case_share)} of the settings in every case and "
         f"{share_text(shares.nominal_share)} with the nominal plant"
     )
     if eligible == 1:
-        return f"{what}; no other method is eligible."
-    return f"{what}: the best of the {eligible} methods that are eligible."
+        return f"{what}; no other law is eligible."
+    return f"{what}: the best of {eligible} eligible laws."
 
 
 def _behind(score: Score, best: Score, least: float) -> str:
-    """The first figure of the rule in which an eligible method falls behind."""
+    """Sentence on the first figure of the rule in which an eligible law is worse."""
     name = capital(score.name)
-    mine, its = _share(score, "nominal_share"), _share(best, "nominal_share")
-    if mine < min(least, its):
+    share, best_share = _share(score, "nominal_share"), _share(best, "nominal_share")
+    if share < min(least, best_share):
         return (
-            f"{name} is eligible and renders {share_text(mine)} with the nominal plant, less than the {share_text(least)} that are "
-            f"asked for and the {share_text(its)} of {best.name}."
+            f"{name} is eligible and renders {share_text(share)} with the nominal plant, less than the required "
+            f"{share_text(least)} and the {share_text(best_share)} of {best.name}."
         )
     for key, where in (("worst_case_share", "in every case"), ("nominal_share", "with the nominal plant")):
-        mine, its = _share(score, key), _share(best, key)
-        if its - mine >= CLOSE:
+        share, best_share = _share(score, key), _share(best, key)
+        if best_share - share >= CLOSE:
             return (
-                f"{name} is eligible and renders {share_text(mine)} {where}, {best.name} {share_text(its)}"
+                f"{name} is eligible and renders {share_text(share)} {where}, {best.name} {share_text(best_share)}"
                 f"{_better(score, best)}."
             )
     if _noise(best) < _noise(score) < inf:
         return f"{name} is eligible and renders about as much as {best.name}, with more noise at the grip."
-    return f"{name} is eligible and renders about as much as {best.name}, which is as good by the rule and stands before it."
+    return f"{name} is eligible and equal to {best.name} by the rule, which comes first in the list."
 
 
 def _better(score: Score, best: Score) -> str:
-    """What one gives up with the choice."""
+    """Clause on figures in which a law is better than the chosen law."""
     given_up = []
     if _share(score, "nominal_share") - _share(best, "nominal_share") >= CLOSE:
         given_up.append(f"more with the nominal plant ({share_text(_share(score, 'nominal_share'))})")

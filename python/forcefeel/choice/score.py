@@ -1,4 +1,4 @@
-"""Methods tried on one loader, and what each is worth: over the envelope, on the drive, on noise and on margins."""
+"""Scores of laws on one loader: envelope, demand on the drive, noise and margins."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -28,26 +28,26 @@ from forcefeel.units import show
 COARSE: Mapping[str, str] = MappingProxyType(
     {"stiffness": "1..100 %:6:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.3, 0.7, 1.5"}
 )
-"""Some hundred settings: enough to tell methods apart in a minute."""
+"""96 settings: enough to compare laws in a minute."""
 
 _OF_THE_REPORT = MappingProxyType(
     {
         "original": "the position loop of eq. (13), the feel computer's displacement as its command",
         "published": "the report's state feedback, recursion (22) over its horizon of 50 ms",
-        "converged": "the report's state feedback, recursion (22) run until the gains stand still",
+        "converged": "the report's state feedback, recursion (22) run until the gains converge",
     }
 )
 
 
 @dataclass(frozen=True, eq=False)
 class OverEnvelope:
-    """What a method does over the settings of a grid.
+    """Results of a law over the settings of a grid.
 
     Attributes:
-        shares: Stable, and within tolerance: nominally and in every case.
-        worst_case: What costs most of what passes nominally; ``None`` where nothing is lost.
-        demand: Largest over the stable settings, nominal plant.
-        margins: Least of each over the loader's own setting and the grid's corners.
+        shares: Shares that are stable and that pass, nominally and in every case.
+        worst_case: Case with the largest loss of nominal passes; ``None`` without a loss.
+        demand: Largest demand over the stable settings, nominal plant.
+        margins: Smallest of each over the loader's own setting and the corners of the grid.
     """
 
     shares: Shares
@@ -58,13 +58,13 @@ class OverEnvelope:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What one method is worth.
+    """Score of one law.
 
     Attributes:
         name: Its name.
-        summary: What it is, in a line.
-        own: At the loader's own setting.
-        over: Over the grid; ``None`` where it was not asked for.
+        summary: One-line description.
+        own: Results at the loader's own setting.
+        over: Results over the grid; ``None`` if not computed.
 
     Example:
         >>> import forcefeel as ff
@@ -81,11 +81,11 @@ class Score:
 
 @dataclass(frozen=True, eq=False)
 class LawScores:
-    """Methods and what they were tried on.
+    """Scores of laws on one plan.
 
     Attributes:
         plan: Loader, settings, rule and cases.
-        scores: One for each method.
+        scores: One for each law.
 
     Example:
         >>> import forcefeel as ff
@@ -113,22 +113,22 @@ def score_laws(
     progress: Progress = lambda done, total: None,
     **options: Unpack[PlanOptions],
 ) -> LawScores:
-    """Designs with each method and scores it.
+    """Design and score each law.
 
     Args:
-        loader: The loader. Its own setting is where single laws are looked at; optional rows of the feel and an arm are left out.
-        names: Methods, names of ``law.NAMED_LAWS``; all that the loader can run if not given.
-        grid: Settings, as ``envelope`` takes them.
-        over_envelope: Whether to try each over the grid too, which takes most of the time.
-        threads: How many; all cores if not given.
-        progress: Called with the releases that are done and all there are.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, as ``envelope`` takes them.
+        loader: The loader. Its own feel is the own setting of the scores; optional rows of the feel and an arm are omitted.
+        names: Names of ``law.NAMED_LAWS``; default: all that the loader can run.
+        grid: Settings, as in ``find_envelope``.
+        over_envelope: Whether to score over the grid too, which takes most of the time.
+        threads: Number of threads; default: all cores.
+        progress: Called with the numbers of completed and of all releases.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, as in ``find_envelope``.
 
     Returns:
-        A score for each, in the order of their names.
+        A score for each, in the order of ``names``.
 
     Raises:
-        InputError: If an argument is bad, or a method needs a digital controller that the loader has not.
+        InputError: If an argument is invalid, or a law requires a digital controller and the loader is analog.
 
     Example:
         >>> import forcefeel as ff
@@ -139,64 +139,63 @@ def score_laws(
     chosen = names_for(loader) if names is None else tuple(names)
     check_names(loader, chosen)
     plan = make_plan(loader, chosen, grid, **options)
-    found = compute(plan, threads=threads, progress=progress) if over_envelope else None
+    envelope = compute(plan, threads=threads, progress=progress) if over_envelope else None
     scores = (
         Score(name, summary_of(name), own_setting(plan, plan.laws[name], threads_or_cores(threads)), None)
         for name in chosen
     )
-    return LawScores(plan, tuple(score if found is None else score_over(plan, score, found) for score in scores))
+    return LawScores(plan, tuple(score if envelope is None else score_over(plan, score, envelope) for score in scores))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
-    """Refuses a method that is not there, or that the loader cannot run.
+    """Check that the laws exist and that the loader can run them.
 
     Raises:
-        InputError: If so.
+        InputError: If not.
     """
     able = names_for(loader)
     for name in names:
         if name in NAMED_LAWS and loader.drive not in drives_of(name):
             raise of_another_drive(name, loader)
         if name == GRIP and name not in able and loader["controller.period"]:
-            raise InputError(f"method: {no_sensor(loader)}")
+            raise InputError(f"law: {no_sensor(loader)}")
         if name in NAMED_LAWS and name not in able:
             raise InputError(
-                f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "
-                f"controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz; without them there are "
-                f"{', '.join(able)}"
+                f"law: {name} requires a digital controller, and the loader is analog; set controller.period and controller.delay, "
+                f"for example 0.5 ms each, use the built-in loader elevator-2khz, or choose one of {', '.join(able)}"
             )
         if name not in able and not name.endswith(LAW_FILE):
-            raise InputError(f"method: expected {', '.join(able)}, got {show(name)}")
+            raise InputError(f"law: expected {', '.join(able)}, got {show(name)}")
 
 
 def summary_of(name: str) -> str:
-    """What a method is, in a line."""
+    """One-line description of a law."""
     if name.endswith(LAW_FILE):
-        return "the law of a file, as it is"
+        return "the law of a file, unchanged"
     return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
-def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
-    """A method's score, with what it does over an envelope of the plan."""
+def score_over(plan: Plan, score: Score, envelope: Envelope) -> Score:
+    """Add the results over an envelope of the plan to a law's score."""
     name = score.name
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(plan.laws[name], plan.loader, feel, name)
-    lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
+    lost = max(envelope.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
     over = OverEnvelope(
-        shares=found.shares(name),
+        shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
-        demand=_demand(plan, laws, feel, found.stable(name)[0]),
+        demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
         margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
     )
     return replace(score, over=over)
 
 
 def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> AnyDemand:
-    """The largest over the stable settings, those of one frequency together."""
+    """Largest demand over the stable settings, computed frequency by frequency."""
     frequency = plan.settings.rows[:, 1]
-    pieces = [np.flatnonzero(stable & (frequency == one)) for one in plan.settings.frequency]
+    pieces = [np.flatnonzero(stable & (frequency == value)) for value in plan.settings.frequency]
     return of_all(
         [
             largest_demand(plan.loader, laws.some(which), feel[which], plan.release_rad)
@@ -208,6 +207,6 @@ def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np
 
 
 def _corners(plan: Plan) -> NDArray[np.intp]:
-    """Places of the grid's corners among its settings."""
+    """Indices of the grid's corners among its settings."""
     ends = [(0, size - 1) for size in plan.settings.shape]
     return np.array([np.ravel_multi_index(corner, plan.settings.shape) for corner in product(*ends)], dtype=np.intp)

@@ -13,12 +13,13 @@ from cyclopts.exceptions import (
     CycloptsError,
     MissingArgumentError,
     RepeatArgumentError,
+    UnknownCommandError,
     UnusedCliTokensError,
 )
 
 from forcefeel.cli.options import HELP_ALL
 from forcefeel.cli.terminal import Output
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, suggestion
 
 _LOADER = "[LOADER]"
 _COMMANDS = {
@@ -26,7 +27,7 @@ _COMMANDS = {
     "size": _LOADER,
     "design": _LOADER,
     "analyze": _LOADER,
-    "compensate": _LOADER,
+    "law": _LOADER,
     "simulate": _LOADER,
     "sweep": _LOADER,
     "envelope": _LOADER,
@@ -97,6 +98,8 @@ def run(tokens: list[str]) -> None:
         CycloptsError: If it is none.
         InputError: If what it gives is bad.
     """
+    if tokens[:1] == ["help"]:
+        tokens = [*tokens[1:], "--help"]
     app = command_line(listed=not tokens or tokens[0].startswith("-"))
     app(tokens, print_error=False, exit_on_error=False)
 
@@ -106,6 +109,9 @@ def told(error: CycloptsError) -> str:
     chain = " ".join(("forcefeel", *(error.command_chain or ())))
     if isinstance(error.__cause__, InputError):
         return str(error.__cause__)
+    if isinstance(error, UnknownCommandError):
+        (name, *_) = error.unused_tokens or ("",)
+        return f"{name}: expected a command{suggestion(name, _COMMANDS) or ';'} forcefeel --help lists the commands"
     argument = error.argument
     if isinstance(error, MissingArgumentError) and argument is not None:
         name = argument.name if argument.name.startswith("--") else argument.parameter.metavar or argument.name

@@ -22,7 +22,7 @@ class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOption
 
 
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
-    """Analyse a loader, compensate it, and write the report.
+    """Analyze a loader, design its law, and write the report.
 
     On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's. An
     electric loader has the best alone: the report's laws, and the options of recursion (22), are for a valve.
@@ -36,7 +36,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     from forcefeel.design.findings import conclusions
     from forcefeel.design.motor_design import design_motor
     from forcefeel.design.page import FOLDER, write_report
-    from forcefeel.laws.law import DEFAULTS
+    from forcefeel.laws.law import ROBUST
     from forcefeel.loader.parameters import ELECTRIC
 
     loader, units = options.loader(path), options.units
@@ -52,7 +52,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         servo = None if electric else workflow.design_servo(loader, settings, begin)
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
         best = tried.best if tried else None
-        found = servo or design_motor(loader, best.name if best else DEFAULTS[ELECTRIC])
+        found = servo or design_motor(loader, best.name if best else ROBUST)
         bar.describe("report")
         page = write_report(found, options.out, units, tried, command=options.command_line(path))
     told = conclusions(found, units, tried)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 from rich.table import Table
 
-from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES, law_option_named
+from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, law_option_named
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
@@ -41,9 +41,9 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     law: Annotated[
         tuple[str, ...],
         option(
-            f"{LAW_NAMES}. Designed anew for each setting; or the file of one. May be given again.",
+            f"Law, designed anew for each setting: {LAW_NAMES}; or a law file. Repeatable.",
             ASKED,
-            default="published; robust of an electric loader",
+            default=DEFAULT_LAW,
             metavar=LAW_METAVAR,
         ),
     ] = ()
@@ -65,13 +65,13 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             InputError: If an option is bad or does not go with another.
         """
         from forcefeel.envelope.draws import Draws
-        from forcefeel.envelope.plan import make_plan, usual_law
-        from forcefeel.laws.law import names_for
+        from forcefeel.envelope.plan import make_plan
+        from forcefeel.laws.law import default_law, names_for
         from forcefeel.sweep import text
 
         if self.compare and self.law:
             raise InputError("--compare and --law: given both; --compare takes all, leave one out")
-        names = names_for(loader) if self.compare else self.law or (usual_law(loader),)
+        names = names_for(loader) if self.compare else self.law or (default_law(loader),)
         return make_plan(
             loader,
             names,

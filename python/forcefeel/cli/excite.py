@@ -11,7 +11,7 @@ from rich.table import Table
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
-from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
+from forcefeel.cli.options import OUTPUT, BenchLawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer
@@ -144,12 +144,12 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             metavar="VALUE",
         ),
     ] = None
-    law: LawOption = None
+    law: BenchLawOption = None
     out: Annotated[Path, option("CSV file for the bench.", OUTPUT)] = Path("forcefeel-excite.csv")
     replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
 
     def fixed_law(self, loader: "Loader", experiment: "Experiment") -> "Law | None":
-        """The law of the whole loader; ``None`` is the one of its drive: the original one, or ``robust`` of a motor.
+        """The law of the whole loader; ``None`` for ``bench_law``.
 
         Raises:
             InputError: If it is of no use to this experiment or cannot be designed.

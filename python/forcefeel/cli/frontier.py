@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rich.table import Table
 
-from forcefeel.cli.law_option import LAW_METAVAR, law_option_named
+from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES, law_option_named
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
@@ -36,7 +36,7 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     law: Annotated[
         str | None,
         option(
-            "The law, as envelope takes it.",
+            f"Law: {LAW_NAMES}; or a law file.",
             ASKED,
             default="robust; grip with a force sensor at the grip; published without a digital controller",
             metavar=LAW_METAVAR,

@@ -46,7 +46,7 @@ def _share_off(key: str, given: str) -> float | None:
 
 
 def given_law(law: str | None, loader: "Loader") -> "Law":
-    """The law of ``--law`` for a loader's own setting: designed for it, or read from its file; the original if not given.
+    """The law of ``--law`` for a loader's own setting: designed for it, or read from its file; its default law if not given.
 
     Raises:
         InputError: Naming the option, if it cannot be designed or read, or is for another controller.

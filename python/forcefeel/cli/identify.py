@@ -16,8 +16,8 @@ from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.options import (
     OUTPUT,
+    BenchLawOption,
     FolderOptions,
-    LawOption,
     LoaderFile,
     LoaderOptions,
     OutputOptions,
@@ -94,7 +94,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         bool,
         option("Turn records into frequency responses first, and fit the linear model to those.", FIT, "--responses"),
     ] = False
-    law: LawOption = None
+    law: BenchLawOption = None
     out: Annotated[Path, option("Folder for the new loader.toml, identification.html and results.json.", OUTPUT)] = (
         Path("forcefeel-identified")
     )
@@ -102,13 +102,13 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     def settings(self, loader: "Loader", law: "Law | None") -> "FitSettings":
         """How the fit is to be made."""
         from forcefeel.bench.identification.as_json import FitSettings
-        from forcefeel.laws.law import DEFAULTS
+        from forcefeel.bench.identification.linear import bench_law
 
-        named = DEFAULTS[loader.drive] if law is None else law.name
+        named = bench_law(loader) if law is None else law.name
         return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or named))
 
     def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":
-        """The law of the whole loader in the data; ``None`` is that of its drive: the original one, or ``robust`` of a motor.
+        """The law of the whole loader in the data; ``None`` for ``bench_law``.
 
         Where none is given, the law is the one that live runs among the data state.
 

@@ -1,9 +1,9 @@
 """The laws that ``--law`` takes, by name or from a file; listed here so that ``--help`` waits for no numerical library."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, suggestion
 from forcefeel.printable import visible
 
 LAWS = (
@@ -21,10 +21,11 @@ LAWS = (
 )
 """As ``forcefeel.laws.law.NAMED_LAWS``."""
 
-ORIGINAL = LAWS[0]
+ORIGINAL, ROBUST = LAWS[0], LAWS[7]
 
-DEFAULT_LAW = "original; robust of an electric loader"
-"""For help."""
+DEFAULT_LAW = "robust; original on an analog controller"
+BENCH_LAW = "original; robust of a motor"
+"""For help: the laws under which a loader is recorded."""
 
 LAW_METAVAR = "NAME|FILE.json"
 
@@ -35,18 +36,23 @@ LAW_NAMES = (
 """For help."""
 
 
-def check_law_name(given: str) -> str:
-    """A name, or the file of a law.
+def check_law_name(name: str, others: Sequence[str] = ()) -> str:
+    """The name or the file of a law.
+
+    Args:
+        name: The value of the option.
+        others: Names that this command takes besides.
 
     Raises:
         InputError: If it is neither.
     """
-    if given not in LAWS and not given.endswith(".json"):
+    if name not in LAWS and not name.endswith(".json"):
+        names = (*others, *LAWS)
         raise InputError(
-            f"--law: expected {', '.join(LAWS[:-1])} or {LAWS[-1]}, or the file of a law (.json, from compensate --save-law), "
-            f"got {visible(repr(given))}"
+            f"--law: expected {', '.join(names[:-1])} or {names[-1]}, or a law file (.json, from forcefeel law --save-law), "
+            f"got {visible(repr(name))}{suggestion(name, names)}"
         )
-    return given
+    return name
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from cyclopts import Group, Parameter
 
 from forcefeel.cli.options import OUTPUT, OutputOptions, option
 from forcefeel.cli.terminal import print_json
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, suggestion
 from forcefeel.files import check_output_file, write_whole
 from forcefeel.loader.axes import AXIS_OF, ELECTRIC_AXES, HYDRAULIC_AXES, control_of
 from forcefeel.printable import visible
@@ -19,7 +19,8 @@ WHICH = Group("Which loader", sort_key=10)
 def _name(_: type, tokens: Any) -> str:
     (token,) = tokens
     if token.value not in AXIS_OF:
-        raise InputError(f"--built-in: expected {', '.join(AXIS_OF)}, got {visible(repr(token.value))}")
+        got = f"{visible(repr(token.value))}{suggestion(token.value, AXIS_OF)}"
+        raise InputError(f"--built-in: expected {', '.join(AXIS_OF)}, got {got}")
     return str(token.value)
 
 
@@ -48,7 +49,9 @@ def run(
     *,
     options: NewOptions = NewOptions(),
 ) -> None:
-    """Write a built-in loader as a commented loader file: the 1974 elevator, or one with another drive, of another axis.
+    """Write a built-in loader as a commented loader file.
+
+    The default is elevator-2khz, the elevator of the 1974 report under a digital controller; --drive and --axis choose others.
 
     Example: forcefeel new my.toml --drive electric --axis stick --units si
     """
@@ -60,7 +63,7 @@ def run(
     if options.json:
         print_json({"loader_file": str(path), **loader.as_json(options.units)})
     else:
-        print(f"wrote {path}")
+        print(f"wrote {path}; next: forcefeel qualify {path}, forcefeel law {path} --law auto")
 
 
 def _chosen(options: NewOptions) -> str:

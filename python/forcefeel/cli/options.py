@@ -20,7 +20,7 @@ from cyclopts import Group, Parameter
 from cyclopts.help import DefaultFormatter, HelpPanel
 from rich.console import Console, ConsoleOptions
 
-from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name
+from forcefeel.cli.law_option import BENCH_LAW, DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, check_law_name
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.errors import InputError
 from forcefeel.loader.axes import ELECTRIC_AXES, HYDRAULIC_AXES
@@ -75,7 +75,7 @@ def _shown(value: object) -> str | None:
 
 _LOADER = f"Loader file, or a built-in one: {', '.join(HYDRAULIC_AXES)}; electric: {', '.join(ELECTRIC_AXES)}"
 
-LoaderFile = Annotated[Path | None, Parameter("LOADER", help=f"{_LOADER}.", show_default="elevator")]
+LoaderFile = Annotated[Path | None, Parameter("LOADER", help=f"{_LOADER}.", show_default="elevator-2khz")]
 """The argument that every command on a loader takes."""
 
 LoaderOrProject = Annotated[
@@ -83,7 +83,7 @@ LoaderOrProject = Annotated[
     Parameter(
         "LOADER",
         help=f"{_LOADER}; or a project file, whose table [axes] names the loader of each axis of a cockpit.",
-        show_default="elevator",
+        show_default="elevator-2khz",
     ),
 ]
 """The argument of a command that takes a cockpit too."""
@@ -224,16 +224,20 @@ def _law(_: type, tokens: Any) -> str:
     return check_law_name(token.value)
 
 
+def _law_option(help: str, default: str) -> Any:  # noqa: A002
+    return option(help, LOADER, "--law", default=default, metavar=LAW_METAVAR, converter=_law)
+
+
 LawOption = Annotated[
     str | None,
-    option(
-        "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over the "
-        "published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law.",
-        LOADER,
-        "--law",
-        default=DEFAULT_LAW,
-        metavar=LAW_METAVAR,
-        converter=_law,
+    _law_option(
+        f"Law, designed for this loader: {LAW_NAMES}; or a law file from forcefeel law --save-law.", DEFAULT_LAW
     ),
 ]
 """``--law`` of a command that takes one."""
+
+BenchLawOption = Annotated[
+    str | None,
+    _law_option(f"Law under which the whole loader is recorded: {LAW_NAMES}; or a law file.", BENCH_LAW),
+]
+"""``--law`` of a command on bench data."""

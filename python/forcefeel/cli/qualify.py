@@ -12,7 +12,7 @@ from rich.table import Table
 
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name, law_option_named
+from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, check_law_name, law_option_named
 from forcefeel.cli.options import (
     EDITION,
     LOADER,
@@ -165,9 +165,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     law: Annotated[
         tuple[str, ...],
         option(
-            "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over "
-            "the published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law. Given "
-            "again, a section each.",
+            f"Law, designed for this loader: {LAW_NAMES}; or a law file from forcefeel law --save-law. Repeatable: a section each.",
             LOADER,
             default=DEFAULT_LAW,
             metavar=LAW_METAVAR,

@@ -30,8 +30,11 @@ class ScheduleOptions(ReleaseOptions, FolderOptions, ThreadOptions, OutputOption
             metavar="FILE",
         ),
     ]
-    method: Annotated[
-        str, option("How the laws are designed: robust, h-infinity, recovered, observer or load-cell.", ASKED)
+    law: Annotated[
+        str,
+        option(
+            "Law of every knot: robust, agile, h-infinity, recovered, observer, load-cell, grip or torque-mode.", ASKED
+        ),
     ] = "robust"
     refine: Annotated[int, option("Into how many parts the way between two knots is cut.", ASKED)] = 10
     out: Annotated[Path, option("Folder for schedule.html, gains.csv and results.json.", OUTPUT)] = Path(
@@ -54,7 +57,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
     deviations = options.deviations(loader)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("schedule", "loops", silent=options.json, even=False) as bar:
-        schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
+        schedule = design_schedule(loader, knots.axes, knots.feel, options.law)
         found = check_schedule(
             schedule,
             options.refine,

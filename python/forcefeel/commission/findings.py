@@ -184,7 +184,7 @@ def glance(commission: Commission) -> tuple[Row, ...]:
                 "law",
                 commission.chosen.name or "none is eligible",
                 _yes(bool(commission.chosen.name)),
-                f"{LAW}/compensate.html",
+                f"{LAW}/law.html",
             )
         )
     if commission.checked is not None:

@@ -74,8 +74,8 @@ class Analysis:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.analyze(ff.elevator())
-        >>> found.configuration("rigid").programmed.assessment.stable
+        >>> analysis = ff.analyze(ff.elevator())
+        >>> analysis.configuration("rigid").programmed.assessment.stable
         True
     """
 
@@ -87,7 +87,7 @@ class Analysis:
 
     def configuration(self, name: str) -> Configuration:
         """The configuration of that name."""
-        return next(one for one in self.configurations if one.name == name)
+        return next(configuration for configuration in self.configurations if configuration.name == name)
 
 
 def originals(loader: Loader, low: Loader) -> tuple[Configuration, ...]:
@@ -117,10 +117,10 @@ def configuration(
 
 
 def _loop(loader: Loader, linkage: Linkage, law: GainLaw | None, weights: DesignSettings | None) -> LoopResult:
-    found, model = assess(loader, law, weights, linkage=linkage), loader_model(loader, law, linkage)
+    assessment, model = assess(loader, law, weights, linkage=linkage), loader_model(loader, law, linkage)
     return LoopResult(
         named_modes(loader, model.A) if loader.drive == ELECTRIC else modes(model),
         margins(open_loop_model(loader, linkage, law)),
-        found,
-        peaks(loader, law, linkage) if found.stable else None,
+        assessment,
+        peaks(loader, law, linkage) if assessment.stable else None,
     )

@@ -37,8 +37,8 @@ class Assessment:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.assess(ff.elevator(), None)
-        >>> f"{found.static_error:.0%} off at rest"
+        >>> assessment = ff.design.assess(ff.elevator(), None)
+        >>> f"{assessment.static_error:.0%} off at rest"
         '-39% off at rest'
     """
 
@@ -65,8 +65,8 @@ class Peaks:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.peaks(ff.elevator(), None)
-        >>> f"{found.current_share:.0%} of the rated current"
+        >>> peaks = ff.design.peaks(ff.elevator(), None)
+        >>> f"{peaks.current_share:.0%} of the rated current"
         '21% of the rated current'
     """
 
@@ -88,8 +88,8 @@ class MotorPeaks:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.peaks(ff.loader.electric("sidestick-roll"), None)
-        >>> f"{found.current_share:.0%} of the largest current"
+        >>> peaks = ff.design.peaks(ff.loader.electric("sidestick-roll"), None)
+        >>> f"{peaks.current_share:.0%} of the largest current"
         '23% of the largest current'
     """
 
@@ -132,10 +132,10 @@ def assess(
     abscissa = spectral_abscissa(model.A)
     if not is_stable(abscissa):
         return Assessment(False, abscissa, *[np.nan] * 7)
-    found = modes(model)
-    feel = _rendering(found, programmed)
+    loop_modes = modes(model)
+    feel = _rendering(loop_modes, programmed)
     force = programmed["pilot.force"]
-    wanted = programmed_angle_rad(programmed)
+    programmed_rad = programmed_angle_rad(programmed)
     reached = _static_angle(model) * force
     system = _with_ideal(model, ideal)
     start = np.zeros(len(system))
@@ -152,18 +152,18 @@ def assess(
         abscissa_per_s=abscissa,
         frequency_rad_per_s=feel.frequency_rad_per_s,
         damping_ratio=feel.damping_ratio,
-        least_damping_ratio=min(mode.damping_ratio for mode in found),
+        least_damping_ratio=min(mode.damping_ratio for mode in loop_modes),
         static_angle_rad=reached,
-        static_error=reached / wanted - 1,
-        tracking_error=float(np.sqrt(tracking / DURATION_S)) / wanted,
+        static_error=reached / programmed_rad - 1,
+        tracking_error=float(np.sqrt(tracking / DURATION_S)) / programmed_rad,
         cost=cost,
     )
 
 
-def _rendering(found: tuple[Mode, ...], programmed: Loader) -> Mode:
+def _rendering(loop_modes: tuple[Mode, ...], programmed: Loader) -> Mode:
     """The mode that renders a feel: under a motor the slowest, however it is damped, as rotor and column move as one."""
     frequency, damping_ratio = _core.feel_frequency(programmed.si_values)
-    return feel_mode(found, frequency, max(damping_ratio, 1.0) if programmed.drive == ELECTRIC else damping_ratio)
+    return feel_mode(loop_modes, frequency, max(damping_ratio, 1.0) if programmed.drive == ELECTRIC else damping_ratio)
 
 
 def _static_angle(model: LinearModel) -> float:

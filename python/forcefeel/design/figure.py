@@ -30,8 +30,8 @@ class Figure:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.figures(ff.design_loader(ff.elevator()))[0]
-        >>> found.key, next(iter(found.curves))
+        >>> figure = ff.design.figures(ff.design_loader(ff.elevator()))[0]
+        >>> figure.key, next(iter(figure.curves))
         ('figure-02', '20% of rated current')
     """
 

@@ -83,8 +83,10 @@ def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
 
 def _overall(design: Design) -> Figure:
     curves = {
-        one.name: frequency_response(open_loop_model(design.low_loader, one.linkage, one.law), FREQUENCIES_HZ)
-        for one in design.configurations
+        configuration.name: frequency_response(
+            open_loop_model(design.low_loader, configuration.linkage, configuration.law), FREQUENCIES_HZ
+        )
+        for configuration in design.configurations
     }
     return Figure("figure-10", "Overall open loop at the low setting", Kind.FREQUENCY, curves)
 
@@ -98,13 +100,15 @@ def _original(key: str, title: str, design: Design, linkage: Linkage) -> Figure:
 
 
 def _compensated(design: Design) -> Figure:
-    curves = {one.name: _configuration(one, design.loader) for one in design.configurations}
+    curves = {
+        configuration.name: _configuration(configuration, design.loader) for configuration in design.configurations
+    }
     curves["ideal feel"] = _response(feel_model(design.loader), design.loader)
     return Figure("figure-14", "Step of pilot force, compensated beside the original", Kind.TIME, curves)
 
 
-def _configuration(one: Configuration, loader: Loader) -> xr.Dataset:
-    return _response(loader_model(loader, one.law, one.linkage), loader)
+def _configuration(configuration: Configuration, loader: Loader) -> xr.Dataset:
+    return _response(loader_model(loader, configuration.law, configuration.linkage), loader)
 
 
 def _response(model: LinearModel, loader: Loader) -> xr.Dataset:

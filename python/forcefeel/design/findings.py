@@ -27,8 +27,8 @@ def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawCompa
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
-        >>> found.good, len(found.findings) > 3
+        >>> conclusions = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
+        >>> conclusions.ok, len(conclusions.findings) > 3
         (True, True)
     """
     if isinstance(design, MotorDesign):
@@ -74,8 +74,8 @@ def _analog(design: Design) -> str:
 def _verdict(design: Design) -> str:
     if not design.compensation.reached:
         return f"There is no compensation to judge: recursion (22) {design.compensation.note}."
-    found = design.configuration("compensated").programmed.assessment
-    return rendering("The compensated loader", found, design.feel_frequency_rad_per_s)
+    assessment = design.configuration("compensated").programmed.assessment
+    return rendering("The compensated loader", assessment, design.feel_frequency_rad_per_s)
 
 
 def _compliance(design: Design) -> str:
@@ -85,7 +85,10 @@ def _compliance(design: Design) -> str:
         return "The linkage is compliant, but nothing swings on it: every mode of the servo is real."
     mode = least_damped(swinging)
     rigid = design.servo(Linkage.RIGID)
-    if any(abs(one.frequency_rad_per_s / mode.frequency_rad_per_s - 1) <= SAME_MODE for one in rigid.closed_modes):
+    if any(
+        abs(rigid_mode.frequency_rad_per_s / mode.frequency_rad_per_s - 1) <= SAME_MODE
+        for rigid_mode in rigid.closed_modes
+    ):
         return (
             f"The linkage is as good as rigid: the servo's least damped mode, at {hertz(mode.frequency_rad_per_s)} with a"
             f" damping ratio of {to_text(mode.damping_ratio, 2)}, is there with a rigid link too."
@@ -107,24 +110,24 @@ def _original(design: Design, units: UnitSystem) -> str:
 
 
 def _compensated(design: Design) -> str:
-    found = design.configuration("compensated").programmed.assessment
-    if not found.stable:
+    assessment = design.configuration("compensated").programmed.assessment
+    if not assessment.stable:
         return "With the designed gains the loop is unstable, so there is no response to judge."
     return (
-        f"With the designed gains it is {settling(found)}, and moves at {hertz(found.frequency_rad_per_s)} with a damping"
-        f" ratio of {to_text(found.damping_ratio, 2)} where {hertz(design.feel_frequency_rad_per_s)} and"
+        f"With the designed gains it is {settling(assessment)}, and moves at {hertz(assessment.frequency_rad_per_s)} with a damping"
+        f" ratio of {to_text(assessment.damping_ratio, 2)} where {hertz(design.feel_frequency_rad_per_s)} and"
         f" {to_text(design.feel_damping_ratio, 2)} are programmed. Over two seconds after the step it deviates from the ideal"
-        f" by {percent(found.tracking_error)} of the final deflection (root mean square)."
-        + _inertia_remark(design, found)
+        f" by {percent(assessment.tracking_error)} of the final deflection (root mean square)."
+        + _inertia_remark(design, assessment)
     )
 
 
-def _inertia_remark(design: Design, found: Assessment) -> str:
+def _inertia_remark(design: Design, assessment: Assessment) -> str:
     """The column's own inertia J adds to the programmed I: the frequency that this predicts, if it is what is found."""
     both = design.loader["feel.inertia"] + design.loader["column.inertia"]
     heavier, _ = feel_frequency(design.loader.replace({"feel.inertia": both}, si=True).si_values)
     predicted = heavier / design.feel_frequency_rad_per_s
-    if abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > FREQUENCY_TOLERANCE / 2:
+    if abs(assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > FREQUENCY_TOLERANCE / 2:
         return ""  # something else is at work as well
     return (
         f" The column's own inertia J adds to the programmed I: that alone lowers the frequency to"
@@ -150,13 +153,13 @@ def _low_stiffness(design: Design, units: UnitSystem) -> str:
 
 
 def _valve(design: Design) -> str:
-    found = design.configuration("compensated").programmed.peaks
-    if not isinstance(found, Peaks):
+    peaks = design.configuration("compensated").programmed.peaks
+    if not isinstance(peaks, Peaks):
         return "Current and flow are not evaluated, because the loop is unstable."
-    within = found.current_share <= 1 and found.flow_share <= 1
+    within = peaks.current_share <= 1 and peaks.flow_share <= 1
     return (
-        f"The step of pilot force asks for {percent(found.current_share)} of the rated current and"
-        f" {percent(found.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
+        f"The step of pilot force asks for {percent(peaks.current_share)} of the rated current and"
+        f" {percent(peaks.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
     )
 
 
@@ -178,15 +181,17 @@ def _paths(design: Design) -> str:
 
 def _sensitivity(design: Design) -> str:
     row = worst(design.deviations)
-    found = row.assessment
-    if found is None:
+    assessment = row.assessment
+    if assessment is None:
         return "Sensitivity is not evaluated: every deviation leaves the range of its parameter."
     harm = (
-        f"deviates by {percent(found.tracking_error)}, {percent(found.static_error, signed=True)} at rest"
-        if found.stable
+        f"deviates by {percent(assessment.tracking_error)}, {percent(assessment.static_error, signed=True)} at rest"
+        if assessment.stable
         else "is unstable"
     )
-    unstable = sum(1 for one in design.deviations if one.assessment is not None and not one.assessment.stable)
+    unstable = sum(
+        1 for deviation in design.deviations if deviation.assessment is not None and not deviation.assessment.stable
+    )
     count = (
         f"No single deviation up to {max(CHANGES):.0%} makes it unstable"
         if unstable == 0
@@ -206,5 +211,5 @@ def _reach(configuration: Configuration, units: UnitSystem) -> str:
 
 def _edge(configuration: Configuration, units: UnitSystem) -> str:
     boundary = configuration.boundary
-    shown = ROTARY_STIFFNESS.from_si(boundary.stiffness_n_m_per_rad, units)
-    return f"{to_text(shown)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"
+    stiffness = ROTARY_STIFFNESS.from_si(boundary.stiffness_n_m_per_rad, units)
+    return f"{to_text(stiffness)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"

@@ -101,7 +101,7 @@ class LawComparison:
         >>> report = ff.design.LawResult("published", "the report's", None, None)
         >>> tried = ff.design.LawComparison(report, None, (), "", 0, "", ("my.toml",))
         >>> tried.compare_command
-        'forcefeel compensate my.toml --method auto --out methods'
+        'forcefeel law my.toml --law auto --out laws'
     """
 
     report: LawResult | None
@@ -115,7 +115,7 @@ class LawComparison:
     @property
     def compare_command(self) -> str:
         """The command that tries every law on more settings."""
-        return self._command("compensate", "--method", "auto", "--out", "methods")
+        return self._command("law", "--law", "auto", "--out", "laws")
 
     def commands(self, law: LawResult) -> tuple[str, ...]:
         """The commands that qualify a law and compute its envelope, each with a page of its own."""
@@ -129,5 +129,5 @@ class LawComparison:
     @property
     def laws(self) -> tuple[LawResult, ...]:
         """The laws beside each other: the best first."""
-        found = (self.best, *(() if self.report == self.best else (self.report,)))
-        return tuple(law for law in found if law is not None)
+        pair = (self.best, *(() if self.report == self.best else (self.report,)))
+        return tuple(law for law in pair if law is not None)

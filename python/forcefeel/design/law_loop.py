@@ -100,7 +100,7 @@ def _assess(loader: Loader, loops: SampledLoops, modes: tuple[Mode, ...], *, sta
     if not stable:
         return Assessment(False, abscissa, *[np.nan] * 7)
     feel = feel_mode(modes, *_core.feel_frequency(loader.si_values))
-    wanted, step = programmed_angle_rad(loader), _step(loader, loops, DURATION_S)
+    programmed_rad, step = programmed_angle_rad(loader), _step(loader, loops, DURATION_S)
     _, ideal = step_outputs(feel_model(loader), loader["pilot.force"], DURATION_S, len(step.time_s))
     settled = np.linalg.solve(np.eye(len(loops.matrix[0])) - loops.matrix[0], loops.by_force[0])[loops.base]
     reached = float(settled) / loader["column.base_arm"] * loader["pilot.force"]
@@ -111,7 +111,7 @@ def _assess(loader: Loader, loops: SampledLoops, modes: tuple[Mode, ...], *, sta
         damping_ratio=feel.damping_ratio,
         least_damping_ratio=min(mode.damping_ratio for mode in modes),
         static_angle_rad=reached,
-        static_error=reached / wanted - 1,
-        tracking_error=float(np.sqrt(np.mean((step.column_angle_rad - ideal[0]) ** 2))) / abs(wanted),
+        static_error=reached / programmed_rad - 1,
+        tracking_error=float(np.sqrt(np.mean((step.column_angle_rad - ideal[0]) ** 2))) / abs(programmed_rad),
         cost=np.nan,
     )

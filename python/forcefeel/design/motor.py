@@ -22,8 +22,8 @@ class MotorAnalysis(Analysis):
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.analyze(ff.loader.electric("sidestick-roll"))
-        >>> found.mode("current loop").damping_ratio
+        >>> analysis = ff.analyze(ff.loader.electric("sidestick-roll"))
+        >>> analysis.mode("current loop").damping_ratio
         1.0
     """
 
@@ -33,7 +33,7 @@ class MotorAnalysis(Analysis):
 
     def mode(self, name: str) -> NamedMode:
         """The mode of that name."""
-        return next(one for one in self.modes if one.name == name)
+        return next(mode for mode in self.modes if mode.name == name)
 
     @property
     def felt_inertia_n_m_s2_per_rad(self) -> Annotated[float, INERTIA]:

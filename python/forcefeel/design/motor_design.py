@@ -5,9 +5,8 @@ from math import pi
 
 from forcefeel.design.law_loop import LawLoop, law_loop
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
-from forcefeel.laws.law import DEFAULTS
+from forcefeel.laws.law import ROBUST
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.printable import table_html
 
 
@@ -22,8 +21,8 @@ class MotorDesign(MotorAnalysis):
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design_loader(ff.loader.electric("sidestick-roll"))
-        >>> found.law, found.acceptable
+        >>> design = ff.design_loader(ff.loader.electric("sidestick-roll"))
+        >>> design.law, design.acceptable
         ('robust', True)
     """
 
@@ -32,17 +31,28 @@ class MotorDesign(MotorAnalysis):
     low: LawLoop
 
     def __repr__(self) -> str:
-        found = self.programmed.assessment
-        return f"<MotorDesign of {self.loader.name!r} with {self.law}: {'stable' if found.stable else 'unstable'}>"
+        assessment = self.programmed.assessment
+        return f"<MotorDesign of {self.loader.name!r} with {self.law}: {'stable' if assessment.stable else 'unstable'}>"
 
     def _repr_html_(self) -> str:
-        names = (*(f"by current alone, {one.name} link" for one in self.configurations), f"under {self.law}")
-        judged = (*(one.programmed.assessment for one in self.configurations), self.programmed.assessment)
+        names = (
+            *(f"by current alone, {configuration.name} link" for configuration in self.configurations),
+            f"under {self.law}",
+        )
+        judged = (
+            *(configuration.programmed.assessment for configuration in self.configurations),
+            self.programmed.assessment,
+        )
         rows = (
-            (name, f"{it.frequency_rad_per_s / 2 / pi:.3g} Hz", f"{it.damping_ratio:.2g}", f"{it.static_error:+.1%}")
-            if it.stable
+            (
+                name,
+                f"{assessment.frequency_rad_per_s / 2 / pi:.3g} Hz",
+                f"{assessment.damping_ratio:.2g}",
+                f"{assessment.static_error:+.1%}",
+            )
+            if assessment.stable
             else (name, "unstable", "", "")
-            for name, it in zip(names, judged, strict=True)
+            for name, assessment in zip(names, judged, strict=True)
         )
         return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
 
@@ -52,22 +62,22 @@ class MotorDesign(MotorAnalysis):
         return self.programmed.assessment.stable
 
 
-def design_motor(loader: Loader, law: str = DEFAULTS[ELECTRIC]) -> MotorDesign:
+def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
     """Analyses an electric loader and judges what a law makes of it. ``choice.best_law`` tells which law is the best.
 
     Args:
         loader: The loader.
-        law: Name of a method that designs laws for a motor; the one that drives it where none is named if not given.
+        law: Name of a law for a motor; ``robust`` if not given.
 
     Raises:
         InputError: If ``loader`` is no loader, has a valve or no ``controller.period``; if there is no such law for it.
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.design_motor(ff.loader.electric("sidestick-roll"), "observer")
-        >>> f"{found.programmed.assessment.frequency_rad_per_s / found.feel_frequency_rad_per_s:.2f}"
+        >>> design = ff.design.design_motor(ff.loader.electric("sidestick-roll"), "observer")
+        >>> f"{design.programmed.assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s:.2f}"
         '1.00'
     """
-    found = analyze_motor(loader)
-    given = {row.name: getattr(found, row.name) for row in fields(found)}
-    return MotorDesign(**given, law=law, programmed=law_loop(loader, law), low=law_loop(found.low_loader, law))
+    analysis = analyze_motor(loader)
+    values = {row.name: getattr(analysis, row.name) for row in fields(analysis)}
+    return MotorDesign(**values, law=law, programmed=law_loop(loader, law), low=law_loop(analysis.low_loader, law))

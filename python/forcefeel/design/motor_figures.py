@@ -58,10 +58,12 @@ def _step(design: MotorDesign) -> Figure:
 
 def _response(model: LinearModel, loader: Loader, samples: int) -> xr.Dataset:
     time, outputs = step_outputs(model, loader["pilot.force"], DURATION_S, samples)
-    found = dict(zip(model.output_labels, outputs, strict=True))
+    signals = dict(zip(model.output_labels, outputs, strict=True))
     units = {"motor_current_a": "A", "motor_voltage_v": "V"}
     return _curve(
-        time, found["column_angle_rad"], **{name: (found[name], unit) for name, unit in units.items() if name in found}
+        time,
+        signals["column_angle_rad"],
+        **{name: (signals[name], unit) for name, unit in units.items() if name in signals},
     )
 
 

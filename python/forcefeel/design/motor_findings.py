@@ -41,55 +41,62 @@ def motor_conclusions(design: "MotorDesign", units: UnitSystem, tried: LawCompar
     )
 
 
-def plant_lines(found: MotorAnalysis, units: UnitSystem) -> list[str]:
+def plant_lines(analysis: MotorAnalysis, units: UnitSystem) -> list[str]:
     """What motor, link and column do without a law."""
-    return [inertia_text(found, units), _link(found), delay_text(found), boundary_text(found, units), _demand(found)]
+    return [
+        inertia_text(analysis, units),
+        _link(analysis),
+        delay_text(analysis),
+        boundary_text(analysis, units),
+        _demand(analysis),
+    ]
 
 
 def law_text(design: "MotorDesign") -> str:
     """What the law makes of the loader, linear."""
-    found, margins = design.programmed.assessment, design.programmed.margins
-    if not found.stable:
+    assessment, margins = design.programmed.assessment, design.programmed.margins
+    if not assessment.stable:
         return ""
     return (
-        f"Linear, under {design.law}, it is {settling(found)}, moves at {hertz(found.frequency_rad_per_s)} with a damping ratio of "
-        f"{to_text(found.damping_ratio, 2)}, and deviates from the ideal by {percent(found.tracking_error)} of the deflection over "
-        f"two seconds (root mean square). At its command it bears {to_text(margins.gain_up, 3)} times the gain and "
-        f"{_milliseconds(margins.delay_s)} more delay."
+        f"Linear, under {design.law}, it is {settling(assessment)}, moves at {hertz(assessment.frequency_rad_per_s)} with a "
+        f"damping ratio of {to_text(assessment.damping_ratio, 2)}, and deviates from the ideal by "
+        f"{percent(assessment.tracking_error)} of the deflection over two seconds (root mean square). At its command it bears "
+        f"{to_text(margins.gain_up, 3)} times the gain and {_milliseconds(margins.delay_s)} more delay."
     )
 
 
-def inertia_text(found: MotorAnalysis, units: UnitSystem) -> str:
+def inertia_text(analysis: MotorAnalysis, units: UnitSystem) -> str:
     """What the hand moves without a law, and how that feels."""
-    loop = found.configuration("compliant").programmed.assessment
+    loop = analysis.configuration("compliant").programmed.assessment
     rotor, column, felt, programmed = (
         _inertia(value, units)
         for value in (
-            found.rotor_inertia_n_m_s2_per_rad,
-            found.column_inertia_n_m_s2_per_rad,
-            found.felt_inertia_n_m_s2_per_rad,
-            found.loader["feel.inertia"],
+            analysis.rotor_inertia_n_m_s2_per_rad,
+            analysis.column_inertia_n_m_s2_per_rad,
+            analysis.felt_inertia_n_m_s2_per_rad,
+            analysis.loader["feel.inertia"],
         )
     )
-    shown = INERTIA.shown(units)
+    unit_name = INERTIA.shown(units)
     moves = (
         f" It moves at {hertz(loop.frequency_rad_per_s)} with a damping ratio of {to_text(loop.damping_ratio, 2)}, where "
-        f"{hertz(found.feel_frequency_rad_per_s)} and {to_text(found.feel_damping_ratio, 2)} are programmed, and {_static(loop)}."
+        f"{hertz(analysis.feel_frequency_rad_per_s)} and {to_text(analysis.feel_damping_ratio, 2)} are programmed, and "
+        f"{_static(loop)}."
         if loop.stable
         else " It is unstable at the programmed setting."
     )
     return (
         f"By current alone, the motor making the feel's spring and damper, the hand moves rotor ({rotor}) and column ({column}): "
-        f"{felt} {shown}, where I = {programmed} {shown} is programmed.{moves}"
+        f"{felt} {unit_name}, where I = {programmed} {unit_name} is programmed.{moves}"
     )
 
 
-def _static(found: Assessment) -> str:
-    return f"settles {percent(found.static_error, signed=True)} off, as the link is in series with G"
+def _static(assessment: Assessment) -> str:
+    return f"settles {percent(assessment.static_error, signed=True)} off, as the link is in series with G"
 
 
-def _link(found: MotorAnalysis) -> str:
-    swing, column, loop = (found.mode(name) for name in (ON_THE_LINK, COLUMN_ON_LINK, CURRENT_LOOP))
+def _link(analysis: MotorAnalysis) -> str:
+    swing, column, loop = (analysis.mode(name) for name in (ON_THE_LINK, COLUMN_ON_LINK, CURRENT_LOOP))
     how = "swing" if swing.imaginary_per_s > 0 else "creep"
     return (
         f"On the link rotor and column {how} against one another at {hertz(swing.frequency_rad_per_s)} with a damping ratio of "
@@ -107,10 +114,10 @@ def delay_s(margins: Margins) -> float:
     return max(margins.phase_margin_rad, 0.0) / w if isfinite(w) and w > 0 else nan
 
 
-def delay_text(found: MotorAnalysis) -> str:
+def delay_text(analysis: MotorAnalysis) -> str:
     """What delay the feel by current alone bears, beside the controller's."""
-    margins = found.configuration("compliant").programmed.margins
-    borne, loader = delay_s(margins), found.loader
+    margins = analysis.configuration("compliant").programmed.margins
+    borne, loader = delay_s(margins), analysis.loader
     if not isfinite(borne):
         return ""
     phase = to_text(ANGLE.from_si(margins.phase_margin_rad, UnitSystem.SI), 3)
@@ -121,15 +128,15 @@ def delay_text(found: MotorAnalysis) -> str:
     return f"{text}; the controller has {period} of period and {delay} of delay."
 
 
-def boundary_text(found: MotorAnalysis, units: UnitSystem) -> str:
+def boundary_text(analysis: MotorAnalysis, units: UnitSystem) -> str:
     """How stiff a feel the current alone can make."""
-    rigid, compliant = (found.configuration(name).boundary for name in ("rigid", "compliant"))
+    rigid, compliant = (analysis.configuration(name).boundary for name in ("rigid", "compliant"))
     stiffness = compliant.stiffness_n_m_per_rad
     if stiffness == 0:
         return f"By current alone the loader is {compliant.note} the feel."
     if stiffness == inf:
         return f"By current alone no stiffness is too much: {compliant.note}."
-    shown, highest = ROTARY_STIFFNESS.from_si(stiffness, units), found.loader["feel.maximum_stiffness"]
+    largest, highest = ROTARY_STIFFNESS.from_si(stiffness, units), analysis.loader["feel.maximum_stiffness"]
     with_rigid = rigid.stiffness_n_m_per_rad / highest
     other = (
         f"; with a rigid link to {to_text(with_rigid, 2)} times"
@@ -137,13 +144,13 @@ def boundary_text(found: MotorAnalysis, units: UnitSystem) -> str:
         else f"; with a rigid link it is {rigid.note}"
     )
     return (
-        f"By current alone under this controller G may grow to {to_text(shown, 3)} {ROTARY_STIFFNESS.shown(units)}, "
+        f"By current alone under this controller G may grow to {to_text(largest, 3)} {ROTARY_STIFFNESS.shown(units)}, "
         f"{to_text(stiffness / highest, 2)} times G_max ({compliant.note}){other}."
     )
 
 
-def _demand(found: MotorAnalysis) -> str:
-    peaks = found.configuration("compliant").programmed.peaks
+def _demand(analysis: MotorAnalysis) -> str:
+    peaks = analysis.configuration("compliant").programmed.peaks
     if not isinstance(peaks, MotorPeaks):
         return ""
     shares = {"current": peaks.current_share, "voltage": peaks.voltage_share}

@@ -15,14 +15,14 @@ FREQUENCY_TOLERANCE = 0.10
 """Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
 
 
-def rendering(what: str, found: Assessment, frequency_rad_per_s: float) -> str:
+def rendering(what: str, assessment: Assessment, frequency_rad_per_s: float) -> str:
     """Whether a loader is stable and renders the feel of that frequency, in a sentence; ``what`` names it."""
-    if not found.stable:
+    if not assessment.stable:
         return f"{what} is unstable at the programmed setting: do not close this loop."
-    if isnan(found.static_error):
+    if isnan(assessment.static_error):
         return f"{what} is stable, but {LOST}."
-    static = abs(found.static_error) <= SMALL_ERROR
-    moving = abs(found.frequency_rad_per_s / frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE
+    static = abs(assessment.static_error) <= SMALL_ERROR
+    moving = abs(assessment.frequency_rad_per_s / frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE
     if static and moving:
         return f"{what} is stable and renders the programmed feel, at rest and in motion."
     if static:
@@ -30,13 +30,13 @@ def rendering(what: str, found: Assessment, frequency_rad_per_s: float) -> str:
     return f"{what} is stable but does not settle where the programmed feel would."
 
 
-def settling(found: Assessment) -> str:
+def settling(assessment: Assessment) -> str:
     """Whether it is stable and where it settles, after ``is``."""
-    if not found.stable:
+    if not assessment.stable:
         return "unstable at the programmed setting"
-    if isnan(found.static_error):
+    if isnan(assessment.static_error):
         return f"stable, but {LOST}"
-    return f"stable and settles at {percent(1 + found.static_error)} of the programmed deflection"
+    return f"stable and settles at {percent(1 + assessment.static_error)} of the programmed deflection"
 
 
 def hertz(value: float) -> str:

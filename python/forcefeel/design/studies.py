@@ -33,8 +33,8 @@ class DroppedPaths:
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> found = ff.design.drop_paths(loader, ff.design_gains(loader).gains)
-        >>> found[0].paths
+        >>> rows = ff.design.drop_paths(loader, ff.design_gains(loader).gains)
+        >>> rows[0].paths
         ('c_1',)
     """
 
@@ -56,8 +56,8 @@ class Deviation:
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> found = ff.design.sensitivity(loader, ff.design_gains(loader).gains)
-        >>> found[0].quantity, found[0].change
+        >>> rows = ff.design.sensitivity(loader, ff.design_gains(loader).gains)
+        >>> rows[0].quantity, rows[0].change
         ('c_1', -0.2)
     """
 
@@ -89,10 +89,10 @@ def drop_paths(
             left = gains[:6].copy()
             left[list(dropped)] = 0.0
             law = state_feedback(loader, left)
-            found = assess(loader, law, settings)
+            assessment = assess(loader, law, settings)
             paths = tuple(GAIN_SYMBOLS[k] for k in dropped)
             edge = smallest_stable_stiffness(loader, law=law)
-            rows.append(DroppedPaths(paths, found, found.cost / full.cost - 1, edge))
+            rows.append(DroppedPaths(paths, assessment, assessment.cost / full.cost - 1, edge))
     return tuple(rows)
 
 
@@ -178,7 +178,7 @@ def worst(rows: tuple[Deviation, ...]) -> Deviation:
     def harm(row: Deviation) -> tuple[bool, float]:
         if row.assessment is None:
             return (False, -np.inf)
-        found = row.assessment
-        return (not found.stable, found.tracking_error if found.stable else found.abscissa_per_s)
+        assessment = row.assessment
+        return (not assessment.stable, assessment.tracking_error if assessment.stable else assessment.abscissa_per_s)
 
     return max(rows, key=harm)

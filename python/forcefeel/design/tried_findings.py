@@ -24,12 +24,12 @@ def lines(tried: LawComparison) -> list[str]:
     if tried.impossible:
         return []
     settings = f"{tried.settings} settings of stiffness, frequency and damping ratio"
-    found = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
+    texts = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
     report, best = tried.report, tried.best
     if report is not None and best != report:
-        found.append(f"The report's law, {report.name}, {report.rendered_text}.")
+        texts.append(f"The report's law, {report.name}, {report.rendered_text}.")
     if report is None and best is not None and best.qualified and best.qualified.reasons:
-        found.append(f"With {best.name}: {best.qualified.reasons[0]}")
+        texts.append(f"With {best.name}: {best.qualified.reasons[0]}")
     if report is not None and report.qualified and report.qualified.reasons:
-        found.append(f"With the report's law: {report.qualified.reasons[0]}")
-    return [*found, "The settings are few: the page names the commands that look closer."]
+        texts.append(f"With the report's law: {report.qualified.reasons[0]}")
+    return [*texts, "The settings are few: the page names the commands that look closer."]

@@ -54,8 +54,8 @@ class ServoAnalysis(Analysis):
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.analyze(ff.elevator())
-        >>> f"{found.servo(ff.linear.Linkage.COMPLIANT).margins.gain_margin:.1f}"
+        >>> analysis = ff.analyze(ff.elevator())
+        >>> f"{analysis.servo(ff.linear.Linkage.COMPLIANT).margins.gain_margin:.1f}"
         '26.5'
     """
 
@@ -63,7 +63,7 @@ class ServoAnalysis(Analysis):
 
     def servo(self, linkage: Linkage) -> ServoResult:
         """The servo with that link."""
-        return next(one for one in self.servos if one.linkage is linkage)
+        return next(servo for servo in self.servos if servo.linkage is linkage)
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,8 @@ class Design(ServoAnalysis):
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design_loader(ff.elevator())
-        >>> [one.name for one in found.configurations]
+        >>> design = ff.design_loader(ff.elevator())
+        >>> [configuration.name for configuration in design.configurations]
         ['rigid', 'compliant', 'compensated']
     """
 
@@ -91,22 +91,27 @@ class Design(ServoAnalysis):
     deviations: tuple[Deviation, ...]
 
     def __repr__(self) -> str:
-        found = self.configuration("compensated").programmed.assessment
+        assessment = self.configuration("compensated").programmed.assessment
         rendered = (
-            f"{found.frequency_rad_per_s / 2 / np.pi:.3g} Hz, damping ratio {found.damping_ratio:.2g}"
-            if found.stable
+            f"{assessment.frequency_rad_per_s / 2 / np.pi:.3g} Hz, damping ratio {assessment.damping_ratio:.2g}"
+            if assessment.stable
             else "unstable"
         )
         programmed = f"{self.feel_frequency_rad_per_s / 2 / np.pi:.3g} Hz, {self.feel_damping_ratio:.2g}"
         return f"<Design of {self.loader.name!r}: programmed {programmed}; compensated {rendered}>"
 
     def _repr_html_(self) -> str:
-        judged = ((one.name, one.programmed.assessment) for one in self.configurations)
+        judged = ((configuration.name, configuration.programmed.assessment) for configuration in self.configurations)
         rows = (
-            (name, f"{it.frequency_rad_per_s / 2 / np.pi:.3g} Hz", f"{it.damping_ratio:.2g}", f"{it.static_error:+.1%}")
-            if it.stable
+            (
+                name,
+                f"{assessment.frequency_rad_per_s / 2 / np.pi:.3g} Hz",
+                f"{assessment.damping_ratio:.2g}",
+                f"{assessment.static_error:+.1%}",
+            )
+            if assessment.stable
             else (name, "unstable", "", "")
-            for name, it in judged
+            for name, assessment in judged
         )
         return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
 
@@ -126,8 +131,8 @@ def analyze(loader: Loader) -> ServoAnalysis | MotorAnalysis:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.analyze(ff.elevator())
-        >>> found.configuration("compliant").boundary.note
+        >>> analysis = ff.analyze(ff.elevator())
+        >>> analysis.configuration("compliant").boundary.note
         'lost by oscillation at 12.0 Hz'
         >>> ff.analyze(ff.loader.electric("sidestick-roll")).configuration("compliant").boundary.note[:19]
         'lost by oscillation'
@@ -166,8 +171,8 @@ def design_loader(
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design_loader(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> design = ff.design_loader(ff.elevator())
+        >>> ff.design.conclusions(design, ff.UnitSystem.US).ok
         True
     """
     from forcefeel.design.motor_design import design_motor  # noqa: PLC0415  python-control, for which analyze need not wait
@@ -176,7 +181,7 @@ def design_loader(
     if loader.drive == ELECTRIC:
         if settings is not None:
             check_hydraulic(
-                loader, "recursion (22)", "a motor's law is by method, such as design.design_motor(loader, 'robust')"
+                loader, "recursion (22)", "a motor takes a sampled law, such as design.design_motor(loader, 'robust')"
             )
         return design_motor(loader)
     return design_servo(loader, settings, progress)
@@ -197,8 +202,8 @@ def design_servo(
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.design_servo(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> design = ff.design.design_servo(ff.elevator())
+        >>> ff.design.conclusions(design, ff.UnitSystem.US).ok
         True
     """
     check_hydraulic(loader, "the design of the report", "design_loader takes either")

@@ -1,4 +1,4 @@
-"""The envelope of feels that a loader can render: over the programmed settings, what is stable and what passes."""
+"""Envelope of a loader: the programmed feels at which a law is stable and passes the rule."""
 
 from forcefeel.public_names import public_names
 

@@ -1,4 +1,4 @@
-"""An envelope for machines: its figures as plain data, every number with its unit, and its settings as a table."""
+"""Envelope as JSON, every number with its unit, and its settings as CSV."""
 
 import csv
 import io
@@ -19,9 +19,9 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, INERTIA, PERCENT, UnitSystem
 
 
-def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
-    """What an envelope says, and of what."""
-    plan = found.plan
+def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
+    """Results and inputs of an envelope."""
+    plan = envelope.plan
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
@@ -30,32 +30,32 @@ def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
-        "forbidden": dict(found.forbidden.counts),
+        "forbidden": dict(envelope.forbidden.counts),
         "grid": grid_json(plan.settings, units),
         "tolerances": deviations_json(plan.deviations),
         "cases": [_case(case, units) for case in plan.cases],
         "draws": json_value(plan.draws, units),
-        "releases": releases(found),
+        "releases": releases(envelope),
         "omitted": list(plan.omitted),
-        "conclusions": json_value(envelope_conclusions(found, units), units),
-        "laws": {name: _law(found, name, units) for name in found.laws},
+        "conclusions": json_value(envelope_conclusions(envelope, units), units),
+        "laws": {name: _law(envelope, name, units) for name in envelope.laws},
     }
 
 
-def cockpit_json(found: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
-    """The table over the axes, then what the envelope of each says."""
+def cockpit_json(cockpit: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
+    """Table of all axes, then the envelope of each axis."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "project": found.name,
-        "conclusions": json_value(cockpit_conclusions(found), units),
-        "table": [json_value(row, units) for row in found.rows],
-        "axes": {axis: envelope_json(one, units) for axis, one in found.axes.items()},
+        "project": cockpit.name,
+        "conclusions": json_value(cockpit_conclusions(cockpit), units),
+        "table": [json_value(row, units) for row in cockpit.rows],
+        "axes": {axis: envelope_json(envelope, units) for axis, envelope in cockpit.axes.items()},
     }
 
 
 def rule_json(plan: Plan) -> dict[str, Json]:
-    """The release test that is asked for."""
+    """The required release test."""
     return {
         "edition": plan.rule,
         "title": plan.rules.title,
@@ -65,7 +65,7 @@ def rule_json(plan: Plan) -> dict[str, Json]:
 
 
 def grid_json(settings: Settings, units: UnitSystem) -> dict[str, Json]:
-    """The values along each axis."""
+    """Values along each axis."""
     return {
         name: {
             "unit": axis.unit.shown(units),
@@ -76,22 +76,22 @@ def grid_json(settings: Settings, units: UnitSystem) -> dict[str, Json]:
 
 
 def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
-    """How far each parameter may be off, in per cent of its value, and who says so; cases are made of its ends."""
+    """Deviation of each parameter in percent of its value, with its source; the cases use its ends."""
     return [
         {
             "parameter": key,
-            "origin": str(one.origin),
-            "distribution": str(one.spread.distribution),
-            "ends": [quantity(end, PERCENT, UnitSystem.SI) for end in one.ends],
+            "origin": str(deviation.origin),
+            "distribution": str(deviation.spread.distribution),
+            "ends": [quantity(end, PERCENT, UnitSystem.SI) for end in deviation.ends],
         }
-        for key, one in deviations.items()
+        for key, deviation in deviations.items()
     ]
 
 
-def releases(found: Envelope) -> int:
-    """Releases in all: of the cases, and of the machines that were drawn."""
+def releases(envelope: Envelope) -> int:
+    """Number of releases, of cases and drawn machines."""
     names = ("outcome", "drawn_outcome")
-    return sum(int(found.data[name].size) for name in names if name in found.data)
+    return sum(int(envelope.data[name].size) for name in names if name in envelope.data)
 
 
 def _case(case: Case, units: UnitSystem) -> dict[str, Json]:
@@ -104,45 +104,45 @@ def _case(case: Case, units: UnitSystem) -> dict[str, Json]:
     }
 
 
-def _law(found: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
+def _law(envelope: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
     return {
-        "shares": json_value(found.shares(name), units),
-        "shares_of_allowed": json_value(found.allowed_shares(name), units),
+        "shares": json_value(envelope.shares(name), units),
+        "shares_of_allowed": json_value(envelope.allowed_shares(name), units),
         "nominal_by_release_angle": [
             {
-                "release_angle": quantity(one.release_rad, ANGLE, units),
-                "allowed": one.allowed,
-                "passes": one.passes[name],
+                "release_angle": quantity(angle_shares.release_rad, ANGLE, units),
+                "allowed": angle_shares.allowed,
+                "passes": angle_shares.passes[name],
             }
-            for one in found.by_angle
+            for angle_shares in envelope.by_angle
         ],
-        "shares_log_weighted": json_value(found.even_shares(name), units),
-        "joint_tolerances": json_value(found.drawn_shares(name), units) if found.plan.machines else None,
-        "nominal_first_failure": {str(kind): share for kind, share in found.failure_shares(name).items()},
-        "smallest_nominally": json_value(found.smallest(name), units),
-        "smallest_in_every_case": json_value(found.smallest(name, worst=True), units),
-        "cases": [json_value(row, units) for row in found.case_shares(name)],
-        "passivity": json_value(found.passivity[name], units),
+        "shares_log_weighted": json_value(envelope.even_shares(name), units),
+        "joint_tolerances": json_value(envelope.drawn_shares(name), units) if envelope.plan.machines else None,
+        "nominal_first_failure": {str(kind): share for kind, share in envelope.failure_shares(name).items()},
+        "smallest_nominally": json_value(envelope.smallest(name), units),
+        "smallest_in_every_case": json_value(envelope.smallest(name, worst=True), units),
+        "cases": [json_value(row, units) for row in envelope.case_shares(name)],
+        "passivity": json_value(envelope.passivity[name], units),
     }
 
 
-def settings_csv(found: Envelope, units: UnitSystem) -> str:
-    """Every setting in a line: what is programmed, and how each law ends nominally and in its first failing case."""
-    plan = found.plan
+def settings_csv(envelope: Envelope, units: UnitSystem) -> str:
+    """A line for each setting: its feel, and the outcome of each law nominally and in its first failing case."""
+    plan = envelope.plan
     rows = plan.settings.rows * [axis.unit.from_si(1.0, units) for axis in AXES.values()]
     feel = plan.settings.feel(plan.loader)
-    shown = [INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])]
-    feel = feel * [one.from_si(1.0, units) for one in shown]
+    feel_units = [INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])]
+    feel = feel * [feel_unit.from_si(1.0, units) for feel_unit in feel_units]
     names = [f"{axis.title} ({axis.unit.shown(units)})".removesuffix(" ()") for axis in AXES.values()]
-    names += [f"{symbol} ({one.shown(units)})" for symbol, one in zip("IBG", shown, strict=True)]
+    names += [f"{symbol} ({feel_unit.shown(units)})" for symbol, feel_unit in zip("IBG", feel_units, strict=True)]
     columns = []
-    for name in found.laws:
-        codes = found.codes(name)
+    for name in envelope.laws:
+        codes = envelope.codes(name)
         first = np.argmax(codes != 0, axis=0)
-        case = np.array([one.name for one in plan.cases])[first]
+        case = np.array([case.name for case in plan.cases])[first]
         worst = np.take_along_axis(codes, first[np.newaxis], axis=0)[0]
-        columns.append([found.outcomes[code] for code in codes[0]])
-        columns.append([found.outcomes[code] for code in worst])
+        columns.append([envelope.outcomes[code] for code in codes[0]])
+        columns.append([envelope.outcomes[code] for code in worst])
         columns.append(np.where(worst == 0, "", case).tolist())
         names += [f"{name}: nominal", f"{name}: outcome in the first case that fails", f"{name}: first case that fails"]
     text = io.StringIO()

@@ -1,6 +1,6 @@
-"""The cases of an envelope: the nominal machine, each parameter at either end of its tolerance, each pilot's arm at the grip.
+"""Cases of an envelope: the nominal machine, each parameter at both ends of its tolerance, each pilot's arm at the grip.
 
-One thing at a time: a parameter is off with the hands off, an arm is at the grip of the nominal machine.
+Each case changes one thing: a parameter with hands off, or the arm at the grip of the nominal machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from forcefeel.loader.arms import ARMS, UNVERIFIED, Arm
 
 
 class Kind(StrEnum):
-    """What is not nominal in a case."""
+    """Kind of deviation in a case."""
 
     NOMINAL = "nominal"
     PLANT = "plant"
@@ -27,9 +27,9 @@ class PilotArm:
     """An arm at the grip.
 
     Attributes:
-        name: What it is called.
+        name: Its name.
         mass_kg, damping_n_s_per_m, stiffness_n_per_m: Mass, damper and spring at the grip.
-        verified: Whether somebody has held the set against its source.
+        verified: Whether the values were verified against their source.
     """
 
     name: str
@@ -40,16 +40,16 @@ class PilotArm:
 
     @property
     def values(self) -> tuple[float, float, float]:
-        """Mass, damping and stiffness, as ``arms.ARM_ROWS`` has them."""
+        """Mass, damping and stiffness, in the order of ``arms.ARM_ROWS``."""
         return self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m
 
 
-def _held(arm: Arm) -> PilotArm:
+def _reference_arm(arm: Arm) -> PilotArm:
     return PilotArm(str(arm), *ARMS[arm], verified=arm not in UNVERIFIED)
 
 
-REFERENCE_ARMS = (PilotArm("light", 0.8, 5.5, 30.0, verified=True), _held(Arm.LOOSE), _held(Arm.FIRM))
-"""The arms of the reference table beside none: both sets of public simulations, and the middle of the ranges for two hands."""
+REFERENCE_ARMS = (PilotArm("light", 0.8, 5.5, 30.0, verified=True), _reference_arm(Arm.LOOSE), _reference_arm(Arm.FIRM))
+"""Arms of the reference table: two sets of public simulations, and the middle of the ranges for two hands."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +57,9 @@ class Case:
     """One machine with one arm.
 
     Attributes:
-        name: What it is called, such as ``linkage.stiffness -20 %``.
-        kind: What is not nominal.
-        off: By which share of its value each parameter is off, of those that are: one of a plant's case, all of a drawn machine.
+        name: Its name, such as ``linkage.stiffness -20 %``.
+        kind: Kind of deviation.
+        off: Deviations as shares of the value: of one parameter in a plant case, of all in a drawn machine.
         arm: The pilot's arm; ``None`` for hands off.
     """
 
@@ -70,17 +70,17 @@ class Case:
 
     @property
     def parameter(self) -> str:
-        """The one parameter that is off; empty where none is, or several are."""
+        """The deviating parameter of a plant case; empty for other kinds."""
         return next(iter(self.off)) if self.kind is Kind.PLANT else ""
 
     @property
     def change(self) -> float:
-        """By which share of its value it is off."""
+        """Deviation of ``parameter`` as a share of its value."""
         return self.off.get(self.parameter, 0.0)
 
     @property
     def verified(self) -> bool:
-        """Whether its numbers have been held against a source, or need none."""
+        """Whether its numbers are verified against a source or need no source."""
         return self.arm is None or self.arm.verified
 
 
@@ -88,24 +88,24 @@ NOMINAL = Case("nominal", Kind.NOMINAL)
 
 
 def make_cases(deviations: Mapping[str, Deviation], arms: Sequence[PilotArm]) -> tuple[Case, ...]:
-    """The nominal case first, then each parameter at either end of its deviation, then the arms.
+    """Make the nominal case, then each parameter at both ends of its deviation, then the arms.
 
     Args:
-        deviations: How far each parameter may be off.
+        deviations: Deviation of each parameter.
         arms: The arms.
 
     Raises:
-        InputError: If an arm is bad.
+        InputError: If an arm is invalid.
     """
-    found = [NOMINAL]
+    cases = [NOMINAL]
     for key, deviation in deviations.items():
         ends = {f"{key} {100 * change:+.4g} %": change for change in deviation.ends if change}
-        found += [Case(name, Kind.PLANT, {key: change}) for name, change in ends.items()]
+        cases += [Case(name, Kind.PLANT, {key: change}) for name, change in ends.items()]
     for arm in arms:
         if not all(isfinite(value) and value >= 0 for value in arm.values):
             raise InputError(f"arms: {arm.name}: expected numbers of 0 or more, got {arm.values}")
-        found.append(Case(f"{arm.name} arm", Kind.ARM, arm=arm))
-    names = [case.name for case in found]
+        cases.append(Case(f"{arm.name} arm", Kind.ARM, arm=arm))
+    names = [case.name for case in cases]
     if len(set(names)) < len(names):
         raise InputError("arms: two have the same name; give each its own")
-    return tuple(found)
+    return tuple(cases)

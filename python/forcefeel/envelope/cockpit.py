@@ -1,4 +1,4 @@
-"""The envelopes of a cockpit: one for each axis of a project, and a table over them."""
+"""Envelopes of a cockpit: one for each axis of a project, and a table of all axes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -17,21 +17,21 @@ from forcefeel.loader.project import Project
 from forcefeel.units import ANGLE, PERCENT, UnitSystem
 
 SHARES = ("nominal", "every case", f"in {share_text(MOST)} of machines")
-"""Heads of the shares of a row."""
+"""Column heads of the shares."""
 
 
 @dataclass(frozen=True)
 class AxisRow:
-    """One law on one axis, as the table over the axes has it; shares of all settings.
+    """One law on one axis, with shares of all settings.
 
     Attributes:
-        axis, loader, drive, law: Which.
-        release_rad: Angle of its releases.
+        axis, loader, drive, law: Their names.
+        release_rad: Release angle.
         nominal_share: Passes with the nominal plant, hands off.
         worst_case_share: Passes in every case.
-        drawn: Passes in most of the machines with all tolerances at once; not a number where none were drawn.
-        worst_case: The case that loses most of what passes nominally; empty where none loses any.
-        lost: How much of it.
+        drawn: Passes in most machines with all tolerances at once; NaN without drawn machines.
+        worst_case: Case with the largest loss of nominal passes; empty without a loss.
+        lost: Share of the nominal passes that it loses.
     """
 
     axis: str
@@ -47,14 +47,15 @@ class AxisRow:
 
     @property
     def shares(self) -> tuple[str, ...]:
-        """The shares as people read them, as ``SHARES``."""
+        """The shares as text, in the order of ``SHARES``."""
         return tuple(
-            share_text(one) if isfinite(one) else "–" for one in (self.nominal_share, self.worst_case_share, self.drawn)
+            share_text(share) if isfinite(share) else "–"
+            for share in (self.nominal_share, self.worst_case_share, self.drawn)
         )
 
     @property
     def worst_text(self) -> str:
-        """The worst case as people read it."""
+        """The worst case as text."""
         if not self.nominal_share:
             return "–"
         return f"{self.worst_case} ({share_text(self.lost)})" if self.worst_case else "none"
@@ -65,18 +66,18 @@ class CockpitEnvelope:
     r"""The envelope of each axis of a cockpit.
 
     Attributes:
-        name: The project, by its file.
-        axes: By axis, in the file's order.
+        name: Name of the project, from its file.
+        axes: Envelopes by axis, in the order of the file.
 
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> found.axes["pitch"].laws
+        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> cockpit.axes["pitch"].laws
         ('original',)
     """
 
@@ -85,8 +86,8 @@ class CockpitEnvelope:
 
     @property
     def rows(self) -> tuple[AxisRow, ...]:
-        """The table over the axes, a row for each law of each."""
-        return tuple(_row(axis, one, law) for axis, one in self.axes.items() for law in one.laws)
+        """A row for each axis and law."""
+        return tuple(_row(axis, envelope, law) for axis, envelope in self.axes.items() for law in envelope.laws)
 
 
 def find_cockpit(
@@ -96,31 +97,31 @@ def find_cockpit(
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
 ) -> CockpitEnvelope:
-    r"""Which programmed feels each loader of a project renders.
+    r"""Compute the envelope of each loader of a project.
 
     Args:
         project: The project.
-        plan: What is to be computed of a loader of it. The rule's rows are those of its axis, whatever the plan says; of a stick
+        plan: Function from a loader to its plan. The rule's rows are those of the project's axis, not of the plan; of a stick
             those of pitch and roll.
-        threads: How many; all cores if not given.
-        progress: Called with the releases that are done and all there are.
+        threads: Number of threads; default: all cores.
+        progress: Called with the numbers of completed and of all releases.
 
     Raises:
-        InputError: As ``find_envelope``, with the axis; all plans are made before the work.
+        InputError: As ``find_envelope``, with the axis; all plans are checked before the computation.
 
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> [(row.axis, row.law) for row in found.rows]
+        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> [(row.axis, row.law) for row in cockpit.rows]
         [('pitch', 'original')]
     """
     plans = project.each(lambda axis, loader: replace(plan(loader), axis=rule_axis(axis)))
-    total = sum(one.releases for one in plans.values())
+    total = sum(plan.releases for plan in plans.values())
     done = 0
 
     def computed(axis: str, _: Loader) -> Envelope:
@@ -133,39 +134,39 @@ def find_cockpit(
 
 
 @of_result
-def cockpit_conclusions(found: CockpitEnvelope) -> Conclusions:
-    """Which axes render their envelope, and what each of them renders by its best law."""
-    short = [axis for axis, one in found.axes.items() if not renders(one)]
+def cockpit_conclusions(cockpit: CockpitEnvelope) -> Conclusions:
+    """Axes that render their envelope, and the shares of each law on each axis."""
+    short = [axis for axis, envelope in cockpit.axes.items() if not renders(envelope)]
     whole = f"{share_text(WHOLE_NOMINAL)} of the settings with the nominal plant and {share_text(WHOLE_WORST)} in every case"
     does = f"do{'es' if len(short) == 1 else ''} not render"
     verdict = capital(f"{', '.join(short)} {does} {whole}.") if short else f"Every axis renders {whole}."
     lines = []
-    for axis, one in found.axes.items():
+    for axis, envelope in cockpit.axes.items():
         each = ", ".join(
             f"{share_text(row.nominal_share)} with {name_text(row.law)} ({share_text(row.worst_case_share)} in every case)"
-            for row in found.rows
+            for row in cockpit.rows
             if row.axis == axis
         )
         lines.append(
-            f"{capital(axis)}, {one.plan.given.name}: {each} of {one.plan.settings.count:,} programmed feels, released "
-            f"from {angle_text(one.plan.release_rad, UnitSystem.SI)}."
+            f"{capital(axis)}, {envelope.plan.given.name}: {each} of {envelope.plan.settings.count:,} programmed feels, released "
+            f"from {angle_text(envelope.plan.release_rad, UnitSystem.SI)}."
         )
     return Conclusions(not short, verdict, tuple(lines))
 
 
-def _row(axis: str, found: Envelope, law: str) -> AxisRow:
-    shares, loader = found.shares(law), found.plan.given
-    cases = [row for kind in (Kind.PLANT, Kind.ARM) if (row := found.worst_case(law, kind)) is not None]
+def _row(axis: str, envelope: Envelope, law: str) -> AxisRow:
+    shares, loader = envelope.shares(law), envelope.plan.given
+    cases = [row for kind in (Kind.PLANT, Kind.ARM) if (row := envelope.worst_case(law, kind)) is not None]
     worst = max(cases, key=lambda row: row.lost, default=None)
     return AxisRow(
         axis,
         loader.name,
         loader.drive,
         law,
-        found.plan.release_rad,
+        envelope.plan.release_rad,
         shares.nominal_share,
         shares.worst_case_share,
-        found.drawn_shares(law).settings if found.plan.machines else nan,
+        envelope.drawn_shares(law).settings if envelope.plan.machines else nan,
         worst.case if worst else "",
         worst.lost if worst else 0.0,
     )

@@ -1,7 +1,7 @@
-"""How far each parameter of the machine that was built may lie from the value that its loader states, and who says so.
+"""Deviations of a machine's parameters from the loader's values, with their sources.
 
-A tolerance of the loader file sizes the cases and the draws of its parameter. Where the file gives none, one is assumed and called
-so: 20 %, of the valve's gain 30 %, uniform. The built-in loaders' own tolerances are assumed too, as their source says.
+A tolerance of the loader file sets the cases and draws of its parameter. Defaults, marked as assumed: uniform, 20 %; valve gain
+30 %. Tolerances of the built-in loaders are also assumed, as their source states.
 """
 
 from collections.abc import Mapping
@@ -34,26 +34,25 @@ from forcefeel.units import show
 USUAL_CHANGE, VALVE_GAIN_CHANGE = ASSUMED, 0.3
 
 FRICTION = "column.coulomb_friction"
-"""What a law gives back, and an error of it costs: it counts where the loader has it."""
+"""Friction that a law compensates; its deviation counts if the loader has friction."""
 
 CHANGES: Mapping[str, float] = MappingProxyType(
     {key: VALVE_GAIN_CHANGE if key == "valve.current_gain" else USUAL_CHANGE for key in (*PLANT_PARAMETERS, FRICTION)}
 )
-"""How far each parameter of the plant is assumed to be off, to either side. Not the sensors' gains, which are calibrated, nor those
-of the feel computer, which are numbers in a program."""
+"""Assumed deviation of each plant parameter, to either side. Sensor gains are calibrated; gains of the feel computer are exact."""
 
 MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys((*MOTOR_PARAMETERS, FRICTION), USUAL_CHANGE))
-"""Those of an electric loader."""
+"""Assumed deviations of an electric loader."""
 
 _IDLE = {False: {*ORIFICE.values(), "valve.rated_current"}, True: set(ORIFICE)}
-"""Rows of the valve that do nothing, without the orifice and with it."""
+"""Valve rows without effect, without the orifice and with it."""
 
 _MACHINE = ("amplifier", "valve", "actuator", "motor", "winding", "current_loop", "transmission", "linkage", "column")
 """Parts whose tolerances count. Sensors are calibrated; controller, feel and pilot are not the machine."""
 
 
 class Origin(StrEnum):
-    """Who says how far a parameter may be off."""
+    """Source of a deviation."""
 
     FILE = "loader file"
     GIVEN = "as asked"
@@ -62,11 +61,11 @@ class Origin(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far one parameter may be off.
+    """Deviation of one parameter.
 
     Attributes:
-        spread: Its distribution, in shares of the loader's value: 0 is the value itself.
-        origin: Who says so.
+        spread: Distribution in shares of the loader's value; 0 is the value itself.
+        origin: Source.
     """
 
     spread: Tolerance
@@ -74,32 +73,32 @@ class Deviation:
 
     @classmethod
     def within(cls, share: float, origin: Origin = Origin.GIVEN) -> "Deviation":
-        """Uniform, by a share to either side."""
+        """A uniform deviation by a share to either side."""
         return cls(Tolerance(Distribution.UNIFORM, -share, share), origin)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The shares by which the cases of the parameter are off: see ``Tolerance.ends``."""
+        """Deviations of the parameter's cases: see ``Tolerance.ends``."""
         return self.spread.ends
 
     @property
     def size(self) -> float:
-        """Half the distance of its ends; of one that goes as far to either side, the share itself."""
+        """Half the distance of its ends; for a symmetric deviation the share itself."""
         low, high = self.ends
         return (high - low) / 2
 
     @property
     def lean(self) -> float:
-        """How far its middle lies from the loader's value, as a share of ``size``: 0 for one that goes as far to either side."""
+        """Offset of its middle from the loader's value, as a share of ``size``; 0 for a symmetric deviation."""
         low, high = self.ends
         return (high + low) / (high - low)
 
     def drawn(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The shares by which machines are off, from uniform numbers between 0 and 1."""
+        """Deviations of machines from uniform numbers between 0 and 1."""
         return self.spread.quantile(u)
 
     def scaled(self, factor: float) -> "Deviation":
-        """The same, tightened about the loader's value."""
+        """The deviation times a factor, about the loader's value."""
         spread = self.spread
         numbers = {name: getattr(spread, name) for name in ("low", "high", "peak", "deviation")}
         moved = {name: factor * value for name, value in numbers.items() if value is not None}
@@ -107,62 +106,64 @@ class Deviation:
 
 
 def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
-    """How far the parameters of a loader may be off: by its own tolerances, and where it has none as assumed.
+    """Deviations of a loader's parameters: its own tolerances, otherwise assumed ones.
 
     Args:
-        loader: The loader. Where its flow follows the orifice, the orifice's rows stand for the valve's gains.
+        loader: The loader. If its flow follows the orifice, the orifice's rows replace the valve's gains.
 
     Raises:
-        InputError: If a tolerance leads out of its row's range.
+        InputError: If a tolerance leaves the range of its row.
     """
     orifice = bool(loader["valve.orifice"])
     of_drive = MOTOR_CHANGES if loader.drive == ELECTRIC else CHANGES
     usual = {key: share for key, share in of_drive.items() if key not in OFF or _has_shares(loader, key)}
     assumed = {ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
-    found = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
-    stated = {key: it for key, it in loader.tolerances.items() if _counts(loader, key)}
+    deviations = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
+    stated = {key: tolerance for key, tolerance in loader.tolerances.items() if _counts(loader, key)}
     if wrong := beyond(stated):
         raise InputError("\n".join(wrong))
-    found |= {key: Deviation(_in_shares(it, loader[key]), _origin(loader, key)) for key, it in stated.items()}
-    return MappingProxyType(found)
+    deviations |= {
+        key: Deviation(_in_shares(tolerance, loader[key]), _origin(loader, key)) for key, tolerance in stated.items()
+    }
+    return MappingProxyType(deviations)
 
 
 def uncounted(loader: Loader) -> tuple[str, ...]:
-    """The tolerances of a loader that no case is made of, though they may do something."""
+    """Tolerances of a loader that have no case although they may have an effect."""
     idle = _IDLE[bool(loader["valve.orifice"])]
     return tuple(key for key in loader.tolerances if key not in idle and not _counts(loader, key))
 
 
 def chosen_deviations(loader: Loader, changes: Mapping[str, float | Deviation] | None) -> Mapping[str, Deviation]:
-    """The deviations that are asked for; ``deviations_of`` the loader where nothing is.
+    """The requested deviations; ``deviations_of`` the loader if ``changes`` is ``None``.
 
     Args:
         loader: The loader.
         changes: Shares to either side, or deviations, by parameter.
 
     Raises:
-        InputError: If a parameter is none that can be off, or a share is not above 0 and below 1.
+        InputError: If a parameter cannot deviate, or a share is not above 0 and below 1.
     """
     if changes is None:
         return deviations_of(loader)
     for key in changes:
         _check_key(loader, key)
-    return MappingProxyType({key: _deviation(key, given) for key, given in changes.items()})
+    return MappingProxyType({key: _deviation(key, change) for key, change in changes.items()})
 
 
-def _deviation(key: str, given: float | Deviation) -> Deviation:
-    if isinstance(given, Deviation):
-        return given
-    if isinstance(given, bool) or not (isinstance(given, int | float) and 0 < given < 1):
-        raise InputError(f"changes: {key}: expected a share above 0 and below 1, got {show(given)}")
-    return Deviation.within(given)
+def _deviation(key: str, change: float | Deviation) -> Deviation:
+    if isinstance(change, Deviation):
+        return change
+    if isinstance(change, bool) or not (isinstance(change, int | float) and 0 < change < 1):
+        raise InputError(f"changes: {key}: expected a share above 0 and below 1, got {show(change)}")
+    return Deviation.within(change)
 
 
 def _check_key(loader: Loader, key: str) -> None:
     if key not in TABLE or is_switch(TABLE[key]):
         raise InputError(f"changes: expected parameters of the plant, got {show(key)}; {did_you_mean(key)}")
     if TABLE[key].part in {"controller", "feel", "pilot"}:
-        what = "the controller, the feel and the pilot are not the plant's"
+        what = "controller, feel and pilot are not part of the plant"
         raise InputError(f"changes: expected parameters of the plant, got {show(key)}; {what}")
     if not has(loader.drive, TABLE[key]):
         raise InputError(
@@ -177,31 +178,31 @@ def _has_shares(loader: Loader, key: str) -> bool:
 
 
 def _counts(loader: Loader, key: str) -> bool:
-    """Whether a tolerance of ``key`` makes cases."""
+    """Whether a tolerance of ``key`` has cases."""
     idle = _IDLE[bool(loader["valve.orifice"])]
     return TABLE[key].part in _MACHINE and key not in idle and _has_shares(loader, key)
 
 
 def _in_shares(tolerance: Tolerance, value: float) -> Tolerance:
-    """A tolerance in SI units as one in shares of the value's size."""
+    """A tolerance in SI units, converted to shares of the value's size."""
     size = abs(value)
     places = {name: getattr(tolerance, name) for name in ("low", "high", "peak")}
-    moved = {name: (place - value) / size for name, place in places.items() if place is not None}
+    moved = {name: (bound - value) / size for name, bound in places.items() if bound is not None}
     deviation = None if tolerance.deviation is None else tolerance.deviation / size
     return replace(tolerance, **moved, deviation=deviation, nominal=None)
 
 
 def _origin(loader: Loader, key: str) -> Origin:
-    """The loader file, unless the tolerance is one of a built-in loader's, which its source calls assumed."""
+    """Source of a tolerance: the loader file, or assumed for an unchanged tolerance of a built-in loader."""
     if loader.name not in BUILT_IN:
         return Origin.FILE
     own = BUILT_IN[loader.name]()
     if key not in own.tolerances or not loader.source.startswith(own.source):
         return Origin.FILE
-    mine, theirs = (_in_shares(one.tolerances[key], one[key]) for one in (loader, own))
-    same = mine.distribution is theirs.distribution and np.allclose(mine.ends, theirs.ends, rtol=_SAME, atol=0)
+    stated, built_in = (_in_shares(source.tolerances[key], source[key]) for source in (loader, own))
+    same = stated.distribution is built_in.distribution and np.allclose(stated.ends, built_in.ends, rtol=_SAME, atol=0)
     return Origin.ASSUMED if same else Origin.FILE
 
 
 _SAME = 1e-9
-"""Relative; tolerances that are the same but for rounding."""
+"""Relative difference of tolerances that counts as rounding."""

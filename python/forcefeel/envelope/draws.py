@@ -1,4 +1,4 @@
-"""Machines with all tolerances at once: every parameter off, each by a share of its own, drawn from its tolerance."""
+"""Machines with all tolerances at once: the deviation of each parameter is drawn from its tolerance."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from forcefeel.simulation.scenario import LARGEST_SEED
 from forcefeel.units import show
 
 MOST_DRAWS = 1000
-"""Most machines of an envelope."""
+"""Largest number of machines of an envelope."""
 
 
 @dataclass(frozen=True)
 class Draws:
-    """How many machines are drawn, and how.
+    """Number and kind of drawn machines.
 
     Attributes:
-        count: How many; none where it is 0.
-        seed: Of the draws; the same seed draws the same machines.
-        corners: Every parameter at one or the other end of its tolerance, in place of anywhere between.
+        count: Number of machines.
+        seed: Seed of the draws; the same seed draws the same machines.
+        corners: Draw every parameter at one end of its tolerance instead of within it.
 
     Raises:
-        InputError: If count or seed is no whole number in its range.
+        InputError: If count or seed is not a whole number in its range.
 
     Example:
         >>> import forcefeel as ff
@@ -40,17 +40,17 @@ class Draws:
 
     def __post_init__(self) -> None:
         for name, most in (("count", MOST_DRAWS), ("seed", LARGEST_SEED)):
-            given = getattr(self, name)
-            if not isinstance(given, int) or isinstance(given, bool) or not 0 <= given <= most:
-                raise InputError(f"draws: {name}: expected a whole number from 0 to {most:,}, got {show(given)}")
+            number = getattr(self, name)
+            if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number <= most:
+                raise InputError(f"draws: {name}: expected a whole number from 0 to {most:,}, got {show(number)}")
 
     def machines(self, deviations: Mapping[str, Deviation]) -> tuple[Case, ...]:
         """The machines, hands off.
 
-        The numbers of a parameter depend on the seed and its name alone: the first machines of many are those of few.
+        The numbers of a parameter depend only on the seed and its name: a larger count keeps the first machines.
 
         Args:
-            deviations: How far each parameter may be off.
+            deviations: Deviation of each parameter.
         """
         drawn = {}
         for key, deviation in deviations.items():
@@ -66,4 +66,4 @@ class Draws:
 NO_DRAWS = Draws()
 
 _HALF = 0.5
-"""Either end is as likely."""
+"""Probability of the lower end."""

@@ -20,36 +20,36 @@ WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 
 
 @of_result
-def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
+def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
     """Conclusions, with numbers in ``units``; ``ok`` if a law renders the envelope. The five most important findings come first."""
-    best = _best(found)
-    if found.forbidden.settings.all():
-        count = found.plan.settings.count
-        verdict = f"No law renders any of {count:,} programmed feels, released from {_angle(found, units)}."
+    best = _best(envelope)
+    if envelope.forbidden.settings.all():
+        count = envelope.plan.settings.count
+        verdict = f"No law renders any of {count:,} programmed feels, released from {_angle(envelope, units)}."
     else:
         each = ", ".join(
             f"{share_text(law.nominal_share)} with {name_text(law.law)} ({share_text(law.worst_case_share)} in every case)"
-            for law in map(found.allowed_shares, found.laws)
+            for law in map(envelope.allowed_shares, envelope.laws)
         )
-        verdict = f"Within tolerance: {each}, of {_feels(found)}, released from {_angle(found, units)}."
-    others = [name for name in found.laws if name != best.law]
-    lines = [*forbidden_sentences(found.forbidden, units), _fails(found, best.law), _worst(found, best.law)]
-    lines += [_drawn(found, best.law)] if found.plan.machines else []
-    lines += [_smallest(found, best.law, units), _passive(found)]
-    lines += [_by_angle(found, best.law, units)] if found.smaller else []
-    lines += [line for name in others for line in (_fails(found, name), _worst(found, name))]
-    lines += [_counted(found, units), *caveats(found, units)]
-    return Conclusions(renders(found), verdict, tuple(filter(None, lines)))
+        verdict = f"Within tolerance: {each}, of {_feels(envelope)}, released from {_angle(envelope, units)}."
+    others = [name for name in envelope.laws if name != best.law]
+    lines = [*forbidden_sentences(envelope.forbidden, units), _fails(envelope, best.law), _worst(envelope, best.law)]
+    lines += [_drawn(envelope, best.law)] if envelope.plan.machines else []
+    lines += [_smallest(envelope, best.law, units), _passive(envelope)]
+    lines += [_by_angle(envelope, best.law, units)] if envelope.smaller else []
+    lines += [line for name in others for line in (_fails(envelope, name), _worst(envelope, name))]
+    lines += [_counted(envelope, units), *caveats(envelope, units)]
+    return Conclusions(renders(envelope), verdict, tuple(filter(None, lines)))
 
 
-def renders(found: Envelope) -> bool:
+def renders(envelope: Envelope) -> bool:
     """Whether the best of the laws renders the envelope."""
-    best = _best(found)
+    best = _best(envelope)
     return best.nominal_share >= WHOLE_NOMINAL and best.worst_case_share >= WHOLE_WORST
 
 
-def _best(found: Envelope) -> Shares:
-    return max(map(found.shares, found.laws), key=lambda one: (one.worst_case_share, one.nominal_share))
+def _best(envelope: Envelope) -> Shares:
+    return max(map(envelope.shares, envelope.laws), key=lambda shares: (shares.worst_case_share, shares.nominal_share))
 
 
 def name_text(name: str) -> str:
@@ -61,10 +61,10 @@ def name_text(name: str) -> str:
     }.get(name, name)
 
 
-def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
+def caveats(envelope: Envelope, units: UnitSystem) -> tuple[str, ...]:
     """What the figures do not cover."""
-    plan = found.plan
-    lines = [*found.law_remarks, *tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]
+    plan = envelope.plan
+    lines = [*envelope.law_remarks, *tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]
     what = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     what += [case.name for case in plan.cases if not case.verified]
     if what:
@@ -81,9 +81,9 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _angle(found: Envelope, units: UnitSystem) -> str:
+def _angle(envelope: Envelope, units: UnitSystem) -> str:
     """Where the column is let go: the smaller, the more the sensors' noise counts."""
-    return angle_text(found.plan.release_rad, units)
+    return angle_text(envelope.plan.release_rad, units)
 
 
 def angle_text(angle_rad: float, units: UnitSystem) -> str:
@@ -91,29 +91,31 @@ def angle_text(angle_rad: float, units: UnitSystem) -> str:
     return f"{to_text(ANGLE.from_si(angle_rad, units), 3)} {ANGLE.shown(units)}"
 
 
-def _feels(found: Envelope) -> str:
+def _feels(envelope: Envelope) -> str:
     """What the shares are of."""
-    count = found.plan.settings.count
-    if not (counts := found.forbidden.counts):
+    count = envelope.plan.settings.count
+    if not (counts := envelope.forbidden.counts):
         return f"{count:,} programmed feels"
     *others, last = counts
     limits = f"{', '.join(others)} and {last} allow" if others else f"{last} allows"
     return f"the {count - sum(counts.values()):,} of {count:,} programmed feels that {limits}"
 
 
-def _by_angle(found: Envelope, name: str, units: UnitSystem) -> str:
+def _by_angle(envelope: Envelope, name: str, units: UnitSystem) -> str:
     """How the share falls for small releases."""
-    own, *others = found.by_angle
-    each = ", ".join(f"{share_text(one.passes[name])} from {angle_text(one.release_rad, units)}" for one in others)
+    own, *others = envelope.by_angle
+    each = ", ".join(
+        f"{share_text(point.passes[name])} from {angle_text(point.release_rad, units)}" for point in others
+    )
     return (
         f"Share by release angle, nominal plant, {name_text(name)}: {share_text(own.passes[name])} from "
         f"{angle_text(own.release_rad, units)}, {each}."
     )
 
 
-def _fails(found: Envelope, name: str) -> str:
-    shares = found.shares(name)
-    failing = {kind: share for kind, share in found.failure_shares(name).items() if share > 0}
+def _fails(envelope: Envelope, name: str) -> str:
+    shares = envelope.shares(name)
+    failing = {kind: share for kind, share in envelope.failure_shares(name).items() if share > 0}
     if not failing:
         return f"{_sentence(name)}: stable and within tolerance at every setting with the nominal plant."
     order = sorted(failing, key=lambda kind: -failing[kind])
@@ -123,17 +125,17 @@ def _fails(found: Envelope, name: str) -> str:
     )
 
 
-def _worst(found: Envelope, name: str) -> str:
-    rows = [row for kind in (Kind.PLANT, Kind.ARM) if (row := found.worst_case(name, kind)) is not None]
+def _worst(envelope: Envelope, name: str) -> str:
+    rows = [row for kind in (Kind.PLANT, Kind.ARM) if (row := envelope.worst_case(name, kind)) is not None]
     if not rows:
         return ""
     parts = [f"{row.case} ({share_text(row.lost)})" for row in rows]
     return f"With {name_text(name)}, the largest loss of nominal passes comes from {' and from the '.join(parts)}."
 
 
-def _drawn(found: Envelope, name: str) -> str:
-    drawn, most = found.drawn_shares(name), share_text(MOST)
-    where = "at the corners of" if found.plan.draws.corners else "at random within"
+def _drawn(envelope: Envelope, name: str) -> str:
+    drawn, most = envelope.drawn_shares(name), share_text(MOST)
+    where = "at the corners of" if envelope.plan.draws.corners else "at random within"
     interval = interval_text(drawn.good_low, drawn.good_high)
     return (
         f"All tolerances at once ({drawn.machines:,} machines {where} them, hands off, {name_text(name)}): a machine passes at "
@@ -143,15 +145,15 @@ def _drawn(found: Envelope, name: str) -> str:
     )
 
 
-def _counted(found: Envelope, units: UnitSystem) -> str:
+def _counted(envelope: Envelope, units: UnitSystem) -> str:
     """By which grid the shares count, and what another weight of its points would give."""
-    settings = found.plan.settings
+    settings = envelope.plan.settings
     grid = "; ".join(
         f"{axis.title} {spacing_text(axis, getattr(settings, name), units)}" for name, axis in AXES.items()
     )
     others = ", ".join(
-        f"{share_text(one.nominal_share)} with {name_text(one.law)} ({share_text(one.worst_case_share)} in every case)"
-        for one in map(found.even_shares, found.laws)
+        f"{share_text(shares.nominal_share)} with {name_text(shares.law)} ({share_text(shares.worst_case_share)} in every case)"
+        for shares in map(envelope.even_shares, envelope.laws)
     )
     return (
         f"Every point of the grid counts the same: {grid}. With weights by equal logarithmic steps along all three axes, the "
@@ -161,14 +163,14 @@ def _counted(found: Envelope, units: UnitSystem) -> str:
 
 def spacing_text(axis: Axis, values: Sequence[float], units: UnitSystem) -> str:
     """The values of an axis, or how many there are from where to where."""
-    shown = [to_text(axis.unit.from_si(value, units), 3) for value in values]
+    texts = [to_text(axis.unit.from_si(value, units), 3) for value in values]
     name = f" {axis.unit.shown(units)}".rstrip()
     even = [
         kind for kind, step in (("in proportion", np.diff(np.log(values))), ("evenly", np.diff(values))) if _equal(step)
     ]
     if even and len(values) > _FEW:
-        return f"{shown[0]} to {shown[-1]}{name}, {len(values)} values {even[0]}"
-    return f"{', '.join(shown)}{name}"
+        return f"{texts[0]} to {texts[-1]}{name}, {len(values)} values {even[0]}"
+    return f"{', '.join(texts)}{name}"
 
 
 _FEW = 3
@@ -183,8 +185,8 @@ _SAME = 1e-6
 """Relative; steps that are the same but for rounding."""
 
 
-def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:
-    edge = found.smallest(name)
+def _smallest(envelope: Envelope, name: str, units: UnitSystem) -> str:
+    edge = envelope.smallest(name)
     if not isfinite(edge.inertia_n_m_s2_per_rad):
         return ""
     stiffness = unit(TABLE["feel.stiffness"])
@@ -196,10 +198,10 @@ def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:
     )
 
 
-def _passive(found: Envelope) -> str:
+def _passive(envelope: Envelope) -> str:
     states = []
-    for name in found.laws:
-        grip = found.passivity[name]
+    for name in envelope.laws:
+        grip = envelope.passivity[name]
         if not grip.stable:
             state = "unstable"
         elif grip.first_hz == inf:

@@ -1,39 +1,37 @@
-"""Settings that no law renders: what the drive cannot give, and what the sensors' noise covers.
+"""Settings that no law renders, because of the drive or the sensor noise.
 
 ``theta_0`` angle of the release · ``I``, ``B``, ``G`` programmed, ``w``, ``zeta`` their frequency and damping ratio · ``J`` column
 · ``T`` sample period
 
-**Drive.** The rule times the way back, from 0.9 of ``theta_0`` to zero, or to 0.1 where it does not swing, and allows a tolerance
-more than the ideal's. Forbidden is a setting for which the drive takes longer with all that it has (``sizing.fastest``). Of a
-motor also one whose ``G theta_0`` it does not hold standing still (``sizing.too_small``).
+**Drive.** The rule times the return from 0.9 of ``theta_0`` to zero, or to 0.1 for a feel that does not swing. It allows the time
+of the ideal plus a tolerance. A setting is forbidden if the drive at its limits takes longer (``sizing.fastest``). With a motor it
+is also forbidden if the motor cannot hold ``G theta_0`` at rest (``sizing.too_small``).
 
-**Throw.** The torque ``G theta_0`` stretches the link, which throws the column as the hand lets go, before the drive can follow.
-The rule begins its first time where the column falls through 0.9 of ``theta_0``. Forbidden is a setting whose column does so
-earlier than the feel's by more than ``THROWN`` times that time's tolerance, although the drive runs after it with all that it has
-from the first command on that can know of the release (``sizing.letting_go``): a law that renders the feel once the throw is over
-crosses zero when the feel does, give or take the tolerance, and so fails.
+**Throw.** The torque ``G theta_0`` stretches the link, which throws the column at the release, before the drive can follow. The
+rule's first time begins when the column falls through 0.9 of ``theta_0``. The latest possible begin is that with the drive at its
+limits from the first command after the release (``sizing.letting_go``). A setting is forbidden if even this is earlier than the
+begin of the feel by more than ``THROWN`` times the tolerance of that time. A law that renders the feel after the throw crosses zero
+with the feel, within the tolerance, and so fails.
 
-**Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The torque ``T_l`` of the link is what a law makes of its samples of
-``theta``, which have the noise ``n``. Whatever the linear law ``T_l = C (theta + n)``, with ``H`` what it renders of a hand's
-torque,
+**Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The link's torque ``T_l`` is the law's response to samples of ``theta``
+with the noise ``n``. For every linear law ``T_l = C (theta + n)``, with ``H`` its rendered response to a hand's torque,
 
     theta = H T_p + C n / (J s^2 - C),     H = 1 / (J s^2 - C)
     theta = H T_p + (J s^2 H - 1) n
 
-so that a law that renders ``H = 1 / (I s^2 + B s + G)`` moves the column so much by its noise, and nothing but another ``H`` makes
-it less. Counted are the frequencies up to twice the feel's alone, above which a law may do what it likes:
+so the noise motion depends only on the rendered ``H = 1 / (I s^2 + B s + G)``. Only frequencies up to twice the feel's count,
+because a law is free above them:
 
     sigma^2 = (V T / pi) int_0^{2 w} |J s^2 H - 1|^2 d omega
 
-``V`` variance of what the column's sensor and, through the link, that of the drive's end tell of theta together. The load cell's
-noise beside it is no part of the bound: where the machine is known ``T_l`` follows from the commands, and a law that so leaves the
-load cell out renders light feels that its noise covers in others (``laws.sampled.rules``). A sensor at the grip tells of ``T_p``
-too, but for ``m s^2 theta`` of what lies outboard, with the variance ``V_g``. Of all ``T_l = C (theta + n) +
-D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has in place of V
+``V`` is the variance of theta from the column's sensor and, through the link, the sensor at the drive's end. The load cell's noise
+is not part of the bound: for a known machine ``T_l`` follows from the commands, and a law without the load cell renders lighter
+feels (``laws.sampled.rules``). A sensor at the grip measures ``T_p - m s^2 theta``, ``m`` the outboard inertia, with the variance
+``V_g``. Of all ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has instead of V
 
     V V_g / (V_g + ((J - m) omega^2)^2 V)
 
-Forbidden is a setting whose ``sigma`` is above ``COVERED`` times the band in which the rule wants it at rest.
+A setting is forbidden if ``sigma`` is above ``COVERED`` times the rule's rest band.
 """
 
 from dataclasses import dataclass, field
@@ -59,28 +57,28 @@ REASONS = (*Limit, NOISE, THROW)
 """Why a setting is forbidden."""
 
 COVERED = 1.0
-"""Times the residual band: noise that is as large r.m.s. leaves the band, and counts as overshoots, at most turns."""
+"""Factor on the rest band: noise with this r.m.s. leaves the band at most turns and counts as overshoots."""
 
 THROWN = 2.0
-"""Times the tolerance of the first time: once for the rule, and once for the law, whose zero crossing may be off by it too."""
+"""Factor on the tolerance of the first time: once for the rule, once for the law's zero crossing."""
 
 _HIGHEST, _FREQUENCIES = 2.0, 401
-"""Times the feel's frequency, and into how many the range is cut: some ten within the width of the least damped resonance."""
+"""Highest frequency as a factor on the feel's, and number of points: some ten within the width of the least damped resonance."""
 
 
 @dataclass(frozen=True, eq=False)
 class Forbidden:
-    """What no law renders of a plan's settings.
+    """Settings of a plan that no law renders.
 
     Attributes:
-        reason: Place of each setting's reason in ``REASONS``, -1 where it is allowed, (settings,).
-        fastest_s: The least time for the way back, (settings,).
-        most_s: The longest that the rule allows, (settings,).
-        noise_rad: sigma, (settings,); zero of an analog loader.
-        thrown_s: By when at the latest the link throws the column through the angle where the first time begins; infinite where it
-            need not, (settings,).
-        begins_s: When the feel comes there, (settings,).
-        beyond: What the motor cannot hold.
+        reason: Index of each setting's reason in ``REASONS``, -1 if allowed, (settings,).
+        fastest_s: Shortest time of the return, (settings,).
+        most_s: Longest time that the rule allows, (settings,).
+        noise_rad: sigma, (settings,); zero for an analog loader.
+        thrown_s: Latest time at which the thrown column passes the angle where the first time begins; infinite if the drive can
+            prevent it, (settings,).
+        begins_s: Time at which the feel passes that angle, (settings,).
+        beyond: Settings that the motor cannot hold.
     """
 
     reason: NDArray[np.int8] = field(repr=False)
@@ -98,21 +96,21 @@ class Forbidden:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many settings each reason forbids, of those that forbid any; each is counted once."""
-        found = np.bincount(self.reason[self.settings], minlength=len(REASONS)).tolist()
-        return {str(reason): count for reason, count in zip(REASONS, found, strict=True) if count}
+        """Number of settings that each reason forbids, without zeros; a setting counts once."""
+        counts = np.bincount(self.reason[self.settings], minlength=len(REASONS)).tolist()
+        return {str(reason): count for reason, count in zip(REASONS, counts, strict=True) if count}
 
     def of(self, reason: str) -> NDArray[np.bool_]:
-        """Which settings one reason forbids."""
+        """Settings that one reason forbids."""
         return np.asarray(self.reason == REASONS.index(reason))
 
 
 def forbidden(plan: Plan, *, threads: int | None = None) -> Forbidden:
-    """What no law renders of a plan's settings, released from the plan's angle.
+    """Find the settings of a plan that no law renders, released from the plan's angle.
 
     Args:
         plan: The envelope; its laws and cases are not used.
-        threads: How many; all cores if not given.
+        threads: Number of threads; default: all cores.
     """
     loader, fastest, angle = plan.loader, Fastest.of(plan.loader), plan.release_rad
     feel, rules = plan.settings.feel(loader), plan.rules.release
@@ -138,9 +136,9 @@ def forbidden(plan: Plan, *, threads: int | None = None) -> Forbidden:
 
 @dataclass(frozen=True, eq=False)
 class _FirstTimes:
-    """Of the feels: whether each swings, when the first time that the rule compares begins, and its tolerance; (settings,) each.
+    """First time that the rule compares, for each feel: whether the feel swings, begin, duration and tolerance; (settings,) each.
 
-    Endless is the tolerance of a time that the rule does not ask for.
+    The tolerance is infinite for a time that the rule does not require.
     """
 
     swings: NDArray[np.bool_]
@@ -150,7 +148,7 @@ class _FirstTimes:
 
     @property
     def most_s(self) -> NDArray[np.float64]:
-        """How long the way back may take."""
+        """Longest allowed time of the return."""
         return self.time_s + self.tolerance_s
 
 
@@ -165,14 +163,14 @@ def _first_times(plan: Plan, feel: NDArray[np.float64], threads: int) -> _FirstT
     level = plan.rules.release.high * plan.release_rad
     for which, record in pieces(plan):
         ideal = ideal_releases(feel[which], plan.release_rad, record.step_s, record.samples)
-        found = measured(plan, record, ideal, threads)
-        swings[which] = found.count > 0
+        measures = measured(plan, record, ideal, threads)
+        swings[which] = measures.count > 0
         begins[which] = _falls_through(ideal, level, record.step_s)
         for turns, quantity, times in (
-            (True, "P0", found.cycles_s[:, 0]),
-            (False, "fall time", found.fall_time_s),
+            (True, "P0", measures.cycles_s[:, 0]),
+            (False, "fall time", measures.fall_time_s),
         ):
-            these = (found.count > 0) == turns
+            these = (measures.count > 0) == turns
             limit = plan.test.tolerance(quantity)
             time[which[these]] = times[these]
             if limit is not None:
@@ -181,9 +179,9 @@ def _first_times(plan: Plan, feel: NDArray[np.float64], threads: int) -> _FirstT
 
 
 def _falls_through(angles: NDArray[np.float64], level: float, step_s: float) -> NDArray[np.float64]:
-    """When each history, (settings, samples), first falls through a level that it begins above, between two samples."""
+    """Time at which each history (settings, samples) first falls below a level, interpolated between two samples."""
     after = (angles < level).argmax(axis=1)
-    above, below = (angles[np.arange(len(angles)), place] for place in (after - 1, after))
+    above, below = (angles[np.arange(len(angles)), column] for column in (after - 1, after))
     return np.asarray((after - 1 + (above - level) / (above - below)) * step_s)
 
 
@@ -209,7 +207,7 @@ def _sampled(loader: Loader, omega: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def angle_variance(loader: Loader) -> float:
-    """Variance in rad^2 of what a sample of all sensors tells of the column's angle, ``x_p = alpha R_b theta + F_c / k``."""
+    """Variance in rad^2 of the column angle from a sample of all sensors, ``x_p = alpha R_b theta + F_c / k``."""
     force, end, angle = sample_variance(loader)[: len(SENSORS)].tolist()
     lever = loader["linkage.ratio"] * loader["column.base_arm"]
     through_link = (end + force / loader["linkage.stiffness"] ** 2) / lever**2

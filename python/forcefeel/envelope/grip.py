@@ -1,12 +1,12 @@
-"""The admittance at the grip, hands off: ``Y(jw) = v / F_p``, ``v`` the grip's velocity, from the linear model of many loops.
+"""Admittance at the grip, hands off: ``Y(jw) = v / F_p``, ``v`` velocity of the grip, from linear models of many loops.
 
 | loop | ``Y(jw)`` |
 |---|---|
 | analog, eq. (17) | ``c (jw - A)^-1 b`` |
 | sampled, ``x+ = M x + b_F F_p`` | ``jw c (e^(jwT) - M)^-1 b_F / H(jw)`` |
 
-``H(jw) = (1 - e^(-jwT)) / (jwT)`` takes off that the pilot's force is held over the period in ``b_F``; it holds well below half the
-sampling rate.
+``H(jw) = (1 - e^(-jwT)) / (jwT)`` compensates the hold of the pilot's force over a period in ``b_F``. This is valid well below half
+the sampling rate.
 """
 
 from collections.abc import Sequence
@@ -26,13 +26,13 @@ from forcefeel.loops.sampled_loop import sampled_loops
 
 @dataclass(frozen=True, eq=False)
 class Grips:
-    """The grips of loops.
+    """Linear models from the pilot's force to the grip, one for each loop.
 
     Attributes:
         matrix: A or M, (loops, states, states), balanced.
         by_force: b or b_F, (loops, states), per N.
-        row: c, (loops, states): the grip's velocity in m/s of an analog loop, its place in m of a sampled one.
-        period_s: Sample period; ``None`` for analog loops.
+        row: c, (loops, states): velocity of the grip in m/s for an analog loop, its position in m for a sampled loop.
+        period_s: Sample period in s; ``None`` for analog loops.
     """
 
     matrix: NDArray[np.float64] = field(repr=False)
@@ -42,16 +42,16 @@ class Grips:
 
     @classmethod
     def of(cls, loader: Loader, laws: Law, feel: NDArray[np.float64]) -> "Grips":
-        """The grips of a loader at settings I, B, G, a row each."""
+        """Models of a loader at settings I, B, G, (settings, 3)."""
         rows = loader.rows(FEEL_SETTING, feel)
         if not loader["controller.period"]:
             return cls(
                 *_balanced([_analog(values, laws.single(loader, k).fixed) for k, values in enumerate(rows)]), None
             )
         loops = sampled_loops(loader, laws, rows)
-        place = np.zeros(loops.matrix.shape[1])
-        place[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
-        models = [(m, b, place) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
+        angle_row = np.zeros(loops.matrix.shape[1])
+        angle_row[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
+        models = [(m, b, angle_row) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
         return cls(*_balanced(models), loops.period_s)
 
     def poles_and_residues(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -71,14 +71,14 @@ class Grips:
         return np.asarray(s if self.period_s is None else np.exp(s * self.period_s))
 
     def factor(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the sum is multiplied by."""
+        """Factor on the sum of residues: 1, or ``jw / H(jw)`` of a sampled loop."""
         s = 2j * np.pi * frequency_hz
         if self.period_s is None:
             return np.ones_like(s)
         return np.asarray(s * (s * self.period_s) / (1 - np.exp(-s * self.period_s)))
 
     def admittance(self, loop: int, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """``Y(jw)`` of one loop, without its poles."""
+        """``Y(jw)`` of one loop, by solving the linear system instead of residues."""
         matrix, n = self.matrix[loop], self.matrix.shape[1]
         resolvent = self.points(frequency_hz)[:, None, None] * np.eye(n) - matrix
         states = np.linalg.solve(resolvent, np.broadcast_to(self.by_force[loop][:, None], (len(frequency_hz), n, 1)))
@@ -89,10 +89,10 @@ _Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 def _analog(values: NDArray[np.float64], law: GainLaw | None) -> _Model:
-    """``A`` of eq. (17), the column for the pilot's force and the row for the velocity at the grip."""
+    """``A`` of eq. (17), the input column of the pilot's force and the output row of the grip's velocity."""
     a, b, c, _ = _core.compliant(values, law or GainLaw.original(values))
     row = np.zeros(len(a))
-    # v = R_p theta', theta' the same row on the velocity as theta on the position
+    # v = R_p theta'; theta' has the same row on the velocity state as theta on the position state.
     row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]
     return a, b[:, 0], row
 
@@ -102,9 +102,9 @@ _BASE, _BASE_RATE = 6, 7
 
 
 def _balanced(models: Sequence[_Model]) -> _Model:
-    found = []
+    balanced_models = []
     for a, b, row in models:
         balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-        found.append((balanced, b / scale, row * scale))
-    matrix, by_force, row = (np.array(part) for part in zip(*found, strict=True))
+        balanced_models.append((balanced, b / scale, row * scale))
+    matrix, by_force, row = (np.array(part) for part in zip(*balanced_models, strict=True))
     return matrix, by_force, row

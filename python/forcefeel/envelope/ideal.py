@@ -1,4 +1,4 @@
-"""The ideal of a setting: I, B, G of eq. (11), with the pilot's arm where there is one, released from rest.
+"""Ideal release of a setting: I, B, G of eq. (11), with the pilot's arm if any, released from rest.
 
 ``x(t + tau) = phi_11(tau) x(t) + phi_12(tau) v(t)`` with the transition matrix of ``x'' + 2 zeta w x' + w^2 x = 0``.
 """
@@ -12,11 +12,11 @@ _BLOCK = 64
 
 
 def ideal_releases(feel: NDArray[np.float64], angle: float, step_s: float, samples: int) -> NDArray[np.float64]:
-    """Column angle (settings, samples) from the release at ``angle`` on; exact at the samples."""
+    """Column angle (settings, samples) after the release at ``angle``; exact at the samples."""
     blocks = -(-samples // _BLOCK)
     within = _core.feel_transitions(feel, np.arange(_BLOCK, dtype=np.float64) * step_s)[:, :, 0]
     starts = np.arange(blocks, dtype=np.float64) * (_BLOCK * step_s)
-    # At rest before: the first column of the transition matrix.
+    # Released from rest, so only the first column of the transition matrix counts.
     states = angle * _core.feel_transitions(feel, starts)[..., 0]
-    found = states @ within.swapaxes(1, 2)
-    return np.ascontiguousarray(found.reshape(len(feel), -1)[:, :samples])
+    angles = states @ within.swapaxes(1, 2)
+    return np.ascontiguousarray(angles.reshape(len(feel), -1)[:, :samples])

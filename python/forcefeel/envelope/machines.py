@@ -1,8 +1,8 @@
-"""The machines of a case as rows of parameters, one for each setting.
+"""Machines of a case as rows of parameters, one row for each setting.
 
-Gains that differ from setting to setting take the arm of the load cell's torque, ``alpha R_b``, from each row's geometry, while a
-law is designed with the nominal one's. A feel computer that hears a torque ``s`` times too large and has ``s I``, ``s B``, ``s G``
-moves as one that hears it right: where the geometry is off, the rows hold that feel, and the law is the nominal one's exactly.
+A law is designed with the nominal torque arm of the load cell, ``alpha R_b``. Gains that differ between settings take the arm from
+each row's geometry instead. Scaling I, B, G by the torque scale ``s`` cancels this: a feel computer with torque input ``s T`` and
+``s I``, ``s B``, ``s G`` moves as with ``T`` and ``I``, ``B``, ``G``. Rows with a geometry deviation contain the scaled feel.
 """
 
 from math import prod
@@ -19,9 +19,9 @@ _GEOMETRY = ("linkage.ratio", "column.base_arm")
 
 
 def feel_json(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
-    """The loader with the feel I, B, G alone and no arm at its grip, and what was left out of it.
+    """The loader with only I, B, G as its feel and without an arm, and the omitted rows.
 
-    What is programmed in an envelope is I, B and G; friction, breakout, stops or a curve of the feel would be another feel.
+    An envelope programs only I, B and G; friction, breakout, stops or a curve would change the feel.
     """
     rows = [key for key in loader.given if key.startswith(("feel.", "pilot."))]
     bare = loader.with_tolerances(dict.fromkeys(key for key in rows if key in loader.tolerances))
@@ -36,12 +36,12 @@ def _without_curves(loader: Loader) -> Loader:
 
 
 def columns(case: Case) -> list[str]:
-    """The rows of the parameter table in which the machines of a case differ from the loader."""
+    """Parameter rows that differ from the loader in the machines of a case."""
     return [*FEEL_SETTING, *ARM_ROWS, *case.off]
 
 
 def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -> NDArray[np.float64]:
-    """SI values of ``columns(case)`` for settings I, B, G, a row each."""
+    """SI values of ``columns(case)``, a row for each setting I, B, G."""
     scale = prod(1 + case.off.get(key, 0.0) for key in _GEOMETRY) if laws.gains is not None else 1.0
     arm = case.arm.values if case.arm else (0.0, 0.0, 0.0)
     rest = (*arm, *(loader[key] + share * abs(loader[key]) for key, share in case.off.items()))
@@ -49,5 +49,5 @@ def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -
 
 
 def full_rows(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -> NDArray[np.float64]:
-    """The same as whole rows of the parameter table."""
+    """SI values of all parameters, a row for each setting I, B, G."""
     return loader.rows(columns(case), machines(loader, case, feel, laws))

@@ -1,4 +1,4 @@
-"""What an envelope is made of: a loader, the settings, the laws, the rule, what is off its value, the arms."""
+"""Inputs of an envelope: loader, settings, laws, rule, deviations and arms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,10 +12,9 @@ from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect, expect_number
-from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, LawLike, check_given, named
+from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
 from forcefeel.qualification.rules import Axis, Test
 from forcefeel.qualification.throw import Throw
@@ -24,39 +23,38 @@ from forcefeel.units import ANGLE, show
 _LARGEST_ANGLE = radians(90.0)
 
 SMALLER = tuple(map(radians, (10.0, 5.0, 2.0, 1.0, 0.5)))
-"""Releases from which a share is stated beside its own."""
+"""Further release angles with a stated share."""
 
 _BELOW = 0.99
-"""Share of the angle; what is nearer is the same."""
+"""Share of the release angle; larger angles count as the same."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """An envelope to be computed.
+    """Plan of an envelope.
 
     Attributes:
-        given: The loader as it was given. Its own feel and arm are not used.
-        laws: The laws by name: names of ``law.NAMED_LAWS``, or laws of one's own.
-        settings: The grid of settings.
-        rule: Edition of the rule whose release test it must pass.
-        changes: How far each parameter of the plant is off: shares to either side, or deviations; ``deviations_of`` the loader if
-            not given.
-        arms: The arms at the grip, beside none.
-        angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
-        draws: How many machines are drawn from all tolerances at once; none if not given.
-        smaller_rad: Further angles of release at which the nominal plant is tried, hands off; none if not given.
-        axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
-        loader: The loader with a feel of I, B and G alone.
-        omitted: Rows of the feel and the arm that the loader has and the envelope leaves out.
-        deviations: How far each parameter may be off, and who says so.
-        cases: The nominal case, then what is off, then the arms.
-        machines: The machines that are drawn.
+        given: The input loader. Its own feel and arm are not used.
+        laws: Laws by name: names of ``law.NAMED_LAWS``, or your own laws.
+        settings: Grid of settings.
+        rule: Edition of the rule with the required release test.
+        changes: Deviations of the plant parameters, or shares to either side; default: ``deviations_of`` the loader.
+        arms: Arms at the grip, in addition to hands off.
+        angle_rad: Release angle; default: the rule's largest share of the throw, of its shorter side.
+        draws: Machines drawn with all tolerances at once; default: none.
+        smaller_rad: Further release angles for the nominal plant, hands off; default: none.
+        axis: Control axis of the rule; default: that of a built-in loader with the same name, else pitch.
+        loader: The loader with only I, B and G as its feel.
+        omitted: Rows of feel and arm that the envelope omits.
+        deviations: Deviation of each parameter, with its source.
+        cases: The nominal case, then the deviations, then the arms.
+        machines: The drawn machines.
         rules: The rule.
         test: Its release test.
-        throw: How far the column goes, for the release and for tolerances that are shares of the travel.
+        throw: Travel of the column, for the release and for tolerances that are shares of the travel.
 
     Raises:
-        InputError: If a part of it is bad.
+        InputError: If an argument is invalid.
 
     Example:
         >>> import forcefeel as ff
@@ -95,7 +93,7 @@ class Plan:
         if not self.laws:
             raise InputError(f"laws: expected at least one, such as {', '.join(NAMED_LAWS)}")
         deviations = chosen_deviations(loader, self.changes)
-        found = {
+        derived = {
             "loader": loader,
             "omitted": omitted,
             "deviations": deviations,
@@ -106,42 +104,42 @@ class Plan:
             "throw": Throw.of(self.given),
             "laws": MappingProxyType(dict(self.laws)),
         }
-        for name, value in found.items():
+        for name, value in derived.items():
             object.__setattr__(self, name, value)
 
     @property
     def release_rad(self) -> float:
-        """Angle of the release."""
+        """Release angle."""
         if self.angle_rad is not None:
             return self.angle_rad
         return self.throw.release_rad(self.rules)
 
     def with_smaller_releases(self) -> "Plan":
-        """The plan with those of ``SMALLER`` that are below its own angle; as it is where releases are linear."""
+        """The plan with the angles of ``SMALLER`` below its own; unchanged if releases are linear."""
         if self.linear:
             return self
-        return replace(self, smaller_rad=tuple(one for one in SMALLER if one < _BELOW * self.release_rad))
+        return replace(self, smaller_rad=tuple(angle for angle in SMALLER if angle < _BELOW * self.release_rad))
 
     @property
     def releases(self) -> int:
-        """How many releases it has in all."""
+        """Number of releases."""
         cases = len(self.cases) + len(self.machines) + len(self.smaller_rad)
         return len(self.laws) * cases * self.settings.count
 
     @property
     def linear(self) -> bool:
-        """Whether the loader has no optional rows: its releases are exact."""
+        """Whether the loader has no optional rows, so that releases are exact."""
         return not self.loader.given
 
     @property
     def rule_verified(self) -> bool:
-        """Whether every tolerance of the release test, and how it is read, has been held against the document."""
+        """Whether every tolerance of the release test and its measuring method are verified against the document."""
         rows = [self.test.is_verified(tolerance) for tolerance in self.test.tolerances]
         return all(rows) and self.rules.release.verified
 
 
 class PlanOptions(TypedDict, total=False):
-    """The options of ``Plan``, for functions that take them as keywords; what each means stands there."""
+    """Options of ``Plan``, for functions that take them as keywords; see ``Plan``."""
 
     rule: str
     changes: Mapping[str, float | Deviation] | None
@@ -158,27 +156,22 @@ def _check_angle(name: str, angle: float) -> None:
         raise InputError(f"{name}: expected an angle above 0 and up to 90 deg, got {show(angle)} rad")
 
 
-def usual_law(loader: Loader) -> str:
-    """The law of an envelope for which none is named."""
-    return DEFAULTS[ELECTRIC] if loader.drive == ELECTRIC else "published"
-
-
 def make_plan(
     loader: Loader,
     laws: Sequence[str] | Mapping[str, LawLike] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: Unpack[PlanOptions],
 ) -> Plan:
-    """A plan from names and text.
+    """Make a plan from names and text.
 
     Args:
         loader: The loader.
         laws: Names of ``law.NAMED_LAWS``, or laws by name.
-        grid: Axes as ``Settings.of`` takes them.
+        grid: Axes, as in ``Settings.of``.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``axis`` of ``Plan``.
 
     Raises:
-        InputError: If one of them is bad.
+        InputError: If an argument is invalid.
 
     Example:
         >>> import forcefeel as ff

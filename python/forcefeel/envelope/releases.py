@@ -1,8 +1,8 @@
-"""Releases of many settings: exact where the loader is linear and analog, stepped by the engine where it is not.
+"""Releases of many settings: exact for a linear analog loader, otherwise simulated.
 
-Stable is what the linear model says: the analog loop's poles, or those of the sampled loop with its delay.
+Stability is that of the linear model: poles of the analog loop, or of the sampled loop with its delay.
 
-What comes of either are the column's angles over time, at a rate that follows the programmed frequency.
+The result is the column angle over time, with a sampling rate that follows the programmed frequency.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,23 +28,23 @@ from forcefeel.simulation.scenario import LONGEST_STEP_S
 
 _FEWEST_PERIODS = 10
 _LEFT = 1e-3
-"""Of the deflection: the ideal has come this near to its rest at the end of the record."""
+"""Remaining share of the ideal's deflection at the end of the record."""
 
 _SHORTEST_STEP_S, _MOST_DOUBLINGS = 1e-3, 2
 _SAMPLES_IN_PERIOD = 250
-"""At least; and none longer than 4 ms, so that the column on its link, at some 20 Hz, is seen."""
+"""Fewest samples in a period. The step is at most 4 ms, which resolves the column on its link at some 20 Hz."""
 
 _CHUNK_BYTES = 2**24
-"""Histories in memory at once: they stay near the processor on their way from the release to its measure."""
+"""Histories in memory at once; they stay in the processor's cache."""
 
 
 @dataclass(frozen=True)
 class Record:
-    """How long a release is recorded, and how finely.
+    """Duration and sampling of a recorded release.
 
     Attributes:
-        step_s: Time between samples.
-        samples: Samples, the first at the moment of the release.
+        step_s: Time between samples, s.
+        samples: Number of samples, the first at the release.
     """
 
     step_s: float
@@ -52,7 +52,7 @@ class Record:
 
     @classmethod
     def of(cls, frequency: float, least_damping: float) -> "Record":
-        """For a programmed frequency in rad/s and the least damping ratio of the grid."""
+        """Record for a programmed frequency in rad/s and the smallest damping ratio of the grid."""
         period = 2 * pi / frequency
         doublings = int(
             np.clip(np.floor(np.log2(period / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9), 0, _MOST_DOUBLINGS)
@@ -68,17 +68,17 @@ class Record:
 
     @property
     def duration_s(self) -> float:
-        """From the release to the last sample."""
+        """Time from the release to the last sample."""
         return (self.samples - 1) * self.step_s
 
     def chunks(self, count: int) -> Iterator[slice]:
-        """So many records in pieces that fit into ``_CHUNK_BYTES``."""
+        """Slices of ``count`` records that fit into ``_CHUNK_BYTES``."""
         size = max(8, _CHUNK_BYTES // (8 * self.samples) // 8 * 8)
         return (slice(first, min(first + size, count)) for first in range(0, count, size))
 
 
 def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
-    """The settings of one frequency after the other, as many as are in memory together, with how they are recorded."""
+    """Chunks of settings with the same frequency, each with its record."""
     for frequency in plan.settings.frequency:
         record = Record.of(frequency, plan.settings.damping[0])
         which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
@@ -87,28 +87,28 @@ def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
 
 
 def measured(plan: Plan, record: Record, angles: NDArray[np.float64], threads: int) -> ReleaseBatch:
-    """Releases measured as the plan's rule says."""
+    """Figures of releases by the plan's rule."""
     return measure_releases(record.time_s, angles, held=1, rules=plan.rules.release, threads=threads)
 
 
 def carrying(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
-    """I, B, G, a row each, with the arm that both the column and the ideal carry."""
+    """I, B, G (settings, 3) with the arm at the grip of both the column and the ideal."""
     return feel if arm is None else with_arm(loader, feel, arm.values)
 
 
 def released(
     plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, record: Record, threads: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Whether each setting's loop is stable, and its column's angle (cases x settings, samples) after the release.
+    """Stability of each loop and its column angle (cases x settings, samples) after the release.
 
     Args:
         plan: The envelope.
-        cases: Machines and arms. With a digital controller they run in one batch, since one of few settings leaves lanes and
-            cores idle; each run has its own noise, by its place in the batch.
-        feel: I, B, G of the settings, a row each.
-        laws: The law of each.
-        record: How long, how finely.
-        threads: How many.
+        cases: Machines and arms. With a digital controller they run in one batch, which keeps lanes and cores busy for few
+            settings. The noise of a run depends on its index in the batch.
+        feel: I, B, G of the settings, (settings, 3).
+        laws: Law of each setting.
+        record: Duration and sampling.
+        threads: Number of threads.
     """
     if plan.loader["controller.period"]:
         rows = np.vstack([full_rows(plan.loader, case, feel, laws) for case in cases])
@@ -134,7 +134,7 @@ def _analog(
 
 
 _STABLE, _STABLE_BY_POLES = 1, 3
-"""Verdicts of the kernel."""
+"""Codes of the kernel."""
 
 
 def _stepped(
@@ -145,7 +145,7 @@ def _stepped(
     threads: int,
     stable: NDArray[np.bool_],
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """The same on a loader with optional rows. A run that diverged is unstable, whatever the linear model says."""
+    """The same with simulation, for optional rows. A run that diverges counts as unstable."""
     angles = np.full((len(rows), record.samples), np.nan)
     which = np.flatnonzero(stable)
     if not len(which):

@@ -1,4 +1,4 @@
-"""What an envelope says: the outcome at each setting, for each law, in each case; shares; what can be rendered."""
+"""Envelope result: outcome at each setting for each law and case, shares, and the smallest feel."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PASSES, UNSTABLE, NOT_HELD = "passes", "unstable", "force not held"
-"""Outcomes beside the figure that fails first; the last of a release that passes from a force that the motor cannot hold."""
+"""Outcomes other than the first failing figure. ``NOT_HELD``: the release passes, but the motor cannot hold the force before it."""
 
 
 class Failure(StrEnum):
-    """Why a setting does not pass, in the order of the rule; what a map is coloured by."""
+    """Why a setting does not pass, in the order of the rule; gives the color on a map."""
 
     DRIVE = "forbidden by the drive"
     NOISE = "forbidden by the sensors' noise"
@@ -55,12 +55,11 @@ COLORS = {
     Failure.NOISE: "#DFB98C",
     Failure.UNSTABLE: "#2B2B2B",
 }
-"""What becomes of a setting, and its colour on every map: Okabe and Ito's hues, which the colour-blind can tell apart; light and
-dark differ too, for print without colour."""
+"""Color of each outcome on every map: Okabe and Ito's hues for color blindness; lightness differs too, for print without color."""
 
 
 def failure_of(outcome: str) -> Failure | None:
-    """The kind of failure of an outcome; ``None`` for one that passes."""
+    """Kind of failure of an outcome; ``None`` for a pass."""
     if outcome == PASSES:
         return None
     if outcome in {UNSTABLE, NOT_HELD}:
@@ -78,12 +77,12 @@ def failure_of(outcome: str) -> Failure | None:
 
 @dataclass(frozen=True)
 class Shares:
-    """One law in one number each, as shares of all settings.
+    """Shares of all settings for one law.
 
     Attributes:
         law: Its name.
         stable: Stable with the nominal plant, hands off.
-        nominal_share: Passes the release test there.
+        nominal_share: Passes the release test with the nominal plant, hands off.
         stable_worst: Stable in every case.
         worst_case_share: Passes in every case.
     """
@@ -97,16 +96,16 @@ class Shares:
 
 @dataclass(frozen=True)
 class DrawnShares:
-    """One law on machines that were drawn from all tolerances at once.
+    """Shares of one law on machines drawn with all tolerances at once.
 
     Attributes:
         law: Its name.
-        machines: How many were drawn.
+        machines: Number of machines.
         settings: Share of the settings that pass in at least ``MOST`` of the machines.
         good: Share of the machines that pass at ``MOST`` of the settings or more.
-        good_low, good_high: Between these lies the share of all such machines, with a confidence of 95 %: Wilson's interval.
-        passes: Share of the settings that a machine passes at, the mean of all machines.
-        least: That of the worst of the machines.
+        good_low, good_high: Wilson's interval of this share, confidence 95 %.
+        passes: Share of the settings at which a machine passes, mean of all machines.
+        least: The same for the worst machine.
     """
 
     law: str
@@ -121,11 +120,11 @@ class DrawnShares:
 
 @dataclass(frozen=True)
 class AllowedShares:
-    """One law's shares of the settings that drive and sensors allow; not numbers where they allow none.
+    """Shares of one law among the settings that drive and sensors allow; NaN if they allow none.
 
     Attributes:
         law: Its name.
-        settings: How many settings are allowed.
+        settings: Number of allowed settings.
         nominal_share: Passes with the nominal plant, hands off.
         worst_case_share: Passes in every case.
     """
@@ -138,12 +137,12 @@ class AllowedShares:
 
 @dataclass(frozen=True)
 class AngleShares:
-    """What is rendered from another angle with the nominal plant, hands off: the smaller it is, the more noise counts.
+    """Shares at one release angle with the nominal plant, hands off; noise counts more at smaller angles.
 
     Attributes:
-        release_rad: The angle.
-        allowed: Share of the settings that drive and sensors allow there.
-        passes: Share of all settings that passes, by law.
+        release_rad: Release angle.
+        allowed: Share of the settings that drive and sensors allow at this angle.
+        passes: Share of all settings that pass, by law.
     """
 
     release_rad: Annotated[float, ANGLE]
@@ -152,12 +151,12 @@ class AngleShares:
 
 
 MOST = 0.95
-"""Share of the machines, or of the settings, that counts as most of them."""
+"""Share of machines or settings that counts as most of them."""
 
 
 @dataclass(frozen=True)
 class EvenShares:
-    """One law's shares where equal steps in proportion count the same along stiffness, frequency and damping ratio.
+    """Shares of one law with logarithmic weights along stiffness, frequency and damping ratio.
 
     Attributes:
         law: Its name.
@@ -172,13 +171,13 @@ class EvenShares:
 
 @dataclass(frozen=True)
 class CaseShares:
-    """What one case does.
+    """Shares of one case.
 
     Attributes:
         case: Its name.
         stable, passes: Shares of all settings.
-        lost: Share of those settings that pass nominally and no longer do; not a number where none passes nominally.
-        verified: Whether the case's numbers have been held against a source.
+        lost: Share of the nominal passes that fail in this case; NaN without nominal passes.
+        verified: Whether the case's numbers were verified against a source.
     """
 
     case: str
@@ -190,12 +189,12 @@ class CaseShares:
 
 @dataclass(frozen=True)
 class Smallest:
-    """The smallest inertia and the smallest stiffness that a law renders: the edges of what passes on the grid.
+    """Smallest inertia and smallest stiffness that a law renders on the grid.
 
     Attributes:
         law: Its name.
-        worst: Of what passes in every case, or nominally.
-        inertia_n_m_s2_per_rad: Smallest I; not a number where nothing passes.
+        worst: Of the passes in every case instead of the nominal passes.
+        inertia_n_m_s2_per_rad: Smallest I; NaN if no setting passes.
         stiffness_n_m_per_rad: Smallest G.
         inertia_share: The smallest I as a share of the column's own inertia J.
         stiffness_share: The smallest G as a share of G_max.
@@ -216,15 +215,15 @@ class Envelope:
     """A computed envelope.
 
     Attributes:
-        plan: Of what.
-        data: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the least
-            margin as a share of its tolerance: 1 exact, 0 at the limit, not a number where it could not be measured. Where
-            machines were drawn, ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..) too, and ``off`` (machine, parameter): by
-            which share of its value each parameter is off.
-        outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
-        passivity: How passive the grip is, by law.
-        smaller: The shares from ``Plan.smaller_rad``.
-        law_remarks: Of laws that were made for another loader: ``Law.made_for_another``.
+        plan: Its plan.
+        data: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
+            margin as a share of its tolerance: 1 exact, 0 at the limit, NaN if not measurable. With drawn machines also
+            ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
+            parameter as a share of its value.
+        outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
+        passivity: Passivity of the grip, by law.
+        smaller: Shares at the angles of ``Plan.smaller_rad``.
+        law_remarks: Remarks on laws designed for another loader: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -241,9 +240,10 @@ class Envelope:
     law_remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        found = map(self.shares, self.laws)
+        all_shares = map(self.shares, self.laws)
         each = "; ".join(
-            f"{it.law} passes at {it.nominal_share:.1%}, in every case at {it.worst_case_share:.1%}" for it in found
+            f"{shares.law} passes at {shares.nominal_share:.1%}, in every case at {shares.worst_case_share:.1%}"
+            for shares in all_shares
         )
         return f"<Envelope of {self.plan.given.name!r}, {self.plan.settings.count:,} settings: {each}>"
 
@@ -256,29 +256,29 @@ class Envelope:
         units: UnitSystem = UnitSystem.SI,
         ax: "Axes | None" = None,
     ) -> "Axes":
-        """Draws the map of what passes, and of what fails first where it does not, over stiffness and natural frequency.
+        """Draw the map of passes and first failures over stiffness and natural frequency.
 
         Args:
-            law: Which law; the last if not given.
-            damping: The map of the damping ratio nearest to this; the loader's own if not given.
-            worst: Coloured by what fails in the first case that fails, in place of what fails nominally.
+            law: Name of the law; default: the last.
+            damping: Damping ratio of the map; the nearest value of the grid is taken. Default: that of the loader.
+            worst: Color by the failure in the first failing case instead of the nominal failure.
             units: Units of the labels.
-            ax: Matplotlib axes to draw on; of a figure of its own if not given.
+            ax: Matplotlib axes; default: a new figure.
 
         Returns:
             The axes.
 
         Raises:
-            InputError: If the envelope has no such law.
+            InputError: If the envelope does not contain the law.
 
         Example:
             >>> import forcefeel as ff
             >>> grid = {"stiffness": "5..100 %:4:log", "frequency": "1..4 Hz:3", "damping": "0.3, 0.7"}
-            >>> found = ff.find_envelope(ff.elevator(), ["converged"], grid)
-            >>> found.plot(damping=0.7).get_ylabel()
+            >>> envelope = ff.find_envelope(ff.elevator(), ["converged"], grid)
+            >>> envelope.plot(damping=0.7).get_ylabel()
             'Natural frequency, Hz'
         """
-        from forcefeel.plots.draw import cells  # noqa: PLC0415  Matplotlib, for whoever plots
+        from forcefeel.plots.draw import cells  # noqa: PLC0415  loads Matplotlib only for plots
 
         name = self.laws[-1] if law is None else law
         if name not in self.laws:
@@ -286,8 +286,8 @@ class Envelope:
         settings, loader = self.plan.settings, self.plan.given
         inertia, friction, stiffness = (loader[key] for key in FEEL_SETTING)
         frequency = (stiffness / inertia) ** 0.5
-        wanted = friction / (2 * inertia * frequency) if damping is None else damping
-        row = int(np.argmin(np.abs(np.array(settings.damping) - wanted)))
+        nearest_to = friction / (2 * inertia * frequency) if damping is None else damping
+        row = int(np.argmin(np.abs(np.array(settings.damping) - nearest_to)))
         return cells(
             self.kinds(name, worst=worst)[row],
             COLORS,
@@ -310,7 +310,7 @@ class Envelope:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Their names."""
+        """Names of the laws."""
         return tuple(self.plan.laws)
 
     def codes(self, law: str) -> NDArray[np.int8]:
@@ -326,13 +326,13 @@ class Envelope:
         return np.asarray(self.codes(law) != self.outcomes.index(UNSTABLE))
 
     def shares(self, law: str) -> Shares:
-        """A law in one number each."""
+        """Shares of all settings for a law."""
         stable, passes = self.stable(law), self.passes(law)
-        found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
-        return Shares(law, *(float(which.mean()) for which in found))
+        masks = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
+        return Shares(law, *(float(which.mean()) for which in masks))
 
     def allowed_shares(self, law: str) -> AllowedShares:
-        """A law's shares of the settings that are not forbidden to every law."""
+        """Shares of a law among the settings that are not forbidden to every law."""
         allowed, passes = ~self.forbidden.settings, self.passes(law)
         both = np.stack([passes[0], passes.all(axis=0)])[:, allowed]
         shares = both.mean(axis=1).tolist() if allowed.any() else [np.nan, np.nan]
@@ -340,26 +340,26 @@ class Envelope:
 
     @property
     def by_angle(self) -> tuple[AngleShares, ...]:
-        """The nominal shares over the release's angle, its own first; of those that were asked for."""
+        """Nominal shares over the release angle: the plan's own angle first, then its smaller ones."""
         passes = {name: float(self.passes(name)[0].mean()) for name in self.laws}
         own = AngleShares(self.plan.release_rad, 1 - float(self.forbidden.settings.mean()), passes)
         return (own, *self.smaller)
 
     def even_shares(self, law: str) -> EvenShares:
-        """The shares with each setting weighed by the room that it stands for in proportion."""
+        """Shares with logarithmic weights of the settings: ``Settings.weights``."""
         passes, weights = self.passes(law), self.plan.settings.weights
         return EvenShares(law, float(weights[passes[0]].sum()), float(weights[passes.all(axis=0)].sum()))
 
     def drawn_shares(self, law: str) -> DrawnShares:
-        """A law on the machines that were drawn.
+        """Shares of a law on the drawn machines.
 
         Raises:
-            InputError: If none were.
+            InputError: If the envelope has no drawn machines.
         """
         if not self.plan.machines:
-            raise InputError("draws: expected machines that were drawn, got none; compute the envelope with some")
-        place, machines = self.laws.index(law), len(self.plan.machines)
-        passes = self.data["drawn_outcome"].values[place].reshape(machines, -1) == 0
+            raise InputError("draws: expected drawn machines, got none; compute the envelope with draws")
+        index, machines = self.laws.index(law), len(self.plan.machines)
+        passes = self.data["drawn_outcome"].values[index].reshape(machines, -1) == 0
         share = passes.mean(axis=1)
         good = int((share >= MOST).sum())
         return DrawnShares(
@@ -373,7 +373,7 @@ class Envelope:
         )
 
     def case_shares(self, law: str) -> tuple[CaseShares, ...]:
-        """What each case does to a law."""
+        """Shares of a law in each case."""
         stable, passes = self.stable(law), self.passes(law)
         lost = passes[0] & ~passes
         nominal = int(passes[0].sum())
@@ -389,28 +389,30 @@ class Envelope:
         )
 
     def failures(self, law: str, *, worst: bool = False) -> NDArray[np.int8]:
-        """Why each setting fails (damping, frequency, stiffness): places in ``Failure``, -1 where it passes.
+        """Why each setting fails (damping, frequency, stiffness): index in ``Failure``, -1 for a pass.
 
         Args:
             law: Its name.
-            worst: The first case in which it fails, instability before all else, in place of the nominal one.
+            worst: Of the first failing case instead of the nominal one; instability in any case comes first.
         """
         order = list(Failure)
         kinds = [failure_of(outcome) for outcome in self.outcomes]
         table = np.array([-1 if kind is None else order.index(kind) for kind in kinds], dtype=np.int8)
-        found = table[self.codes(law)]
+        failing_kinds = table[self.codes(law)]
         if worst:
-            first = np.argmax(found >= 0, axis=0)
-            failing = np.take_along_axis(found, first[np.newaxis], axis=0)[0]
-            one = np.where((found == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing)
+            first = np.argmax(failing_kinds >= 0, axis=0)
+            failing = np.take_along_axis(failing_kinds, first[np.newaxis], axis=0)[0]
+            kinds_at = np.where(
+                (failing_kinds == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing
+            )
         else:
-            one = found[0]
+            kinds_at = failing_kinds[0]
         for which, kind in ((self.forbidden.settings, Failure.DRIVE), (self.forbidden.of(NOISE), Failure.NOISE)):
-            one = np.where((one >= 0) & which, order.index(kind), one)
-        return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
+            kinds_at = np.where((kinds_at >= 0) & which, order.index(kind), kinds_at)
+        return np.asarray(kinds_at.astype(np.int8).reshape(self.plan.settings.shape))
 
     def kinds(self, law: str, *, worst: bool) -> NDArray[np.int8]:
-        """What becomes of each setting (damping, frequency, stiffness): places in ``COLORS``."""
+        """Outcome of each setting (damping, frequency, stiffness): index in ``COLORS``."""
         order = list(COLORS)
         table = np.array([order.index(kind) for kind in Failure], dtype=np.int8)
         failing = self.failures(law, worst=worst)
@@ -420,16 +422,16 @@ class Envelope:
 
     @cached_property
     def forbidden(self) -> Forbidden:
-        """What no law renders, released from the plan's angle."""
+        """Settings that no law renders, released from the plan's angle."""
         return forbidden(self.plan)
 
     def failure_shares(self, law: str, *, worst: bool = False) -> dict[Failure, float]:
-        """Share of all settings that fail for each reason."""
-        found = self.failures(law, worst=worst)
-        return {kind: float((found == place).mean()) for place, kind in enumerate(Failure)}
+        """Share of all settings for each reason of failure."""
+        failures = self.failures(law, worst=worst)
+        return {kind: float((failures == index).mean()) for index, kind in enumerate(Failure)}
 
     def smallest(self, law: str, *, worst: bool = False) -> Smallest:
-        """The smallest inertia and stiffness that a law renders."""
+        """Smallest inertia and stiffness that a law renders."""
         passes = self.passes(law)
         which = passes.all(axis=0) if worst else passes[0]
         loader = self.plan.loader
@@ -447,11 +449,11 @@ class Envelope:
         )
 
     def case(self, name: str) -> Case:
-        """The case of that name."""
+        """The case with this name."""
         return next(case for case in self.plan.cases if case.name == name)
 
     def worst_case(self, law: str, kind: Kind) -> CaseShares | None:
-        """The case of a kind that loses most; ``None`` if there is none that loses any."""
+        """The case of a kind with the largest loss; ``None`` without a loss."""
         rows = [
             row
             for row, case in zip(self.case_shares(law), self.plan.cases, strict=True)

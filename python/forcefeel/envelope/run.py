@@ -1,4 +1,4 @@
-"""Computes an envelope: for each frequency, piece by piece, the ideal once and then every law in every case."""
+"""Compute an envelope: for each frequency, in chunks, the ideal once and then every law in every case."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ from forcefeel.sizing.too_small import Beyond
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
-"""Called with the releases that are done and all there are."""
+"""Called with the numbers of completed and of all releases."""
 
 
 def find_envelope(
@@ -36,58 +36,58 @@ def find_envelope(
     progress: Progress = lambda done, total: None,
     **options: Unpack[PlanOptions],
 ) -> Envelope:
-    """Which programmed feels a loader renders: where its loop is stable, and where a release passes the rule's tolerances.
+    """Compute the programmed feels at which a loader's loop is stable and a release passes the rule's tolerances.
 
     Each setting is programmed by its stiffness ``G``, natural frequency and damping ratio, ``I = G / w^2``, ``B = 2 zeta w I`` of
-    eq. (11). The column is held at an angle and let go. Its free response is measured as the rule says and held against that of
-    I, B and G alone, with the nominal plant, with each plant parameter off its value, and with each pilot's arm at the grip. With
-    an arm both the column and the ideal carry it: the question is whether the hand feels the column that is programmed.
+    eq. (11). The column is held at an angle and released. The rule's figures of its free response are compared with those of I, B
+    and G alone: with the nominal plant, with a deviation of each plant parameter, and with each pilot's arm at the grip. An arm
+    is at the grip of both the column and the ideal, so the comparison is of the column that the hand feels.
 
     Args:
-        loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
-        laws: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``LawDesign`` design a law for
-            each setting and the nominal plant, a file or a ``Law`` has one for each, a ``GainLaw`` is one law for all, ``None``
-            the original loop.
+        loader: The loader. The settings replace its programmed feel; optional rows of the feel and an arm are omitted.
+        laws: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``LawDesign`` design a law for each setting and
+            the nominal plant, a file or a ``Law`` contains one for each, a ``GainLaw`` is one for all, ``None`` is the original
+            loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
-        threads: How many; all cores if not given. The numbers do not depend on it.
-        progress: Called with the releases that are done and all there are.
-        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter, or deviations, in
-            place of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
-            ``smaller_rad``, further angles of release for the nominal plant.
+        threads: Number of threads; default: all cores. The results do not depend on it.
+        progress: Called with the numbers of completed and of all releases.
+        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares or deviations by plant parameter instead
+            of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
+            ``smaller_rad``, further release angles for the nominal plant.
 
     Returns:
         The envelope.
 
     Raises:
-        InputError: If an argument is bad.
+        InputError: If an argument is invalid.
 
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
-        >>> found = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
-        >>> found.shares("original").stable
+        >>> envelope = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
+        >>> envelope.shares("original").stable
         0.7777777777777778
     """
     return compute(make_plan(loader, laws, grid, **options), threads=threads, progress=progress)
 
 
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
-    """Computes a planned envelope; arguments as ``envelope``."""
-    # Slow releases take longer: each case has them all, and so the pace is even.
+    """Compute a planned envelope; arguments as in ``find_envelope``."""
+    # Slow releases take longer. Each case contains all of them, so progress is even.
     return _compute(plan, [(case,) for case in (*plan.cases, *plan.machines)], threads, progress)
 
 
 def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
-    """Computes an envelope of few settings on a loader with a digital controller: all cases side by side.
+    """Compute an envelope of few settings on a loader with a digital controller, with all cases in one batch.
 
-    Each run has another draw of the sensors' noise than in ``compute``.
+    The sensor noise of each run differs from that in ``compute``.
     """
     return _compute(plan, [plan.cases], threads, lambda done, total: None)
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
-    """Releases every law in every case, the cases of a group side by side, and the nominal plant from further angles."""
+    """Release every law in every case, each group of cases in one batch, then the nominal plant from further angles."""
     threads = threads_or_cores(threads)
     feel, laws = _designed(plan)
     done = 0
@@ -101,13 +101,13 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
     names, outcome, margin = _outcomes(plan, feel, laws, groups, threads, advance)
     smaller = []
     for angle in plan.smaller_rad:
-        there = replace(plan, angle_rad=angle)
-        _, found, _ = _outcomes(there, feel, laws, [(NOMINAL,)], threads, advance)
-        passes = {name: float((found[k] == _PASSES).mean()) for k, name in enumerate(laws)}
-        smaller.append(AngleShares(angle, 1 - float(forbidden(there, threads=threads).settings.mean()), passes))
+        smaller_plan = replace(plan, angle_rad=angle)
+        _, codes, _ = _outcomes(smaller_plan, feel, laws, [(NOMINAL,)], threads, advance)
+        passes = {name: float((codes[k] == _PASSES).mean()) for k, name in enumerate(laws)}
+        smaller.append(AngleShares(angle, 1 - float(forbidden(smaller_plan, threads=threads).settings.mean()), passes))
     grips = {name: passivity(plan.loader, plan.laws[name], law, feel) for name, law in laws.items()}
     outcomes = (PASSES, UNSTABLE, *names)
-    # A law that is designed here is for what the plan left of the loader, one of a file for all of it.
+    # A law designed here is for the plan's reduced loader, a law of a file for the whole loader.
     remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
     data = _dataset(plan, outcomes, outcome, margin)
     return Envelope(plan, data, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
@@ -121,7 +121,7 @@ def _outcomes(
     threads: int,
     advance: Callable[[int], None],
 ) -> tuple[tuple[str, ...], NDArray[np.int8], NDArray[np.float32]]:
-    """Names of what can fail, outcome and margin (laws, cases, settings) from the plan's angle."""
+    """Names of the figures that can fail, outcome and margin (laws, cases, settings) at the plan's angle."""
     shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
     names: tuple[str, ...] = ()
@@ -137,26 +137,26 @@ def _outcomes(
                 references[piece, arms] = measured(plan, record, ideal, threads)
             for k, law in enumerate(some):
                 stable, angles = released(plan, cases, feel[which], law, record, threads)
-                found = measured(plan, record, angles, threads)
-                verdicts = judge_releases(found, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
+                measures = measured(plan, record, angles, threads)
+                verdicts = judge_releases(measures, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
-                judged = (one.reshape(len(cases), -1) for one in _judged(verdicts, stable))
+                judged = (part.reshape(len(cases), -1) for part in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(cases) * len(which))
-    # The hand feels less than is programmed before it lets go, however good the release is after that.
+    # A force that the motor cannot hold is wrong before the release, even if the release passes.
     not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
     outcome[(outcome == _PASSES) & not_held] = _FIRST + len(names)
     return (*names, NOT_HELD), outcome, margin
 
 
 def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
-    """I, B, G of the settings, and the laws that are designed for them."""
+    """I, B, G of the settings, and the laws designed for them."""
     feel = plan.settings.feel(plan.loader)
     return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.laws.items()}
 
 
 def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
-    """The releases of I, B and G alone, with the case's arm."""
+    """Releases of I, B and G alone, with the case's arm."""
     return ideal_releases(carrying(plan.loader, feel, case.arm), plan.release_rad, record.step_s, record.samples)
 
 
@@ -168,7 +168,7 @@ def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray
 
 
 _PASSES, _UNSTABLE, _FIRST = 0, 1, 2
-"""Places among the outcomes; what can fail follows from the third on."""
+"""Outcome codes; figures that can fail start at ``_FIRST``."""
 
 
 def _dataset(

@@ -1,4 +1,4 @@
-"""The settings of an envelope: stiffness, natural frequency and damping ratio on a grid, and I, B, G from them.
+"""Settings of an envelope: stiffness, natural frequency and damping ratio on a grid, and I, B, G from them.
 
 ``I = G / w^2``, ``B = 2 zeta w I`` of eq. (11), ``G`` a share of ``G_max``.
 """
@@ -18,7 +18,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
 
 MOST_SETTINGS = 200_000
-"""Most settings of an envelope: some minutes for each law."""
+"""Largest number of settings of an envelope: some minutes for each law."""
 
 
 _BARE = re.compile(r"[-+0-9.eE]+")
@@ -29,11 +29,11 @@ class Axis:
     """One axis of the grid.
 
     Attributes:
-        name: What ``--grid`` calls it.
-        title: What it means.
-        unit: In what people read it; the text of a grid may use any unit of the same kind.
-        low, high: Between these (SI) its values lie.
-        default: Its grid if not given.
+        name: Name in ``--grid``.
+        title: Meaning, for text.
+        unit: Displayed unit; the text of a grid may use any unit of the same kind.
+        low, high: Range of the values, SI.
+        default: Default grid.
     """
 
     name: str
@@ -56,7 +56,7 @@ AXES: Mapping[str, Axis] = MappingProxyType(
         )
     }
 )
-"""The axes, in the order of the result's dimensions: stiffness runs fastest."""
+"""Axes in the order of the result's dimensions; stiffness runs fastest."""
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,10 @@ class Settings:
     Attributes:
         damping: Damping ratios.
         frequency: Natural frequencies, rad/s.
-        stiffness: G as shares of G_max.
+        stiffness: G, as shares of G_max.
 
     Raises:
-        InputError: If an axis has fewer than two values, they do not rise or leave its range, or there are too many settings.
+        InputError: If an axis has fewer than two values, if they do not rise or are out of range, or with too many settings.
     """
 
     damping: tuple[float, ...]
@@ -85,16 +85,16 @@ class Settings:
             )
 
     @classmethod
-    def of(cls, given: Mapping[str, str | Sequence[float]]) -> "Settings":
-        """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; defaults where not given.
+    def of(cls, grid: Mapping[str, str | Sequence[float]]) -> "Settings":
+        """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; other axes have their default.
 
         Raises:
             InputError: As the class, and if an axis is unknown or its text cannot be read.
         """
-        for name in given:
+        for name in grid:
             if name not in AXES:
                 raise InputError(f"grid: unknown axis {show(name)}; expected {', '.join(AXES)}")
-        return cls(**{name: _values(axis, given.get(name, axis.default)) for name, axis in AXES.items()})
+        return cls(**{name: _values(axis, grid.get(name, axis.default)) for name, axis in AXES.items()})
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -103,7 +103,7 @@ class Settings:
 
     @property
     def count(self) -> int:
-        """Settings in all."""
+        """Number of settings."""
         return int(np.prod(self.shape))
 
     @cached_property
@@ -114,9 +114,9 @@ class Settings:
 
     @cached_property
     def weights(self) -> NDArray[np.float64]:
-        """The room that each setting stands for, in proportion along all three axes, as a share of all.
+        """Logarithmic volume of each setting's cell along all three axes, as a share of the whole grid.
 
-        Along an axis a value stands for what is nearer to it than to its neighbours, from the first value to the last.
+        The edges between cells lie halfway between neighboring values; the grid ends at its first and last value.
         """
         axes = []
         for name in AXES:
@@ -126,60 +126,60 @@ class Settings:
         return np.asarray(np.einsum("i,j,k->ijk", *axes).ravel())
 
     def feel(self, loader: Loader) -> NDArray[np.float64]:
-        """I, B, G in SI units of each setting, a row each."""
+        """I, B, G of each setting in SI units, (settings, 3)."""
         damping, frequency, share = self.rows.T
         stiffness = share * loader["feel.maximum_stiffness"]
         return np.column_stack([*_core.feel_from_frequencies(frequency, damping, stiffness), stiffness])
 
 
 _SHOWN_VALUES = 6
-"""How many of the values that were given a message quotes."""
+"""Number of values that an error message quotes."""
 
 
 def _check(axis: Axis, values: Iterable[float]) -> None:
-    found = np.array(tuple(values), dtype=np.float64)
-    if found.ndim != 1 or len(found) < 2 or not np.all(np.isfinite(found)) or np.any(np.diff(found) <= 0):
-        given = ", ".join(f"{value:g}" for value in found.ravel()[:_SHOWN_VALUES]) or "none"
-        raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {given}")
-    rounding = 1e-9  # relative; a limit in other units is still the limit
-    if found[0] < axis.low * (1 - rounding) or found[-1] > axis.high * (1 + rounding):
-        low, high, first, last = (_shown(axis, value) for value in (axis.low, axis.high, found[0], found[-1]))
+    array = np.array(tuple(values), dtype=np.float64)
+    if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or np.any(np.diff(array) <= 0):
+        quoted = ", ".join(f"{value:g}" for value in array.ravel()[:_SHOWN_VALUES]) or "none"
+        raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {quoted}")
+    rounding = 1e-9  # relative, so that a limit converted from other units is accepted
+    if array[0] < axis.low * (1 - rounding) or array[-1] > axis.high * (1 + rounding):
+        low, high, first, last = (_range_text(axis, value) for value in (axis.low, axis.high, array[0], array[-1]))
         raise InputError(f"grid: {axis.name}: expected values from {low} to {high}, got {first} to {last}; narrow it")
 
 
-def _shown(axis: Axis, value: float) -> str:
+def _range_text(axis: Axis, value: float) -> str:
     return f"{to_text(axis.unit.from_si(value, UnitSystem.US))} {axis.unit.shown(UnitSystem.US)}".strip()
 
 
-def _values(axis: Axis, given: str | Sequence[float]) -> tuple[float, ...]:
+def _values(axis: Axis, values: str | Sequence[float]) -> tuple[float, ...]:
     try:
-        if not isinstance(given, str):
-            return tuple(map(float, given))
-        return _span(axis, given) if ".." in given else _list(axis, given.split(","))
+        if not isinstance(values, str):
+            return tuple(map(float, values))
+        return _span(axis, values) if ".." in values else _list(axis, values.split(","))
     except InputError as error:
         raise InputError(f"grid: {axis.name}: {error}") from error
     except (TypeError, ValueError) as error:
-        raise InputError(f"grid: {axis.name}: expected text or numbers, got {show(given)}") from error
+        raise InputError(f"grid: {axis.name}: expected text or numbers, got {show(values)}") from error
 
 
 def _list(axis: Axis, texts: Sequence[str]) -> tuple[float, ...]:
-    """Values one by one; those without a unit have that of the last."""
+    """Values of a list; values without a unit have the unit of the last."""
     *others, last = (text.strip() for text in texts)
     unit = _BARE.sub("", last, count=1).strip()
-    example = f"{_shown(axis, axis.low)}..{_shown(axis, axis.high)}:20"
-    filled = [f"{one} {unit}".strip() if _BARE.fullmatch(one) else one for one in others]
-    return tuple(parse(one, axis.unit.si, example) for one in (*filled, last))
+    example = f"{_range_text(axis, axis.low)}..{_range_text(axis, axis.high)}:20"
+    filled = [f"{text} {unit}".strip() if _BARE.fullmatch(text) else text for text in others]
+    return tuple(parse(text, axis.unit.si, example) for text in (*filled, last))
 
 
-def _span(axis: Axis, given: str) -> tuple[float, ...]:
-    """Values from one to another, evenly spaced or even in proportion."""
-    span, *rest = (part.strip() for part in given.split(":"))
+def _span(axis: Axis, text: str) -> tuple[float, ...]:
+    """Values of a span, with linear or logarithmic spacing."""
+    span, *rest = (part.strip() for part in text.split(":"))
     whole = bool(rest) and rest[0].isdecimal() and rest[0].isascii() and 2 <= int(rest[0][:9]) <= MOST_SETTINGS
     if not whole or rest[1:] not in ([], ["log"]):
-        forms = "from..to:how many, from..to:how many:log, or values with commas between"
-        raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(given)}")
+        forms = "from..to:count, from..to:count:log, or values separated by commas"
+        raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(text)}")
     first, last = _list(axis, span.split("..", 1))
     if not (last > first and (first > 0 or not rest[1:])):
-        raise InputError(f"expected a first value below the last, above 0 with log, got {show(given)}")
+        raise InputError(f"expected a first value below the last, above 0 with log, got {show(text)}")
     make = np.geomspace if rest[1:] else np.linspace
     return tuple(make(first, last, int(rest[0])).tolist())

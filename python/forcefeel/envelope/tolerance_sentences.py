@@ -1,4 +1,4 @@
-"""How far the parameters of a plant may be off, and who says so, in sentences; and which sensors are stated without noise."""
+"""Sentences on the tolerances of a plant and their sources, and on sensors without noise."""
 
 from collections.abc import Mapping
 from math import degrees
@@ -8,7 +8,7 @@ from forcefeel.laws.sampled.rules import undeclared_noise
 from forcefeel.loader.loader import Loader
 from forcefeel.units import to_text
 
-_SAID = {
+_HEADINGS = {
     Origin.FILE: "Tolerances by the loader file",
     Origin.GIVEN: "Tolerances by option",
     Origin.ASSUMED: "Tolerances assumed, not measured",
@@ -16,7 +16,7 @@ _SAID = {
 
 
 def ends_text(deviation: Deviation) -> str:
-    """From where to where a parameter may be off, such as ``±20 %``."""
+    """Range of a deviation, such as ``±20 %``."""
     low, high = (100 * end for end in deviation.ends)
     if abs(low + high) < _SAME * (high - low):
         return f"±{to_text(high, 3)} %"
@@ -24,28 +24,28 @@ def ends_text(deviation: Deviation) -> str:
 
 
 _SAME = 1e-9
-"""Relative; ends that go as far to either side but for rounding."""
+"""Relative difference of ends that counts as rounding."""
 
 
 def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> tuple[str, ...]:
-    """A sentence for each who says how far parameters may be off, and one for the tolerances that no case is made of."""
-    found = []
-    for origin, said in _SAID.items():
+    """A sentence for each source of tolerances, and one for the tolerances without a case."""
+    sentences = []
+    for origin, heading in _HEADINGS.items():
         groups: dict[str, list[str]] = {}
-        for key, one in deviations.items():
-            if one.origin is origin:
-                groups.setdefault(ends_text(one), []).append(key)
+        for key, deviation in deviations.items():
+            if deviation.origin is origin:
+                groups.setdefault(ends_text(deviation), []).append(key)
         if groups:
             parts = (f"{ends} of {', '.join(keys)}" for ends, keys in groups.items())
-            found.append(f"{said}: {'; '.join(parts)}.")
+            sentences.append(f"{heading}: {'; '.join(parts)}.")
     if left := [key for key in uncounted(loader) if key not in deviations]:
         why = "sensors count as calibrated, and absent parts have no deviation"
-        found.append(f"Tolerances omitted: {', '.join(left)} ({why}).")
-    return tuple(found)
+        sentences.append(f"Tolerances omitted: {', '.join(left)} ({why}).")
+    return tuple(sentences)
 
 
 def silent_sentences(loader: Loader) -> tuple[str, ...]:
-    """That sensors of a digital controller have no noise, and what the designs take for it; nothing where all have some."""
+    """A sentence on sensors of a digital controller without noise, and the noise that designs assume; empty if all have noise."""
     if not (loader["controller.period"] and (assumed := undeclared_noise(loader))):
         return ()
     values = {

@@ -1,4 +1,4 @@
-"""A law handed on: as C, as matrices with the loop that they close, or as a sheet of parameters, with what must come out."""
+"""Export of a law as C, firmware, FMU, matrices or parameter sheet, with expected results."""
 
 from forcefeel.public_names import public_names
 

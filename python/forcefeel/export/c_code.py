@@ -1,6 +1,6 @@
-"""A law as C99, from the very operations that the simulated controller runs, with golden vectors that show it.
+"""Export of a law as C99 from the operations of the simulated controller, with golden vectors.
 
-``forcefeel._core.ExportedLaw`` traces the controller's period; here that becomes files, and the golden vectors' inputs are made.
+``forcefeel._core.ExportedLaw`` traces a period of the controller; this module writes the files and the inputs of the vectors.
 """
 
 import hashlib
@@ -30,10 +30,10 @@ PART = 3334
 _SEED = 20
 _RELEASED_RAD = 0.1
 _SHARES = (1.0, 0.1, 0.01)
-"""Of release and sweep: a feel that is heavy for the drive lets go of the column after a large one."""
+"""Factors on release and sweep: with a feel that is heavy for the drive, a large one can diverge."""
 
 INPUTS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend")
-"""What the law is given each period; the columns of the golden vectors."""
+"""Inputs of the law each period; columns of the golden vectors."""
 
 _FILES = {
     "law.h": "{}_law.h",
@@ -48,30 +48,32 @@ _FILES = {
 
 
 def c_names(name: str) -> tuple[str, ...]:
-    """What :func:`c_files` gives."""
+    """File names of :func:`c_files`."""
     return tuple(file.format(name) for file in _FILES.values())
 
 
 def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
-    """The files by their names; ``single`` for a target that computes in single precision.
+    """Files by name; ``single`` for a target with single precision.
 
     Raises:
-        InputError: If the law is no sampled one, or does not hold the loader: there is nothing to compare then.
+        InputError: If the law is not a sampled one, or does not stabilize the loader, so that there is no reference.
     """
     law, numbers = exported.law, exported.sampled()
     traced = traced_law(exported.loader, law, numbers, single=single)
     source = traced.source(exported.name)
-    given, pairs = golden_inputs(exported)
+    inputs, pairs = golden_inputs(exported)
     if single:
-        given = given.astype(np.float32).astype(np.float64)
-    given = within_ranges(given, source)
-    answers = np.vstack([traced.answers(given[k : k + PART], pairs[k : k + PART]) for k in range(0, len(given), PART)])
+        inputs = inputs.astype(np.float32).astype(np.float64)
+    inputs = within_ranges(inputs, source)
+    answers = np.vstack(
+        [traced.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
+    )
     fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
     settings = numbers.settings
     fields |= {
-        "samples": len(given),
+        "samples": len(inputs),
         "part": PART,
-        "given": spelled_rows(given if settings > 1 else given[:, :7], single=single),
+        "given": spelled_rows(inputs if settings > 1 else inputs[:, :7], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
@@ -83,7 +85,7 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
 
 
 def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -> ExportedLaw:
-    """The law with its feel as the tracer takes it."""
+    """The law and its feel for the tracer."""
     feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
     curve = loader.force_curve
     return ExportedLaw(
@@ -98,9 +100,9 @@ def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
-    """Inputs (samples, 8) and settings of release, sweep and random input, as the loader's sensors show them in a run.
+    """Sensor inputs (samples, 8) and settings of release, sweep and random input from a run of the loader.
 
-    In the random part the settings change, and trim, spring factor and shaker stir.
+    In the random part the settings, trim, spring factor and shaker change.
     """
     loader = exported.loader
     period = exported.law.period_s or 0.0
@@ -129,17 +131,17 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     pairs = [(0, 0)] * (2 * PART)
     count = len(exported.settings)
     for k in range(PART):
-        block, within = divmod(k, 200)  # a tenth of a second with shares, then one that stays
+        block, within = divmod(k, 200)  # a tenth of a second with shares, then a constant one
         noise[k, 7] = within / 100 if count > 1 and within < 100 else 0.0
         pairs.append((block % count, (block + 1) % count))
     return np.vstack([*parts, noise]), pairs
 
 
 def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) -> NDArray[np.float64]:
-    """What the sensors show at each sample of ``scenario(1.0)``, or where that runs away, of a smaller one; nothing else is given.
+    """Sensor values at each sample of ``scenario(1.0)``, or of a smaller one if that diverges.
 
     Raises:
-        InputError: If the smallest runs away too.
+        InputError: If the smallest diverges too.
     """
     for share in _SHARES:
         history = simulate(loader, scenario(share), law).history
@@ -148,20 +150,20 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
     else:
         feel = ", ".join(f"{loader[key]:.6g}" for key in FEEL_SETTING)
         raise InputError(
-            f"law: {loader.name} runs away under {law.name} with I, B, G = {feel} (SI units), so there is nothing to hold what is "
-            "exported against; give settings that this loader can be, or another law"
+            f"law: {loader.name} diverges with {law.name} at I, B, G = {feel} (SI units), so there is no reference for the export; "
+            "use settings that this loader can render, or another law"
         )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-    found = np.zeros((PART, 8))
+    samples = np.zeros((PART, 8))
     base = history.column_angle_rad.values * loader["column.base_arm"]
     for column, values in enumerate((history.load_cell_force_n.values, history[position].values, base)):
-        found[:, column] = values[:PART]
-    found[:, 5] = 1.0
-    return found
+        samples[:, column] = values[:PART]
+    samples[:, 5] = 1.0
+    return samples
 
 
 def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str, object]:
-    """What every file tells of loader and law."""
+    """Fields on loader and law for all files."""
     loader, law = exported.loader, exported.law
     suffix = "F" if single else ""
     limit = "current_loop.current_limit" if loader.drive == ELECTRIC else "amplifier.current_limit"
@@ -189,13 +191,13 @@ def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str,
     }
 
 
-def within_ranges(given: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
-    """Inputs (samples, 8), each that the law reads cut off at the ends of its range."""
-    found = given.copy()
+def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
+    """Inputs (samples, 8), clipped to the ranges of the law's inputs."""
+    clipped = inputs.copy()
     for name, (low, high) in source.inputs:
-        place = INPUTS.index(name)
-        found[:, place] = found[:, place].clip(low, high)
-    return found
+        column = INPUTS.index(name)
+        clipped[:, column] = clipped[:, column].clip(low, high)
+    return clipped
 
 
 def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
@@ -215,13 +217,13 @@ def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, objec
         "infinity": spelled_bits(math.inf, single=single, shifted=True),
         "checks": [_check(name, *of, single=single) for of in source.inputs] + _of_settings(name, source),
         "ranges": dict.fromkeys(INPUTS, "not read")
-        | {one: f"{low:.6g} to {high:.6g}" for one, (low, high) in source.inputs},
+        | {name: f"{low:.6g} to {high:.6g}" for name, (low, high) in source.inputs},
         "operations": f"{plain} as written, {looped} in loops over data",
     }
 
 
 def _check(name: str, of: str, ends: tuple[float, float], *, single: bool) -> str:
-    """The condition of C that an input lies within its range, which reaches as far below zero as above, or not below."""
+    """C condition that an input is within its range, which is symmetric or starts at zero."""
     low, high = ends
     if low < 0.0:
         return f"({name}_size(in->{of}) <= {spelled_bits(high, single=single, shifted=True)})"
@@ -234,14 +236,14 @@ def _of_settings(name: str, source: LawSource) -> list[str]:
 
 
 def spelled_bits(value: float, *, single: bool, shifted: bool = False) -> str:
-    """The bits of a number that is not negative, or these with the sign shifted out, as C spells them."""
+    """C literal of the bits of a nonnegative number, optionally with the sign shifted out."""
     size, word = ("<f", "<I") if single else ("<d", "<Q")
     (bits,) = struct.unpack(word, struct.pack(size, value))
     return f"0x{bits << shifted:X}{'U' if single else 'ULL'}"
 
 
 def spelled_rows(numbers: NDArray[np.float64], *, single: bool) -> str:
-    """Numbers that C reads back to the last bit."""
+    """C literals that are exact to the last bit."""
 
     def spelled(value: float) -> str:
         if not math.isfinite(value):

@@ -1,7 +1,7 @@
-"""The numbers that must come out of an exported loop: found by the engine, and not from the matrices that are exported.
+"""Expected results of an exported loop, from the engine instead of the exported matrices.
 
-Of a sampled law the loop from one period to the next as the machine's own step gives it (``sampled_loops``); of an analog one eq.
-(17), whose matrices are the Jacobian of the whole loader. Effects that the linear plant does not have are taken out.
+For a sampled law they follow from the loop over one period by the machine's own step (``sampled_loops``), for an analog law from
+eq. (17), whose matrices are the Jacobian of the whole loader. Effects outside the linear plant are removed.
 """
 
 from dataclasses import dataclass, field
@@ -23,24 +23,23 @@ _NOT_IN_PLANT = {
     "pilot.arm_damping": None,
     "pilot.arm_stiffness": None,
 }
-"""Rows that have a slope at rest, and that the plant is without."""
+"""Rows with a slope at rest that are not in the plant."""
 
 SAMPLES = 2000
 """Samples of the response."""
 
 ANALOG_STEP_S = 5e-4
-"""Between two of an analog loop."""
+"""Time between two samples of an analog loop."""
 
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """What the closed loop does.
+    """Response of the closed loop.
 
     Attributes:
         time_s: Times of the response, (samples,).
         angle_rad: Column angle after a step of 1 N of the pilot's force, (settings, samples).
-        critical: The pole nearest to the edge, or beyond it: largest magnitude of a sampled loop, largest real part of an analog
-            one in 1/s; (settings,).
+        critical: Least stable pole: largest magnitude for a sampled loop, largest real part in 1/s for an analog loop; (settings,).
     """
 
     time_s: NDArray[np.float64] = field(repr=False)
@@ -49,13 +48,13 @@ class Expected:
 
     @classmethod
     def of(cls, exported: Exported) -> "Expected":
-        """What a loader does under its law, setting by setting."""
+        """Response of a loader with its law at each setting."""
         loader = linear_part(exported.loader)
         return _sampled(exported, loader) if exported.law.period_s else _analog(exported, loader)
 
 
 def linear_part(loader: Loader) -> Loader:
-    """The loader without the effects that its linear plant does not have."""
+    """The loader without effects outside the linear plant."""
     return loader.replace({key: off for key, off in _NOT_IN_PLANT.items() if key in loader.given}, si=True)
 
 
@@ -74,8 +73,8 @@ def _sampled(exported: Exported, loader: Loader) -> Expected:
 def _analog(exported: Exported, loader: Loader) -> Expected:
     angles, critical = [], []
     for setting, feel in enumerate(exported.settings):
-        here = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
-        model = loader_model(here, exported.law.single(here, setting).fixed, Linkage.COMPLIANT)
+        at_setting = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
+        model = loader_model(at_setting, exported.law.single(at_setting, setting).fixed, Linkage.COMPLIANT)
         n = len(model.A)
         block = np.zeros((n + 1, n + 1))
         block[:n, :n], block[:n, n] = model.A, model.B[:, 0]
@@ -91,9 +90,9 @@ def _times(between_s: float) -> NDArray[np.float64]:
 
 
 def _response(matrix: NDArray[np.float64], entry: NDArray[np.float64], state: int) -> NDArray[np.float64]:
-    """One state after each step under an input of one."""
-    x, found = np.zeros(len(matrix)), np.empty(SAMPLES)
+    """One state after each step with a unit input."""
+    x, response = np.zeros(len(matrix)), np.empty(SAMPLES)
     for k in range(SAMPLES):
         x = matrix @ x + entry
-        found[k] = x[state]
-    return found
+        response[k] = x[state]
+    return response

@@ -1,4 +1,4 @@
-"""What is exported: a law, the loader that it was made for, and the name under which it goes."""
+"""Object of an export: a law, its loader and the name of the export."""
 
 import re
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ from forcefeel.units import show
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _LONGEST_NAME = 20
-"""C99 tells names apart by 31 characters at least; suffixes such as ``_law_reset`` are added."""
+"""C99 guarantees 31 significant characters; suffixes such as ``_law_reset`` are added."""
 
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """A law for one loader, checked.
+    """A checked law for one loader.
 
     Attributes:
         loader: The loader.
         law: Its law, for one setting of the feel or many.
-        name: By which files and names in them begin.
+        name: Prefix of file names and C identifiers.
 
     Raises:
-        InputError: If the law was made for another loader, rate or drive, is gains of an analog law on a digital controller, has a
-            setting that no loader may have, or the name is no identifier of C.
+        InputError: If the law was designed for another loader, rate or drive, is an analog law for a digital controller, has a
+            setting out of range, or the name is not a C identifier.
 
     Example:
         >>> import forcefeel as ff
@@ -45,7 +45,7 @@ class Exported:
     def __post_init__(self) -> None:
         if not _IDENTIFIER.fullmatch(self.name) or len(self.name) > _LONGEST_NAME:
             raise InputError(
-                f"name: expected an identifier of C of at most {_LONGEST_NAME} letters, digits and _, such as pitch, "
+                f"name: expected a C identifier of at most {_LONGEST_NAME} letters, digits and _, such as pitch, "
                 f"got {show(self.name)}"
             )
         self.law.check(self.loader)
@@ -56,12 +56,12 @@ class Exported:
 
     @classmethod
     def of(
-        cls, given: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
+        cls, law: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
     ) -> "Exported":
-        """A law as ``Law.of`` makes it, for the settings I, B, G in ``feel`` (settings, 3), SI units; else the loader's own.
+        """Make a law with ``Law.of`` for the settings I, B, G in ``feel``, SI units, (settings, 3); default: the loader's own.
 
         Raises:
-            InputError: As ``Law.of`` and ``Exported``.
+            InputError: As in ``Law.of`` and ``Exported``.
 
         Example:
             >>> import forcefeel as ff
@@ -70,10 +70,10 @@ class Exported:
             >>> ff.export.Exported.of("robust", ff.digital_elevator(), "pitch", feel).settings.shape
             (2, 3)
         """
-        return cls(loader, Law.of(given, loader, feel), name)
+        return cls(loader, Law.of(law, loader, feel), name)
 
     def _check_time(self) -> None:
-        """Refuses gains on a digital controller, which are neither a sampled law nor a loop in continuous time."""
+        """Refuse analog gains with a digital controller, which are neither a sampled law nor a continuous loop."""
         if self.law.period_s and self.law.sampled is None:
             raise InputError(
                 f"law: {self.law.name} is gains of an analog law, and {self.loader.name} has a digital controller; expected a "
@@ -81,10 +81,10 @@ class Exported:
             )
 
     def sampled(self) -> SampledLaw:
-        """The numbers of its sampled law, which is what runs on a digital target.
+        """Numbers of the sampled law, for a digital target.
 
         Raises:
-            InputError: If it is an analog law.
+            InputError: If the law is analog.
 
         Example:
             >>> import forcefeel as ff
@@ -100,5 +100,5 @@ class Exported:
 
     @property
     def settings(self) -> NDArray[np.float64]:
-        """The settings I, B, G, (settings, 3): the law's, or where it holds for any, the loader's own."""
+        """Settings I, B, G, (settings, 3), of the law; of a law without settings those of the loader."""
         return own_feel(self.loader) if self.law.feel is None else self.law.feel

@@ -1,6 +1,6 @@
-"""A law as firmware: the Rust that simulation and live loop run, compiled for a target, with numbers, header and golden vectors.
+"""Export of a law as firmware: the Rust code of simulation and live loop, compiled for a target, with header and golden vectors.
 
-The sources come from ``forcefeel._core`` itself, which was compiled from them; cargo compiles them for the target.
+The sources are embedded in ``forcefeel._core``; cargo compiles them for the target.
 """
 
 import shutil
@@ -22,7 +22,7 @@ from forcefeel.templating import environment
 from forcefeel.units import show
 
 BOARD = "thumbv7em-none-eabihf"
-"""The target that has an example for a bare board."""
+"""Target with an example for a bare board."""
 
 _OFF, _ACTIVE = 0, 2
 _EMERGENCY_STOP, _ACKNOWLEDGED = 1, 4
@@ -39,37 +39,37 @@ _FILES = {
 }
 _OF_BOARD = ("reset.c", "board.ld")
 FROM_REGISTRY = "cargo takes the crate libm from its cache, or fetches it from its registry, crates.io"
-"""All that a firmware needs that forcefeel does not bring."""
+"""Dependencies outside forcefeel."""
 
 _LIBRARY = "libforcefeel.a"
 
 
 def firmware_names(name: str, triple: str | None) -> tuple[str, ...]:
-    """What :func:`firmware_files` gives."""
+    """File names of :func:`firmware_files`."""
     return (*(file.format(name) for file in _FILES.values()), *(_OF_BOARD if triple == BOARD else ()), _LIBRARY)
 
 
 def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> dict[str, str | bytes]:
-    """The files by their names, for the target ``triple``, or this machine where none is given.
+    """Files by name for the target ``triple``; default: this machine.
 
     Raises:
-        InputError: If the law is no sampled one, the target is not installed, or cargo is not.
+        InputError: If the law is not a sampled one, or the target or cargo is not installed.
     """
     numbers = exported.sampled()
     triple = _installed(triple)
     axis = board_axis(exported)
-    given, words = golden_inputs(exported)
+    inputs, words = golden_inputs(exported)
     if single:
-        given = given.astype(np.float32).astype(np.float64)
-    answers, states = axis.answers(given, words.tolist(), single=single)
+        inputs = inputs.astype(np.float32).astype(np.float64)
+    answers, states = axis.answers(inputs, words.tolist(), single=single)
     loader = exported.loader
     functions = safety_functions(loader.si_values, loader.drive, numbers.period_s)
     fields = about(exported, numbers, single=single) | {
         "triple": triple,
         "board": triple == BOARD,
         "functions": [(name, does) for name, does, *_ in functions],
-        "samples": len(given),
-        "given": spelled_rows(given, single=single),
+        "samples": len(inputs),
+        "given": spelled_rows(inputs, single=single),
         "words": _words(words),
         "answers": spelled_rows(answers, single=single),
         "states": _words(states),
@@ -88,7 +88,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
 
 
 def board_axis(exported: Exported) -> BoardAxis:
-    """Loader, law and supervisor as a board has them."""
+    """Loader, law and supervisor of a board."""
     loader, law, numbers = exported.loader, exported.law, exported.sampled()
     curve = loader.force_curve
     return BoardAxis(
@@ -101,9 +101,9 @@ def board_axis(exported: Exported) -> BoardAxis:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Numbers (samples, 9) and words (samples, 6) that go through every state.
+    """Inputs, numbers (samples, 9) and words (samples, 6), that reach every state.
 
-    On, a sweep, a sensor that gives no number, acknowledged, on, random input, the emergency stop.
+    They are: on, a sweep, a sensor with NaN, acknowledgment, on, random input, the emergency stop.
     """
     loader, law = exported.loader, exported.law.some([0])
     period = law.period_s or 0.0
@@ -123,29 +123,29 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     random = np.random.default_rng(_SEED)
     stirred = np.repeat(sweep[:1], PART, axis=0)
     stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
-    # Trim, factor and shaker jump each tenth of a second or so, and are led there.
+    # Trim, factor and shaker jump about every tenth of a second; the controller limits their rate.
     stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-PART // 150), 3)), 150, axis=0)[:PART]
     stirred[:, 6] = np.abs(stirred[:, 6])
     added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
-    given = np.vstack([still, sweep, stopped, still, stirred])
-    given = np.column_stack([given, np.concatenate([np.zeros(len(given) - PART), added])])
-    words = np.zeros((len(given), 6), dtype=np.int64)
+    inputs = np.vstack([still, sweep, stopped, still, stirred])
+    inputs = np.column_stack([inputs, np.concatenate([np.zeros(len(inputs) - PART), added])])
+    words = np.zeros((len(inputs), 6), dtype=np.int64)
     begins = rest + PART + settled
     words[:, 2] = _ACTIVE
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF
     words[begins - 10, 5] = _ACKNOWLEDGED
-    words[begins - 20 : begins - 15, 3] = range(1, 6)  # samples that did not come
+    words[begins - 20 : begins - 15, 3] = range(1, 6)  # missing samples
     words[-100:, 5] = _EMERGENCY_STOP
     last = begins + rest
     for k in range(PART):
         block, within = divmod(k, 200)
         words[last + k, :2] = block % count, (block + 1) % count
-        given[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0
-    return given, words
+        inputs[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0
+    return inputs, words
 
 
 def _periods_until_on(exported: Exported) -> int:
-    """Periods after which an axis that was wished for is active: sensors watched, then the feel comes."""
+    """Periods from the request to an active axis: sensor check, then fade-in of the feel."""
     loader = exported.loader
     return round((loader["safety.stuck_time"] + loader["safety.fade_time"]) / exported.sampled().period_s) + 50
 
@@ -155,7 +155,7 @@ def _words(words: NDArray[np.integer]) -> str:
 
 
 def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
-    """The numbers of the loader's structure and the settings', always in double precision."""
+    """Numbers of the loader and the settings, always in double precision."""
     period, at_rest, cancellation, knots, coefficients, points, cancels = axis.loader()
     values = exported.loader.rows(FEEL_SETTING, exported.settings)
     laws = exported.sampled().rows()
@@ -182,48 +182,46 @@ def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
         "points": len(knots),
         "numbers": ",\n".join(f"    {part}" for part in parts),
         "blocks": ",\n".join(
-            f"    {{\n        {row(one)},\n        {row(law)}\n    }}"
-            for one, law in zip(values.tolist(), laws.tolist(), strict=True)
+            f"    {{\n        {row(values_row)},\n        {row(law)}\n    }}"
+            for values_row, law in zip(values.tolist(), laws.tolist(), strict=True)
         ),
     }
 
 
 def _installed(triple: str | None) -> str:
-    """The target, this machine's where none is given.
+    """The target; default: this machine.
 
     Raises:
-        InputError: If it is not installed, or there is no cargo.
+        InputError: If the target or cargo is not installed.
     """
     if not (shutil.which("cargo") and shutil.which("rustc")):
+        raise InputError("target: firmware requires cargo, which was not found; install Rust from https://rustup.rs")
+    version_lines = _output_of("rustc", "-vV").splitlines()
+    host = next(line.removeprefix("host: ") for line in version_lines if line.startswith("host: "))
+    library = Path(_output_of("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
+    installed = sorted(path.parent.name for path in library.glob("*/lib"))
+    target = triple or host
+    if target not in installed:
         raise InputError(
-            "target: firmware is compiled by cargo, which is not found; install Rust, from https://rustup.rs"
+            f"target: expected an installed one, {', '.join(installed)}, got {show(target)}; run rustup target add {target}"
         )
-    said = _told("rustc", "-vV").splitlines()
-    host = next(line.removeprefix("host: ") for line in said if line.startswith("host: "))
-    library = Path(_told("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
-    there = sorted(path.parent.name for path in library.glob("*/lib"))
-    wanted = triple or host
-    if wanted not in there:
-        raise InputError(
-            f"target: {show(wanted)} is not installed, {', '.join(there)} are; run rustup target add {wanted}, or name another"
-        )
-    return wanted
+    return target
 
 
-def _told(*command: str) -> str:
+def _output_of(*command: str) -> str:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise InputError(
-            f"target: {' '.join(command)} fails: {done.stderr.strip()}; see that Rust is whole, by rustup show"
+            f"target: {' '.join(command)} fails: {done.stderr.strip()}; check the Rust installation with rustup show"
         )
     return done.stdout
 
 
 def _library(triple: str, *, single: bool) -> bytes:
-    """The static library for a target, compiled from the sources of the running forcefeel, offline where that can be.
+    """Static library for a target, compiled from the sources of this forcefeel, offline if possible.
 
     Raises:
-        InputError: If cargo cannot.
+        InputError: If cargo fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
@@ -235,8 +233,8 @@ def _library(triple: str, *, single: bool) -> bytes:
             (root / name).parent.mkdir(parents=True, exist_ok=True)
             (root / name).write_text(text, encoding="utf-8")
         feature = "single" if single else "alone"
-        asked = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
-        command = ("cargo", "rustc", *asked, "--crate-type", "staticlib", "--target-dir", "built")
+        options = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
+        command = ("cargo", "rustc", *options, "--crate-type", "staticlib", "--target-dir", "built")
         for network in (("--offline",), ()):
             done = subprocess.run((*command, *network), cwd=root, capture_output=True, text=True, check=False)
             if not done.returncode:

@@ -16,26 +16,26 @@ from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, PRESSURE, TORQUE, Unit, UnitSystem, dimensions
 
-_SHOWN = {it.si: it for it in (ANGLE, ANGULAR_VELOCITY, LENGTH, FORCE, PRESSURE, TORQUE)}
-"""Units that people read, of what is no row of the parameter table."""
+_SHOWN = {shown_unit.si: shown_unit for shown_unit in (ANGLE, ANGULAR_VELOCITY, LENGTH, FORCE, PRESSURE, TORQUE)}
+"""Display units of variables outside the parameter table."""
 
 _SIGNALS = {"load_pressure", "actuator_flow", "valve_current", "motor_current", "motor_voltage"}
-"""Outputs that may follow a command at once, where it has no delay."""
+"""Outputs that depend directly on a command without delay."""
 
 _SENSED = ("sensed_load_cell_force", "sensed_drive_position", "sensed_column_base", "sensed_grip_force")
-"""What a law samples, in the order of its numbers."""
+"""Sampled signals of a law, in the order of its numbers."""
 
 _CELSIUS_AT_ZERO_K = 273.15
 
 
 def description(exported: Exported, kind: str, version: str, about: Mapping[str, object]) -> str:
-    """The description of an FMU.
+    """Model description of an FMU.
 
     Args:
         exported: The law with its loader.
         kind: ``loader``, ``law`` or ``machine``.
-        version: Of FMI, ``2.0`` or ``3.0``.
-        about: Identifier, token, what it is, ``step_s`` and ``delay_s``.
+        version: Version of FMI, ``2.0`` or ``3.0``.
+        about: Identifier, token, description, ``step_s`` and ``delay_s``.
     """
     loader, feel = exported.loader, exported.settings
     variables = _core.fmu_variables(kind, loader.rows(FEEL_SETTING, feel)[0], len(feel))
@@ -49,9 +49,9 @@ def description(exported: Exported, kind: str, version: str, about: Mapping[str,
         return _in_an_event(exported, output) if clocked else _at_once(exported, output, about)
 
     outputs = [
-        {"index": place, "reference": it.reference, "inputs": _named(direct(it.name), variables)}
-        for place, it in enumerate(variables, start=1)
-        if it.causality == "output"
+        {"index": index, "reference": variable.reference, "inputs": _named(direct(variable.name), variables)}
+        for index, variable in enumerate(variables, start=1)
+        if variable.causality == "output"
     ]
     template = environment(html=True).get_template(f"export/fmu/fmi{version[0]}.xml.j2")
     return template.render(
@@ -67,33 +67,35 @@ def description(exported: Exported, kind: str, version: str, about: Mapping[str,
     )
 
 
-def _variable(it: FmuVariable, drive: str) -> dict[str, object]:
-    row = TABLE.get(it.name)
-    means = it.meaning if row is None else f"{row.symbol}: {meaning(row, drive)}"
-    shown = _SHOWN.get(it.unit, Unit(it.unit, it.unit, it.unit)) if row is None else unit(row)
-    low, high = it.range or (None, None)
-    start: str | None = None if it.start is None else repr(it.start)
-    if it.start is not None and it.kind != "Real":
-        start = str(int(it.start)) if it.kind == "Integer" else str(bool(it.start)).lower()
-    if it.kind == "Real" and it.start is not None and low is not None and high is not None:
+def _variable(variable: FmuVariable, drive: str) -> dict[str, object]:
+    row = TABLE.get(variable.name)
+    means = variable.meaning if row is None else f"{row.symbol}: {meaning(row, drive)}"
+    display_unit = (
+        _SHOWN.get(variable.unit, Unit(variable.unit, variable.unit, variable.unit)) if row is None else unit(row)
+    )
+    low, high = variable.range or (None, None)
+    start: str | None = None if variable.start is None else repr(variable.start)
+    if variable.start is not None and variable.kind != "Real":
+        start = str(int(variable.start)) if variable.kind == "Integer" else str(bool(variable.start)).lower()
+    if variable.kind == "Real" and variable.start is not None and low is not None and high is not None:
         low, high = (
-            min(low, it.start),
-            max(high, it.start),
-        )  # a limit that was stated with ten digits is still the limit
+            min(low, variable.start),
+            max(high, variable.start),
+        )  # a limit with ten digits may be off by rounding
 
     def number(value: float | None) -> str | None:
-        return None if value is None else str(int(value)) if it.kind == "Integer" else repr(value)
+        return None if value is None else str(int(value)) if variable.kind == "Integer" else repr(value)
 
     return {
-        "reference": it.reference,
-        "name": it.name,
+        "reference": variable.reference,
+        "name": variable.name,
         "means": means,
-        "causality": it.causality,
-        "variability": it.variability,
-        "kind": it.kind,
-        "unit": it.unit,
-        "shown": shown,
-        "display": shown.metric if it.unit and shown.metric != it.unit else "",
+        "causality": variable.causality,
+        "variability": variable.variability,
+        "kind": variable.kind,
+        "unit": variable.unit,
+        "shown": display_unit,
+        "display": display_unit.metric if variable.unit and display_unit.metric != variable.unit else "",
         "start": start,
         "low": number(low),
         "high": number(high),
@@ -101,16 +103,16 @@ def _variable(it: FmuVariable, drive: str) -> dict[str, object]:
 
 
 def _units(rows: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Each unit with its powers of the base units, and the units that people read in its stead."""
-    found: dict[str, dict[str, float]] = {"s": {}}
+    """Each unit with its powers of the base units and its display units."""
+    readings_of: dict[str, dict[str, float]] = {"s": {}}
     for row in rows:
-        shown = row["shown"]
-        if isinstance(shown, Unit) and row["unit"]:
-            readings = found.setdefault(str(row["unit"]), {})
+        display_unit = row["shown"]
+        if isinstance(display_unit, Unit) and row["unit"]:
+            readings = readings_of.setdefault(str(row["unit"]), {})
             for system in (UnitSystem.SI, UnitSystem.US):
-                if shown.shown(system) != shown.si:
-                    readings[shown.shown(system)] = shown.from_si(1.0, system)
-    return [{"name": name, "base": _base(name), "readings": readings} for name, readings in found.items()]
+                if display_unit.shown(system) != display_unit.si:
+                    readings[display_unit.shown(system)] = display_unit.from_si(1.0, system)
+    return [{"name": name, "base": _base(name), "readings": readings} for name, readings in readings_of.items()]
 
 
 def _base(name: str) -> dict[str, str]:
@@ -127,14 +129,14 @@ def _base(name: str) -> dict[str, str]:
         "[celsius]": {"K": 1},
     }
     for dimension, power in dimensions(name).items():
-        for base, one in of[dimension].items():
-            powers[base] += one * power
+        for base, exponent in of[dimension].items():
+            powers[base] += exponent * power
     written = {base: str(power) for base, power in powers.items() if power}
     return written | ({"offset": repr(_CELSIUS_AT_ZERO_K)} if name == "degC" else {})
 
 
 def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> set[str]:
-    """The inputs that an output follows without a step between."""
+    """Inputs with direct feedthrough to an output."""
     follows: set[str] = set()
     if has_grip_sensor(exported.loader) and output == "sensed_grip_force":
         follows = {"pilot_force"}
@@ -144,9 +146,9 @@ def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> se
 
 
 def _in_an_event(exported: Exported, output: str) -> set[str]:
-    """The inputs that an output of the law follows where its clock ticks, by the law's numbers and those that add to them.
+    """Inputs with direct feedthrough to an output of the law at a clock tick, from the law's numbers.
 
-    Trim, factor and shaker move the feel in the period that then begins; the neutral of now is the law's own.
+    Trim, factor and shaker act on the feel in the following period; the current neutral is a state of the law.
     """
     numbers = exported.sampled()
     command, torque = _sensors(numbers, numbers.command), _sensors(numbers, numbers.torque)
@@ -161,7 +163,7 @@ def _in_an_event(exported: Exported, output: str) -> set[str]:
 
 
 def _sensors(numbers: SampledLaw, rows: NDArray[np.float64]) -> set[str]:
-    """The sensors that have a part in rows on [xi; F_c, x_p, theta; delta; delta'], F_g after theta where there is one."""
+    """Sensors with nonzero columns in rows on [xi; F_c, x_p, theta; delta; delta'], with F_g after theta if sampled."""
     columns = rows[:, numbers.states : -2].T
     return {name for name, column in zip(_SENSED, columns, strict=False) if column.any()}
 
@@ -169,7 +171,7 @@ def _sensors(numbers: SampledLaw, rows: NDArray[np.float64]) -> set[str]:
 def _named(names: set[str], variables: list[FmuVariable]) -> list[dict[str, int]]:
     """Index and reference of inputs."""
     return [
-        {"index": place, "reference": it.reference}
-        for place, it in enumerate(variables, start=1)
-        if it.causality == "input" and it.name in names
+        {"index": index, "reference": variable.reference}
+        for index, variable in enumerate(variables, start=1)
+        if variable.causality == "input" and variable.name in names
     ]

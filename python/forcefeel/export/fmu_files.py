@@ -1,4 +1,4 @@
-"""The FMUs of a law and its loader: description, library, resources and icon of each, zipped."""
+"""FMUs of a law and its loader: zipped description, library, resources and icon of each."""
 
 from hashlib import sha256
 from io import BytesIO
@@ -19,28 +19,28 @@ KINDS = {
     "law": "the law alone: sensors in, command out",
     "machine": "the machine alone: force and command in, sensors out",
 }
-"""What is exported, and what it is."""
+"""Kinds of FMU, with their descriptions."""
 
 LONGEST_STEP_S = 1e-3
-"""Of the machine, as of ``Scenario.step_s``."""
+"""Step of the machine, as in ``Scenario.step_s``."""
 
 _FILE = "{}_{}_fmi{}.fmu"
 _ICON = Path(__file__).parent / "fmu" / "icon.png"
 _ICONS = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}
 _WHEN = (1980, 1, 1, 0, 0, 0)
-"""Of every file in the zip: the same export gives the same bytes."""
+"""Date of every file in the zip, so that equal exports have equal bytes."""
 
 
 def fmu_names(name: str) -> tuple[str, ...]:
-    """What :func:`fmu_files` gives."""
+    """File names of :func:`fmu_files`."""
     return tuple(_FILE.format(name, kind, version[0]) for kind in KINDS for version in PLATFORMS)
 
 
 def fmu_files(exported: Exported) -> dict[str, str | bytes]:
-    """The FMUs by their names, of each kind one for FMI 2.0 and one for FMI 3.0.
+    """FMUs by file name, of each kind one for FMI 2.0 and one for FMI 3.0.
 
     Raises:
-        InputError: If the law is no sampled one, or this installation has no library for FMUs.
+        InputError: If the law is not a sampled one, or this installation has no library for FMUs.
     """
     numbers = exported.sampled()
     binary, icon = library(), _ICON.read_bytes()
@@ -74,7 +74,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
 
 
 def _resources(exported: Exported, numbers: SampledLaw, kind: str) -> str:
-    """A line for each list of numbers, as ``crates/fmu/src/resources.rs`` reads them."""
+    """A line for each list of numbers, in the format of ``crates/fmu/src/resources.rs``."""
     loader, law = exported.loader, exported.law
     step_s, timing = controller_steps(loader, LONGEST_STEP_S)
     feel = exported.settings

@@ -1,4 +1,4 @@
-"""The library inside an FMU: built with the package, one file for every FMU."""
+"""The library inside all FMUs, built with the package."""
 
 import platform
 import sys
@@ -7,23 +7,23 @@ from pathlib import Path
 from forcefeel.errors import InputError
 
 LIBRARY = Path(__file__).parent / "fmu" / "libforcefeel_fmi.so"
-"""Where the build puts it."""
+"""Path of the library in the package."""
 
 _BUILT_FOR = ("linux", "x86_64")
 
 PLATFORMS = {"2.0": "linux64", "3.0": "x86_64-linux"}
-"""What each version of FMI calls the machine that it runs on."""
+"""Platform name in each version of FMI."""
 
 
 def library() -> bytes:
-    """The library's bytes.
+    """Bytes of the library.
 
     Raises:
-        InputError: If this installation has none.
+        InputError: If this installation has no library.
     """
-    here = (sys.platform, platform.machine())
-    if here != _BUILT_FOR:
-        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(here)}")
+    machine = (sys.platform, platform.machine())
+    if machine != _BUILT_FOR:
+        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(machine)}")
     try:
         return LIBRARY.read_bytes()
     except OSError as error:

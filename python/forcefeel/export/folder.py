@@ -1,4 +1,4 @@
-"""The folder of an export: what each target writes, whole or not at all."""
+"""Folder of an export, written completely or not at all."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from forcefeel.page.folder import OutputFolder
 
 
 def export_folder(target: Target, name: str, *, triple: str | None = None) -> OutputFolder:
-    """The folder of an export whose files begin with ``name``, which says before any work what would be in the way.
+    """Folder of an export with the file prefix ``name``; it checks for existing files before the computation.
 
     Example:
         >>> import forcefeel as ff
@@ -57,7 +57,7 @@ def write_export(
     single: bool = False,
     triple: str | None = None,
 ) -> dict[str, Path]:
-    """Writes what a target takes; other files in the folder are left alone.
+    """Write the files of a target; other files in the folder are not touched.
 
     Args:
         exported: The law with its loader.

@@ -1,6 +1,6 @@
-"""Matrices of law and plant for MATLAB, Octave and Python, with two scripts that close the loop and compare.
+"""Matrices of law and plant for MATLAB, Octave and Python, with two scripts that close and compare the loop.
 
-Numbers are in one ``.mat`` file, version 5, which all three read; a script has the equations of the loop and no number.
+All numbers are in one ``.mat`` file, version 5; the scripts contain only the equations of the loop.
 """
 
 from io import BytesIO
@@ -23,16 +23,16 @@ from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.templating import environment
 
 MATRICES, PYTHON, OCTAVE = "{}.mat", "{}_loop.py", "{}_loop.m"
-"""Names of the files."""
+"""File names."""
 
 
 def matlab_names(name: str) -> tuple[str, ...]:
-    """What :func:`matlab_files` gives."""
+    """File names of :func:`matlab_files`."""
     return tuple(file.format(name) for file in (MATRICES, PYTHON, OCTAVE))
 
 
 def matlab_files(exported: Exported) -> dict[str, str | bytes]:
-    """The matrices and both scripts, by their names."""
+    """Matrices and both scripts, by file name."""
     name = exported.name
     expected = Expected.of(exported)
     about = {
@@ -83,7 +83,7 @@ def _matrices(exported: Exported, expected: Expected) -> bytes:
 
 
 def _sampled(law: Law, numbers: SampledLaw) -> dict[str, Any]:
-    """The numbers of a sampled law, the settings last."""
+    """Numbers of a sampled law, with the settings on the last axis."""
     arrays = {f"law_{name}": np.moveaxis(getattr(numbers, name), 0, -1) for name in (*NUMBERS, "settled")}
     return {"period_s": law.period_s, "delay_s": law.delay_s, **arrays}
 
@@ -100,7 +100,7 @@ def _gains(exported: Exported) -> dict[str, Any]:
 
 
 def _compensator(exported: Exported, setting: int) -> GainLaw:
-    """The gains of a setting; the original loop, eq. (13), has its own."""
+    """Gains of a setting; the original loop, eq. (13), has those of the loader."""
     law = exported.law.single(exported.loader, setting).fixed
     return GainLaw.original(exported.loader.si_values) if law is None else law
 

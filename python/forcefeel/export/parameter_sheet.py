@@ -1,12 +1,12 @@
-"""What the parameter sheet of a drive or a PLC wants of a law, as CSV: each number in SI and in U.S. customary units.
+"""Parameter sheet of a law for a drive or a PLC, as CSV with SI and U.S. customary units.
 
 | column | is |
 |---|---|
-| setting | number of the feel's setting, from 1; empty where the row holds for all |
+| setting | number of the feel's setting, from 1; empty for a row that holds for all |
 | group | feel, gain, filter, limit |
 | name | row of the loader file, or of the law |
 | meaning | in words |
-| value (SI), unit (SI) | as the engine has it, to the last bit |
+| value (SI), unit (SI) | value of the engine, to the last bit |
 | value (U.S.), unit (U.S.) | the same, to ten digits |
 """
 
@@ -27,7 +27,7 @@ from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, ta
 from forcefeel.units import RATIO, Unit, UnitSystem
 
 SHEET = "{}_parameters.csv"
-"""Name of the file."""
+"""File name."""
 
 COLUMNS = (
     "setting",
@@ -78,14 +78,14 @@ _SAMPLED: _Signals = (
     ("grip force", Unit("N", "N", "lb")),
 )
 _FEEL: _Signals = (("feel displacement", Unit("rad", "rad", "rad")), ("feel rate", Unit("rad/s", "rad/s", "rad/s")))
-"""What a sampled law's rows act on, beside its states in coordinates of its own; the grip's force last, where it samples that."""
+"""Inputs of a sampled law's rows, without its own states; the grip force is last, if sampled."""
 
 
 _CURVE = (Unit("rad", "rad", "deg"), Unit("N", "N", "lb"))
 
 
 class Row(NamedTuple):
-    """One number of the sheet; ``setting`` is zero for all."""
+    """One number of the sheet; ``setting`` is zero for a number that holds for all."""
 
     setting: int
     group: str
@@ -102,13 +102,13 @@ def parameter_sheet(exported: Exported) -> str:
     writer.writerow(COLUMNS)
     for row in _rows(exported):
         si, us = (row.unit.from_si(row.value, system) for system in (UnitSystem.SI, UnitSystem.US))
-        shown = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
-        writer.writerow((row.setting or "", row.group, row.name, row.meaning, *shown))
+        columns = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
+        writer.writerow((row.setting or "", row.group, row.name, row.meaning, *columns))
     return text.getvalue()
 
 
 def _text(number: str, value: float) -> str:
-    """A number as text; a limit or a bandwidth that is infinite is off."""
+    """A number as text; an infinite limit or bandwidth is ``off``."""
     return number if isfinite(value) else "off"
 
 
@@ -120,24 +120,24 @@ def _rows(exported: Exported) -> Iterator[Row]:
     yield from _of_loader(loader, "feel", nonlinear)
     yield from _curve(loader)
     yield from _cancellation(law)
-    for place, feel in enumerate(exported.settings):
+    for k, feel in enumerate(exported.settings):
         for key, value in zip(FEEL_SETTING, feel.tolist(), strict=True):
-            yield _row(loader, place + 1, "feel", key, value)
+            yield _row(loader, k + 1, "feel", key, value)
         if law.sampled is not None:
-            yield from _sampled(law.sampled, place, "A" if loader.drive == ELECTRIC else "V")
+            yield from _sampled(law.sampled, k, "A" if loader.drive == ELECTRIC else "V")
         else:
-            yield from _gains(law, loader, place)
+            yield from _gains(law, loader, k)
 
 
 def _of_loader(loader: Loader, group: str, keys: tuple[str, ...] | list[str]) -> Iterator[Row]:
-    """Rows of the loader file, those that it has."""
+    """Rows of the loader file that are set."""
     for key in keys:
         if key in table(loader.drive):
             yield _row(loader, 0, group, key, loader[key])
 
 
 def _curve(loader: Loader) -> Iterator[Row]:
-    """Points of the feel's curve, where it has one in place of its straight spring."""
+    """Points of the feel's curve, if any."""
     if loader.force_curve is None:
         return
     for k, (angle, force) in enumerate(zip(loader.force_curve.x, loader.force_curve.y, strict=True), start=1):
@@ -146,7 +146,7 @@ def _curve(loader: Loader) -> Iterator[Row]:
 
 
 def _cancellation(law: Law) -> Iterator[Row]:
-    """Cogging and dry friction of the motor, which the law gives back."""
+    """Cogging and dry friction of the motor, which the law compensates."""
     known = law.cancellation
     if known is None:
         return
@@ -169,74 +169,78 @@ def _cancellation(law: Law) -> Iterator[Row]:
 
 def _row(loader: Loader, setting: int, group: str, key: str, value: float) -> Row:
     row = table(loader.drive)[key]
-    # Coherent units: a sheet in mA and cm beside one in A and m would be one more place for a slip.
+    # Coherent units avoid errors from mixing mA and cm with A and m.
     units = RATIO if is_switch(row) else Unit(unit(row).si, unit(row).si, unit(row).us)
     return Row(setting, group, key, meaning(row, loader.drive), value, units)
 
 
-def _gains(law: Law, loader: Loader, place: int) -> Iterator[Row]:
-    """Gains c_1 .. c_7; the original loop of eq. (13) has the loader's own."""
-    fixed = law.single(loader, place).fixed
+def _gains(law: Law, loader: Loader, setting: int) -> Iterator[Row]:
+    """Gains c_1 .. c_7; the original loop of eq. (13) has those of the loader."""
+    fixed = law.single(loader, setting).fixed
     if fixed is None:
         return
     for symbol, state, value, units in zip(GAIN_SYMBOLS, DESIGN_STATES, fixed.gains, GAIN_UNITS, strict=True):
-        yield Row(place + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us))
+        yield Row(
+            setting + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us)
+        )
 
 
-def _sampled(law: SampledLaw, place: int, command: str) -> Iterator[Row]:
-    """The rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
+def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
+    """Rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
     sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
     for name, rows, of in (("command", law.command, Unit(command, command, command)), ("torque", law.torque, torque)):
-        yield from _on(place, name, rows[place].tolist(), of, (n, sampled))
-        value = float(law.neutral[place, ("command", "torque").index(name)])
+        yield from _on(setting, name, rows[setting].tolist(), of, (n, sampled))
+        value = float(law.neutral[setting, ("command", "torque").index(name)])
         yield Row(
-            place + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
+            setting + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
         )
     for row, column in product(range(n), range(n)):
         name = f"law.transition_{row + 1}_{column + 1}"
-        value = float(law.transition[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} on xi_{column + 1}", value, RATIO)
+        value = float(law.transition[setting, row, column])
+        yield Row(setting + 1, "gain", name, f"xi_{row + 1} on xi_{column + 1}", value, RATIO)
     entered = (*sampled, ("command", Unit(command, command, command)))
     for row, (column, (on, per)) in product(range(n), enumerate(entered)):
-        name, value = f"law.input_{row + 1}_{column + 1}", float(law.input[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
+        name, value = f"law.input_{row + 1}_{column + 1}", float(law.input[setting, row, column])
+        yield Row(setting + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
     for row, (column, (on, per)) in product(range(n), enumerate((*sampled, _FEEL[0]))):
-        name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[place, row, column])
+        name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[setting, row, column])
         yield Row(
-            place + 1, "gain", name, f"xi_{row + 1} in the closed loop's equilibrium on {on}", value, _per(RATIO, per)
+            setting + 1, "gain", name, f"xi_{row + 1} in the closed loop's equilibrium on {on}", value, _per(RATIO, per)
         )
     if law.knows_friction:
-        yield from _friction(place, law.friction[place].tolist(), (n, sampled))
+        yield from _friction(setting, law.friction[setting].tolist(), (n, sampled))
 
 
-def _friction(place: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
-    """What a law knows of the column's dry friction: r, b, F, M, v_s, l, and how it learns."""
+def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
+    """Model of the column's dry friction in a law: r, b, F, M, v_s, l, and parameters of learning."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     n, sampled = on
     own = n + len(sampled) + len(_FEEL)
-    yield from _on(place, "friction_rate", numbers[:own], rate, on)
+    yield from _on(setting, "friction_rate", numbers[:own], rate, on)
     for k, value in enumerate(numbers[own:-OF_FRICTION], start=1):
-        yield Row(place + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
+        yield Row(setting + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
     units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO)
     names = ("level", "margin", "slow_rate", "leak", "least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
     for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
-        yield Row(place + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
+        yield Row(setting + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 
 
-def _on(place: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
+def _on(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
     n, sampled = states
     on = [*((f"xi_{k + 1}", RATIO) for k in range(n)), *sampled, *_FEEL]
     for column, ((what, per), value) in enumerate(zip(on, row, strict=True)):
-        yield Row(place + 1, "gain", f"law.{name}_{column + 1}", f"{name} on {what}", value, _per(of, per))
+        yield Row(setting + 1, "gain", f"law.{name}_{column + 1}", f"{name} on {what}", value, _per(of, per))
 
 
 def _per(of: Unit, per: Unit) -> Unit:
-    """Units of a gain."""
+    """Unit of a gain."""
 
-    def one(above: str, below: str) -> str:
-        over, under = (f"({it})" if "/" in it or (" " in it and it is below) else it for it in (above, below))
+    def quotient(above: str, below: str) -> str:
+        over, under = (
+            f"({name})" if "/" in name or (" " in name and name is below) else name for name in (above, below)
+        )
         return f"{over or 1}/{under}" if under else over
 
-    return Unit(one(of.si, per.si), one(of.metric, per.metric), one(of.us, per.us))
+    return Unit(quotient(of.si, per.si), quotient(of.metric, per.metric), quotient(of.us, per.us))

@@ -1,10 +1,10 @@
-"""The linear plant that goes with a law: servo or motor, link and column, behind the sensors' lags, as matrices.
+"""Linear plant of a law as matrices: servo or motor, link, column and sensor lags.
 
-``x' = A x + B u``, ``y = C x + D u``; ``u``: pilot's force and command · ``s`` what a sensor shows of ``y``, ``s' = w (y - s)``
+``x' = A x + B u``, ``y = C x + D u``; ``u``: pilot's force and command · ``s`` sensor output for ``y``, ``s' = w (y - s)``
 
-A force sensor at the grip shows ``F_g = K_g (F_p - m_o R_p theta'')``, so that it alone has a D, unless it lags.
+A force sensor at the grip measures ``F_g = K_g (F_p - m_o R_p theta'')``. Without lag it is the only output with a nonzero D.
 
-The matrices of the machine are the exact Jacobians of the model; a lag is one state more, which takes the place of what it lags.
+The matrices of the machine are the exact Jacobians of the model; a lag adds one state, which replaces the lagged output.
 """
 
 from dataclasses import dataclass, field
@@ -18,24 +18,24 @@ from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
 
 SAMPLED = ("load_cell_force_n", "drive_position_m", "column_angle_rad")
-"""What a digital controller samples: F_c, x_p, theta; and with a force sensor at the grip ``AT_GRIP``, F_g."""
+"""Sampled signals of a digital controller: F_c, x_p, theta; with a force sensor at the grip also ``AT_GRIP``, F_g."""
 
 AT_GRIP = "grip_force_n"
 
 _LAGS = ("load_cell.bandwidth", "potentiometer.bandwidth", "column_sensor.bandwidth", "grip_sensor.bandwidth")
-"""The sensors' bandwidths, in the order of ``SAMPLED`` and ``AT_GRIP``."""
+"""Bandwidths of the sensors, in the order of ``SAMPLED`` and ``AT_GRIP``."""
 
 _OF_STATES = ("load_pressure_pa", "base_position_m", "base_velocity_m_per_s")
-"""States that analog gains act on beside position and feel."""
+"""Further states of analog gains, in addition to position and feel."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearPlant:
-    """The plant without feel and without law.
+    """Plant without feel and law.
 
     Attributes:
         a, b, c, d: A, B, C, D, SI units.
-        states, inputs, outputs: Their names, with the unit at the end.
+        states, inputs, outputs: Their names, with the unit as suffix.
     """
 
     a: NDArray[np.float64] = field(repr=False)
@@ -48,11 +48,11 @@ class LinearPlant:
 
     @classmethod
     def of(cls, loader: Loader) -> "LinearPlant":
-        """The plant of a loader; of an analog valve also the states that its gains act on."""
+        """Plant of a loader; with an analog valve its outputs include the states of the gains."""
         model = plant_model(loader, Linkage.COMPLIANT)
         position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-        shown = [model.output_labels.index(name) for name in (SAMPLED[0], position, SAMPLED[2])]
-        a, b, c = model.A, model.B, model.C[shown]
+        rows = [model.output_labels.index(name) for name in (SAMPLED[0], position, SAMPLED[2])]
+        a, b, c = model.A, model.B, model.C[rows]
         states = tuple(model.state_labels)
         outputs: tuple[str, ...] = SAMPLED
         if loader["controller.period"] == 0:
@@ -78,6 +78,6 @@ def _behind(system: tuple[NDArray[np.float64], ...], sensor: int, w: float) -> t
     a, b, c, d = system
     n = len(a)
     wide = np.block([[a, np.zeros((n, 1))], [w * c[[sensor]], np.full((1, 1), -w)]])
-    shown, at_once = np.hstack([c, np.zeros((len(c), 1))]), d.copy()
-    shown[sensor], at_once[sensor] = np.eye(n + 1)[n], 0.0
-    return wide, np.vstack([b, w * d[sensor]]), shown, at_once
+    lagged, at_once = np.hstack([c, np.zeros((len(c), 1))]), d.copy()
+    lagged[sensor], at_once[sensor] = np.eye(n + 1)[n], 0.0
+    return wide, np.vstack([b, w * d[sensor]]), lagged, at_once

@@ -1,10 +1,10 @@
-"""What a law can be exported to."""
+"""Targets of an export."""
 
 from enum import StrEnum
 
 
 class Target(StrEnum):
-    """Where a law goes.
+    """Target of an export.
 
     Example:
         >>> import forcefeel as ff
@@ -19,6 +19,6 @@ class Target(StrEnum):
     FMU = "fmu"
     """Loader, law and machine as FMUs for co-simulation, of FMI 2.0 and 3.0."""
     MATLAB = "matlab"
-    """Matrices of law and plant for MATLAB, Octave and Python, the loop that they close, and the numbers that must come out."""
+    """Matrices of law and plant for MATLAB, Octave and Python, with scripts for the closed loop and expected results."""
     TABLE = "table"
-    """What the parameter sheet of a drive or a PLC wants, as CSV."""
+    """Parameter sheet for a drive or a PLC, as CSV."""

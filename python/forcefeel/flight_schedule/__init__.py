@@ -1,6 +1,6 @@
-"""Laws over the settings an aircraft runs through: designed at knots, interpolated between them, checked on a refined grid.
+"""Laws over the flight envelope of an aircraft: designed at knots, interpolated between them, checked on a refined grid.
 
-Not ``forcefeel.laws.analog.gain_schedule``, which is the report's gains for many settings.
+For the report's gains at many settings see ``forcefeel.laws.analog.gain_schedule``.
 """
 
 from forcefeel.public_names import public_names

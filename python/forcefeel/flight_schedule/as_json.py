@@ -1,4 +1,4 @@
-"""A checked flight schedule for machines: its figures as plain data, and every number of its laws as a table."""
+"""Checked flight schedule as JSON, every number with its unit, and all numbers of its laws as CSV."""
 
 import csv
 import io
@@ -16,9 +16,9 @@ FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]
 """Units of I, B, G."""
 
 
-def schedule_json(found: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
-    """What the check says, and of what."""
-    schedule = found.schedule
+def schedule_json(check: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
+    """Results and inputs of a check."""
+    schedule = check.schedule
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
@@ -37,29 +37,29 @@ def schedule_json(found: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
             }
             for where, feel in zip(schedule.where.tolist(), schedule.rows.tolist(), strict=True)
         ],
-        "refine": found.refine,
-        "tolerances": deviations_json(found.deviations),
-        "cases": [case.name for case in found.cases],
-        "conclusions": json_value(schedule_conclusions(found), units),
-        "stable": found.stable,
-        "dense": found.dense,
-        "parts": [json_value(part, units) for part in found.parts],
-        "margins": [json_value(one, units) for one in found.margins],
+        "refine": check.refine,
+        "tolerances": deviations_json(check.deviations),
+        "cases": [case.name for case in check.cases],
+        "conclusions": json_value(schedule_conclusions(check), units),
+        "stable": check.stable,
+        "dense": check.dense,
+        "parts": [json_value(part, units) for part in check.parts],
+        "margins": [json_value(margin, units) for margin in check.margins],
         "release_test": {
-            "edition": found.test.rules.edition,
-            "title": found.test.rules.title,
-            "angle": quantity(found.test.angle_rad, ANGLE, units),
+            "edition": check.test.rules.edition,
+            "title": check.test.rules.title,
+            "angle": quantity(check.test.angle_rad, ANGLE, units),
         },
-        "releases": [json_value(one, units) for one in found.releases],
+        "releases": [json_value(release, units) for release in check.releases],
     }
 
 
 def gains_csv(schedule: FlightSchedule) -> str:
-    """A line for each knot: where, I, B, G, then every number of its law, row by row; SI units, nothing rounded."""
+    """A line for each knot: axis values, I, B, G, then all numbers of its law by rows; SI units, unrounded."""
     laws, n = schedule.laws, schedule.laws.states
     known = [*(f"xi{k + 1}" for k in range(n)), "F_c", "x_p", "theta", "delta", "delta'"]
     heads = [axis.title for axis in schedule.axes]
-    heads += [f"{symbol} ({one.si})" for symbol, one in zip("IBG", FEEL_UNITS, strict=True)]
+    heads += [f"{symbol} ({feel_unit.si})" for symbol, feel_unit in zip("IBG", FEEL_UNITS, strict=True)]
     heads += [f"transition[{row + 1},{column + 1}]" for row in range(n) for column in range(n)]
     heads += [f"input[{row + 1},{name}]" for row in range(n) for name in ("F_c", "x_p", "theta", "e")]
     heads += [f"{what}[{name}]" for what in ("command", "torque") for name in known]

@@ -1,4 +1,4 @@
-"""The axes of a flight schedule: what the feel depends on, such as dynamic pressure, trim or flaps."""
+"""Axes of a flight schedule, such as dynamic pressure, trim or flaps."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ from forcefeel.errors import InputError
 from forcefeel.units import show, to_text
 
 MOST_AXES = 3
-"""Most axes of a schedule."""
+"""Largest number of axes of a schedule."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:[ _][A-Za-z0-9]+)*")
 _TAKEN = ("at_s", "fade_s")
@@ -20,15 +20,15 @@ _TAKEN = ("at_s", "fade_s")
 
 @dataclass(frozen=True)
 class ScheduleAxis:
-    """One axis.
+    """One axis of a schedule.
 
     Attributes:
-        name: What it is called, such as ``dynamic pressure``; words of letters and digits.
-        unit: The unit of its values as text, such as ``lb/ft^2``, which is shown and not converted; empty for none.
-        values: Its values at the knots, rising; two at least.
+        name: Its name, such as ``dynamic pressure``; words of letters and digits.
+        unit: Unit of its values as text, such as ``lb/ft^2``, displayed but not converted; empty for none.
+        values: Values at the knots, rising; at least two.
 
     Raises:
-        InputError: If the name is not made of words, or the values are fewer, not finite or do not rise.
+        InputError: If the name has other characters, or there are fewer than two finite, rising values.
 
     Example:
         >>> import forcefeel as ff
@@ -68,37 +68,37 @@ class ScheduleAxis:
         return f"{self.name} {to_text(value)} {self.unit}".rstrip()
 
     def refined(self, refine: int) -> NDArray[np.float64]:
-        """The knots, and between two of them ``refine - 1`` values in even steps; the knots are exact."""
+        """The knots, with ``refine - 1`` evenly spaced values between two of them; the knots are exact."""
         values, shares = np.array(self.values), np.arange(refine) / refine
         between = values[:-1, None] + shares * np.diff(values)[:, None]
         return np.append(between.ravel(), values[-1])
 
 
 def check_axes(axes: Sequence[ScheduleAxis]) -> tuple[ScheduleAxis, ...]:
-    """The axes, one to three with names of their own.
+    """Check that there are one to three axes with different names.
 
     Raises:
-        InputError: If they are not.
+        InputError: If not.
     """
-    found = tuple(axes)
-    if not all(isinstance(axis, ScheduleAxis) for axis in found) or not 1 <= len(found) <= MOST_AXES:
-        raise InputError(f"axes: expected 1 to {MOST_AXES} of ScheduleAxis, got {show(list(found))}")
-    names = [axis.keyword for axis in found]
+    checked = tuple(axes)
+    if not all(isinstance(axis, ScheduleAxis) for axis in checked) or not 1 <= len(checked) <= MOST_AXES:
+        raise InputError(f"axes: expected 1 to {MOST_AXES} of ScheduleAxis, got {show(list(checked))}")
+    names = [axis.keyword for axis in checked]
     if len(set(names)) < len(names):
         raise InputError(f"axes: expected different names, got {', '.join(names)}; name each axis once")
-    return found
+    return checked
 
 
 def mesh(values: Sequence[Sequence[float] | NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Every point of a grid, a row each; the last axis runs fastest."""
+    """All points of a grid (points, axes); the last axis runs fastest."""
     return np.column_stack([axis.ravel() for axis in np.meshgrid(*values, indexing="ij")])
 
 
 def point_of(axes: Sequence[ScheduleAxis], where: Mapping[str, float]) -> NDArray[np.float64]:
-    """The point that keywords name.
+    """Point from keywords.
 
     Raises:
-        InputError: If an axis is missing, unknown, or its value no number within the knots.
+        InputError: If an axis is missing or unknown, or its value is not a number within the knots.
     """
     known = {axis.keyword: axis for axis in axes}
     if set(where) != set(known):
@@ -107,24 +107,24 @@ def point_of(axes: Sequence[ScheduleAxis], where: Mapping[str, float]) -> NDArra
     return np.array([_within(axis, where[name]) for name, axis in known.items()])
 
 
-def _within(axis: ScheduleAxis, given: object) -> float:
+def _within(axis: ScheduleAxis, value: object) -> float:
     low, high = axis.values[0], axis.values[-1]
-    if isinstance(given, bool) or not isinstance(given, int | float | np.number) or not low <= given <= high:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not low <= value <= high:
         ends = f"{to_text(low)} to {to_text(high)} {axis.unit}".rstrip()
         raise InputError(
-            f"{axis.keyword}: expected a number within the knots, {ends}, got {show(given)}; a schedule is not extrapolated, "
-            "add a knot beyond"
+            f"{axis.keyword}: expected a number within the knots, {ends}, got {show(value)}; a schedule is not extrapolated, "
+            "so add a knot"
         )
-    return float(given)
+    return float(value)
 
 
 def place_text(axes: Sequence[ScheduleAxis], point: Sequence[float] | NDArray[np.float64]) -> str:
-    """A point in words: ``dynamic pressure 120 lb/ft^2, flaps 10 deg``."""
+    """Text of a point: ``dynamic pressure 120 lb/ft^2, flaps 10 deg``."""
     return ", ".join(axis.text(value) for axis, value in zip(axes, point, strict=True))
 
 
 def cells(axes: Sequence[ScheduleAxis]) -> Iterator[NDArray[np.float64]]:
-    """Along each axis, the values in the middle between two knots."""
+    """Middles between neighboring knots along each axis."""
     for axis in axes:
         values = np.array(axis.values)
         yield (values[:-1] + values[1:]) / 2

@@ -1,7 +1,7 @@
-"""Checks a flight schedule where an aircraft flies it: at the knots, between them, and while the setting changes.
+"""Check of a flight schedule at its knots, between them, and during changes of the setting.
 
-Stability is read from the poles of the sampled loop, delay included, at each place and held there: a setting that moves is taken
-as one that moves slowly against the loop. Between the points of the refined grid nothing is said.
+Stability is that of the sampled loop's poles, with delay, at each fixed point: a changing setting is assumed to be slow compared
+with the loop. Points between those of the refined grid are not checked.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +17,7 @@ from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import cells, mesh, place_text
 from forcefeel.flight_schedule.poles import Poles, loops_of, poles_of
 from forcefeel.flight_schedule.releases import PASSES, ReleaseTest
-from forcefeel.flight_schedule.result import CheckedMargins, CheckedRelease, Part, PartFound, ScheduleCheck
+from forcefeel.flight_schedule.result import CheckedMargins, CheckedRelease, Part, PartResult, ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.flight_schedule.transitions import Transitions
 from forcefeel.laws.sampled.law_designs import law_design
@@ -29,10 +29,10 @@ from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
 MOST_LOOPS = 2_000_000
-"""Most loops of a check: some minutes."""
+"""Largest number of loops of a check: some minutes."""
 
 Progress = Callable[[int, int], None]
-"""Called with the loops that are done and all there are."""
+"""Called with the numbers of completed and of all loops."""
 
 
 def check_schedule(
@@ -45,23 +45,23 @@ def check_schedule(
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
 ) -> ScheduleCheck:
-    """Where a schedule is stable, what margins it has, and whether its knots are dense enough.
+    """Check the stability, the margins and the density of knots of a schedule.
 
     Args:
         schedule: The schedule.
-        refine: Into how many parts the way between two knots is cut, 2 or more.
-        changes: How far each parameter of the plant is off, one at a time, as ``envelope`` takes it; if not given, by the
-            loader's tolerances, and as assumed where it has none.
-        arms: The arms at the grip of the nominal plant, beside none.
-        rule: Edition of the rule whose release test is asked for.
-        threads: How many; all cores if not given. The numbers do not depend on it.
-        progress: Called with the loops that are done and all there are.
+        refine: Number of intervals between two knots, 2 or more.
+        changes: Deviations of the plant parameters, one at a time, as in ``find_envelope``; default: the loader's tolerances,
+            otherwise assumed ones.
+        arms: Arms at the grip of the nominal plant, in addition to hands off.
+        rule: Edition of the rule with the required release test.
+        threads: Number of threads; default: all cores. The results do not depend on it.
+        progress: Called with the numbers of completed and of all loops.
 
     Returns:
-        The check. Optional rows of the feel and an arm of the loader are left out of it, as of an envelope.
+        The check. It omits optional rows of the feel and an arm of the loader, as an envelope does.
 
     Raises:
-        InputError: If an argument is bad, or there would be more than ``MOST_LOOPS`` loops.
+        InputError: If an argument is invalid, or with more than ``MOST_LOOPS`` loops.
 
     Example:
         >>> import forcefeel as ff
@@ -113,7 +113,7 @@ def check_schedule(
 
 
 def _check_count(schedule: FlightSchedule, refine: int, changes: int, cases: int) -> int:
-    """How many loops there are."""
+    """Number of loops; at most ``MOST_LOOPS``."""
     places = prod((len(axis.values) - 1) * refine + 1 for axis in schedule.axes)
     count = (places + changes * (refine - 1)) * cases
     if count > MOST_LOOPS:
@@ -129,18 +129,18 @@ def _parts(
     cases: Sequence[Case],
     still: tuple[NDArray[np.float64], NDArray[np.bool_], Poles],
     moving: tuple[Transitions, Poles],
-) -> tuple[PartFound, ...]:
+) -> tuple[PartResult, ...]:
     where, knot, poles = still
     transitions, during = moving
 
-    def found(part: Part, poles: Poles, which: NDArray[np.bool_], place: Callable[[int], str]) -> PartFound:
+    def part_result(part: Part, poles: Poles, which: NDArray[np.bool_], place_of: Callable[[int], str]) -> PartResult:
         critical, largest = poles.critical[:, which], poles.largest[:, which]
         case, loop = _largest_of(critical)
-        return PartFound(
+        return PartResult(
             part=part,
             loops=largest.size,
             unstable=int((largest >= 1).sum()),
-            place=place(int(np.flatnonzero(which)[loop])),
+            place=place_of(int(np.flatnonzero(which)[loop])),
             case=cases[case].name,
             critical=float(critical[case, loop]),
             largest=float(largest.max()),
@@ -155,9 +155,9 @@ def _parts(
         return f"{100 * transitions.shares[share]:.3g} % of the way from {start} to {end}"
 
     return (
-        found(Part.KNOTS, poles, knot, at),
-        found(Part.BETWEEN, poles, ~knot, at),
-        found(Part.CHANGES, during, np.full(during.largest.shape[1], True), on_the_way),
+        part_result(Part.KNOTS, poles, knot, at),
+        part_result(Part.BETWEEN, poles, ~knot, at),
+        part_result(Part.CHANGES, during, np.full(during.largest.shape[1], True), on_the_way),
     )
 
 
@@ -170,11 +170,11 @@ def _largest_of(values: NDArray[np.float64]) -> tuple[int, int]:
 def _remedy_helps(
     schedule: FlightSchedule, loader: Loader, cases: Sequence[Case], where: NDArray[np.float64], poles: Poles
 ) -> bool | None:
-    """Whether a law of its own is stable at the worst place, in its case; ``None`` where all are stable."""
-    case, place = _largest_of(poles.largest)
-    if poles.largest[case, place] < 1:
+    """Whether a law designed for the worst point is stable there, in the worst case; ``None`` if all loops are stable."""
+    case, loop = _largest_of(poles.largest)
+    if poles.largest[case, loop] < 1:
         return None
-    feel, _ = schedule.between(where[[place]])
+    feel, _ = schedule.between(where[[loop]])
     own = law_design(schedule.law).design(loader, feel)
     return bool(loops_of(loader, feel, own, cases[case], threads=1).stable[0])
 
@@ -182,7 +182,7 @@ def _remedy_helps(
 def _margins(
     schedule: FlightSchedule, loader: Loader, where: NDArray[np.float64], poles: Poles
 ) -> tuple[CheckedMargins, ...]:
-    """At the corners, at the place in the middle and at the nominal plant's worst place, each once."""
+    """Margins at the corners, the middle and the worst point of the nominal plant."""
     ends = mesh([(axis.values[0], axis.values[-1]) for axis in schedule.axes])
     middle = mesh([[axis.refined(2)[len(axis.values) - 1]] for axis in schedule.axes])
     worst = where[[int(poles.critical[0].argmax())]]
@@ -196,7 +196,7 @@ def _margins(
 
 
 def _releases(schedule: FlightSchedule, loader: Loader, test: ReleaseTest, threads: int) -> tuple[CheckedRelease, ...]:
-    """At each knot, and in the middle of each cell between knots, with a law of its own where the schedule's fails."""
+    """Releases at each knot and in the middle of each cell, there also with a law designed for it if the schedule's fails."""
     middle = mesh(tuple(cells(schedule.axes)))
     where = np.vstack([schedule.where, middle])
     feel, laws = schedule.between(where)

@@ -2,7 +2,7 @@
 
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
-from forcefeel.flight_schedule.result import CheckedRelease, Part, PartFound, ScheduleCheck
+from forcefeel.flight_schedule.result import CheckedRelease, Part, PartResult, ScheduleCheck
 from forcefeel.units import to_text
 
 _MOST_NAMED = 3
@@ -15,37 +15,37 @@ LEAK = (
 
 
 @of_result
-def schedule_conclusions(found: ScheduleCheck) -> Conclusions:
+def schedule_conclusions(check: ScheduleCheck) -> Conclusions:
     """The conclusions; ``good`` where every loop that was checked is stable."""
-    verdict = _stable(found) if found.stable else _unstable(found)
-    lines = [_knots(found), _between(found), _margins(found), _nearest(found)]
-    return Conclusions(found.stable, verdict, (*(line for line in lines if line), *_caveats(found)))
+    verdict = _stable(check) if check.stable else _unstable(check)
+    lines = [_knots(check), _between(check), _margins(check), _nearest(check)]
+    return Conclusions(check.stable, verdict, (*(line for line in lines if line), *_caveats(check)))
 
 
-def _stable(found: ScheduleCheck) -> str:
-    loops = sum(part.loops for part in found.parts)
-    between = _count(int((~found.knot).sum()), "place")
-    changes = _count(len(found.transitions.ends), "change")
+def _stable(check: ScheduleCheck) -> str:
+    loops = sum(part.loops for part in check.parts)
+    between = _count(int((~check.knot).sum()), "place")
+    changes = _count(len(check.transitions.ends), "change")
     return (
-        f"Stable wherever it was checked: at {found.schedule.knots:,} knots, at {between} between them and during {changes}, "
-        f"with the nominal plant and in {_count(len(found.cases) - 1, 'other case')}, {loops:,} loops in all."
+        f"Stable wherever it was checked: at {check.schedule.knots:,} knots, at {between} between them and during {changes}, "
+        f"with the nominal plant and in {_count(len(check.cases) - 1, 'other case')}, {loops:,} loops in all."
     )
 
 
-def _unstable(found: ScheduleCheck) -> str:
-    bad = [part for part in found.parts if part.unstable]
+def _unstable(check: ScheduleCheck) -> str:
+    bad = [part for part in check.parts if part.unstable]
     counts = ", ".join(f"{part.unstable:,} of {part.loops:,} loops {part.part}" for part in bad)
     worst = max(bad, key=lambda part: part.critical)
     size = to_text(worst.critical, 5)
     where = f"Worst is {worst.place} in the case {worst.case}, with a pole of magnitude {size}."
-    return f"Not stable: {counts}. {where} {_remedy(found, worst)}"
+    return f"Not stable: {counts}. {where} {_remedy(check, worst)}"
 
 
-def _remedy(found: ScheduleCheck, worst: PartFound) -> str:
-    between = found.part(Part.BETWEEN)
-    if found.part(Part.KNOTS).unstable or found.remedy_helps is False:
+def _remedy(check: ScheduleCheck, worst: PartResult) -> str:
+    between = check.part(Part.BETWEEN)
+    if check.part(Part.KNOTS).unstable or check.remedy_helps is False:
         return (
-            "A law that is designed for an unstable place is unstable there too, so more knots do not help: take another method, "
+            "A law that is designed for an unstable place is unstable there too, so more knots do not help: take another law, "
             "or a feel that asks for less."
         )
     if between.unstable:
@@ -53,22 +53,22 @@ def _remedy(found: ScheduleCheck, worst: PartFound) -> str:
     return f"Go in steps: let changes to the knots in between follow each other, and none go from end to end as at {worst.place}."
 
 
-def _nearest(found: ScheduleCheck) -> str:
-    if not found.stable:
+def _nearest(check: ScheduleCheck) -> str:
+    if not check.stable:
         return ""
-    worst = found.worst
+    worst = check.worst
     return (
         f"Nearest to the edge is {worst.place} in the case {worst.case}: its largest pole that swings has the magnitude "
         f"{to_text(worst.critical, 5)}."
     )
 
 
-def _margins(found: ScheduleCheck) -> str:
-    stable = [one for one in found.margins if one.margins.disk > 0]
+def _margins(check: ScheduleCheck) -> str:
+    stable = [margin for margin in check.margins if margin.margins.disk > 0]
     if not stable:
         return ""
-    gain = min(stable, key=lambda one: one.margins.gain_up)
-    delay = min(stable, key=lambda one: one.margins.delay_s)
+    gain = min(stable, key=lambda margin: margin.margins.gain_up)
+    delay = min(stable, key=lambda margin: margin.margins.delay_s)
     factor, more = to_text(gain.margins.gain_up, 3), to_text(1e3 * delay.margins.delay_s, 2)
     return (
         f"Of {_count(len(stable), 'place')} the nominal loop has its least gain margin, a factor of {factor}, at {gain.place}, "
@@ -76,17 +76,17 @@ def _margins(found: ScheduleCheck) -> str:
     )
 
 
-def _knots(found: ScheduleCheck) -> str:
-    knots = [one for one in found.releases if one.knot]
-    failing = [one for one in knots if not one.passes]
+def _knots(check: ScheduleCheck) -> str:
+    knots = [release for release in check.releases if release.knot]
+    failing = [knot for knot in knots if not knot.passes]
     text = f"At {len(knots) - len(failing):,} of {len(knots):,} knots the release is within tolerance"
     return f"{text}; it is not at {_named(failing)}." if failing else f"{text}."
 
 
-def _between(found: ScheduleCheck) -> str:
-    middle = [one for one in found.releases if not one.knot]
-    failing = [one for one in middle if not one.passes]
-    lost = [one for one in failing if one.lost]
+def _between(check: ScheduleCheck) -> str:
+    middle = [release for release in check.releases if not release.knot]
+    failing = [release for release in middle if not release.passes]
+    lost = [release for release in failing if release.lost]
     text = f"In the middle between knots it is at {len(middle) - len(failing):,} of {_count(len(middle), 'place')}"
     if not failing:
         return f"{text}: the knots are dense enough for it."
@@ -100,24 +100,24 @@ def _count(number: int, what: str) -> str:
 
 
 def _named(places: list[CheckedRelease]) -> str:
-    named = "; ".join(f"{one.place} ({one.outcome})" for one in places[:_MOST_NAMED])
+    named = "; ".join(f"{release.place} ({release.outcome})" for release in places[:_MOST_NAMED])
     more = len(places) - _MOST_NAMED
     return f"{named}; and {more:,} more" if more > 0 else named
 
 
-def _caveats(found: ScheduleCheck) -> tuple[str, ...]:
-    test = found.test.rules.of("release", "pitch")
+def _caveats(check: ScheduleCheck) -> tuple[str, ...]:
+    test = check.test.rules.of("release", "pitch")
     rows = [test.is_verified(tolerance) for tolerance in test.tolerances]
-    ranked = [LEAK] if any(part.largest > part.critical for part in found.parts) else []
+    ranked = [LEAK] if any(part.largest > part.critical for part in check.parts) else []
     lines = [
         *ranked,
-        *tolerance_sentences(found.schedule.loader, found.deviations),
+        *tolerance_sentences(check.schedule.loader, check.deviations),
         "Each place is checked as if the setting stood still there: one that moves as fast as the loop itself is not covered, "
         "nor is what lies between the places.",
     ]
-    if not (all(rows) and found.test.rules.release.verified):
-        lines.append(f"Not verified against a source: {found.test.rules.title} ({found.test.rules.edition}).")
-    unverified = [case.name for case in found.cases if not case.verified]
+    if not (all(rows) and check.test.rules.release.verified):
+        lines.append(f"Not verified against a source: {check.test.rules.title} ({check.test.rules.edition}).")
+    unverified = [case.name for case in check.cases if not case.verified]
     if unverified:
         lines.append(f"Not verified against a source: {', '.join(unverified)}.")
     return tuple(lines)

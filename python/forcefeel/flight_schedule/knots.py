@@ -1,4 +1,4 @@
-"""The knots of a flight schedule from a CSV file: a column for each axis, and the setting in three others."""
+"""Knots of a flight schedule from a CSV file: a column for each axis, and three columns for the setting."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from forcefeel.tables.csv_table import csv_rows, text_lines
 from forcefeel.units import INERTIA, RATIO, Unit, factor, show
 
 EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
-"""A good header."""
+"""Example of a header."""
 
 _B, _G = unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])
 _SECOND_ORDER: Mapping[str, Unit] = MappingProxyType(
@@ -36,11 +36,11 @@ class _Heading:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """What a file of knots says.
+    """Content of a file of knots.
 
     Attributes:
-        axes: The axes, in the order of their columns, values rising.
-        feel: I, B, G in SI units, (values of each axis ..., 3), as ``design_schedule`` takes it.
+        axes: Axes in the order of their columns, values rising.
+        feel: I, B, G in SI units, (values of each axis ..., 3), for ``design_schedule``.
     """
 
     axes: tuple[ScheduleAxis, ...]
@@ -48,15 +48,15 @@ class Knots:
 
 
 def read_knots(path: str | Path) -> Knots:
-    r"""Reads a file of knots.
+    r"""Read a file of knots.
 
     Args:
         path: CSV in UTF-8. The setting is in the columns ``stiffness``, ``frequency`` and ``damping ratio``, or ``I``, ``B`` and
-            ``G``, each with its unit in brackets; every other column is an axis. The rows, in any order, are a full grid of
+            ``G``, each with its unit in parentheses; every other column is an axis. The rows, in any order, are a full grid of
             the axes' values, each knot once.
 
     Raises:
-        InputError: With the file, the line, what is wrong, what was expected and the remedy.
+        InputError: With file, line, error, expected content and remedy.
 
     Example:
         >>> import forcefeel as ff
@@ -70,7 +70,7 @@ def read_knots(path: str | Path) -> Knots:
     lines = _lines(file)
     head = [_heading(cell, file, lines[0][0]) for cell in lines[0][1]]
     setting = _setting(head, file)
-    places = [k for k, one in enumerate(head) if one.name.lower() not in setting]
+    places = [k for k, heading in enumerate(head) if heading.name.lower() not in setting]
     if not 1 <= len(places) <= MOST_AXES:
         raise InputError(
             f"{file}: expected 1 to {MOST_AXES} axes beside {', '.join(setting)}, got {len(places)}; a header such as {EXAMPLE!r}"
@@ -80,20 +80,20 @@ def read_knots(path: str | Path) -> Knots:
         raise InputError(f"{file}: expected rows of numbers under the header, got none; give each knot a row")
     axes = tuple(_axis(file, head[k], table[:, k]) for k in places)
     order = _grid(file, axes, table[:, places], [line for line, _ in lines[1:]])
-    names = [one.name.lower() for one in head]
+    names = [heading.name.lower() for heading in head]
     columns = [table[order, names.index(name)] * _scale(file, head[names.index(name)], setting) for name in setting]
     shape = tuple(len(axis.values) for axis in axes)
     return Knots(axes, _feel(file, setting, columns).reshape(*shape, 3))
 
 
 def _lines(file: Path) -> list[tuple[int, list[str]]]:
-    """Header and rows that are not empty, each with its line."""
+    """Nonempty rows, the header first, each with its line number."""
     data = read_input(file, MOST_TEXT_BYTES, f"a CSV file such as {EXAMPLE!r}")
     rows = csv_rows(file, text_lines(file, data), EXAMPLE)
-    found = [(line, [" ".join(cell.split()) for cell in row]) for row, line in rows if any(row)]
-    if not found:
+    lines = [(line, [" ".join(cell.split()) for cell in row]) for row, line in rows if any(row)]
+    if not lines:
         raise InputError(f"{file}: is empty; expected a header such as {EXAMPLE!r} and a row for each knot")
-    return found
+    return lines
 
 
 def _heading(cell: str, file: Path, line: int) -> _Heading:
@@ -104,35 +104,35 @@ def _heading(cell: str, file: Path, line: int) -> _Heading:
 
 
 def _setting(head: Sequence[_Heading], file: Path) -> Mapping[str, Unit]:
-    """Which three columns the setting is in."""
-    names = [one.name.lower() for one in head]
+    """Columns of the setting, with their units."""
+    names = [heading.name.lower() for heading in head]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{file}: has {names.count(name)} columns {name!r}; name each column once")
-    given = [each for each in (_SECOND_ORDER, _COEFFICIENTS) if set(each) & set(names)]
-    if len(given) != 1 or not set(given[0]) <= set(names):
+    forms = [each for each in (_SECOND_ORDER, _COEFFICIENTS) if set(each) & set(names)]
+    if len(forms) != 1 or not set(forms[0]) <= set(names):
         raise InputError(
             f"{file}: expected the setting as stiffness, frequency and damping ratio, or as I, B and G, got the columns "
-            f"{', '.join(one.name for one in head)}; a header such as {EXAMPLE!r}"
+            f"{', '.join(heading.name for heading in head)}; a header such as {EXAMPLE!r}"
         )
-    return given[0]
+    return forms[0]
 
 
 def _scale(file: Path, heading: _Heading, setting: Mapping[str, Unit]) -> float:
     """SI value of one unit of a column of the setting."""
-    wanted = setting[heading.name.lower()]
-    if not heading.unit and wanted.us:
-        raise InputError(f"{file}: {heading.name}: has no unit; write '{heading.name} ({wanted.us})'")
+    unit = setting[heading.name.lower()]
+    if not heading.unit and unit.us:
+        raise InputError(f"{file}: {heading.name}: has no unit; write '{heading.name} ({unit.us})'")
     try:
-        return factor(heading.unit, wanted.si)
+        return factor(heading.unit, unit.si)
     except InputError as error:
-        raise InputError(f"{file}: {heading.name}: {error}; write '{heading.name} ({wanted.us})'") from error
+        raise InputError(f"{file}: {heading.name}: {error}; write '{heading.name} ({unit.us})'") from error
 
 
 def _numbers(file: Path, line: int, cells: Sequence[str], head: Sequence[_Heading]) -> list[float]:
     if len(cells) != len(head):
         raise InputError(f"{file}: line {line}: expected {len(head)} values as in the header, got {len(cells)}")
-    found = []
+    numbers = []
     for cell, heading in zip(cells, head, strict=True):
         try:
             value = float(cell)
@@ -140,8 +140,8 @@ def _numbers(file: Path, line: int, cells: Sequence[str], head: Sequence[_Headin
             value = np.nan
         if not np.isfinite(value):
             raise InputError(f"{file}: line {line}: {heading.name}: expected a finite number, got {show(cell)}")
-        found.append(value)
-    return found
+        numbers.append(value)
+    return numbers
 
 
 def _axis(file: Path, heading: _Heading, values: NDArray[np.float64]) -> ScheduleAxis:
@@ -154,27 +154,27 @@ def _axis(file: Path, heading: _Heading, values: NDArray[np.float64]) -> Schedul
 def _grid(
     file: Path, axes: Sequence[ScheduleAxis], where: NDArray[np.float64], lines: Sequence[int]
 ) -> NDArray[np.intp]:
-    """The rows in the order of the grid, the last axis fastest."""
+    """Indices of the rows in the order of the grid; the last axis runs fastest."""
     shape = tuple(len(axis.values) for axis in axes)
     steps = [np.searchsorted(axis.values, where[:, k]) for k, axis in enumerate(axes)]
-    place = np.ravel_multi_index(steps, shape)
+    order = np.ravel_multi_index(steps, shape)
     seen: dict[int, int] = {}
-    for knot, line, point in zip(place.tolist(), lines, where, strict=True):
+    for knot, line, point in zip(order.tolist(), lines, where, strict=True):
         if knot in seen:
             raise InputError(
-                f"{file}: line {line}: {place_text(axes, point)} stands in line {seen[knot]} already; give each knot one row"
+                f"{file}: line {line}: {place_text(axes, point)} is already in line {seen[knot]}; give each knot one row"
             )
         seen[knot] = line
-    missing = np.setdiff1d(np.arange(np.prod(shape)), place)
+    missing = np.setdiff1d(np.arange(np.prod(shape)), order)
     if len(missing):
         steps_there = np.unravel_index(missing[0], shape)
         point = [axis.values[int(step)] for axis, step in zip(axes, steps_there, strict=True)]
         sides = " by ".join(map(str, shape))
         raise InputError(
-            f"{file}: expected a full grid of {sides} knots, got {len(place)}: there is none at "
+            f"{file}: expected a full grid of {sides} knots, got {len(order)}; missing: "
             f"{place_text(axes, point)}; add its row"
         )
-    return np.argsort(place)
+    return np.argsort(order)
 
 
 def _feel(file: Path, setting: Mapping[str, Unit], columns: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:

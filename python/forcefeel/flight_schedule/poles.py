@@ -1,4 +1,4 @@
-"""Poles of many sampled loops in every case, a piece at a time."""
+"""Poles of many sampled loops in every case, in batches."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loops.sampled_loop import SampledLoops, sampled_loops
 
 _PIECE = 4096
-"""Loops at a time: some 20 MB of matrices and poles."""
+"""Loops per batch: some 20 MB of matrices and poles."""
 
 _SWINGS = 1e-9
-"""Rad per period; a pole that turns less does not swing but for rounding."""
+"""Smallest angle of an oscillating pole, rad; below it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Poles:
-    """What stability is read from.
+    """Largest poles of loops.
 
     Attributes:
-        largest: Largest magnitude of a pole, (cases, loops); below 1 is stable, infinite where the loop is not made of numbers.
-        swinging: The same of the poles that swing, which are not real; 0 where there is none.
-        period_s: Sample period.
+        largest: Largest magnitude of a pole, (cases, loops); stable below 1; infinite for a loop with non-finite numbers.
+        swinging: The same for complex poles; 0 without complex poles.
+        period_s: Sample period, s.
     """
 
     largest: NDArray[np.float64]
@@ -36,15 +36,15 @@ class Poles:
 
     @property
     def critical(self) -> NDArray[np.float64]:
-        """What ranks loops, (cases, loops): the largest pole where it is unstable, else the largest that swings.
+        """Magnitude that ranks loops, (cases, loops): the largest pole if unstable, else the largest complex pole.
 
-        The largest of a stable loop is often the observer's leak, a real pole that is just below 1 wherever one looks.
+        The largest pole of a stable loop is often the observer's leak, a real pole just below 1 at all settings.
         """
         return np.where(self.largest >= 1, self.largest, self.swinging)
 
     @property
     def decay(self) -> NDArray[np.float64]:
-        """Rate in 1/s at which the critical pole dies, ``-ln |z| / T``; not a number where a stable loop has none that swings."""
+        """Decay rate of the critical pole in 1/s, ``-ln |z| / T``; NaN for a stable loop without complex poles."""
         size = self.critical
         with np.errstate(divide="ignore"):
             return np.where(size > 0, -np.log(size) / self.period_s, np.nan)
@@ -59,7 +59,7 @@ def poles_of(
     threads: int,
     progress: Callable[[int], None],
 ) -> Poles:
-    """The poles of each law with its feel (loops, 3) in each case; ``progress`` is called with the loops that are done."""
+    """Poles of each law with its feel (loops, 3) in each case; ``progress`` gets the number of loops of each batch."""
     largest, swinging = np.empty((2, len(cases), len(feel)))
     for first in range(0, len(feel), _PIECE):
         piece = slice(first, first + _PIECE)
@@ -75,6 +75,6 @@ def poles_of(
 
 
 def loops_of(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, case: Case, *, threads: int) -> SampledLoops:
-    """The loops of a case, one for each law with its feel (loops, 3)."""
+    """Loops of a case, one for each law with its feel (loops, 3)."""
     rows = full_rows(loader, case, feel, Law.of(laws, loader))
     return sampled_loops(loader, laws, rows, threads=threads)

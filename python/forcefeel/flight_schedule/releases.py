@@ -1,4 +1,4 @@
-"""Releases on the nominal plant, hands off, by the release test of a rule: do the laws between knots render their feel?"""
+"""Release test of a rule on the nominal plant, hands off, at knots and between them."""
 
 from dataclasses import dataclass
 
@@ -23,19 +23,19 @@ from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
 PASSES, DIVERGES, NOT_JUDGED = "passes", "diverges", "not judged"
-"""Outcomes beside the figure that fails first. Not judged is a feel with less damping than an envelope asks for."""
+"""Outcomes other than the first failing figure. ``NOT_JUDGED``: the feel's damping is below the range of an envelope."""
 
 _BAND = np.log(2) / 2
-"""Feels whose frequencies are within half an octave are recorded alike."""
+"""Feels within half an octave have the same record."""
 
 
 @dataclass(frozen=True)
 class ReleaseTest:
-    """The test.
+    """Release test.
 
     Attributes:
         rules: The rule.
-        angle_rad: Where the column is held: the rule's largest share of the throw's shorter side.
+        angle_rad: Release angle: the rule's largest share of the throw's shorter side.
         travel_rad: The throw from end to end.
     """
 
@@ -45,18 +45,18 @@ class ReleaseTest:
 
     @classmethod
     def of(cls, rules: Rules, loader: Loader) -> "ReleaseTest":
-        """For a loader with its stops."""
+        """Test for a loader with its stops."""
         throw = Throw.of(loader)
         return cls(rules, throw.release_rad(rules), throw.travel_rad)
 
     def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> list[str]:
-        """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""
+        """Outcome for each feel (settings, 3) with its law: ``passes`` or the first failing figure."""
         frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
-        asked = np.flatnonzero(damping >= AXES["damping"].low)
-        bands = np.floor(np.log(frequency[asked]) / _BAND)
+        judged = np.flatnonzero(damping >= AXES["damping"].low)
+        bands = np.floor(np.log(frequency[judged]) / _BAND)
         for band in np.unique(bands):
-            which = asked[bands == band]
+            which = judged[bands == band]
             record = _record(frequency[which].min(), damping[which].min(), loader["controller.period"])
             for chunk in record.chunks(len(which)):
                 some = which[chunk]
@@ -85,7 +85,7 @@ class ReleaseTest:
 
 
 def _record(frequency: float, damping: float, period_s: float) -> Record:
-    """An envelope's record, its samples on whole periods of the controller."""
+    """Record of an envelope with samples at whole periods of the controller."""
     usual = Record.of(frequency, damping)
     step = max(1, round(usual.step_s / period_s)) * period_s
     return Record(step, int(np.ceil(usual.duration_s / step)) + 1)

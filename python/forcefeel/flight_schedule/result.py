@@ -1,4 +1,4 @@
-"""What the check of a flight schedule found."""
+"""Result of the check of a flight schedule."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from forcefeel.units import RATIO
 
 
 class Part(StrEnum):
-    """Where loops were checked."""
+    """Part of a schedule in which loops were checked."""
 
     KNOTS = "at the knots"
     BETWEEN = "between the knots"
@@ -27,17 +27,17 @@ class Part(StrEnum):
 
 
 @dataclass(frozen=True)
-class PartFound:
-    """What one part came to.
+class PartResult:
+    """Result for one part.
 
     Attributes:
-        part: Which.
-        loops: Loops that were checked: places times cases.
-        unstable: How many of them are not stable.
-        place: Where the loop is nearest to its edge, in words: see ``Poles.critical``.
-        case: In which case.
-        critical: The magnitude of the pole there.
-        largest: The largest magnitude of any pole.
+        part: The part.
+        loops: Number of checked loops: points times cases.
+        unstable: Number of unstable loops.
+        place: Point of the loop closest to instability, as text: see ``Poles.critical``.
+        case: Case of this loop.
+        critical: Magnitude of its critical pole.
+        largest: Largest magnitude of all poles.
     """
 
     part: Part
@@ -51,11 +51,11 @@ class PartFound:
 
 @dataclass(frozen=True)
 class CheckedMargins:
-    """Margins on the nominal plant at one place.
+    """Margins on the nominal plant at one point.
 
     Attributes:
-        place: Where, in words.
-        margins: What the loop bears there.
+        place: The point as text.
+        margins: Margins of the loop.
     """
 
     place: str
@@ -64,13 +64,13 @@ class CheckedMargins:
 
 @dataclass(frozen=True)
 class CheckedRelease:
-    """The release test at a knot or in the middle between knots, nominal plant, hands off.
+    """Release test at a knot or in the middle between knots, nominal plant, hands off.
 
     Attributes:
-        place: Where, in words.
+        place: The point as text.
         knot: Whether it is a knot.
-        outcome: ``passes``, or the figure that fails first.
-        designed: The outcome of a law that is designed for the place itself; the same at a knot.
+        outcome: ``passes`` or the first failing figure.
+        designed: Outcome of a law designed for this point; the same at a knot.
     """
 
     place: str
@@ -80,12 +80,12 @@ class CheckedRelease:
 
     @property
     def passes(self) -> bool:
-        """Whether it passes."""
+        """Whether the release passes."""
         return self.outcome == PASSES
 
     @property
     def lost(self) -> bool:
-        """Whether a knot here would make it pass."""
+        """Whether a knot at this point would make the release pass."""
         return not self.passes and self.designed == PASSES
 
 
@@ -94,21 +94,13 @@ class ScheduleCheck:
     """A checked schedule.
 
     Attributes:
-        schedule: The schedule.
-        refine: Into how many parts the way between two knots was cut.
-        deviations: How far each parameter of the plant may be off, and who says so.
-        cases: The nominal machine, each parameter off its value, each arm.
-        where: Places of the refined grid, (places, axes); the last axis runs fastest.
-        knot: Which of them are knots.
-        poles: Poles there, (cases, places).
-        transitions: Changes between knots.
-        during: Poles held at each share of each change, (cases, changes times shares).
-        parts: What came of knots, of what is between them, and of the changes.
-        remedy_helps: Where a loop between knots is unstable, whether the law designed for the worst place is stable there in
-            its case; ``None`` where none is.
-        margins: Margins at corners, in the middle, and at the worst place of the nominal plant.
-        test: The release test.
-        releases: Its outcome at the knots and in the middle between them.
+        schedule: The schedule. refine: Number of intervals between two knots. deviations: Deviation of each plant parameter, with
+        its source. cases: The nominal machine, each deviation, each arm. where: Points of the refined grid, (points, axes); the
+        last axis runs fastest. knot: Which points are knots. poles: Poles at the points, (cases, points). transitions: Changes
+        between knots. during: Poles at each fixed share of each change, (cases, changes times shares). parts: Results at the knots,
+        between them and during changes. remedy_helps: Whether a law designed for the worst point is stable there in the worst case;
+        ``None`` if all loops are stable. margins: Margins at the corners, in the middle, and at the worst point of the nominal
+        plant. test: The release test. releases: Outcomes at the knots and in the middle between them.
 
     Example:
         >>> import forcefeel as ff
@@ -128,7 +120,7 @@ class ScheduleCheck:
     poles: Poles = field(repr=False)
     transitions: Transitions = field(repr=False)
     during: Poles = field(repr=False)
-    parts: tuple[PartFound, ...]
+    parts: tuple[PartResult, ...]
     remedy_helps: bool | None
     margins: tuple[CheckedMargins, ...]
     test: ReleaseTest = field(repr=False)
@@ -136,19 +128,19 @@ class ScheduleCheck:
 
     @property
     def stable(self) -> bool:
-        """Whether every loop that was checked is stable."""
+        """Whether all checked loops are stable."""
         return not any(part.unstable for part in self.parts)
 
     @property
-    def worst(self) -> PartFound:
-        """The part with the loop that is nearest to its edge, or farthest beyond it."""
+    def worst(self) -> PartResult:
+        """The part with the least stable loop."""
         return max(self.parts, key=lambda part: part.critical)
 
     @property
     def dense(self) -> bool:
-        """Whether no place between knots loses the release test that a law of its own would pass."""
-        return not any(one.lost for one in self.releases)
+        """Whether no point between knots fails a release test that a law designed for it passes."""
+        return not any(release.lost for release in self.releases)
 
-    def part(self, which: Part) -> PartFound:
-        """What one part came to."""
-        return next(one for one in self.parts if one.part is which)
+    def part(self, which: Part) -> PartResult:
+        """Result for one part."""
+        return next(part for part in self.parts if part.part is which)

@@ -1,7 +1,7 @@
-"""A flight schedule: a feel and its sampled law at every knot, and by interpolation between them.
+"""Flight schedule: a feel and its sampled law at every knot, interpolated between knots.
 
-``I``, ``B``, ``G`` and every number of the law are linear along each axis between two knots. The laws of a loader by one method
-share the coordinates of their observers, so a law between two says what lies between what the two say.
+``I``, ``B``, ``G`` and all numbers of the law are linear along each axis between two knots. The laws of a loader by one design
+share the coordinates of their observers, so the output of an interpolated law lies between the outputs of its neighbors.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _FEEL = len(FEEL_SETTING)
 
 @dataclass(frozen=True, eq=False)
 class ScheduledSetting:
-    """One place of a schedule.
+    """Setting at one point of a schedule.
 
     Attributes:
         feel: I, B, G in SI units.
@@ -46,14 +46,14 @@ class FlightSchedule:
     """Feels and laws over the settings of an aircraft.
 
     Attributes:
-        loader: What the laws were designed for.
-        law: By which method.
+        loader: Loader of the designs.
+        law: Name of the law design.
         axes: One to three axes.
         feel: I, B, G in SI units at the knots, (values of each axis ..., 3).
-        laws: The law of each knot, the last axis running fastest.
+        laws: Law of each knot; the last axis runs fastest.
 
     Raises:
-        InputError: If axes, feels and laws do not go together, or the laws were made for another controller than the loader's.
+        InputError: If axes, feels and laws do not match, or the laws were designed for another controller.
 
     Example:
         >>> import forcefeel as ff
@@ -85,12 +85,12 @@ class FlightSchedule:
 
     @property
     def knots(self) -> int:
-        """How many knots there are."""
+        """Number of knots."""
         return self.laws.settings
 
     @cached_property
     def where(self) -> NDArray[np.float64]:
-        """The axes' values at each knot, (knots, axes)."""
+        """Axis values at each knot, (knots, axes)."""
         return mesh([axis.values for axis in self.axes])
 
     @cached_property
@@ -105,21 +105,21 @@ class FlightSchedule:
         return RegularGridInterpolator([axis.values for axis in self.axes], values, method="linear", bounds_error=True)
 
     def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledLaw]:
-        """Feels (points, 3) and laws at many points (points, axes) within the knots."""
-        found = self._numbers(where)
+        """Feels (points, 3) and laws at points (points, axes) within the knots."""
+        numbers_at = self._numbers(where)
         shapes = [getattr(self.laws, name).shape[1:] for name in NUMBERS]
-        feel, *parts = np.split(found, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
+        feel, *parts = np.split(numbers_at, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
         numbers = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
         return feel, SampledLaw(self.laws.period_s, self.laws.delay_s, *numbers)
 
     def at(self, **where: float) -> ScheduledSetting:
-        """Feel and law at a place: ``schedule.at(dynamic_pressure=120, flaps=10)``.
+        """Feel and law at a point: ``schedule.at(dynamic_pressure=120, flaps=10)``.
 
         Args:
             where: A value for each axis, in its unit, by its name with ``_`` for spaces.
 
         Raises:
-            InputError: If an axis is missing or unknown, or a value is beyond the knots: a schedule is not extrapolated.
+            InputError: If an axis is missing or unknown, or a value is outside the knots: a schedule is not extrapolated.
         """
         feel, law = self.between(point_of(self.axes, where)[np.newaxis])
         inertia, damping, stiffness = feel[0].tolist()
@@ -127,27 +127,26 @@ class FlightSchedule:
         return ScheduledSetting((inertia, damping, stiffness), self.loader.replace(changed, si=True), law)
 
     def change(self, at_s: float, fade_s: float = 0.5, **where: float) -> FeelChange:
-        """The change of a run, from whatever holds, to a place of the schedule: of I, B, G and of the law.
+        """Change of I, B, G and the law in a run, from the current ones to those at a point of the schedule.
 
-        The change goes straight from the feel and law of before to those of ``where``. On a long way, let several follow each
-        other along the schedule.
+        The change is direct. For a long path use several changes along the schedule.
 
         Args:
-            at_s: When it begins.
-            fade_s: How long it takes.
-            where: As ``at``.
+            at_s: Begin, s.
+            fade_s: Duration, s.
+            where: As in ``at``.
 
         Raises:
-            InputError: As ``at``.
+            InputError: As in ``at``.
         """
-        there = self.at(**where)
-        return FeelChange(at_s, dict(zip(FEEL_SETTING, there.feel, strict=True)), fade_s, there.law)
+        setting = self.at(**where)
+        return FeelChange(at_s, dict(zip(FEEL_SETTING, setting.feel, strict=True)), fade_s, setting.law)
 
 
 def design_schedule(
     loader: Loader, axes: Sequence[ScheduleAxis], feel: ArrayLike, law: str = "robust"
 ) -> FlightSchedule:
-    """Designs the law of every knot.
+    """Design the law of every knot.
 
     Args:
         loader: The loader, with ``controller.period``; its own I, B, G are not used.
@@ -157,11 +156,10 @@ def design_schedule(
         law: A name of ``designs.LAW_DESIGNS``.
 
     Returns:
-        The schedule. Nothing is checked yet: ``check_schedule`` does.
+        The schedule, unchecked: see ``check_schedule``.
 
     Raises:
-        InputError: If the loader has no period, the feel has another shape or leaves the range of a loader's I, B, G, or the
-            method is unknown.
+        InputError: If the loader has no period, the feel has another shape or is out of range, or the law is unknown.
 
     Example:
         >>> import forcefeel as ff
@@ -170,19 +168,19 @@ def design_schedule(
         >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).law
         'robust'
     """
-    found = check_axes(axes)
-    way = law_design(law)
+    checked = check_axes(axes)
+    design = law_design(law)
     try:
         values = np.array(feel, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"feel: expected I, B, G at every knot ({error})") from error
-    shape = (*(len(axis.values) for axis in found), _FEEL)
+    shape = (*(len(axis.values) for axis in checked), _FEEL)
     if values.shape != shape:
         raise InputError(f"feel: expected I, B, G at every knot, the shape {shape}, got {values.shape}")
     rows = values.reshape(-1, _FEEL)
-    # Ranges are intervals, so what is between knots is in them too.
-    check_feel_range(rows, lambda knot: f"at {place_text(found, mesh([axis.values for axis in found])[knot])}")
-    return FlightSchedule(loader, law, found, values, way.design(loader, rows))
+    # Ranges are intervals, so interpolated feels are within them too.
+    check_feel_range(rows, lambda knot: f"at {place_text(checked, mesh([axis.values for axis in checked])[knot])}")
+    return FlightSchedule(loader, law, checked, values, design.design(loader, rows))
 
 
 def second_order_feel(
@@ -191,7 +189,7 @@ def second_order_feel(
     """I, B, G of stiffness, natural frequency and damping ratio, eq. (11): ``I = G / w^2``, ``B = 2 zeta w I``.
 
     Args:
-        stiffness_n_m_per_rad: G, N m/rad; an array of any shape, as the others, which are broadcast against it.
+        stiffness_n_m_per_rad: G, N m/rad; an array of any shape, broadcast with the others.
         frequency_hz: Natural frequency in Hz.
         damping_ratio: zeta.
 
@@ -207,10 +205,10 @@ def second_order_feel(
         (2, 3)
     """
     stiffness, frequency, damping = np.broadcast_arrays(
-        *(np.asarray(given, dtype=np.float64) for given in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))
+        *(np.asarray(values, dtype=np.float64) for values in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))
     )
     if not (frequency > 0).all():
         raise InputError("frequency_hz: expected numbers above 0")
-    given = (2 * np.pi * frequency, damping, stiffness)
-    inertia, damping = _core.feel_from_frequencies(*(np.ravel(one) for one in given))
+    parts = (2 * np.pi * frequency, damping, stiffness)
+    inertia, damping = _core.feel_from_frequencies(*(np.ravel(part) for part in parts))
     return np.stack([inertia.reshape(stiffness.shape), damping.reshape(stiffness.shape), stiffness], axis=-1)

@@ -1,4 +1,4 @@
-"""The frontier of a loader: what cannot be rendered on this hardware and why, and what tighter tolerances or parts would buy."""
+"""Frontier of a loader: feels that this hardware cannot render, the reasons, and the gains from tighter tolerances or new parts."""
 
 from forcefeel.public_names import public_names
 

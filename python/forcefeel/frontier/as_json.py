@@ -1,4 +1,4 @@
-"""A frontier for machines: its figures as plain data, every number with its unit."""
+"""Frontier as JSON, every number with its unit."""
 
 from importlib.metadata import version
 
@@ -12,36 +12,38 @@ from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.units import ANGLE, FLOW, FORCE, PERCENT, SECONDS, UnitSystem
 
 
-def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
-    """What a frontier says, and of what."""
-    plan = found.plan
+def frontier_json(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
+    """Results and inputs of a frontier."""
+    plan = frontier.plan
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": plan.loader.name,
-        "law": found.law,
+        "law": frontier.law,
         "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "settings": plan.settings.count,
         "grid": grid_json(plan.settings, units),
         "tolerances": deviations_json(plan.deviations),
-        "conclusions": json_value(frontier_conclusions(found, units), units),
-        "shares": json_value(found.envelope.shares(found.law), units),
-        "limits": {found.text(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
-        "limit_of_each_setting": found.limits.tolist(),
-        "bound": _bound(found, units),
-        "tightening": _tightening(found, units),
-        found.drive_name: _drive(found, units),
-        "smallest_in_every_case": json_value(found.smallest, units),
-        "largest_stiffness_in_every_case": quantity(found.largest_stiffness, PERCENT, units),
-        "friction": json_value(found.friction, units),
-        "friction_bound": _friction_bound(found, units),
-        "hardware": json_value(found.hardware, units),
+        "conclusions": json_value(frontier_conclusions(frontier, units), units),
+        "shares": json_value(frontier.envelope.shares(frontier.law), units),
+        "limits": {
+            frontier.text(limit): quantity(share, PERCENT, units) for limit, share in frontier.limit_shares.items()
+        },
+        "limit_of_each_setting": frontier.limits.tolist(),
+        "bound": _bound(frontier, units),
+        "tightening": _tightening(frontier, units),
+        frontier.drive_name: _drive(frontier, units),
+        "smallest_in_every_case": json_value(frontier.smallest, units),
+        "largest_stiffness_in_every_case": quantity(frontier.largest_stiffness, PERCENT, units),
+        "friction": json_value(frontier.friction, units),
+        "friction_bound": _friction_bound(frontier, units),
+        "hardware": json_value(frontier.hardware, units),
     }
 
 
-def _tightening(found: Frontier, units: UnitSystem) -> dict[str, Json]:
-    tight = found.tightening
+def _tightening(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
+    tight = frontier.tightening
     paths = {"inertia_and_geometry": tight.inertia_and_geometry, "all_in_proportion": tight.all_in_proportion}
     return {
         "passes_nominally": quantity(tight.nominal, PERCENT, units),
@@ -54,25 +56,25 @@ def _tightening(found: Frontier, units: UnitSystem) -> dict[str, Json]:
 
 def _path(path: Path, units: UnitSystem) -> dict[str, Json]:
     return {
-        "inertia_known_to": [quantity(one, PERCENT, units) for one in path.tolerances],
-        "passes_in_every_case": [quantity(one, PERCENT, units) for one in path.shares],
+        "inertia_known_to": [quantity(tolerance, PERCENT, units) for tolerance in path.tolerances],
+        "passes_in_every_case": [quantity(share, PERCENT, units) for share in path.shares],
         "share_at_zero_tolerance": quantity(path.limit, PERCENT, units),
         "needed_for_goal": quantity(path.needed, PERCENT, units),
     }
 
 
-def _bound(found: Frontier, units: UnitSystem) -> dict[str, Json]:
-    bound = found.bound
+def _bound(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
+    bound = frontier.bound
     return {
         "inertia_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
         "possible": [quantity(share, PERCENT, units) for share in bound.shares],
         "possible_if_exact_nominally": [quantity(share, PERCENT, units) for share in bound.centred_shares],
-        "rendered_beyond_it": quantity(found.beyond_bound, PERCENT, units),
+        "rendered_beyond_it": quantity(frontier.beyond_bound, PERCENT, units),
     }
 
 
-def _friction_bound(found: Frontier, units: UnitSystem) -> Json:
-    bound = found.friction_bound
+def _friction_bound(frontier: Frontier, units: UnitSystem) -> Json:
+    bound = frontier.friction_bound
     if bound is None:
         return None
     return {
@@ -84,10 +86,10 @@ def _friction_bound(found: Frontier, units: UnitSystem) -> Json:
     }
 
 
-def _drive(found: Frontier, units: UnitSystem) -> dict[str, Json]:
-    drive = found.drive
+def _drive(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
+    drive = frontier.drive
     return {
-        **_gives(drive, units),
+        **_capability(drive, units),
         "largest_demand_of_an_ideal": quantity(float(drive.demand.max()), PERCENT, units),
         "ideals_beyond_it": quantity(drive.beyond_ideal_share, PERCENT, units),
         "forbidden": quantity(drive.forbidden_share, PERCENT, units),
@@ -96,7 +98,7 @@ def _drive(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     }
 
 
-def _gives(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Json]:
+def _capability(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Json]:
     if isinstance(drive, ValveLimits):
         return {"flow": quantity(drive.flow_m3_per_s, FLOW, units)}
     return {

@@ -1,39 +1,37 @@
-"""The bound that no linear law beats: the worst-case share that is left when the column's inertia is known to a share e.
+"""Bound on the worst-case share of any linear law, with the column's inertia known to a share e.
 
 Every sensor sits on the machine's side of the column's inertia. With ``T_link = alpha R_b F_c`` the torque of the link, a column of
 inertia ``j`` and a hand that holds the mass ``m``,
 
     (j + m R_p^2) theta'' = T_p + T_link,      eqs. (6), (7)
 
-and everything that the law measures (F_c, x_p, theta, also theta'') or moves (the valve) meets the column only through theta and
-T_link. So sensors, commands and motion depend on the sum ``j + m R_p^2`` alone, sample by sample, whatever the law. Hands off,
+and all measured quantities (F_c, x_p, theta, also theta'') and the drive interact with the column only through theta and T_link.
+So sensors, commands and motion depend only on the sum ``j + m R_p^2``, sample by sample, with any law. Hands off,
 
     (1 + e) J        moves as       J        with the mass  e J / R_p^2  in the hand,
          J           moves as   (1 - e) J    with the mass  e J / R_p^2  in the hand.
 
-**Linear laws.** Where T_link follows theta linearly, it does so the same for every column: a rendering I', B', G with the nominal
-column is one of I' + d J, B', G with a column of (1 + d) J, hands off. A setting can be rendered for all inertias from (1 - e) J to
-(1 + e) J only if *one* I', B', G passes the rule at e J below, at and above, hands off, and with each arm at the nominal column.
-This asks nothing of the hands, and it is what is computed.
+**Linear laws.** A linear response of T_link to theta is the same with all columns. So a law that renders I', B', G with the nominal
+column renders I' + d J, B', G with a column of (1 + d) J, hands off. A setting can be rendered for all inertias from (1 - e) J to
+(1 + e) J only if *one* I', B', G passes the rule e J below, at and e J above, hands off, and with each arm at the nominal column.
+This bound makes no assumption on hands; it is the computed one.
 
-**Any law**, adaptive or not, is bound where it must be right for a hand that may hold any mass up to 2 e J / R_p^2: one motion must
-then pass as the release of I and as that of I + 2 e J. A law that may know more gets around this: from a sensor of the force at the
-grip, from a switch that says that no hand is there, or from knowing arms, which have a damper and a spring that a column alone has
-not. See docs/concepts/no-law.md.
+**Any law**, adaptive or not, is bound if the hand may hold any mass up to 2 e J / R_p^2: one motion must then pass as the release
+of I and of I + 2 e J. More information removes this bound: a sensor of the force at the grip, a switch that detects the hand, or a
+model of the arm, which has a damper and a spring unlike the column. See docs/concepts/no-law.md.
 
-**Not proved**: that no rendering of higher order does better. The bound is taken over I' = I + s e J, s of ``SHIFTS``, and
-B' = b B, b of ``DAMPINGS``, with G as programmed, which the static force asks for. Laws that pass where it says none can are
-counted (``Frontier.beyond_bound``).
+**Not proved**: that no rendering of higher order is better. The bound covers I' = I + s e J, s of ``SHIFTS``, and B' = b B, b of
+``DAMPINGS``, with G as programmed, because of the static force. ``Frontier.beyond_bound`` counts passes beyond the bound.
 
-**A sensor of the force at the grip** sees past the column: what a law cannot tell apart is then the mass outboard of that sensor
-and the hand's, so ``m_o R_p^2`` takes the place of J in all of this, and with no mass outboard the inertia binds nothing.
+**A sensor of the force at the grip** measures beyond the column. Only the mass outboard of that sensor cannot be distinguished from
+the hand's: ``m_o R_p^2`` replaces J in all equations. Without outboard mass the inertia sets no bound.
 
-**The torque's scale** alpha R_b acts likewise on a law that holds F_c against theta by the nominal alpha R_b. With a scale s times
-the nominal, ``J theta'' = s T``, T what the law believes it renders, ``-T = (I - J) theta'' + B theta' + G theta``:
+**The torque's scale** alpha R_b acts in the same way on a law that relates F_c to theta by the nominal alpha R_b. With a scale of s
+times the nominal, ``J theta'' = s T``, T the nominally rendered torque, ``-T = (I - J) theta'' + B theta' + G theta``:
 
     [I + (1/s - 1) J] theta'' + B theta' + G theta = 0,
 
-the error e = 1/s - 1 of the inertia. This one is no law of nature: x_p = alpha R_b theta + F_c / k lets alpha R_b be measured.
+the error e = 1/s - 1 of the inertia. This bound can be removed: x_p = alpha R_b theta + F_c / k makes alpha R_b measurable.
 """
 
 from collections.abc import Callable, Sequence
@@ -53,10 +51,10 @@ ERRORS = (0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0
 """Relative errors of the inertia at which the bound is computed."""
 
 SHIFTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
-"""How far a rendering leans to one side, as shares of e J."""
+"""Shifts of the rendered inertia, as shares of e J."""
 
 DAMPINGS = (1.0, 0.9, 0.95, 1.05, 1.1)
-"""Factors on the programmed damping that a rendering may have."""
+"""Factors on the programmed damping."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +63,8 @@ class Bound:
 
     Attributes:
         errors: Relative errors e, rising.
-        possible: Which settings one response can render at -e, 0 and +e and with every arm, (errors, settings).
-        centred: The same of the response that is exact at e = 0 alone.
+        possible: Settings that one response renders at -e, 0 and +e and with every arm, (errors, settings).
+        centred: The same for the response that is exact at e = 0.
     """
 
     errors: tuple[float, ...]
@@ -80,23 +78,23 @@ class Bound:
 
     @property
     def centred_shares(self) -> tuple[float, ...]:
-        """The same, exact at e = 0."""
+        """The same for the response that is exact at e = 0."""
         return tuple(self.centred.mean(axis=1).tolist())
 
     def at(self, error: float) -> NDArray[np.bool_]:
-        """Which settings can be rendered at an error that was computed.
+        """Settings that can be rendered at a computed error.
 
         Raises:
-            InputError: If it was not.
+            InputError: If the error was not computed.
         """
         places = np.flatnonzero(np.isclose(self.errors, error, rtol=_SAME))
         if not len(places):
-            raise InputError(f"error: expected one of {', '.join(f'{one:g}' for one in self.errors)}, got {error:g}")
+            raise InputError(f"error: expected one of {', '.join(f'{e:g}' for e in self.errors)}, got {error:g}")
         return np.asarray(self.possible[places[0]])
 
 
 _SAME = 1e-9
-"""Relative; errors that are the same but for rounding."""
+"""Relative difference of errors that counts as rounding."""
 
 
 def inertia_bound(
@@ -107,58 +105,57 @@ def inertia_bound(
     threads: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Bound:
-    """The bound for a plan's settings, rule, angle and arms.
+    """Compute the bound for a plan's settings, rule, angle and arms.
 
     Args:
         plan: The envelope; its laws are not used.
         errors: Relative errors e of the column's inertia, above 0 and below 1.
-        lean: How far the middle of the range of inertias lies from the nominal one, as a share of e: 0 for a range from (1 - e) J
-            to (1 + e) J.
-        threads: How many; all cores if not given.
-        progress: Called with the settings that are done and all there are.
+        lean: Offset of the middle of the range of inertias from the nominal one, as a share of e: 0 for (1 - e) J to (1 + e) J.
+        threads: Number of threads; default: all cores.
+        progress: Called with the numbers of completed and of all settings.
 
     Raises:
-        InputError: If the errors are not such, or do not rise.
+        InputError: If the errors do not rise or are out of range.
     """
-    given = tuple(map(float, errors))
-    if not given or not all(0 < one < 1 for one in given) or any(np.diff(given) <= 0):
-        raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(given))}")
-    shape = len(given), plan.settings.count
+    rising = tuple(map(float, errors))
+    if not rising or not all(0 < error < 1 for error in rising) or any(np.diff(rising) <= 0):
+        raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(rising))}")
+    shape = len(rising), plan.settings.count
     possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     done = 0
     for referee in referees(plan, threads_or_cores(threads)):
-        for k, error in enumerate(given):
+        for k, error in enumerate(rising):
             possible[k, referee.which], centred[k, referee.which] = _possible(referee, error, lean)
         done += len(referee.which)
         progress(done, plan.settings.count)
-    return Bound(given, possible, centred)
+    return Bound(rising, possible, centred)
 
 
 def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Where some trial response passes in every case, and where the exact one, which is tried first, does."""
+    """Settings at which a trial response passes in every case, and at which the exact response does."""
     size = np.array([error * unseen_inertia(referee.plan.loader), 0.0, 0.0])
     off = (lean - 1) * size, (lean + 1) * size
-    # At the nominal inertia, and with an arm, this one is the ideal itself.
+    # At the nominal inertia, with and without an arm, the exact response is the ideal.
     centred = referee.passes(referee.feel + off[0]) & referee.passes(referee.feel + off[1])
-    found = centred.copy()
+    possible = centred.copy()
     for damping in DAMPINGS:
-        left = np.flatnonzero(~found)
+        left = np.flatnonzero(~possible)
         if len(left):
             # All shifts in one batch.
             shifts = (np.repeat(SHIFTS, len(left))[:, None] - lean) * size
             renders = _renders(referee.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
-            found[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
-    return found, centred
+            possible[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
+    return possible, centred
 
 
 def _renders(
     referee: Referee, shifts: NDArray[np.float64], damping: float, off: tuple[NDArray[np.float64], NDArray[np.float64]]
 ) -> NDArray[np.bool_]:
-    """Whether each trial response passes with the inertia off to either side, at its value, and with every arm."""
+    """Whether each trial response passes at both ends of the inertia, at its nominal value, and with every arm."""
     trial = referee.feel * [1.0, damping, 1.0] + shifts
-    found = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
-    if found.any():
-        found &= referee.passes(trial)
+    passes = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
+    if passes.any():
+        passes &= referee.passes(trial)
         for arm in referee.plan.arms:
-            found &= referee.passes(trial, arm)
-    return found
+            passes &= referee.passes(trial, arm)
+    return passes

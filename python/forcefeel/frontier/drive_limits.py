@@ -1,7 +1,7 @@
-"""What a drive forbids, whatever the law, and what the ideal releases ask of it beside what it gives.
+"""Settings that a drive forbids to every law, and the demand of ideal releases as a share of the drive's capability.
 
-Forbidden is what the drive cannot fall fast enough for, or not hold (``envelope.forbidden``). An ideal that asks for more than the
-drive gives at some moment is not forbidden by that: the rule's tolerances leave room, of times most of all.
+A setting is forbidden if the drive cannot return fast enough or cannot hold the force (``envelope.forbidden``). A demand above the
+capability does not forbid a setting, because the rule has tolerances, above all of times.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,13 +21,13 @@ from forcefeel.units import PERCENT, SECONDS
 
 @dataclass(frozen=True, eq=False)
 class DriveLimits:
-    """What the drive forbids.
+    """Limits of the drive over a plan's settings.
 
     Attributes:
-        demand: What each setting's ideal asks of the drive at the worst moment, as a share of what it gives, (settings,).
-        forbidden: Which settings the drive forbids whatever the law, (settings,).
-        unload_s: How long the link takes at least to let go of the hand's torque, (settings,).
-        frequency: The settings' natural frequencies, rad/s.
+        demand: Peak demand of each setting's ideal, as a share of the drive's capability, (settings,).
+        forbidden: Settings that the drive forbids to every law, (settings,).
+        unload_s: Shortest time to unload the link of the hand's torque, (settings,).
+        frequency: Natural frequencies of the settings, rad/s.
     """
 
     demand: NDArray[np.float64] = field(repr=False)
@@ -37,42 +37,42 @@ class DriveLimits:
 
     @property
     def forbidden_share(self) -> Annotated[float, PERCENT]:
-        """Share of all settings."""
+        """Share of all settings that the drive forbids."""
         return float(self.forbidden.mean())
 
     @property
     def beyond_ideal_share(self) -> Annotated[float, PERCENT]:
-        """Share of the settings whose very ideal asks for more than the limits, forbidden or not."""
+        """Share of the settings with an ideal beyond the limits, forbidden or not."""
         return float((self.demand > 1).mean())
 
     @property
     def longest_unload_s(self) -> Annotated[float, SECONDS]:
-        """The longest time to let go of the hand's torque."""
+        """Longest time to unload the link."""
         return float(self.unload_s.max())
 
     @property
     def longest_unload_of_period(self) -> Annotated[float, PERCENT]:
-        """The same as a share of the setting's period, the largest of any setting."""
+        """Longest time to unload the link as a share of the setting's period."""
         return float((self.unload_s * self.frequency / (2 * np.pi)).max())
 
 
 Peak = Callable[[Referee, NDArray[np.float64]], NDArray[np.float64]]
-"""Largest demand of each release I', B', G on a drive, as a share of what it gives."""
+"""Peak demand of each release I', B', G on a drive, as a share of its capability."""
 
 
 def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Share of what the drive gives that each setting's ideal takes, and which settings the drive forbids."""
+    """Peak demand of each setting's ideal as a share of the capability, and the settings that the drive forbids."""
     demand = np.zeros(plan.settings.count)
     for referee in referees(plan, threads_or_cores(threads)):
         demand[referee.which] = peak(referee, referee.feel)
-    found = forbidden(plan, threads=threads)
-    return demand, found.settings & ~found.of(NOISE)
+    limits = forbidden(plan, threads=threads)
+    return demand, limits.settings & ~limits.of(NOISE)
 
 
 def motion(
     referee: Referee, feel: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
-    """Velocity, acceleration and jerk of the releases at each sample of the first period and a half."""
+    """Velocity, acceleration and jerk of the releases at each sample of the first 1.5 periods."""
     inertia, damping, stiffness = feel.T
     step = _core.feel_transitions(feel, np.array([referee.record.step_s]))[:, 0]
     state = np.tile([referee.plan.release_rad, 0.0], (len(feel), 1))

@@ -24,26 +24,31 @@ _POINTS = 0.5e-2
 
 
 @of_result
-def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
+def frontier_conclusions(frontier: Frontier, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the goal is reached at the full tolerances."""
-    tight = found.tightening
+    tight = frontier.tightening
     good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
     verdict = (
-        f"Of {found.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
-        f"{share_text(tight.worst)} in every case with {name_text(found.law)}. With {_inertia(found)} known to "
-        f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any linear law, "
-        "computed over responses of second order."
+        f"Of {frontier.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
+        f"{share_text(tight.worst)} in every case with {name_text(frontier.law)}. With {_inertia(frontier)} known to "
+        f"{tolerance_text(frontier.inertia_tolerance)}, {share_text(float(frontier.possible.mean()))} is the bound on any linear "
+        "law, computed over responses of second order."
     )
     lines = [
-        _limits(found),
-        _goal(found),
-        geometry_text(found),
-        _dearest(found),
-        _hardware(found),
-        _drive(found, units),
+        _limits(frontier),
+        _goal(frontier),
+        geometry_text(frontier),
+        _dearest(frontier),
+        _hardware(frontier),
+        _drive(frontier, units),
     ]
-    lines += [_smallest(found, units), _friction(found, units), _friction_bound(found, units), _sensor(found)]
-    lines += caveats(found.envelope, units)
+    lines += [
+        _smallest(frontier, units),
+        _friction(frontier, units),
+        _friction_bound(frontier, units),
+        _sensor(frontier),
+    ]
+    lines += caveats(frontier.envelope, units)
     return Conclusions(good, verdict, tuple(line for line in lines if line))
 
 
@@ -52,26 +57,26 @@ def tolerance_text(share: float) -> str:
     return f"{to_text(PERCENT.from_si(share, UnitSystem.SI), 2)} %"
 
 
-def geometry_text(found: Frontier) -> str:
+def geometry_text(frontier: Frontier) -> str:
     """What goes with the inertia's tolerance where the geometry is not known as well; empty where it is."""
-    if _known_alike(found):
+    if _known_alike(frontier):
         return ""
-    known = _known_text(found, found.inertia_tolerance)
+    known = _known_text(frontier, frontier.inertia_tolerance)
     return f"At the full tolerances there is {known}; tightened, inertia and geometry shrink by the same factor."
 
 
-def _known_text(found: Frontier, inertia: float) -> str:
+def _known_text(frontier: Frontier, inertia: float) -> str:
     """How well inertia and geometry are known where the inertia is known to a share."""
-    if _known_alike(found):
-        return f"{found.tightening.inertia_and_geometry.name} known to {tolerance_text(inertia)}"
-    factor = inertia / found.inertia_tolerance
-    known = {key: factor * found.rungs.tolerances[key] for key in KNOWN_BETTER if key in found.rungs.tolerances}
-    return ", ".join(f"{key} known to {tolerance_text(one)}" for key, one in known.items())
+    if _known_alike(frontier):
+        return f"{frontier.tightening.inertia_and_geometry.name} known to {tolerance_text(inertia)}"
+    factor = inertia / frontier.inertia_tolerance
+    known = {key: factor * frontier.rungs.tolerances[key] for key in KNOWN_BETTER if key in frontier.rungs.tolerances}
+    return ", ".join(f"{key} known to {tolerance_text(tolerance)}" for key, tolerance in known.items())
 
 
-def _known_alike(found: Frontier) -> bool:
-    known = [it for key, it in found.rungs.tolerances.items() if key in KNOWN_BETTER]
-    return all(isclose(one, found.inertia_tolerance, rel_tol=_SAME) for one in known)
+def _known_alike(frontier: Frontier) -> bool:
+    known = [tolerance for key, tolerance in frontier.rungs.tolerances.items() if key in KNOWN_BETTER]
+    return all(isclose(tolerance, frontier.inertia_tolerance, rel_tol=_SAME) for tolerance in known)
 
 
 _SAME = 1e-9
@@ -83,14 +88,15 @@ def points_text(gain: float) -> str:
     return f"{100 * gain:+.1f}"
 
 
-def _limits(found: Frontier) -> str:
-    shares = {limit: share for limit, share in found.limit_shares.items() if share > 0 and limit is not Limit.NONE}
+def _limits(frontier: Frontier) -> str:
+    shares = {limit: share for limit, share in frontier.limit_shares.items() if share > 0 and limit is not Limit.NONE}
     if not shares:
         return "Nothing limits it: every setting of the grid is rendered in every case."
     parts = [
-        f"{found.text(limit)} ({share_text(share)})" for limit, share in sorted(shares.items(), key=lambda row: -row[1])
+        f"{frontier.text(limit)} ({share_text(share)})"
+        for limit, share in sorted(shares.items(), key=lambda row: -row[1])
     ]
-    beyond = found.beyond_bound
+    beyond = frontier.beyond_bound
     more = (
         f" {share_text(beyond)} of the settings pass although no response of second order would: there the bound does not hold."
         if beyond
@@ -99,65 +105,65 @@ def _limits(found: Frontier) -> str:
     return f"What limits the others, as shares of all settings: {'; '.join(parts)}.{more}"
 
 
-def _goal(found: Frontier) -> str:
-    tight = found.tightening
+def _goal(frontier: Frontier) -> str:
+    tight = frontier.tightening
     if not tight.nominal_is_enough:
         return (
             f"The goal of {GOAL} is out of reach by tolerances alone: they do not change the nominal share of "
-            f"{share_text(tight.nominal)}. " + _reach(found)
+            f"{share_text(tight.nominal)}. " + _reach(frontier)
         )
     if tight.worst >= WHOLE_WORST:
         return f"The goal of {GOAL} is reached at the full tolerances."
-    return _reach(found) + _pair(found)
+    return _reach(frontier) + _pair(frontier)
 
 
-def _reach(found: Frontier) -> str:
-    path = found.tightening.inertia_and_geometry
+def _reach(frontier: Frontier) -> str:
+    path = frontier.tightening.inertia_and_geometry
     goal = f"{100 * WHOLE_WORST:.0f} %"
     if isfinite(path.needed):
         return (
-            f"The worst case reaches {goal} with {_known_text(found, path.needed)} (interpolated between two computed "
+            f"The worst case reaches {goal} with {_known_text(frontier, path.needed)} (interpolated between two computed "
             "tolerances), all others at their full tolerance."
         )
     if path.limit >= WHOLE_WORST:
-        finest = _known_text(found, path.tolerances[-1])
+        finest = _known_text(frontier, path.tolerances[-1])
         return (
             f"The worst case does not reach {goal} with {finest}, the finest that was computed; exactly known it is "
             f"{share_text(path.limit)}."
         )
-    return f"Even where {path.name} are known exactly, the worst case is {share_text(path.limit)}: {_rest(found)}."
+    return f"Even where {path.name} are known exactly, the worst case is {share_text(path.limit)}: {_rest(frontier)}."
 
 
-def _rest(found: Frontier) -> str:
+def _rest(frontier: Frontier) -> str:
     """What limits the worst case once inertia and geometry are known exactly."""
-    if found.tightening.nominal < WHOLE_WORST:
+    if frontier.tightening.nominal < WHOLE_WORST:
         return "the nominal share itself limits it"
-    others = [cost for cost in found.tightening.costs if cost.name not in KNOWN_BETTER and cost.lost > 0]
+    others = [cost for cost in frontier.tightening.costs if cost.name not in KNOWN_BETTER and cost.lost > 0]
     if not others:
         return "the rest limits it"
-    dearest = max(others, key=lambda one: one.lost)
+    dearest = max(others, key=lambda cost: cost.lost)
     return (
         f"the rest limits it, {dearest.name} before all, with which {share_text(dearest.lost)} of all settings are lost"
     )
 
 
-def _pair(found: Frontier) -> str:
-    pair = found.tightening.pair
+def _pair(frontier: Frontier) -> str:
+    pair = frontier.tightening.pair
     if pair is None:
         return ""
-    others, known = tolerance_text(pair.others), _known_text(found, pair.inertia_and_geometry)
+    others, known = tolerance_text(pair.others), _known_text(frontier, pair.inertia_and_geometry)
     return f" With all other tolerances at {others} of theirs and {known}, it is {share_text(pair.share)}."
 
 
-def _dearest(found: Frontier) -> str:
-    dearest = max(found.tightening.costs, key=lambda one: one.lost)
+def _dearest(frontier: Frontier) -> str:
+    dearest = max(frontier.tightening.costs, key=lambda cost: cost.lost)
     if dearest.lost <= 0:
         return "No single tolerance loses a setting that passes nominally."
     text = f"The dearest by itself is {dearest.name}, with which {share_text(dearest.lost)} of all settings are lost"
-    only = max(found.tightening.costs, key=lambda one: one.only)
+    only = max(frontier.tightening.costs, key=lambda cost: cost.only)
     if only.only > 0:
         return f"{text}; most is lost to {only.name} alone, {share_text(only.only)}, which no other case loses."
-    path = found.tightening.inertia_and_geometry
+    path = frontier.tightening.inertia_and_geometry
     together = path.limit - path.shares[0]
     return (
         f"{text}; but no setting is lost to one of them alone, so one alone made perfect gains nothing. {path.name.capitalize()} "
@@ -165,9 +171,9 @@ def _dearest(found: Frontier) -> str:
     )
 
 
-def _hardware(found: Frontier) -> str:
-    gains = [gain for gain in found.hardware if gain.worst_gain >= _POINTS]
-    best = max(found.hardware, key=lambda one: one.nominal_gain, default=None)
+def _hardware(frontier: Frontier) -> str:
+    gains = [gain for gain in frontier.hardware if gain.worst_gain >= _POINTS]
+    best = max(frontier.hardware, key=lambda gain: gain.nominal_gain, default=None)
     nominal = (
         f" Nominally most comes of {best.name}, {points_text(best.nominal_gain)} points."
         if best is not None and best.nominal_gain >= _POINTS
@@ -182,8 +188,8 @@ def _listed(gains: list[Gain]) -> str:
     return ", then ".join(f"{gain.name} ({points_text(gain.worst_gain)} points)" for gain in gains)
 
 
-def _drive(found: Frontier, units: UnitSystem) -> str:
-    drive = found.drive
+def _drive(frontier: Frontier, units: UnitSystem) -> str:
+    drive = frontier.drive
     return _motor(drive, units) if isinstance(drive, MotorLimits) else _valve(drive, units)
 
 
@@ -231,32 +237,32 @@ def _valve(valve: ValveLimits, units: UnitSystem) -> str:
     )
 
 
-def _smallest(found: Frontier, units: UnitSystem) -> str:
-    edge = found.smallest
+def _smallest(frontier: Frontier, units: UnitSystem) -> str:
+    edge = frontier.smallest
     if not isfinite(edge.inertia_n_m_s2_per_rad):
         return "No setting of the grid is rendered in every case."
     inertia = f"{to_text(INERTIA_UNIT.from_si(edge.inertia_n_m_s2_per_rad, units), 3)} {INERTIA_UNIT.shown(units)}"
     return (
         f"The smallest inertia rendered in every case is I = {inertia}, {to_text(edge.inertia_share, 2)} times the column's own; "
-        f"stiffness goes from {share_text(edge.stiffness_share)} to {share_text(found.largest_stiffness)} of G_max, of a grid from "
-        f"{share_text(found.plan.settings.stiffness[0])} to {share_text(found.plan.settings.stiffness[-1])}."
+        f"stiffness goes from {share_text(edge.stiffness_share)} to {share_text(frontier.largest_stiffness)} of G_max, of a grid "
+        f"from {share_text(frontier.plan.settings.stiffness[0])} to {share_text(frontier.plan.settings.stiffness[-1])}."
     )
 
 
-def _friction(found: Frontier, units: UnitSystem) -> str:
-    one = found.friction
-    if not isfinite(one.felt_n):
+def _friction(frontier: Frontier, units: UnitSystem) -> str:
+    friction = frontier.friction
+    if not isfinite(friction.felt_n):
         return "At the loader's own setting the run diverges under a slow push: nothing is said of friction."
-    felt, noise = (_force(value, units) for value in (one.felt_n, one.noise_n))
-    own = f", where the column's own dry friction is {_force(one.column_n, units)}" if one.column_n else ""
+    felt, noise = (_force(value, units) for value in (friction.felt_n, friction.noise_n))
+    own = f", where the column's own dry friction is {_force(friction.column_n, units)}" if friction.column_n else ""
     return (
         f"With no friction programmed the hand feels {felt} of friction, play and lag at the loader's own setting{own}; what is "
         f"less than {noise}, r.m.s., is lost in the noise."
     )
 
 
-def _friction_bound(found: Frontier, units: UnitSystem) -> str:
-    bound = found.friction_bound
+def _friction_bound(frontier: Frontier, units: UnitSystem) -> str:
+    bound = frontier.friction_bound
     if bound is None:
         return ""
     known = f"{_force(bound.friction_n, units)} known to {tolerance_text(bound.tolerance)}"
@@ -269,17 +275,17 @@ def _friction_bound(found: Frontier, units: UnitSystem) -> str:
 
 
 def _force(value: float, units: UnitSystem) -> str:
-    shown = unit(TABLE["pilot.force"])
-    return f"{to_text(shown.from_si(value, units), 2)} {shown.shown(units)}"
+    force_unit = unit(TABLE["pilot.force"])
+    return f"{to_text(force_unit.from_si(value, units), 2)} {force_unit.shown(units)}"
 
 
-def _inertia(found: Frontier) -> str:
-    at_grip = has_grip_sensor(found.plan.loader)
+def _inertia(frontier: Frontier) -> str:
+    at_grip = has_grip_sensor(frontier.plan.loader)
     return "the mass outboard of the grip's sensor" if at_grip else "the column's inertia"
 
 
-def _sensor(found: Frontier) -> str:
-    if has_grip_sensor(found.plan.loader):
+def _sensor(frontier: Frontier) -> str:
+    if has_grip_sensor(frontier.plan.loader):
         return (
             "The force sensor at the grip sees past the column's inertia: a heavier column is no hand to it, and of the inertia "
             "only what lies outboard of the sensor bounds a law. What is left is the drive, and how fast it follows a light feel "
@@ -289,7 +295,7 @@ def _sensor(found: Frontier) -> str:
         "The bound holds for linear laws. One that adapts is bound too as long as the hand may hold any mass. A sensor of the "
         "force at the grip, beyond the column's inertia, lifts it: the law can then tell a heavier column from a hand."
     )
-    gain = next((one for one in found.hardware if one.name == GRIP_SENSOR), None)
+    gain = next((row for row in frontier.hardware if row.name == GRIP_SENSOR), None)
     if gain is None:
         return text
     return (

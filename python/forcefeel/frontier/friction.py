@@ -1,13 +1,13 @@
-"""The smallest friction: what the hand feels of the machine when no friction is programmed.
+"""Smallest friction: friction at the grip without programmed friction.
 
-The grip is pushed slowly, neutral - one side - the other - neutral, at the loader's own setting, and the angle is held against
-that of I, B and G alone under the same force, which leaves out what their damping makes. Half the difference between the way
-down and the way back, times G / R_p, is the force of friction that is felt,
+A slow force sweep, neutral - one side - other side - neutral, moves the grip at the loader's own setting. The angle of I, B and G
+alone under the same force is subtracted, which removes the effect of their damping. Half the difference between the strokes down
+and back, times G / R_p, is the felt friction,
 
     F = (d_down - d_back) G / (2 R_p),      d = theta - theta_ideal at no force,
 
-the column's own dry friction as far as the loop leaves it, play and lag. What trembles about it is noise: its r.m.s. value,
-times G / R_p, is what a programmed friction must exceed to be felt.
+from the remaining dry friction of the column, play and lag. A programmed friction must exceed the noise about it to be felt: r.m.s.
+value times G / R_p.
 """
 
 from dataclasses import dataclass
@@ -25,10 +25,10 @@ from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.programmed_feel import ideal_response
 
 SWEEP_S = 40.0
-"""Length of the sweep: slow beside any programmed feel."""
+"""Duration of the sweep: slow compared with any programmed feel."""
 
 _WINDOW_S = 0.5
-"""About the moment of no force; there the angle's error is averaged."""
+"""Window about zero force in which the angle's error is averaged."""
 
 _STEP_S, _SAMPLE_S = 1e-3, 5e-3
 FORCE = unit(TABLE["pilot.force"])
@@ -36,13 +36,13 @@ FORCE = unit(TABLE["pilot.force"])
 
 @dataclass(frozen=True)
 class SmallestFriction:
-    """What is felt with no friction programmed, at the loader's own setting.
+    """Friction at the grip without programmed friction, at the loader's own setting.
 
     Attributes:
-        felt_n: Friction felt at the grip; not a number where the run diverged.
-        noise_n: R.m.s. of what trembles about it, as force at the grip.
-        column_n: Dry friction of the column's own, at the grip.
-        force_n: Greatest force of the sweep.
+        felt_n: Felt friction at the grip; NaN if the run diverged.
+        noise_n: R.m.s. noise about it, as force at the grip.
+        column_n: Dry friction of the column, at the grip.
+        force_n: Largest force of the sweep.
     """
 
     felt_n: Annotated[float, FORCE]
@@ -52,10 +52,10 @@ class SmallestFriction:
 
 
 def smallest_friction(plan: Plan) -> SmallestFriction:
-    """The friction that is felt when none is programmed, with the plan's first law.
+    """Compute the friction at the grip without programmed friction, with the plan's first law.
 
     Args:
-        plan: The envelope; of its loader the own I, B, G, without the optional rows of the feel.
+        plan: The envelope; its loader has the own I, B, G, without the optional rows of the feel.
     """
     loader = plan.loader
     name = next(iter(plan.laws))
@@ -77,7 +77,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
 
 
 def _own_law(plan: Plan, name: str) -> Law:
-    """The law that is designed for the loader's own setting."""
+    """Law designed for the loader's own setting."""
     return Law.of(plan.laws[name], plan.loader, own_feel(plan.loader), name).single(plan.loader)
 
 
@@ -87,6 +87,6 @@ def _window(values: NDArray[np.float64], about_s: float) -> NDArray[np.float64]:
 
 
 def _detrended(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Less the straight line through it: the way itself is no noise."""
+    """Values minus their linear trend, which is motion, not noise."""
     time = np.arange(len(values), dtype=np.float64)
     return np.asarray(values - np.polynomial.Polynomial.fit(time, values, 1)(time))

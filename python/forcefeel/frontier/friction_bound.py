@@ -1,27 +1,27 @@
-"""The bound that the column's dry friction sets, known to a share e: two machines that no sensor tells apart.
+"""Bound of the column's dry friction, known to a share e: two machines that no sensor can distinguish.
 
-Every sensor sits on the machine's side of the friction. With ``s`` the way that the column moves,
+Every sensor sits on the machine's side of the friction. With ``s`` the sign of the column's velocity,
 
     J theta'' = T_p - R_p F s + T_link,
 
 so a friction of ``(1 + e) F``, hands off, moves as one of ``(1 - e) F`` under a hand that drags with ``2 e F``: sample by sample,
-under every law. A law that must be right for either gives both one motion, and with the one that lies between, the hand feels a
-force that is off by ``e F`` or more in one of the two.
+under every law. A law that must be correct for both gives them one motion. Even with the motion in the middle, the force at the
+hand has an error of ``e F`` or more in one of the two.
 
-Hands off, who takes off ``(1 + c e) F`` leaves dry friction from ``(-1 - c) e F`` to ``(1 - c) e F``, where what is below zero
-drives on and the release does not come to rest. A setting is left to such a law if *one* lean c and one damping B' pass the rule at
-both ends, between, and with each arm. The bound is taken over c of ``LEANS`` and B' = b B, b of ``DAMPINGS``.
+Hands off, compensation of ``(1 + c e) F`` leaves dry friction from ``(-1 - c) e F`` to ``(1 - c) e F``. Negative friction drives
+the column, and the release does not come to rest. A setting is possible for such a law if *one* lean c and one damping B' pass the
+rule at both ends, between, and with each arm. The bound covers c of ``LEANS`` and B' = b B, b of ``DAMPINGS``.
 
-**Whom it does not bind**: a law that takes what drags steadily for the machine's, within the tolerance, as the laws that learn
-friction do. Hands off it may get beyond the bound; the hand that does drag then feels less, by up to ``2 e F``.
+**Not bound** is a law that takes a steady drag within the tolerance for friction of the machine, as the laws that learn friction
+do. Hands off it may exceed the bound; a hand with such a drag then feels up to ``2 e F`` less.
 
-``x`` angle · ``f`` dry friction that is left, a torque · ``phi`` release of I, B, G · ``r`` what a half
-swing leaves, ``T`` its time
+``x`` angle · ``f`` remaining dry friction, a torque · ``phi`` release of I, B, G · ``r`` ratio of successive swings, ``T``
+duration of a half swing
 
     x(t) = c_k + (x_k - c_k) phi(t - k T),   c_k = sgn(x_k) f / G,   x_k+1 = c_k - r (x_k - c_k)      from the k-th turn on
     at rest once  G |x_k| <= f
 
-The friction that a motion leaves: J. P. Den Hartog, Mechanical Vibrations, 4th edition, McGraw-Hill 1956.
+Source: J. P. Den Hartog, Mechanical Vibrations, 4th edition, McGraw-Hill 1956.
 """
 
 from collections.abc import Sequence
@@ -43,10 +43,10 @@ KNOWN_TO = (0.01, 0.02, 0.05, 0.1, 0.2)
 """Relative errors of the friction at which the bound is computed, beside its tolerance."""
 
 LEANS = (0.0, -0.5, 0.5, -1.0, 1.0)
-"""Which friction is taken off, as shares of e F beyond F; at -1 none is ever driven on."""
+"""Compensated friction beyond F, as shares of e F; at -1 friction never drives the column."""
 
 DAMPINGS = (1.0, 0.9, 1.1)
-"""Factors on the programmed damping that a rendering may have."""
+"""Factors on the programmed damping."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +54,10 @@ class FrictionBound:
     """The bound over the error of the friction.
 
     Attributes:
-        friction_n: The column's dry friction, at the grip.
-        tolerance: To which share the loader knows it.
-        errors: Relative errors e, rising; the tolerance is one.
-        possible: Which settings are left at each, (errors, settings).
+        friction_n: Dry friction of the column, at the grip.
+        tolerance: Its tolerance as a share.
+        errors: Relative errors e, rising, including the tolerance.
+        possible: Possible settings at each error, (errors, settings).
     """
 
     friction_n: Annotated[float, FORCE]
@@ -67,54 +67,54 @@ class FrictionBound:
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Share of the settings that are left at each error."""
+        """Share of possible settings at each error."""
         return tuple(self.possible.mean(axis=1).tolist())
 
     @property
     def share(self) -> float:
-        """The same at the tolerance."""
+        """Share of possible settings at the tolerance."""
         return self.shares[self.errors.index(self.tolerance)]
 
     @property
     def off_n(self) -> Annotated[float, FORCE]:
-        """The least error of the force at the hand in one of the two machines at the ends of the tolerance."""
+        """Smallest possible force error at the hand in one of the two machines at the ends of the tolerance."""
         return self.tolerance * self.friction_n
 
 
 def friction_bound(
     plan: Plan, errors: Sequence[float] = KNOWN_TO, *, threads: int | None = None
 ) -> FrictionBound | None:
-    """The bound for a plan's settings, rule, angle and arms; ``None`` for a column without dry friction, or of which none is off.
+    """Compute the bound for a plan's settings, rule, angle and arms; ``None`` without dry friction or without its tolerance.
 
     Args:
         plan: The envelope; its laws are not used.
-        errors: Relative errors e, beside the plan's own.
-        threads: How many; all cores if not given.
+        errors: Relative errors e, in addition to the plan's tolerance.
+        threads: Number of threads; default: all cores.
     """
     if FRICTION not in plan.deviations or not plan.loader[FRICTION]:
         return None
     tolerance = plan.deviations[FRICTION].size
-    asked = tuple(sorted({tolerance, *(one for one in errors if abs(one - tolerance) > _SAME)}))
+    all_errors = tuple(sorted({tolerance, *(error for error in errors if abs(error - tolerance) > _SAME)}))
     torque = plan.loader[FRICTION] * plan.loader["column.grip_arm"]
-    possible = np.zeros((len(asked), plan.settings.count), dtype=bool)
+    possible = np.zeros((len(all_errors), plan.settings.count), dtype=bool)
     for referee in referees(plan, threads_or_cores(threads)):
-        for k, error in enumerate(asked):
+        for k, error in enumerate(all_errors):
             possible[k, referee.which] = _possible(referee, error * torque)
-    return FrictionBound(plan.loader[FRICTION], tolerance, asked, possible)
+    return FrictionBound(plan.loader[FRICTION], tolerance, all_errors, possible)
 
 
 _SAME = 1e-9
-"""Errors that are the same but for rounding."""
+"""Difference of errors that counts as rounding."""
 
 
 def _possible(referee: Referee, off: float) -> NDArray[np.bool_]:
-    """Where some lean and damping pass with the friction off by so much, as torque, to either side."""
-    found = np.zeros(len(referee.which), dtype=bool)
+    """Settings at which a lean and damping pass with the friction torque off by ``off`` to either side."""
+    possible = np.zeros(len(referee.which), dtype=bool)
     for damping in DAMPINGS:
         for lean in LEANS:
-            if len(left := np.flatnonzero(~found)):
-                found[left] = _renders(referee.some(left), damping, off, lean)
-    return found
+            if len(left := np.flatnonzero(~possible)):
+                possible[left] = _renders(referee.some(left), damping, off, lean)
+    return possible
 
 
 def _renders(referee: Referee, damping: float, off: float, lean: float) -> NDArray[np.bool_]:
@@ -125,22 +125,22 @@ def _renders(referee: Referee, damping: float, off: float, lean: float) -> NDArr
         angles = rubbed_releases(carried, (end - lean) * off, referee.plan.release_rad, referee.record.time_s)
         return referee.judged(angles, arm)
 
-    found = passes(-1.0) & passes(1.0)
-    if found.any():
-        found &= passes(0.0)
+    rendered = passes(-1.0) & passes(1.0)
+    if rendered.any():
+        rendered &= passes(0.0)
         for arm in referee.plan.arms:
-            found &= passes(0.0, arm)
-    return found
+            rendered &= passes(0.0, arm)
+    return rendered
 
 
 def rubbed_releases(
     feel: NDArray[np.float64], friction: float, angle: float, time_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Releases (settings, samples) of I, B, G and a dry friction in N m, which drives on where it is below zero."""
-    found = np.empty((len(feel), len(time_s)))
-    for row, out in zip(feel, found, strict=True):
+    """Releases (settings, samples) of I, B, G with dry friction in N m; negative friction drives the column."""
+    angles = np.empty((len(feel), len(time_s)))
+    for row, out in zip(feel, angles, strict=True):
         out[:] = _rubbed(row, friction, angle, time_s)
-    return found
+    return angles
 
 
 def _rubbed(

@@ -1,4 +1,4 @@
-"""Which change of the hardware buys most: the law designed anew for each changed loader, its shares beside those of before."""
+"""Gains from hardware changes: the law is designed for each changed loader, and its shares are compared."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,20 +18,20 @@ from forcefeel.loader.sensors import SENSORS
 from forcefeel.units import PERCENT
 
 KNOWN_TO = 0.02
-"""Tolerance of what was measured on a bench; the nearest rung is taken, where the inertia is not known so well already."""
+"""Tolerance of a bench measurement; the nearest rung is used unless the inertia is known better already."""
 
 
 @dataclass(frozen=True)
 class HardwareChange:
-    """A change of the hardware.
+    """Change of the hardware.
 
     Attributes:
-        name: What it is.
-        factors: By which rows of the parameter table are multiplied.
-        remark: What goes with it.
-        adds: Rows that the loader has not yet, as shares of a row that it has.
-        sets: SI values of rows, whatever they were, of a loader with a digital controller.
-        law: The law that goes with it; the one of before if empty.
+        name: Its name.
+        factors: Factors on rows of the parameter table.
+        remark: Accompanying condition.
+        adds: New rows, as shares of an existing row.
+        sets: New SI values of rows, for a loader with a digital controller.
+        law: Law of the changed loader; unchanged if empty.
     """
 
     name: str
@@ -42,7 +42,7 @@ class HardwareChange:
     law: str = ""
 
     def applies(self, loader: Loader) -> bool:
-        """Whether the loader has all that is changed, not what is added, and stays in the ranges of the parameter table."""
+        """Whether the loader has the changed rows, lacks the added ones, and stays within the ranges of the parameter table."""
         if any(loader[key] != OFF[key] for key in self.adds) or (
             (self.law or self.sets) and not loader["controller.period"]
         ):
@@ -60,12 +60,12 @@ class HardwareChange:
 
 
 GRIP_SENSOR = "force sensor at the grip"
-"""Name of that change."""
+"""Name of the change that adds a sensor."""
 
 _FINER = tuple(f"{part}.{name}" for part in SENSORS for name in ("noise", "resolution"))
 
 _BITS = (17, 20, 23)
-"""Of encoders that are to be had."""
+"""Bits of available encoders."""
 
 _LIMITS_OF_MOTOR = ("current_loop.current_limit", "current_loop.voltage_limit")
 
@@ -117,19 +117,18 @@ CHANGES = (
     ),
     HardwareChange("column half as heavy", {INERTIA: 0.5}, "its tolerance stays the same share"),
 )
-"""The changes that are tried where a loader has what they change."""
+"""Changes to compute if they apply to the loader."""
 
 
 @dataclass(frozen=True)
 class Gain:
-    """What a change gives.
+    """Gain from a change.
 
     Attributes:
         name: The change.
-        remark: What goes with it.
-        nominal, worst, stable_worst: Shares of the settings that pass nominally, that pass in every case, that are stable in
-            every case.
-        nominal_gain, worst_gain, stable_worst_gain: The same less those of the loader as it is.
+        remark: Accompanying condition.
+        nominal, worst, stable_worst: Shares of the settings that pass nominally, pass in every case, and are stable in every case.
+        nominal_gain, worst_gain, stable_worst_gain: Differences to the unchanged loader.
     """
 
     name: str
@@ -143,27 +142,27 @@ class Gain:
 
 
 def hardware_releases(plan: Plan) -> int:
-    """Releases of all changes that apply."""
+    """Number of releases for all changes that apply."""
     return sum(change.applies(plan.loader) for change in CHANGES) * plan.settings.count * len(plan.cases)
 
 
 def hardware(
     rungs: Rungs, *, threads: int | None = None, progress: Progress = lambda done, total: None
 ) -> tuple[Gain, ...]:
-    """The gains, the largest in the worst case first.
+    """Compute the gains, the largest in the worst case first.
 
     Args:
-        rungs: The law on the loader as it is.
-        threads: How many; all cores if not given.
-        progress: Called with the releases that are done and all there are.
+        rungs: The law on the unchanged loader.
+        threads: Number of threads; default: all cores.
+        progress: Called with the numbers of completed and of all releases.
     """
-    plan, found, done = rungs.full.plan, [], 0
+    plan, gains, done = rungs.full.plan, [], 0
     before = rungs.full.shares(rungs.law)
     total = hardware_releases(plan)
     for change in CHANGES:
         if not change.applies(plan.loader):
             continue
-        # G_max and so the settings stay; a law by its method's name is designed for the changed loader.
+        # G_max and the settings do not change; a law given by name is designed for the changed loader.
         changed = Plan(
             change.on(plan.given),
             {law: LAW_DESIGNS[law]} if (law := change.law) else plan.laws,
@@ -175,10 +174,10 @@ def hardware(
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
-        found.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
+        gains.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
     if rungs.tolerances[INERTIA] > KNOWN_TO:
-        found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
-    return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
+        gains += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
+    return tuple(sorted(gains, key=lambda gain: (-gain.worst_gain, -gain.nominal_gain)))
 
 
 def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
@@ -195,10 +194,10 @@ def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
 
 
 def _known(rungs: Rungs, before: Shares, keys: Sequence[str]) -> Gain:
-    """Some parameters at the rung at which the inertia is known to 2 %, all else as it was: the same machine, better known."""
+    """Gain with some parameters on the rung with the inertia known to ``KNOWN_TO``: the same machine, measured better."""
     full = rungs.tolerances[INERTIA]
     rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - KNOWN_TO))
-    worst, stable = (float(rungs.worst(keys, rung, stable=one).mean()) for one in (False, True))
+    worst, stable = (float(rungs.worst(keys, rung, stable=only_stable).mean()) for only_stable in (False, True))
     after = Shares(rungs.law, before.stable, before.nominal_share, stable, worst)
     what = "column inertia" if len(keys) == 1 else "column inertia, linkage ratio and base arm"
     return _gain(f"{what} known to {100 * rungs.factors[rung] * full:.3g} %", "the same machine", after, before)

@@ -1,20 +1,20 @@
-"""What the motor forbids, whatever the law, and the current or voltage that the free responses ask for.
+"""Settings that the motor forbids to every law, and current or voltage demand of free responses.
 
-Of the hands-off release of I', B', G from ``theta_0``, as force and speed at the grip (``sizing.motor``):
+For the hands-off release of I', B', G from ``theta_0``, as force and speed at the grip (``sizing.motor``):
 
     F = (J / R_p + m R_p) theta'',   v = R_p theta'       column, eqs. (6), (7), and rotor, m = J_m g^2
     share = max(|i| / i_max, |u| / u_max)
 
-The link's stretch is left out: it adds ``(w / w_link)^2`` of the feel's frequency over that of the column on it. What it
-takes to hold ``F = G theta_0 / R_p`` standing still is kept beside it.
+The stretch of the link is neglected: its relative effect is ``(w / w_link)^2``, ``w_link`` the frequency of the column on the link.
+The share that holds ``F = G theta_0 / R_p`` at rest is computed separately.
 
-**The first instant.** As the hand lets go the link's force jumps from ``-G theta_0`` to ``-J (G / I) theta_0`` over ``alpha R_b``.
-The rotor, ``m_r = J_m / r^2`` at the drive's end, has to move by what the link stretches less, with the motor's largest force F_m
-and at most the held force F_h of the link behind it:
+**The first instant.** At the release the link's torque changes from ``-G theta_0`` to ``-J (G / I) theta_0``. The rotor,
+``m_r = J_m / r^2`` at the drive's end, moves by the change s of the link's stretch, driven by at most the motor's largest force F_m
+and the held force F_h of the link:
 
     t_0 = sqrt(2 m_r s / (F_m + F_h)),      s = |1 - J / I| F_h / k,     F_h = G theta_0 / (alpha R_b);
 
-until then the column springs by itself, whatever the law. Delay and current loop come on top.
+until then the link alone moves the column, whatever the law. Delay and current loop add to this time.
 """
 
 from dataclasses import dataclass, field
@@ -36,11 +36,11 @@ from forcefeel.units import FORCE, PERCENT
 
 @dataclass(frozen=True, eq=False)
 class MotorLimits(DriveLimits):
-    """What the motor forbids; no demand on a limit that the loader file does not give.
+    """Limits of the motor; zero demand on a limit that the loader file does not state.
 
     Attributes:
-        peak_force_n: Force at the grip at the largest current, standing still; infinite where there is no limit.
-        hold: Share of the largest current or voltage that each setting takes standing still at the angle, (settings,).
+        peak_force_n: Force at the grip at the largest current, at rest; infinite without a limit.
+        hold: Share of the largest current or voltage that holds each setting at the release angle, (settings,).
     """
 
     peak_force_n: Annotated[float, FORCE]
@@ -48,16 +48,16 @@ class MotorLimits(DriveLimits):
 
     @property
     def largest_hold(self) -> Annotated[float, PERCENT]:
-        """The largest share that a setting takes standing still."""
+        """Largest share that holds a setting at rest."""
         return float(self.hold.max())
 
 
 def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
-    """What the motor of a plan's loader forbids at its settings.
+    """Compute the limits of a plan's motor at its settings.
 
     Args:
         plan: The envelope: its settings, rule and angle; its laws are not used.
-        threads: How many; all cores if not given.
+        threads: Number of threads; default: all cores.
     """
     motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
     demand, forbidden = demands(plan, _peak, threads)
@@ -73,22 +73,22 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
 
 
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest share of current or voltage that each release asks for."""
-    motor, found = Motor(referee.plan.loader), np.zeros(len(feel))
+    """Peak demand of each release as a share of the largest current or voltage."""
+    motor, peak = Motor(referee.plan.loader), np.zeros(len(feel))
     arm, values = motor.loader["column.grip_arm"], motor.loader.si_values
     for velocity, acceleration, _ in motion(referee, feel):
         force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
-        found = np.maximum(found, _share(motor, force, arm * velocity))
-    return found
+        peak = np.maximum(peak, _share(motor, force, arm * velocity))
+    return peak
 
 
 def _share(motor: Motor, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
     share = motor.share(force, speed)
-    return np.where(np.isnan(share), 0.0, share)  # of no limit there is no share
+    return np.where(np.isnan(share), 0.0, share)  # NaN: no limit
 
 
 def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """t_0 of the settings; zero where nothing limits the current."""
+    """t_0 of the settings; zero without a current limit."""
     plant, current = ElectricPlant.of(loader), loader["current_loop.current_limit"]
     if not isfinite(current):
         return np.zeros(len(feel))

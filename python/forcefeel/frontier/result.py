@@ -1,4 +1,4 @@
-"""What a frontier says: the bound and what is achieved, what limits each setting, what tolerances and parts would buy."""
+"""Frontier result: bound and achieved shares, limit of each setting, gains from tolerances and parts."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -23,7 +23,7 @@ from forcefeel.units import PERCENT
 
 
 class Limit(StrEnum):
-    """What keeps a setting from being rendered in every case, the most fundamental first."""
+    """Limit that keeps a setting from passing in every case, the most fundamental first."""
 
     NONE = "rendered in every case"
     DRIVE = "forbidden by the drive"
@@ -37,19 +37,19 @@ class Frontier:
     """A computed frontier.
 
     Attributes:
-        rungs: The law on every rung of the ladder of tolerances.
-        bound: What no linear law beats, over the error of the inertia.
-        tightening: How the shares move with the tolerances.
-        drive: What the valve, or the motor, forbids.
-        friction: The smallest friction.
-        friction_bound: What the column's dry friction leaves, over its error; ``None`` where there is none.
-        hardware: What changes of the hardware give, the largest gain first.
+        rungs: The law at all tolerance levels.
+        bound: Bound on any linear law over the error of the inertia.
+        tightening: Shares over the tolerances.
+        drive: Limits of valve or motor.
+        friction: Smallest friction.
+        friction_bound: Bound over the error of the column's dry friction; ``None`` without friction.
+        hardware: Gains from hardware changes, the largest first.
 
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.envelope.laws
+        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> frontier.envelope.laws
         ('published',)
     """
 
@@ -76,7 +76,7 @@ class Frontier:
 
     @property
     def plan(self) -> Plan:
-        """Of what."""
+        """Plan of the envelope."""
         return self.rungs.full.plan
 
     @property
@@ -91,23 +91,23 @@ class Frontier:
 
     @cached_property
     def possible(self) -> NDArray[np.bool_]:
-        """Which settings some response renders with the inertia off by its tolerance, (settings,)."""
+        """Settings that a response renders over the tolerance of the inertia, (settings,)."""
         return self.bound.at(self.inertia_tolerance)
 
     @cached_property
     def limits(self) -> NDArray[np.int8]:
-        """What limits each setting (damping, frequency, stiffness): places in ``Limit``."""
+        """Limit of each setting (damping, frequency, stiffness): index in ``Limit``."""
         passes = self.envelope.passes(self.law)
         order = list(Limit)
-        found = np.select(
+        codes = np.select(
             [passes.all(axis=0), self.drive.forbidden, ~self.possible, ~passes[0]],
-            [order.index(one) for one in (Limit.NONE, Limit.DRIVE, Limit.INERTIA, Limit.NOMINAL)],
+            [order.index(limit) for limit in (Limit.NONE, Limit.DRIVE, Limit.INERTIA, Limit.NOMINAL)],
             order.index(Limit.LAW),
         )
-        return np.asarray(found.astype(np.int8).reshape(self.plan.settings.shape))
+        return np.asarray(codes.astype(np.int8).reshape(self.plan.settings.shape))
 
     def text(self, limit: Limit) -> str:
-        """A limit in words, with the drive by its name."""
+        """Text of a limit, with the name of the drive."""
         return str(limit).replace("the drive", f"the {self.drive_name}")
 
     @property
@@ -118,20 +118,20 @@ class Frontier:
     @property
     def limit_shares(self) -> dict[Limit, float]:
         """Share of all settings under each limit."""
-        return {limit: float((self.limits == place).mean()) for place, limit in enumerate(Limit)}
+        return {limit: float((self.limits == index).mean()) for index, limit in enumerate(Limit)}
 
     @property
     def beyond_bound(self) -> Annotated[float, PERCENT]:
-        """Share of the settings that the law renders in every case though no response of second order would."""
+        """Share of the settings that the law renders in every case although no second-order response does."""
         return float((self.envelope.passes(self.law).all(axis=0) & ~self.possible).mean())
 
     @property
     def smallest(self) -> Smallest:
-        """The smallest inertia and stiffness that are rendered in every case."""
+        """Smallest inertia and stiffness rendered in every case."""
         return self.envelope.smallest(self.law, worst=True)
 
     @property
     def largest_stiffness(self) -> Annotated[float, PERCENT]:
-        """The largest stiffness of the grid that is rendered in every case, as a share of G_max; not a number if none is."""
+        """Largest stiffness of the grid rendered in every case, as a share of G_max; NaN if no setting passes."""
         passes = self.envelope.passes(self.law).all(axis=0)
         return float(self.plan.settings.rows[passes, 2].max()) if passes.any() else float("nan")

@@ -1,4 +1,4 @@
-"""Computes a frontier: the bound, the drive's limits, the law on the ladder of tolerances, the changes of the hardware."""
+"""Compute a frontier: bound, limits of the drive, the law at all tolerance levels, hardware changes."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose
@@ -22,15 +22,15 @@ from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
 
 Progress = Callable[[str, int, int], None]
-"""Called with what is being done, the releases that are done and all there are."""
+"""Called with the current step and the numbers of completed and of all releases."""
 
 DEFAULT_GRID: Mapping[str, str] = {
     "stiffness": "1.39..72 %:7:log",
     "frequency": "0.616..3.25 Hz:5:log",
     "damping": "0.1, 0.4, 0.7, 1.5",
 }
-"""140 settings, each released some 550 times: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz, so that each stands for a
-cell. A coarse grid from edge to edge gives the edges more than their share, where the inertia is smallest."""
+"""140 settings with some 550 releases each: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz. A coarse grid from edge to
+edge would overweight the edges, where the inertia is smallest."""
 
 
 def find_frontier(
@@ -42,28 +42,28 @@ def find_frontier(
     progress: Progress = lambda what, done, total: None,
     **options: Unpack[PlanOptions],
 ) -> Frontier:
-    """What cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
+    """Compute which feels this hardware cannot render, why, and the gains from tighter tolerances or other parts.
 
     Args:
-        loader: The loader, as ``envelope`` takes it.
-        law: Name of a law of ``law.NAMED_LAWS``; if not given ``robust``, ``grip`` with a sensor at the grip,
-            ``published`` without a digital controller.
-        grid: Axes as ``envelope`` takes them; ``DEFAULT_GRID`` where not given.
-        threads: How many; all cores if not given. The numbers do not depend on it.
-        progress: Called with what is being done, the releases that are done and all there are.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``envelope``.
+        loader: The loader, as in ``find_envelope``.
+        law: Name of a law of ``law.NAMED_LAWS``; default: ``robust``, ``grip`` with a sensor at the grip, ``published`` without a
+            digital controller.
+        grid: Axes, as in ``find_envelope``; default: ``DEFAULT_GRID``.
+        threads: Number of threads; default: all cores. The results do not depend on it.
+        progress: Called with the current step and the numbers of completed and of all releases.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, as in ``find_envelope``.
 
     Returns:
         The frontier.
 
     Raises:
-        InputError: If an argument is bad; if ``changes`` leaves the column's inertia out.
+        InputError: If an argument is invalid, or if ``changes`` lacks the column's inertia.
 
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.law, found.inertia_tolerance
+        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> frontier.law, frontier.inertia_tolerance
         ('published', 0.2)
     """
     return compute_frontier(frontier_plan(loader, law, grid, **options), threads=threads, progress=progress)
@@ -75,17 +75,19 @@ def frontier_plan(
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: Unpack[PlanOptions],
 ) -> Plan:
-    """The envelope that a frontier is about; arguments as ``find_frontier``."""
+    """Plan of a frontier's envelope; arguments as in ``find_frontier``."""
     check_loader(loader)
     expect("law", law or "", str, "the name of a law, such as robust")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     sampled = GRIP if has_grip_sensor(loader) else "robust"
     name = law or (sampled if loader["controller.period"] else "published")
     if name.endswith(LAW_FILE):
-        raise InputError(f"law: is designed anew for each changed machine, and {name} is one law; give a design's name")
+        raise InputError(
+            f"law: expected the name of a design, which each changed machine requires, got {name}, a single law"
+        )
     plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
     if INERTIA not in plan.deviations:
-        raise InputError(f"{INERTIA}: expected a tolerance, which the bound is about; add it, for example 20 %")
+        raise InputError(f"{INERTIA}: expected a tolerance, required for the bound; add it, for example 20 %")
     if (size := plan.deviations[INERTIA].size) >= 1:
         raise InputError(f"{INERTIA}: expected a tolerance of less than 100 % to either side, got {100 * size:.4g} %")
     return plan
@@ -94,7 +96,7 @@ def frontier_plan(
 def compute_frontier(
     plan: Plan, *, threads: int | None = None, progress: Progress = lambda what, done, total: None
 ) -> Frontier:
-    """Computes the frontier of a plan of one law; arguments as ``find_frontier``."""
+    """Compute the frontier of a plan with one law; arguments as in ``find_frontier``."""
     climbing = rung_releases(plan)
     total = climbing + hardware_releases(plan)
     rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
@@ -112,7 +114,7 @@ def compute_frontier(
 
 
 def _errors(rungs: Rungs) -> list[float]:
-    """Errors of the inertia at which the bound is asked: some for the curve, and the tolerance on every rung."""
-    asked = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
-    others = [one for one in ERRORS if not any(isclose(one, other) for other in asked)]
-    return sorted([*asked, *others])
+    """Errors of the inertia at which the bound is computed: for the curve, and the tolerance on every rung."""
+    tolerances = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
+    others = [error for error in ERRORS if not any(isclose(error, other) for other in tolerances)]
+    return sorted([*tolerances, *others])

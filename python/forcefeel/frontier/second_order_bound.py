@@ -1,4 +1,4 @@
-"""Responses that need no machine: second-order releases of trial I', B', G, judged by the envelope's rule against I, B, G."""
+"""Second-order releases of trial I', B', G, judged by the envelope's rule with I, B, G as reference."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -16,14 +16,14 @@ from forcefeel.qualification.release_batch import ReleaseBatch
 
 @dataclass(frozen=True, eq=False)
 class Referee:
-    """Judges trial responses at settings of one natural frequency.
+    """Judge of trial responses at settings of one natural frequency.
 
     Attributes:
-        plan: The envelope whose rule, angle and throw hold.
-        which: The settings, as places in the plan's.
-        feel: Their I, B, G, a row each.
-        record: How releases are recorded.
-        threads: How many.
+        plan: The envelope with rule, angle and throw.
+        which: Indices of the settings in the plan.
+        feel: Their I, B, G, (settings, 3).
+        record: Duration and sampling of releases.
+        threads: Number of threads.
     """
 
     plan: Plan
@@ -34,34 +34,34 @@ class Referee:
     _ideal: dict[PilotArm | None, ReleaseBatch] = field(default_factory=dict, repr=False)
 
     def some(self, rows: NDArray[np.intp]) -> "Referee":
-        """A referee of some of its settings."""
+        """Referee for a subset of the settings."""
         return replace(self, which=self.which[rows], feel=self.feel[rows], _ideal={})
 
     def passes(self, trial: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
-        """Whether the release of each row I', B', G passes as that of the setting; with no inertia left it does not.
+        """Whether the release of each row I', B', G passes as that of the setting; without inertia it fails.
 
         Args:
             trial: The trial responses, a row for each setting, without the arm.
-            arm: The arm that both carry.
+            arm: Arm at the grip of both.
         """
         carried = self.carrying(trial, arm)
         heavy = carried[:, 0] > 0
-        found = np.zeros(len(trial), dtype=bool)
+        passing = np.zeros(len(trial), dtype=bool)
         if heavy.any():
-            # What has no inertia is not released at all: the setting's own stands in its row and is not counted.
-            there = np.where(heavy[:, None], carried, self.carrying(self.feel, arm))
-            found = self.judged(self._released(there), arm) & heavy
-        return found
+            # A row without inertia cannot be released: the setting's own feel replaces it and is not counted.
+            feel = np.where(heavy[:, None], carried, self.carrying(self.feel, arm))
+            passing = self.judged(self._released(feel), arm) & heavy
+        return passing
 
     def judged(self, angles: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
-        """Whether each setting's column angles over the record pass as its release."""
+        """Whether the column angles of each setting pass as its release."""
         if arm not in self._ideal:
             self._ideal[arm] = self._measured(self._released(self.carrying(self.feel, arm)))
-        found = self._measured(angles)
-        return judge_releases(found, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad).passed
+        measures = self._measured(angles)
+        return judge_releases(measures, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad).passed
 
     def carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
-        """I, B, G, a row each, with an arm."""
+        """I, B, G (settings, 3) with an arm."""
         return carrying(self.plan.loader, feel, arm)
 
     def _released(self, feel: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -72,7 +72,7 @@ class Referee:
 
 
 def referees(plan: Plan, threads: int) -> Iterator[Referee]:
-    """A referee for each frequency of the grid, and each piece of it that is in memory together."""
+    """A referee for each chunk of settings with the same frequency."""
     feel = plan.settings.feel(plan.loader)
     for which, record in pieces(plan):
         yield Referee(plan, which, feel[which], record, threads)

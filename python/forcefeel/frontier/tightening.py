@@ -1,4 +1,4 @@
-"""How the worst-case share moves with the tolerances, and the smallest tightening that lifts it to the goal."""
+"""Worst-case share over the tolerances, and the smallest tightening that reaches the goal."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from forcefeel.units import PERCENT
 
 INERTIA, GEOMETRY = "column.inertia", ("linkage.ratio", "column.base_arm")
 KNOWN_BETTER = (INERTIA, *GEOMETRY)
-"""What the bound is about: the column's inertia and the scale of the torque that is rendered about it."""
+"""Parameters of the bound: the column's inertia and the scale of the rendered torque."""
 
 
 @dataclass(frozen=True)
 class Path:
-    """Worst-case shares along one way of tightening.
+    """Worst-case shares over one tightening.
 
     Attributes:
-        name: What is tightened.
+        name: Tightened parameters.
         tolerances: Relative tolerance of the column's inertia at each rung, falling; other parameters in proportion to theirs.
-        shares: Worst-case share at each.
-        limit: The share that is left where what is tightened is known exactly.
-        needed: Tolerance at which the share first reaches the goal, interpolated between two rungs in the logarithm of the
-            tolerance; not a number where no rung reaches it.
+        shares: Worst-case share at each rung.
+        limit: Share with the tightened parameters known exactly.
+        needed: Largest tolerance that reaches the goal, interpolated between two rungs in the logarithm of the tolerance; NaN if
+            no rung reaches it.
     """
 
     name: str
@@ -38,12 +38,12 @@ class Path:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two tightenings at once, of the rungs that were computed.
+    """Two tightenings at once, on computed rungs.
 
     Attributes:
-        inertia_and_geometry: Tolerance of the column's inertia and of the geometry that reaches the goal.
+        inertia_and_geometry: Tolerance of the column's inertia that reaches the goal, geometry in proportion.
         others: Factor on the tolerances of all other parameters.
-        share: Worst-case share there.
+        share: Worst-case share of the pair.
     """
 
     inertia_and_geometry: Annotated[float, PERCENT]
@@ -53,14 +53,14 @@ class Pair:
 
 @dataclass(frozen=True)
 class Cost:
-    """What one tolerance, or one arm, costs.
+    """Cost of one tolerance or one arm.
 
     Attributes:
         name: The parameter or the arm.
-        tolerance: How far the parameter is off, to either side; not a number for an arm.
-        passes: Share of the settings that pass with it off, to either side, all else nominal.
-        lost: Share of all settings that pass nominally and not with it off.
-        only: Share of all settings that pass in every other case: what a perfect knowledge of this alone would give back.
+        tolerance: Deviation of the parameter to either side; NaN for an arm.
+        passes: Share of the settings that pass with this deviation to either side, all else nominal.
+        lost: Share of all settings that pass nominally and fail with this deviation.
+        only: Share of all settings that fail only because of it: the gain from exact knowledge of this parameter alone.
     """
 
     name: str
@@ -72,15 +72,15 @@ class Cost:
 
 @dataclass(frozen=True)
 class Tightening:
-    """What tighter tolerances would give.
+    """Effect of tighter tolerances.
 
     Attributes:
-        nominal: Share of the settings that pass with the nominal plant, which no tolerance changes.
+        nominal: Share of the settings that pass with the nominal plant, independent of tolerances.
         worst: Share that passes in every case at the full tolerances.
-        inertia_and_geometry: Of ``KNOWN_BETTER`` alone, all others at their full tolerance.
-        all_in_proportion: Of all parameters of the plant together.
-        pair: The loosest of both that reaches the goal where the first alone does not; ``None`` if it does, or nothing does.
-        costs: What each tolerance and arm costs, the dearest first.
+        inertia_and_geometry: Only ``KNOWN_BETTER`` tightened, all others at their full tolerance.
+        all_in_proportion: All parameters of the plant tightened by the same factor.
+        pair: Loosest combination that reaches the goal if the first alone does not; ``None`` if it does, or if none does.
+        costs: Cost of each tolerance and arm, the highest first.
     """
 
     nominal: Annotated[float, PERCENT]
@@ -92,12 +92,12 @@ class Tightening:
 
     @property
     def nominal_is_enough(self) -> bool:
-        """Whether the nominal share reaches its own part of the goal."""
+        """Whether the nominal share reaches its goal."""
         return self.nominal >= WHOLE_NOMINAL
 
 
 def tightening(rungs: Rungs) -> Tightening:
-    """What tighter tolerances would give the law of a ladder."""
+    """Compute the effect of tighter tolerances on a law."""
     every, last = tuple(rungs.tolerances), len(rungs.factors)
     known = tuple(key for key in every if key in KNOWN_BETTER)
     trio = _path(rungs, "column inertia and geometry", known)
@@ -119,15 +119,15 @@ def _path(rungs: Rungs, name: str, tight: Sequence[str]) -> Path:
 
 
 def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) -> float:
-    """Largest tolerance whose share reaches the goal, between two rungs in the logarithm of the tolerance.
+    """Largest tolerance that reaches the goal, interpolated between two rungs in the logarithm of the tolerance.
 
     Args:
         tolerances: Falling.
         shares: Share at each.
-        goal: What is to be reached.
+        goal: Required share.
 
     Returns:
-        The tolerance; not a number where no rung reaches the goal.
+        The tolerance; NaN if no rung reaches the goal.
     """
     reached = np.flatnonzero(np.array(shares) >= goal)
     if not len(reached):
@@ -141,7 +141,7 @@ def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) ->
 
 
 def _pair(rungs: Rungs, known: Sequence[str], last: int) -> Pair | None:
-    """The loosest factor on the others with which some rung of the known ones reaches the goal, and the loosest such rung."""
+    """Loosest factor on the other parameters with which a rung of the known ones reaches the goal, and the loosest such rung."""
     for rest in range(1, last):
         for rung in range(last):
             share = float(rungs.worst(known, rung, rest).mean())
@@ -153,10 +153,10 @@ def _pair(rungs: Rungs, known: Sequence[str], last: int) -> Pair | None:
 def _costs(rungs: Rungs) -> tuple[Cost, ...]:
     names = [*rungs.tolerances, *(case.name for case in rungs.cases[0] if case.kind is Kind.ARM)]
     of = [np.array([name in {case.parameter, case.name} for case in rungs.cases[0]]) for name in names]
-    found = []
-    for name, mine in zip(names, of, strict=True):
-        passes, others = rungs.passes[0][mine].all(axis=0), rungs.passes[0][~mine].all(axis=0)
-        found.append(
+    costs = []
+    for name, in_case in zip(names, of, strict=True):
+        passes, others = rungs.passes[0][in_case].all(axis=0), rungs.passes[0][~in_case].all(axis=0)
+        costs.append(
             Cost(
                 name,
                 rungs.tolerances.get(name, float("nan")),
@@ -165,4 +165,4 @@ def _costs(rungs: Rungs) -> tuple[Cost, ...]:
                 float((others & ~passes).mean()),
             )
         )
-    return tuple(sorted(found, key=lambda one: (-one.only, -one.lost)))
+    return tuple(sorted(costs, key=lambda cost: (-cost.only, -cost.lost)))

@@ -1,7 +1,6 @@
-"""The ladder of tolerances: what passes at every setting with the plant's parameters off by all, a half, ... of their tolerance.
+"""Tolerance levels: passes at every setting with deviations of the full tolerance, half of it, and so on.
 
-Every case stands by itself (one parameter off, hands off), so what passes with some tolerances tightened and others not is the
-logical and of cases that were run once.
+Each case has one deviation, hands off. So the passes with some tolerances tightened are the logical AND of cases that run once.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -17,22 +16,22 @@ from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
 
 FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.025)
-"""The rungs: every tolerance of the plant times this."""
+"""Rungs: factors on all tolerances of the plant."""
 
 Progress = Callable[[int, int], None]
-"""Called with the releases that are done and all there are."""
+"""Called with the numbers of completed and of all releases."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rungs:
-    """One law on every rung.
+    """Results of one law on every rung.
 
     Attributes:
-        full: The envelope at the full tolerances.
+        full: Envelope at the full tolerances.
         factors: The rungs, falling from 1.
-        cases: The cases of each rung; arms on the first alone.
-        passes: Which settings pass in each case of each rung, (cases, settings).
-        stable: Which are stable there.
+        cases: Cases of each rung; arms only on the first.
+        passes: Passes in each case of each rung, (cases, settings).
+        stable: Stability in each case of each rung, (cases, settings).
     """
 
     full: Envelope
@@ -48,22 +47,22 @@ class Rungs:
 
     @property
     def tolerances(self) -> Mapping[str, float]:
-        """The full tolerances by parameter: half the distance of the ends."""
-        return {key: it.size for key, it in self.full.plan.deviations.items()}
+        """Full tolerances by parameter: half the distance of the ends."""
+        return {key: deviation.size for key, deviation in self.full.plan.deviations.items()}
 
     @property
     def nominal(self) -> NDArray[np.bool_]:
-        """Which settings pass with the nominal plant, hands off."""
+        """Settings that pass with the nominal plant, hands off."""
         return np.asarray(self.passes[0][0])
 
     def worst(self, tight: Collection[str], rung: int, rest: int = 0, *, stable: bool = False) -> NDArray[np.bool_]:
-        """Which settings pass in every case with some parameters on one rung and all others on another.
+        """Settings that pass in every case with some parameters on one rung and all others on another.
 
         Args:
-            tight: The parameters that are on ``rung``.
-            rung: Place in ``factors``; one beyond the last for parameters that are known exactly.
-            rest: Place of all other parameters.
-            stable: Which are stable, in place of those that pass.
+            tight: Parameters on ``rung``.
+            rung: Index in ``factors``; one beyond the last for exactly known parameters.
+            rest: Rung of all other parameters.
+            stable: Return stable settings instead of passes.
         """
         good = self.stable if stable else self.passes
         at_nominal = [case.kind is not Kind.PLANT for case in self.cases[0]]
@@ -77,12 +76,12 @@ class Rungs:
 
 
 def onward(progress: Progress, done: int, total: int) -> Progress:
-    """A progress that goes on from what is done."""
+    """Progress callback with an offset."""
     return lambda now, _: progress(done + now, total)
 
 
 def rung_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
-    """Releases of a ladder."""
+    """Number of releases on all rungs."""
     return plan.settings.count * (len(factors) * (len(plan.cases) - len(plan.arms)) + len(plan.arms))
 
 
@@ -93,33 +92,33 @@ def climb(
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
 ) -> Rungs:
-    """Runs one law on every rung.
+    """Run one law on every rung.
 
     Args:
         plan: The envelope, with one law.
         factors: The rungs, falling from 1.
-        threads: How many; all cores if not given.
-        progress: Called with the releases that are done and all there are.
+        threads: Number of threads; default: all cores.
+        progress: Called with the numbers of completed and of all releases.
 
     Raises:
-        InputError: If there is not one law, or the rungs do not fall from 1 and stay above 0.
+        InputError: If the plan does not have exactly one law, or the rungs do not fall from 1 or reach 0.
     """
     if len(plan.laws) != 1:
         raise InputError(f"laws: expected one, got {', '.join(plan.laws)}; make a frontier for each")
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
     total, done = rung_releases(plan, factors), 0
-    found: list[Envelope] = []
+    envelopes: list[Envelope] = []
     for factor in factors:
-        changes = {key: it.scaled(factor) for key, it in plan.deviations.items()}
+        changes = {key: deviation.scaled(factor) for key, deviation in plan.deviations.items()}
         arms = plan.arms if factor == 1.0 else ()
         rung = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
-        found.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
+        envelopes.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
         done += rung.settings.count * len(rung.cases)
     return Rungs(
-        found[0],
+        envelopes[0],
         factors,
-        cases=tuple(one.plan.cases for one in found),
-        passes=tuple(one.passes(one.laws[0]) for one in found),
-        stable=tuple(one.stable(one.laws[0]) for one in found),
+        cases=tuple(envelope.plan.cases for envelope in envelopes),
+        passes=tuple(envelope.passes(envelope.laws[0]) for envelope in envelopes),
+        stable=tuple(envelope.stable(envelope.laws[0]) for envelope in envelopes),
     )

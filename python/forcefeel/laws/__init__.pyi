@@ -8,6 +8,7 @@ from forcefeel.laws.analog.recursion import GainDesign as GainDesign
 from forcefeel.laws.analog.recursion import design_gains as design_gains
 from forcefeel.laws.analog.recursion import published_settings as published_settings
 from forcefeel.laws.law import Law as Law
+from forcefeel.laws.law import default_law as default_law
 from forcefeel.laws.sampled.law_designs import LawDesign as LawDesign
 from forcefeel.laws.sampled.law_designs import law_design as law_design
 from forcefeel.laws.sampled.law_designs import tuned as tuned

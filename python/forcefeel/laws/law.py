@@ -9,16 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isclose
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import GainLaw
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, suggestion
 from forcefeel.laws.analog.gain_schedule import schedule_gains
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, design_gains
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, OriginalLoop, design_gains
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
 from forcefeel.laws.made_for import design_rows, differing
@@ -36,8 +35,19 @@ NAMED_LAWS = (*NAMED_DESIGNS, *LAW_DESIGNS)
 ORIGINAL = "original"
 """The loader's own position loop, eq. (13)."""
 
-DEFAULTS = MappingProxyType({HYDRAULIC: ORIGINAL, ELECTRIC: "robust"})
-"""What drives a loader where nothing is said, by its drive: the report's laws are for a valve."""
+ROBUST = "robust"
+
+
+def default_law(loader: Loader) -> str:
+    """The law of a loader where none is named: ``robust`` with a digital controller, else the original loop.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.default_law(ff.digital_elevator()), ff.laws.default_law(ff.elevator())
+        ('robust', 'original')
+    """
+    return ROBUST if loader["controller.period"] else ORIGINAL
+
 
 _SAME = 1e-9
 """Relative; a number that went through a file or another unit is still the same."""
@@ -93,7 +103,7 @@ class Law:
 
         Args:
             given: A law; a name of ``NAMED_LAWS``, or ``DesignSettings`` or a ``LawDesign``, which design one; the file of a law;
-                numbers; ``None`` for the original loop, eq. (13).
+                numbers; ``None`` for that of ``default_law``.
             loader: The loader; its controller's period and delay are the law's, unless it has its own.
             feel: Settings I, B, G in SI units, (settings, 3), each of which gets a law; the loader's own if not given.
             name: What to call it; by itself if not given.
@@ -111,8 +121,8 @@ class Law:
             law = cls(**read_law(Path(given)))
             named_so = name or f"{law.name} ({Path(given).name})"
             return cls.of(replace(law, name=named_so), loader, own_feel(loader) if feel is None else feel)
-        if given is None and loader.drive == ELECTRIC:
-            given = DEFAULTS[ELECTRIC]
+        if given is None:
+            given = default_law(loader)
         if isinstance(given, str | Path):
             name = name or str(given)
             given = named((str(given),), loader)[str(given)]
@@ -260,7 +270,9 @@ class Law:
         write_law(Path(path), **vars(self))
 
 
-LawLike = Law | str | Path | DesignSettings | LawDesign | GainLaw | SampledLaw | NDArray[np.float64] | None
+LawLike = (
+    Law | str | Path | DesignSettings | OriginalLoop | LawDesign | GainLaw | SampledLaw | NDArray[np.float64] | None
+)
 """What ``Law.of`` makes a law of."""
 
 
@@ -274,7 +286,7 @@ def check_given(given: object, name: str = "law") -> None:
     Raises:
         InputError: If it is of another kind.
     """
-    kinds = Law | str | Path | DesignSettings | LawDesign | GainLaw | SampledLaw | np.ndarray | None
+    kinds = Law | str | Path | DesignSettings | OriginalLoop | LawDesign | GainLaw | SampledLaw | np.ndarray | None
     if not isinstance(given, kinds):
         raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
     if isinstance(given, np.ndarray) and (given.ndim != _GAINS_OF_SETTINGS or given.shape[1] != len(GAIN_SYMBOLS)):
@@ -314,7 +326,8 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
     for name in names:
         if name not in NAMED_LAWS and not str(name).endswith(LAW_FILE):
             raise InputError(
-                f"law: expected {', '.join(NAMED_LAWS)} or the file of a law ({LAW_FILE}), got {show(name)}"
+                f"law: expected {', '.join(NAMED_LAWS)} or a law file ({LAW_FILE}), got {show(name)}"
+                f"{suggestion(str(name), NAMED_LAWS)}"
             )
     if not names or len(set(names)) < len(names):
         raise InputError(f"law: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
@@ -331,7 +344,7 @@ def _design(name: str, loader: Loader) -> LawLike:
 
 
 def _called(given: object) -> str:
-    return given.name if isinstance(given, LawDesign) else ORIGINAL if given is None else "given"
+    return given.name if isinstance(given, LawDesign) else ORIGINAL if isinstance(given, OriginalLoop) else "given"
 
 
 def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> Numbers:
@@ -340,7 +353,7 @@ def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, 
         return given.design(loader, own_feel(loader) if feel is None else feel)
     if isinstance(given, DesignSettings):
         return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
-    return cast("Numbers", given)
+    return None if isinstance(given, OriginalLoop) else cast("Numbers", given)
 
 
 def _gains(design: DesignSettings, loader: Loader, name: str) -> GainLaw:

@@ -119,7 +119,7 @@ def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_stat
     """The plant for the design of the compensation, eq. (19): states ``DESIGN_STATES``, input e, output delta - theta.
 
     Valve dynamics are neglected, the load-cell loop is open and the pilot force F_p is a constant state. No command moves such a
-    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22) over a horizon, ``compensate``, does not.
+    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22), ``design_gains``, does not.
     Without that state it is, and the six gains are those on the other states.
 
     Args:

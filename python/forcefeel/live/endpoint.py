@@ -1,4 +1,4 @@
-"""What is at the other end of a loop."""
+"""Endpoints of a loop: a simulated or a real machine."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from forcefeel.units import show
 
 @dataclass(frozen=True)
 class Simulated:
-    """The nonlinear machine, in the loop's own thread, under a simulated hand.
+    """The nonlinear machine in the loop's own thread, with a simulated hand.
 
     Attributes:
-        scenario: What is done to it from its beginning on, as in a simulation: its force, a release, signals, noise's seed,
-            changes of the feel. A run in virtual time ends with it, and gives the numbers of ``simulate`` to the last bit where
-            nobody supervises; in real time it goes on.
+        scenario: Inputs from the start, as in a simulation: force, release, signals, noise seed, changes of the feel. A run in
+            virtual time ends with the scenario; without supervisor its results equal those of ``simulate`` to the last bit. In
+            real time it continues.
 
     Example:
         >>> import forcefeel as ff
@@ -28,13 +28,13 @@ class Simulated:
 
 @dataclass(frozen=True)
 class Udp:
-    """A machine over the network.
+    """A machine on the network.
 
     Attributes:
-        address: Where it listens, ``host:port``.
+        address: Its address, ``host:port``.
 
     Raises:
-        InputError: If the address is none.
+        InputError: If the address is invalid.
 
     Example:
         >>> import forcefeel as ff
@@ -51,4 +51,4 @@ class Udp:
 
 
 Endpoint = Simulated | Udp
-"""The kinds of machine."""
+"""Either endpoint."""

@@ -1,4 +1,4 @@
-"""A loop under way."""
+"""A running loop."""
 
 import time
 from collections.abc import Mapping
@@ -21,27 +21,27 @@ from forcefeel.units import show
 
 Sensor = Literal["load_cell", "drive", "column", "grip"]
 SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column", "grip")
-"""The sensors, in the order of a sample."""
+"""Sensors in the order of a sample."""
 
 Fault = Literal["no_samples", "stuck", "not_a_number", "jump", "ignores_command"]
 FAULTS: tuple[Fault, ...] = ("no_samples", "stuck", "not_a_number", "jump", "ignores_command")
-"""What may break of a simulated machine: no samples come, a sensor stays where it is, gives no number, jumps; commands are lost."""
+"""Faults of a simulated machine: no samples; a sensor that is stuck, returns NaN or jumps; lost commands."""
 
 FADE_S = 0.5
-"""Over how long a feel is faded in."""
+"""Default fade time of a feel."""
 
 _NAP_S = 1e-3
 
 
 class LiveSession:
-    """A loop under way; ``start`` makes one. Any thread may call anything of it.
+    """A running loop, from ``start``; thread-safe.
 
     Attributes:
-        columns: Names of the columns of ``history``, with their SI units at the end.
-        period_s: The loop's period.
-        asked: What is asked of it.
-        law: The law, as it is now; of a feel that a console in another process asked for it is that process's to know.
-        fade_s: Over how long a feel that is set from now on is faded in.
+        columns: Column names of ``history``, with SI units as suffix.
+        period_s: Period of the loop, s.
+        settings: Requested settings of the loop.
+        law: The current law; it does not follow a feel that a console in another process requests.
+        fade_s: Fade time of feels set later, s.
 
     Example:
         >>> import forcefeel as ff
@@ -53,13 +53,13 @@ class LiveSession:
 
     columns = COLUMNS
 
-    def __init__(self, loop: Loop, asked: LoopSettings, law: Law) -> None:
+    def __init__(self, loop: Loop, settings: LoopSettings, law: Law) -> None:
         self.loop = loop
-        self.asked = asked
-        self._designs, self._lock = Lock(), RLock()  # a stop waits for no design
+        self.settings = settings
+        self._designs, self._lock = Lock(), RLock()  # separate locks, so that a stop never waits for a design
         self._hand: dict[str, float | None] = {"force": 0.0, "hold_at": None}
         self.law = law
-        self.period_s: float = asked.loader["controller.period"]
+        self.period_s: float = settings.loader["controller.period"]
         self.fade_s = FADE_S
 
     def __enter__(self) -> Self:
@@ -71,46 +71,46 @@ class LiveSession:
         self.end()
 
     def end(self) -> None:
-        """Ends the loop, its drive off, and closes the record; once more does nothing."""
+        """End the loop with the drive off and close the record; further calls do nothing."""
         self.loop.end()
 
-    # What is asked of the loop.
+    # Requests to the loop.
 
     def on(self) -> None:
-        """Asks for power and feel; the supervisor brings the feel up."""
+        """Request power and feel; the supervisor fades the feel in."""
         self._request("on")
 
     def passive(self) -> None:
-        """Asks for power without feel: a command of zero."""
+        """Request power without feel: a command of zero."""
         self._request("passive")
 
     def off(self) -> None:
-        """Asks for no power. After a trip it must be asked for once before anything starts again."""
+        """Request no power. After a trip, a restart requires this first."""
         self._request("off")
 
     def stop(self) -> None:
-        """Stops, now, as an emergency stop does; ``acknowledge``, ``off`` and ``on`` start again."""
+        """Stop immediately, like an emergency stop; ``acknowledge``, ``off`` and ``on`` restart."""
         self._request("stop")
 
     def acknowledge(self) -> None:
-        """Clears what is latched, if it is over."""
+        """Clear latched trips whose cause is gone."""
         self._request("acknowledge")
 
     @property
     def loader(self) -> Loader:
-        """The loader with the feel as programmed now."""
-        return self.asked.loader
+        """The loader with the current feel."""
+        return self.settings.loader
 
     @property
     def feel(self) -> Mapping[str, float]:
-        """The rows of the feel as programmed now, in SI units.
+        """Rows of the current feel, in SI units.
 
-        What is set is added to what there is, with values as ``Loader.replace`` takes them: numbers in SI units or text with a
-        unit. The law that goes with the new feel is designed here, in the caller's thread, and both are faded in over ``fade_s``
-        without a bump. Of feels that are set while one fades in, the newest comes next.
+        New rows are merged with the current ones; values are as in ``Loader.replace``: numbers in SI units or text with a unit.
+        The law for the new feel is designed in the caller's thread. Both are faded in over ``fade_s`` without a bump. Of feels set
+        during a fade, only the newest follows.
 
         Raises:
-            InputError: If a row is none of the feel, or there is no law for it.
+            InputError: If a row does not belong to the feel, or the law cannot be designed for it.
         """
         return MappingProxyType({key: self.loader[key] for key in TABLE if key.startswith("feel.")})
 
@@ -119,12 +119,12 @@ class LiveSession:
         checked_feel(rows)
         with self._designs:
             loader = self.loader.replace(rows, si=True)
-            law = Law.of(self.asked.law, loader) if self.law.sampled is not None else None
+            law = Law.of(self.settings.law, loader) if self.law.sampled is not None else None
             if law is not None and law.sampled is not None and self.law.sampled is not None:
                 came, had = law.sampled.states, self.law.sampled.states
                 if came != had:
                     raise InputError(
-                        f"feel: its law has {came} states, the one of before {had}; start anew with this feel"
+                        f"feel: expected a law with {had} states, as before, got {came}; restart with this feel"
                     )
             observer = None if law is None or law.sampled is None else law.sampled.rows()[0]
             self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
@@ -132,8 +132,8 @@ class LiveSession:
 
     @property
     def trim_rad(self) -> float:
-        """Commanded neutral of the feel, rad; it goes there at ``feel.trim_rate``, at most 0.1 rad/s."""
-        return self.asked.around["trim_rad"]
+        """Commanded neutral of the feel, rad; approached at ``feel.trim_rate``, at most 0.1 rad/s."""
+        return self.settings.around["trim_rad"]
 
     @trim_rad.setter
     def trim_rad(self, angle: float) -> None:
@@ -141,8 +141,8 @@ class LiveSession:
 
     @property
     def stiffness_factor(self) -> float:
-        """Factor on the feel's spring, such as that of a dynamic pressure."""
-        return self.asked.around["stiffness_factor"]
+        """Factor on the feel's spring, for example from dynamic pressure."""
+        return self.settings.around["stiffness_factor"]
 
     @stiffness_factor.setter
     def stiffness_factor(self, factor: float) -> None:
@@ -150,8 +150,8 @@ class LiveSession:
 
     @property
     def shaker(self) -> float:
-        """How far the stick shaker is on, 0 to 1."""
-        return self.asked.around["shaker"]
+        """Amplitude of the stick shaker, 0 to 1."""
+        return self.settings.around["shaker"]
 
     @shaker.setter
     def shaker(self, share: float) -> None:
@@ -163,13 +163,13 @@ class LiveSession:
         if not low <= value <= high:
             raise InputError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
         with self._lock:
-            self._request("around", list({**self.asked.around, name: float(value)}.values()))
+            self._request("around", list({**self.settings.around, name: float(value)}.values()))
 
-    # What is done to a simulated machine.
+    # Inputs of a simulated machine.
 
     @property
     def hand_force_n(self) -> float:
-        """Force of the simulated hand at the grip, N, beside the one that holds an angle."""
+        """Force of the simulated hand at the grip, N, in addition to the one that holds an angle."""
         return self._hand["force"] or 0.0
 
     @hand_force_n.setter
@@ -181,7 +181,7 @@ class LiveSession:
 
     @property
     def hand_angle_rad(self) -> float | None:
-        """Angle that the simulated hand takes the grip to and holds, rad; ``None``: it lets go."""
+        """Angle to which the simulated hand moves and holds the grip, rad; ``None``: released."""
         return self._hand["hold_at"]
 
     @hand_angle_rad.setter
@@ -193,15 +193,15 @@ class LiveSession:
         self._disturb("hold_at", number=angle)
 
     def inject_fault(self, fault: Fault, sensor: Sensor | None = None, by: float = 0.0) -> None:
-        """Breaks something of a simulated machine.
+        """Inject a fault into a simulated machine.
 
         Args:
             fault: One of ``FAULTS``.
-            sensor: Which of ``SENSORS``, for ``stuck``, ``not_a_number`` and ``jump``.
-            by: By how much a sensor jumps: N, m of the drive's end, rad of the column.
+            sensor: One of ``SENSORS``, for ``stuck``, ``not_a_number`` and ``jump``.
+            by: Jump of the sensor: N, m at the drive's end, rad of the column.
 
         Raises:
-            InputError: If the machine is not simulated, or there is no such fault.
+            InputError: If the machine is not simulated, or the fault is unknown.
         """
         if fault not in FAULTS or (sensor or SENSORS[0]) not in SENSORS:
             raise InputError(
@@ -210,49 +210,51 @@ class LiveSession:
             )
         if (sensor is None) != (fault in ("no_samples", "ignores_command")):
             raise InputError(
-                f"sensor: {fault} is of {'no' if sensor else 'one'} sensor; give {'none' if sensor else 'which'}"
+                f"sensor: {fault} requires {'no' if sensor else 'a'} sensor; {'omit it' if sensor else 'add one'}"
             )
         expect_number("by", by)
-        # A sample has the column's angle as the displacement of its base.
+        # A sample contains the column's angle as displacement of its base.
         scale = self.loader["column.base_arm"] if sensor == "column" else 1.0
         self._disturb(fault, SENSORS.index(sensor or SENSORS[0]), float(by) * scale)
 
     def clear_faults(self) -> None:
-        """All of a simulated machine is well again."""
+        """Clear all faults of a simulated machine."""
         self._disturb("repair")
 
     @property
     def fault(self) -> str:
-        """What is broken of a simulated machine, the last of it; empty if nothing is."""
-        return self.asked.fault
+        """The last fault of a simulated machine; empty without a fault."""
+        return self.settings.fault
 
-    # What was asked for, here or by a console in another process.
+    # Requests from here or from a console in another process.
 
     def take_request(self, name: str, numbers: list[float]) -> bool:
-        """Passes a request to the loop by name and numbers; whether the loop had room for it."""
+        """Pass a request to the loop by name and numbers; return whether its ring had space."""
         with self._lock:
             taken = self.loop.request(name, numbers)
             if taken and name == "feel":
-                self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True))
+                self.settings = replace(
+                    self.settings, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True)
+                )
             elif taken and name == "around":
-                self.asked = replace(self.asked, around=dict(zip(self.asked.around, numbers, strict=True)))
+                self.settings = replace(self.settings, around=dict(zip(self.settings.around, numbers, strict=True)))
         return taken
 
     def take_disturbance(self, name: str, sensor: int, number: float | None) -> bool:
-        """The same with what is done to a simulated machine."""
+        """Pass an input to a simulated machine; return whether the ring had space."""
         with self._lock:
             taken = self.loop.disturb(name, sensor, number)
             if taken and name in self._hand:
                 self._hand[name] = number
             elif taken:
-                self.asked = replace(self.asked, fault="" if name == "repair" else name)
+                self.settings = replace(self.settings, fault="" if name == "repair" else name)
         return taken
 
-    # What is seen of it.
+    # Observed state.
 
     @property
     def state(self) -> State:
-        """How it does."""
+        """Snapshot of the loop."""
         cycles, beats, missed, silent, lost, state, trips, ended = self.loop.status()
         recorded, unrecorded, record_ended = self.loop.recorded()
         return State(
@@ -271,12 +273,12 @@ class LiveSession:
 
     @property
     def trips(self) -> tuple[Trip, ...]:
-        """The trips that are there or latched, with what happened and what to do."""
+        """Active and latched trips, with cause and remedy."""
         return trips_of(self.loop.status()[6])
 
     @property
     def host(self) -> HostState | None:
-        """The aircraft simulator as it is heard; ``None`` where none is listened to."""
+        """State of the aircraft simulator; ``None`` without a host port."""
         if (status := self.loop.host_status()) is None:
             return None
         listens, packets, refused, last = status
@@ -286,39 +288,39 @@ class LiveSession:
         return HostState(listens, address, packets, refused, silent_s, share)
 
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
-        """A row for each cycle after cycle ``since`` that is still kept, the newest ``most`` of them; (rows, columns).
+        """A row for each stored cycle after cycle ``since``, at most the newest ``most``; (rows, columns).
 
-        To go on where the last call ended, give the ``cycle`` of its last row.
+        To continue after the last call, pass the ``cycle`` of its last row.
         """
         return self.loop.history(float(since), _ALL if most is None else max(0, int(most)))
 
     @property
     def timing(self) -> Timing:
-        """When the loop's thread did its work, since the start."""
+        """Timing of the loop's thread since the start."""
         return timing_of(*self.loop.timing(), self.period_s)
 
     @property
     def realtime_status(self) -> tuple[str, ...]:
-        """What the system gave the loop's thread, a sentence each; nothing in virtual time."""
+        """A sentence on each real-time property of the loop's thread; empty in virtual time."""
         if (refused := self.loop.refused()) is None:
             return ()
         return tuple(
-            given if why is None else f"{not_given} ({why}): {remedy}, or run as root"
-            for why, (given, not_given, remedy) in zip(refused, _GRANTS, strict=True)
+            granted if why is None else f"{not_given} ({why}): {remedy}, or run as root"
+            for why, (granted, not_given, remedy) in zip(refused, _GRANTS, strict=True)
         )
 
     def wait(self, cycles: int, timeout_s: float = 60.0) -> None:
-        """Waits until so many more cycles are in the history, or the loop has ended.
+        """Wait until the history has ``cycles`` further cycles, or the loop has ended.
 
         Raises:
             InputError: If that takes longer than ``timeout_s``.
         """
-        # From where the loop is, which may be ahead of its history: what was asked for just now is within the cycles waited for.
+        # Counted from the loop, which may be ahead of its history, so that the cycles include the effect of the last request.
         goal = self.loop.status()[0] - 1 + cycles
         until = time.monotonic() + timeout_s
         while self._last_cycle() < goal:
             if self.loop.status()[-1]:
-                self.end()  # the last rows are there when its threads are done
+                self.end()  # the last rows are complete when its threads have ended
                 return
             if time.monotonic() > until:
                 raise InputError(
@@ -337,9 +339,9 @@ class LiveSession:
             )
 
     def _disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None:
-        if not self.asked.simulated:
+        if not self.settings.simulated:
             raise InputError(
-                f"{name}: only a simulated machine has a hand and faults; this one is real, or is another process's"
+                f"{name}: requires a simulated machine in this process; this one is real or belongs to another process"
             )
         if not self.take_disturbance(name, sensor, number):
             raise InputError(
@@ -357,7 +359,7 @@ _GRANTS = (
         "let the user write /dev/cpu_dma_latency",
     ),
 )
-"""What the loop asks of the system: the sentence where it is given, where it is not, and the remedy."""
+"""Real-time properties: sentence if granted, sentence if refused, and remedy."""
 
 _MOST_FORCE_N = 2000.0
 _MOST_ANGLE_RAD = 1.5

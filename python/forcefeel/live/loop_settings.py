@@ -1,4 +1,4 @@
-"""What a running loop is held by: what is asked of it, and what it offers."""
+"""Settings and interface of a running loop."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,14 +13,14 @@ from forcefeel.loader.loader import Loader
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """What is asked of a loop, but for the states of the supervisor and the hand.
+    """Requested settings of a loop, without the states of supervisor and hand.
 
     Attributes:
-        loader: The loader with the feel as programmed.
-        law: As ``Law.of`` takes it.
+        loader: The loader with the current feel.
+        law: The law, as in ``Law.of``.
         simulated: Whether the machine is simulated in the loop's process.
-        around: Trim, factor on the spring, shaker.
-        fault: What is broken of a simulated machine.
+        around: Trim, spring factor and shaker.
+        fault: Fault of a simulated machine.
     """
 
     loader: Loader
@@ -33,22 +33,22 @@ class LoopSettings:
 
 
 class Loop(Protocol):
-    """What a loop under way offers: ``_core.LiveLoop``, or one of another process."""
+    """Interface of a running loop: ``_core.LiveLoop``, or a proxy of one in another process."""
 
     def request(self, name: str, numbers: list[float]) -> bool:
-        """Asks something of it; whether there was room for that."""
+        """Send a request; return whether the ring had space."""
         ...
 
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool:
-        """Does something to a simulated machine; whether there was room for that."""
+        """Send an input to a simulated machine; return whether the ring had space."""
         ...
 
     def status(self) -> tuple[int, int, int, int, int, int, int, bool]:
-        """Cycles, beats, missed, silent, lost, state, trips, ended."""
+        """Cycles, periods, missed, silent, lost, state, trips, ended."""
         ...
 
     def recorded(self) -> tuple[int, int, str | None]:
-        """Bytes of the record, rows that it lacks because it ended before the loop, and why it did."""
+        """Bytes of the record, rows missing after its early end, and the reason for that end."""
         ...
 
     def host_status(self) -> tuple[str, int, int, tuple[str, float] | None] | None:
@@ -60,13 +60,13 @@ class Loop(Protocol):
         ...
 
     def timing(self) -> tuple[list[int], tuple[list[int], int], tuple[list[int], int]]:
-        """Edges in ns; how late it woke and how long it worked, each as counts and the longest in ns."""
+        """Edges in ns; wake-up latency and working time, each as counts and the longest in ns."""
         ...
 
     def refused(self) -> list[str | None] | None:
-        """Why there is no priority, no locked memory, no processor that stays awake."""
+        """Why priority, locked memory and an awake processor were refused."""
         ...
 
     def end(self) -> None:
-        """Ends it."""
+        """End the loop."""
         ...

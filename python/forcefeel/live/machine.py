@@ -1,4 +1,4 @@
-"""The simulated machine on its own, for another process to serve."""
+"""The simulated machine without a loop, for use in another process."""
 
 from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of, script_of
@@ -7,11 +7,11 @@ from forcefeel.simulation.scenario import Scenario
 
 
 class Machine:
-    """The nonlinear machine of a loader: from sample to sample under the commands that it is given.
+    """The nonlinear machine of a loader, stepped from sample to sample with given commands.
 
     Args:
         loader: The loader, with a digital controller.
-        scenario: What is done to it, as in a simulation: force, release, signals, noise's seed.
+        scenario: Inputs as in a simulation: force, release, signals, noise seed.
 
     Raises:
         InputError: If the loader has no digital controller.
@@ -29,14 +29,14 @@ class Machine:
         self._machine = _core.LiveMachine(setup, script=script)
 
     def read(self) -> tuple[float, float, float, float, float]:
-        """The next sample: load cell (N), drive's end and column's base (m), pilot's force and its sensor's at the grip (N)."""
+        """Next sample: load cell (N), drive's end and column's base (m), pilot's force and grip sensor (N)."""
         force, position, base, pilot_force, grip = self._machine.read() or [float("nan")] * 5
         return force, position, base, pilot_force, grip
 
     def write(self, command: float, enable: bool) -> None:
-        """Takes the command that answers the sample: V at a valve's amplifier, A of a motor; without power it is zero."""
+        """Set the command for this sample: V at a valve's amplifier, A of a motor; zero if not enabled."""
         self._machine.write(command, enable)
 
     def push(self, force_n: float) -> None:
-        """A hand pushes at the grip."""
+        """Set the force of a hand at the grip, N."""
         self._machine.disturb("force", number=force_n)

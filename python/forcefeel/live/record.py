@@ -1,4 +1,4 @@
-"""Records of live runs, read and run again."""
+"""Reading and replay of records of live runs."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -21,19 +21,19 @@ class LiveRecord:
     """A record of a live run.
 
     Attributes:
-        about: What was written about it: loader, law, versions.
-        columns: Names of the columns with their SI units at the end.
+        about: Metadata: loader, law, versions.
+        columns: Column names with SI units as suffix.
         rows: A row for each cycle.
-        requests: Cycle from which each counts, name, numbers.
-        broken: Where and why the file breaks off, empty if it does not; what was there before is here.
-        ended: Why the record ended: "with the run", or before it, as on a full disk; empty if the process that wrote it was killed.
+        requests: First cycle of each request, name, numbers.
+        broken: Where and why the file is truncated, empty for a complete file; ``rows`` contains all data before.
+        ended: Why the record ended: "with the run", or earlier, as on a full disk; empty if the writing process was killed.
 
     Example:
         >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.wait(100)
         >>> ff.live.read_live_record("run.mcap").about["law"]
-        'original'
+        'robust'
     """
 
     about: Mapping[str, str]
@@ -44,10 +44,10 @@ class LiveRecord:
     ended: str
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """A column by its name.
+        """A column by name.
 
         Raises:
-            InputError: If there is none.
+            InputError: If the column does not exist.
         """
         if name not in self.columns:
             raise InputError(f"column: expected one of {', '.join(self.columns)}, got {name!r}")
@@ -56,13 +56,13 @@ class LiveRecord:
 
 @dataclass(frozen=True)
 class Replayed:
-    """A record that was run again through the controller.
+    """Result of a replay of a record through the controller.
 
     Attributes:
-        cycles: Cycles that were run.
-        difference: The first number that differs: cycle, column, as recorded, as replayed; ``None``: every bit is the same.
-        gap: The first cycle that the record lacks, where it has a gap; ``None`` if it has none.
-        broken, ended: As of ``LiveRecord``.
+        cycles: Number of replayed cycles.
+        difference: First difference: cycle, column, recorded and replayed value; ``None`` if every bit is the same.
+        gap: First missing cycle of a gap; ``None`` without a gap.
+        broken, ended: As in ``LiveRecord``.
 
     Example:
         >>> import forcefeel as ff
@@ -80,15 +80,15 @@ class Replayed:
 
     @property
     def same(self) -> bool:
-        """Whether there are cycles, and all of them gave the same bits."""
+        """Whether there are cycles and all have the same bits."""
         return self.cycles > 0 and self.difference is None and self.gap is None
 
 
 def read_live_record(path: str | Path) -> LiveRecord:
-    """Reads a record; of one that breaks off, all up to there.
+    """Read a record; of a truncated one all data up to there.
 
     Raises:
-        InputError: If it cannot be read.
+        InputError: If the file cannot be read.
 
     Example:
         >>> import forcefeel as ff
@@ -98,15 +98,15 @@ def read_live_record(path: str | Path) -> LiveRecord:
         >>> len(record.column("column_angle_rad")) >= 100
         True
     """
-    about, columns, rows, requests, broken, ended = _asked(path, _core.live_record)
+    about, columns, rows, requests, broken, ended = _answer_of(path, _core.live_record)
     return LiveRecord(about, tuple(columns), rows, tuple(requests), broken or "", ended or "")
 
 
 def replay(path: str | Path) -> Replayed:
-    """Runs a record's samples and requests through law, feel and supervisor again, and compares every bit of what they made.
+    """Run a record's samples and requests through law, feel and supervisor again, and compare every bit of the results.
 
     Raises:
-        InputError: If it cannot be read, or is of another version.
+        InputError: If the file cannot be read or has another version.
 
     Example:
         >>> import forcefeel as ff
@@ -116,11 +116,11 @@ def replay(path: str | Path) -> Replayed:
         >>> ff.live.replay("run.mcap").same
         True
     """
-    cycles, difference, gap, broken, ended = _asked(path, _core.live_replay)
+    cycles, difference, gap, broken, ended = _answer_of(path, _core.live_replay)
     return Replayed(cycles, difference, gap, broken or "", ended or "")
 
 
-def _asked(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
+def _answer_of(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
     data = read_input(Path(path), MOST_BYTES, "a record of a live run (.mcap)")
     try:
         return question(data)

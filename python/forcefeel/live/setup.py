@@ -1,4 +1,4 @@
-"""A loader and its law as the loop takes them."""
+"""Conversion of a loader and its law for the loop."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,22 +13,22 @@ from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.simulation.scenario import Scenario, Steps
 
 LEAST_PERIOD_S, MOST_PERIOD_S = 1 / 5000, 1 / 250
-"""Periods that the loop is made for, 250 Hz to 5 kHz."""
+"""Range of the loop's period: 250 Hz to 5 kHz."""
 
 
 def live_law(law: LawLike, loader: Loader) -> Law:
-    """The law that drives a loader live; the loader's own default is ``robust``.
+    """Law of a live loop; default: that of the loader's drive.
 
     Raises:
-        InputError: If the loader has no digital controller, or the law is none for it.
+        InputError: If the loader has no digital controller, or the law does not fit it.
     """
     check_loader(loader)
     period = loader["controller.period"]
     if not LEAST_PERIOD_S * (1 - 1e-9) <= period <= MOST_PERIOD_S * (1 + 1e-9):
-        given = f"{1e3 * period:g} ms" if period else "none: its controller is analog"
+        stated = f"{1e3 * period:g} ms" if period else "none: its controller is analog"
         raise InputError(
-            f"controller.period: a live loop needs {1e3 * LEAST_PERIOD_S:g} to {1e3 * MOST_PERIOD_S:g} ms, got {given}; "
-            'state controller.period in the loader file, such as "0.5 ms"'
+            f"controller.period: a live loop requires {1e3 * LEAST_PERIOD_S:g} to {1e3 * MOST_PERIOD_S:g} ms, got {stated}; "
+            'set controller.period in the loader file, such as "0.5 ms"'
         )
     return Law.of(law, loader)
 
@@ -36,15 +36,15 @@ def live_law(law: LawLike, loader: Loader) -> Law:
 def made_of(
     loader: Loader, law: Law, *, supervised: bool = True, scenario: Scenario | None = None
 ) -> tuple[_core.LiveSetup, Steps]:
-    """The loop's setup, and the scenario on the steps of the machine.
+    """Setup of the loop, and the scenario at the steps of the machine.
 
     Raises:
-        InputError: As ``Steps.of`` and ``Law.engine``.
+        InputError: As in ``Steps.of`` and ``Law.engine``.
     """
     period = loader["controller.period"]
     steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
     if steps.timing is None:
-        raise InputError("controller.period: a live loop needs a digital controller")
+        raise InputError("controller.period: a live loop requires a digital controller")
     curve, factor = loader.force_curve, loader.stiffness_factor
     setup = _core.LiveSetup(
         loader.si_values,
@@ -60,41 +60,41 @@ def made_of(
 
 
 _OF_MACHINE = ("force", "test_signal", "command_signal")
-"""Inputs of a scenario that act on the machine, not on the controller."""
+"""Inputs of a scenario that act on the machine instead of the controller."""
 
 
 def script_of(
     steps: Steps, scenario: Scenario
 ) -> tuple[dict[str, NDArray[np.float64]], float, tuple[float, int] | None, int]:
-    """What is done to a simulated machine, as the engine takes it.
+    """Inputs of a simulated machine in the engine's form.
 
     Raises:
-        InputError: If the scenario asks something of the controller that a loop is asked for while it runs.
+        InputError: If the scenario has inputs of the controller, which a running loop gets as requests.
     """
     if others := [name for name in steps.inputs if name not in (*_OF_MACHINE, "fade")]:
         raise InputError(
-            f"scenario: {', '.join(others)}: is asked of a running loop, such as running.trim_rad; leave it out"
+            f"scenario: {', '.join(others)}: set it on the running loop, such as running.trim_rad; omit it here"
         )
     plant = {name: steps.inputs[name] for name in _OF_MACHINE if name in steps.inputs}
     return plant, steps.start_force_n, steps.held, scenario.seed
 
 
 def feel_numbers(values: NDArray[np.float64], observer: NDArray[np.float64] | None, cycles: int) -> list[float]:
-    """A change of the feel as the loop takes it: cycles, a loader's values, the law with an observer that goes with them."""
+    """A change of the feel in the loop's form: cycles, values of a loader, numbers of its law with an observer."""
     return [float(cycles), *values.tolist(), *([] if observer is None else observer.tolist())]
 
 
 def feel_rows(numbers: Sequence[float], loader: Loader) -> dict[str, float | None]:
-    """The rows of the feel that such a change has otherwise than a loader, as ``Loader.replace`` takes them."""
+    """Rows of the feel in which such a change differs from a loader, for ``Loader.replace``."""
     values = {key: value for key, value in zip(TABLE, numbers[1:], strict=False) if key.startswith("feel.")}
     return {key: None if value == OFF.get(key) else value for key, value in values.items() if value != loader[key]}
 
 
 def checked_feel(rows: Mapping[str, object]) -> None:
-    """Refuses rows that are none of the feel.
+    """Check that all rows belong to the feel.
 
     Raises:
-        InputError: With the first.
+        InputError: For the first other row.
     """
     for key in rows:
         if not key.startswith("feel."):

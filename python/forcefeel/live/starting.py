@@ -1,4 +1,4 @@
-"""A loop begun."""
+"""Start of a loop."""
 
 from math import ceil, isfinite
 from pathlib import Path
@@ -18,10 +18,10 @@ from forcefeel.tables.table import MOST_BYTES
 from forcefeel.units import show
 
 RECORD = ".mcap"
-"""What the name of a record ends with."""
+"""Suffix of a record."""
 
 MOST_RECORD_BYTES = MOST_BYTES
-"""Default largest size of a record, the largest file that is read: 1.1 hours at 1 kHz."""
+"""Default largest size of a record, the limit for reading: 1.1 hours at 1 kHz."""
 
 LEAST_RECORD_BYTES = 2**20
 
@@ -38,29 +38,29 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     most_bytes: int = MOST_RECORD_BYTES,
     expected_s: float = 0.0,
 ) -> LiveSession:
-    """Starts the loop of a loader in a thread of its own.
+    """Start the loop of a loader in its own thread.
 
     Args:
         loader: The loader, with a digital controller of 250 Hz to 5 kHz.
-        law: As ``Law.of`` takes it; the law of the loader's drive if not given.
-        endpoint: What is at the other end: ``Simulated()``, or ``Udp("host:port")``.
-        real_time: By the clock; otherwise as fast as it goes.
-        supervised: Whether the supervisor looks on. Without it the law drives from the first sample on: for comparisons with a
-            simulation, never for a machine.
-        host: Where an aircraft simulator is listened to, with the packets of ``docs/reference/host.md``: a UDP port, of which only
-            programs on this machine know, or ``"address:port"``; port 0 for any that is free, which ``running.host`` tells. It
-            sets the feel's surroundings, and starts nothing.
-        record: File for all that goes in and out, ``.mcap``. It is whole at any moment, and grows no larger than ``most_bytes``.
-        most_bytes: See there.
-        expected_s: How long it is to run, s: the disk must have room for a record of so long when it starts. Room for the next
-            seconds is reserved at any time; where there is none left, the record ends, whole, and ``state.record_ended`` says why.
+        law: The law, as in ``Law.of``; default: the law of the loader's drive.
+        endpoint: The machine: ``Simulated()`` or ``Udp("host:port")``.
+        real_time: Run by the clock; otherwise as fast as possible.
+        supervised: Whether the supervisor is active. Without it the law drives from the first sample: only for comparison with a
+            simulation, never with a machine.
+        host: Port for an aircraft simulator, with the packets of ``docs/reference/host.md``: a UDP port for programs on this
+            machine, or ``"address:port"``; port 0 takes a free one, see ``running.host``. It sets trim, spring factor and shaker,
+            but does not start the feel.
+        record: File for all inputs and outputs, ``.mcap``. It is always readable and at most ``most_bytes`` long.
+        most_bytes: Largest size of the record.
+        expected_s: Expected duration, s: at the start the disk must have space for such a record. Space for the next seconds is
+            always reserved; on a full disk the record ends readable, and ``state.record_ended`` contains the reason.
 
     Returns:
-        The loop under way: a context manager that ends it.
+        The running loop, a context manager that ends it.
 
     Raises:
-        InputError: If the loader has no such controller, the law is none for it, an address, a port or the file cannot be used, or
-            the disk has no room for the record.
+        InputError: If the loader has no such controller, the law does not fit it, an address, a port or the file cannot be used,
+            or the disk lacks space for the record.
 
     Example:
         >>> import forcefeel as ff
@@ -77,11 +77,11 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     period, _ = steps.timing or (1, 0)
     script, cycles, requests = None, None, []
     if scenario is not None:
-        # The first changes of the feel are planned; what is asked for later comes by the ring.
+        # Changes of the scenario are planned; later requests come through the ring.
         for begin, end, values, observer in engine_changes(loader, scenario, steps, driven_by):
             if begin % period or end % period:
                 raise InputError(
-                    "feel change: a live loop changes its feel at samples; give times that are whole periods"
+                    "feel change: expected times at whole periods, because a live loop changes its feel at samples"
                 )
             requests.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
         script = script_of(steps, scenario)
@@ -106,10 +106,10 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
 
 
 def _listens(host: str | int, *, supervised: bool) -> str:
-    """Where a host is listened to, as ``address:port``; of a port alone, on this machine.
+    """Host port as ``address:port``; a port without address is on this machine.
 
     Raises:
-        InputError: If it is none, or nobody would look on.
+        InputError: If it is invalid, or without supervisor.
     """
     address, _, port = str(host).rpartition(":")
     if isinstance(host, bool) or not (port.isdecimal() and int(port) < _PORTS):
@@ -117,7 +117,7 @@ def _listens(host: str | int, *, supervised: bool) -> str:
             f"host: expected a UDP port such as 8732, or address:port such as 0.0.0.0:8732, got {show(host)}"
         )
     if not supervised:
-        raise InputError("host: only the supervisor fades a silent host out; leave supervised=False or host out")
+        raise InputError("host: requires the supervisor, which fades out a silent host; omit supervised=False or host")
     return f"{address or '127.0.0.1'}:{port}"
 
 
@@ -135,13 +135,13 @@ def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:
 
 
 def _cycles(lasts_s: float, loader: Loader) -> int:
-    """Cycles of a run that lasts so long; none where it lasts until it is ended."""
+    """Cycles of a run of this duration; 0 for an unlimited run."""
     expect_number("expected_s", lasts_s)
     return ceil(max(lasts_s, 0.0) / loader["controller.period"]) if isfinite(lasts_s) else 0
 
 
 def about_run(loader: Loader, law: str, endpoint: Endpoint) -> dict[str, str]:
-    """What a record says of itself."""
+    """Metadata of a record."""
     from importlib.metadata import version  # noqa: PLC0415  for records alone
 
     return {

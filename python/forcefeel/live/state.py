@@ -1,4 +1,4 @@
-"""What is seen of a running loop at once."""
+"""Snapshot of a running loop."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,27 +9,27 @@ from numpy.typing import NDArray
 from forcefeel import _core
 
 STATES = tuple(_core.live_states())
-"""The supervisor's states."""
+"""States of the supervisor."""
 
 COLUMNS = tuple(_core.live_columns())
-"""The columns of a history and of a record, with their SI units at the end; ``law_command`` and ``command`` are in V at a valve's
-amplifier, in A of a motor."""
+"""Columns of a history and of a record, with SI units as suffix; ``law_command`` and ``command`` are in V at a valve's amplifier,
+in A of a motor."""
 
 
 @dataclass(frozen=True)
 class State:
-    """How a loop does.
+    """State of a loop.
 
     Attributes:
-        cycle: Cycles worked out.
-        time_s: Time since the start, by the beats of its clock.
-        name: The supervisor's state, one of ``STATES``.
-        trips: Names of the trips that are there or latched.
-        missed: Beats that were missed, and not made up for.
-        silent: Cycles without a sample.
-        lost_rows: Rows that the history and the record lack, because nobody took them in time.
+        cycle: Number of completed cycles.
+        time_s: Time since the start by its clock, s.
+        name: State of the supervisor, one of ``STATES``.
+        trips: Names of active and latched trips.
+        missed: Number of missed periods, which are not repeated.
+        silent: Number of cycles without a sample.
+        lost_rows: Rows missing in history and record because of a full ring.
         recorded: Bytes of the record.
-        unrecorded_rows: Rows that the record lacks because it ended before the loop, as on a full disk.
+        unrecorded_rows: Rows missing because the record ended before the loop, as on a full disk.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.
 
@@ -56,7 +56,7 @@ class State:
 
 @dataclass(frozen=True)
 class Trip:
-    """What stopped a loader: its name, and what happened and what to do. It stays until it is acknowledged.
+    """Reason of a stop: name, and a sentence with cause and remedy. It stays until acknowledged.
 
     Example:
         >>> import forcefeel as ff
@@ -75,15 +75,15 @@ class Trip:
 
 @dataclass(frozen=True)
 class HostState:
-    """An aircraft simulator as it is heard.
+    """State of the aircraft simulator.
 
     Attributes:
-        listens: Where its packets come to, ``address:port``.
-        address: Where they come from; empty before the first.
-        packets: Those that were taken.
-        refused: Those that were left out: damaged, old, out of range, of another version or sender.
-        silent_s: Seconds since the last; ``None`` before the first.
-        share: Share of its values in the feel, 0 to 1; the default feel has the rest.
+        listens: Local address for its packets, ``address:port``.
+        address: Its own address; empty before the first packet.
+        packets: Number of accepted packets.
+        refused: Number of rejected packets: damaged, old, out of range, of another version or sender.
+        silent_s: Time since the last packet, s; ``None`` before the first.
+        share: Share of its values in the feel, 0 to 1; the rest is the default feel.
 
     Example:
         >>> import forcefeel as ff
@@ -102,12 +102,12 @@ class HostState:
 
 
 def trips_of(bits: int) -> tuple[Trip, ...]:
-    """The trips of these bits."""
+    """Trips from a bit mask."""
     return tuple(Trip(*named) for k, named in enumerate(_core.live_trips()) if bits >> k & 1)
 
 
 QUANTILE_ERROR = 1 / 64
-"""By how much of itself a quantile of durations may be stated too long: the width of a step. None is stated too short."""
+"""Largest relative error of a quantile, the width of a bin; a quantile is never too short."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +115,9 @@ class Histogram:
     """Counts of durations.
 
     Attributes:
-        edges_us: Least duration of each step, and the end of the last; us.
-        counts: How often a duration fell in it.
-        worst_us: The longest duration itself, us; zero before the first.
+        edges_us: Edges of the bins, us.
+        counts: Count of each bin.
+        worst_us: Longest duration, us; zero before the first.
 
     Example:
         >>> import forcefeel as ff
@@ -133,29 +133,29 @@ class Histogram:
 
     @cached_property
     def total(self) -> int:
-        """How many there are."""
+        """Total count."""
         return int(self.counts.sum())
 
     def quantile_us(self, share: float) -> float:
-        """The duration, us, that this share of them does not exceed; not a number where there are none.
+        """Quantile of the durations, us; NaN without any.
 
-        It is the upper end of a step, at most ``QUANTILE_ERROR`` of itself too long; never longer than the worst.
+        It is the upper edge of a bin, too long by at most a share of ``QUANTILE_ERROR``, and at most the longest duration.
         """
         if not self.total:
             return float("nan")
         step = int(np.searchsorted(np.cumsum(self.counts), share * self.total))
-        # What is longer than any step has been counted in the last.
+        # The last bin also counts all longer durations.
         return self.worst_us if step >= len(self.counts) - 1 else min(float(self.edges_us[step + 1]), self.worst_us)
 
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """When the loop's thread did its work.
+    """Timing of the loop's thread.
 
     Attributes:
-        late: How late it woke.
-        work: How long a cycle took, input and output included.
-        period_s: The period.
+        late: Wake-up latency.
+        work: Working time of a cycle, including input and output.
+        period_s: Period of the loop, s.
 
     Example:
         >>> import forcefeel as ff
@@ -171,7 +171,7 @@ class Timing:
 
 
 def timing_of(edges_ns: list[int], late: tuple[list[int], int], work: tuple[list[int], int], period_s: float) -> Timing:
-    """The timing of the loop's counts, each with the longest duration in ns."""
+    """Timing from the loop's counts, each with the longest duration in ns."""
     edges = np.array(edges_ns) / 1e3
     first, second = (Histogram(edges, np.array(counts), worst_ns / 1e3) for counts, worst_ns in (late, work))
     return Timing(first, second, period_s)

@@ -14,7 +14,7 @@ _STICK = "stick-"
 PROJECT_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll")
 """Names of the axes: of wheel and pedals, and of a stick."""
 
-HYDRAULIC_AXES: Mapping[str, str] = MappingProxyType({"elevator": "pitch", "elevator-2khz": "pitch"})
+HYDRAULIC_AXES: Mapping[str, str] = MappingProxyType({"elevator-2khz": "pitch", "elevator-1974": "pitch"})
 """The built-in loaders with a valve, and the axis of each."""
 
 ELECTRIC_AXES: Mapping[str, str] = MappingProxyType(

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, suggestion
 from forcefeel.files import input_kind
 from forcefeel.loader.axes import ELECTRIC_AXES
 from forcefeel.loader.loader import Loader, load
@@ -49,12 +49,12 @@ def elevator() -> Loader:
     Example:
         >>> import forcefeel as ff
         >>> ff.elevator()
-        <Loader 'elevator': feel G = 9600 lb in/rad, 2.01 Hz, damping ratio 0.2; analog; 13 tolerances>
+        <Loader 'elevator-1974': feel G = 9600 lb in/rad, 2.01 Hz, damping ratio 0.2; analog; 13 tolerances>
     """
     values = np.array(
         [OFF.get(key, row.default_si) if has(HYDRAULIC, row) else absent(row) for key, row in TABLE.items()]
     )
-    return Loader("elevator", _REPORT, values).with_tolerances(_ASSUMED)
+    return Loader("elevator-1974", _REPORT, values).with_tolerances(_ASSUMED)
 
 
 def digital_elevator() -> Loader:
@@ -106,8 +106,8 @@ def electric(name: str) -> Loader:
 
 BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
     {
-        "elevator": elevator,
         "elevator-2khz": digital_elevator,
+        "elevator-1974": elevator,
         **{name: partial(electric, name) for name in ELECTRIC_AXES},
     }
 )
@@ -115,12 +115,17 @@ BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
 
 
 def open_loader(given: str | Path | None) -> Loader:
-    """The loader of a file, or a built-in one by its name; the elevator if nothing is given.
+    """The loader of a file, or a built-in one by its name; ``elevator-2khz`` if not given.
 
     Raises:
         InputError: As ``load``.
     """
     if given is None:
-        return elevator()
+        return digital_elevator()
     name = str(given)
-    return BUILT_IN[name]() if name in BUILT_IN and not input_kind(Path(given)) else load(given)
+    there = input_kind(Path(given))
+    if name in BUILT_IN and not there:
+        return BUILT_IN[name]()
+    if not there and (close := suggestion(name, BUILT_IN)):
+        raise InputError(f"{name}: expected a loader file or a built-in loader, found no such file{close}")
+    return load(given)

@@ -420,7 +420,7 @@ def load(path: str | Path) -> Loader:
         >>> from pathlib import Path
         >>> size = Path("my.toml").write_text(ff.elevator().to_toml(), encoding="utf-8")
         >>> ff.load("my.toml").name
-        'elevator'
+        'elevator-1974'
     """
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 
@@ -496,7 +496,7 @@ def check_loader(given: object) -> None:
 
 
 INSTEAD = (
-    "for that there are analyze, design, compensate --method auto (or the name of a method), simulate, qualify, envelope, "
+    "for that there are analyze, design, law, simulate, qualify, envelope, "
     "frontier, sweep, schedule, excite and identify"
 )
 """What is made for an electric loader too."""

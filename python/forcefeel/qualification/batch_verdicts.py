@@ -123,23 +123,23 @@ def _shares(
     largest = np.nan_to_num(reference.overshoots[:, 0])
     scales = {"A1": largest, "Ad": np.abs(reference.displacement)}
 
-    def share(mine: _Array, theirs: _Array, asked: NDArray[np.bool_], n: int = 0) -> _Array:
-        limit = tolerance.limit(scales.get(tolerance.relative_to or "", theirs), n=n, travel=travel)
-        found = np.abs(mine - theirs) / limit
-        return np.where(asked, np.where(np.isnan(found), np.inf, found), -np.inf)
+    def share(actual: _Array, expected: _Array, required: NDArray[np.bool_], n: int = 0) -> _Array:
+        limit = tolerance.limit(scales.get(tolerance.relative_to or "", expected), n=n, travel=travel)
+        ratio = np.abs(actual - expected) / limit
+        return np.where(required, np.where(np.isnan(ratio), np.inf, ratio), -np.inf)
 
     if tolerance.relative_to == "Amax":
         scales["Amax"] = np.nan_to_num(reference.overshoots).max(axis=1)
     if quantity in {"P0", "Pn"}:
-        mine, theirs = batch.cycles_s, reference.cycles_s
+        measured_values, reference_values = batch.cycles_s, reference.cycles_s
         for n in (0,) if quantity == "P0" else range(1, _CYCLES):
-            yield f"P{n}", share(mine[:, n], theirs[:, n], swings & (count >= 2 * n), n)
+            yield f"P{n}", share(measured_values[:, n], reference_values[:, n], swings & (count >= 2 * n), n)
     elif quantity in {"A1", "An"}:
         first_apart = test.tolerance("A1") is not None
-        mine = np.nan_to_num(batch.overshoots)
+        measured_values = np.nan_to_num(batch.overshoots)
         for k in range(_OVERSHOOTS):
             if not first_apart or (k == 0) is (quantity == "A1"):
-                yield f"A{k + 1}", share(mine[:, k], reference.overshoots[:, k], count > k)
+                yield f"A{k + 1}", share(measured_values[:, k], reference.overshoots[:, k], count > k)
     elif quantity == "first overshoot":
         yield quantity, np.where(swings & ~(batch.count > 0), np.inf, -np.inf)
     elif quantity == "overshoots":
@@ -148,5 +148,7 @@ def _shares(
         yield quantity, share(batch.displacement, reference.displacement, np.full(len(reference), True))
     elif quantity == overdamped:
         fall = quantity == "fall time"
-        mine, theirs = ((it.fall_time_s if fall else it.rise_time_s) for it in (batch, reference))
-        yield quantity, share(mine, theirs, ~swings)
+        measured_values, reference_values = (
+            (releases.fall_time_s if fall else releases.rise_time_s) for releases in (batch, reference)
+        )
+        yield quantity, share(measured_values, reference_values, ~swings)

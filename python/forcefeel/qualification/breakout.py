@@ -69,12 +69,12 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
         return Figure(0.0, force_uncertainty_n, "N")
     floor = (_EXACT * largest) ** 2 + force_uncertainty_n**2 / len(d)
     points = _Points(d, force, weight)
-    found: list[_Lines | _Cubic] = [_Cubic.through(points)]
+    fits: list[_Lines | _Cubic] = [_Cubic.through(points)]
     for changes in range(_MOST + 1):
-        found.append(_best_lines(points, changes))
-        if found[-1].left <= floor * len(d):
+        fits.append(_best_lines(points, changes))
+        if fits[-1].left <= floor * len(d):
             break  # more could only follow what is nothing
-    chosen = min(found, key=lambda one: one.criterion(floor))
+    chosen = min(fits, key=lambda fit: fit.criterion(floor))
     value, known = chosen.at_neutral()
     return Figure(max(value, 0.0), combined(known, force_uncertainty_n / math.sqrt(len(distance))), "N")
 

@@ -137,18 +137,18 @@ def _departure(x: NDArray[np.float64], steady: float, floor: float, high: float)
 
 def _when(record: Record, level: float, moved: int, floor: float) -> tuple[float, float]:
     """When it was let go: the way starts as ``(t - t_0)^2``, so that its root is a straight line from ``t_0`` on."""
-    t, way = record.time_s[moved:], np.abs(record.position[moved:] - level)
+    t, distance = record.time_s[moved:], np.abs(record.position[moved:] - level)
     step = record.step_s / math.sqrt(12)
     if moved == 1:
         return float(record.time_s[0]), step
-    until = max(int(np.argmax(way > _CLEAR * floor)), _FEWEST)
-    when, longer = (_laid_back(t[:count], way[:count], record.step_s) for count in (until, until + until // 2))
+    until = max(int(np.argmax(distance > _CLEAR * floor)), _FEWEST)
+    when, longer = (_laid_back(t[:count], distance[:count], record.step_s) for count in (until, until + until // 2))
     return max(when, float(record.time_s[0])), math.hypot(step, longer - when)
 
 
-def _laid_back(t: NDArray[np.float64], way: NDArray[np.float64], step_s: float) -> float:
+def _laid_back(t: NDArray[np.float64], distance: NDArray[np.float64], step_s: float) -> float:
     """Where the root of a way, as a straight line, begins."""
-    slope, at_zero = np.polyfit(t - t[0], np.sqrt(way), 1)
+    slope, at_zero = np.polyfit(t - t[0], np.sqrt(distance), 1)
     early = float(np.clip(at_zero / slope, 0.0, t[-1] - t[0] + step_s)) if slope > 0 else 0.0
     return float(t[0]) - early
 

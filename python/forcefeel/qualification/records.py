@@ -82,22 +82,22 @@ class Record:
         fields = {"time_s": ("time", "s"), "position": ("position", self.position_unit), **_CHANNELS}
         columns, units = {}, {}
         for field, (name, unit) in fields.items():
-            given = getattr(self, field)
-            if given is None and field in _CHANNELS:
+            value = getattr(self, field)
+            if value is None and field in _CHANNELS:
                 continue
-            values = _row(self.name, field, given)
+            values = _row(self.name, field, value)
             object.__setattr__(self, field, values)
             columns[name], units[name] = values, unit
             if values.shape != self.time_s.shape:
                 came = f"{len(values)} values and {len(self.time_s)} times"
                 raise InputError(f"{self.name}: expected {field} to be as long as time_s, got {came}")
-        if found := fault(columns, units):
-            row_at_fault, sentence = found
+        if problem := fault(columns, units):
+            row_at_fault, sentence = problem
             raise InputError(f"{self.name}: row {row_at_fault}, counted from 1: {sentence}")
         for field in ("resolution", "noise", "force_resolution_n", "force_noise_n"):
-            given = getattr(self, field)
-            if given is not None and not 0 <= given < np.inf:
-                raise InputError(f"{self.name}: {field}: expected a number of at least zero, got {show(given)}")
+            value = getattr(self, field)
+            if value is not None and not 0 <= value < np.inf:
+                raise InputError(f"{self.name}: {field}: expected a number of at least zero, got {show(value)}")
         if self.release_s is not None and not self.time_s[0] <= self.release_s < self.time_s[-1]:
             raise InputError(
                 f"{self.name}: release_s: expected a time within the record, {self.time_s[0]:.6g} to {self.time_s[-1]:.6g} s, "
@@ -184,8 +184,8 @@ class Record:
         if self.force_n is None:
             return float("nan")
         noise = found_noise(self.force_n) if self.force_noise_n is None else self.force_noise_n
-        given = self.force_resolution_n
-        step = found_resolution(self.force_n) if given is None else given
+        resolution = self.force_resolution_n
+        step = found_resolution(self.force_n) if resolution is None else resolution
         return float(np.hypot(noise, step / np.sqrt(12)))
 
 
@@ -211,9 +211,9 @@ def found_resolution(values: NDArray[np.float64]) -> float:
     return step if np.all(np.abs(steps - np.round(steps)) < _OFF_LATTICE * np.maximum(steps, 1.0)) else 0.0
 
 
-def _row(name: str, field: str, given: object) -> NDArray[np.float64]:
+def _row(name: str, field: str, raw: object) -> NDArray[np.float64]:
     try:
-        values = np.array(given, dtype=np.float64)
+        values = np.array(raw, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: expected {field} to be a row of numbers ({error})") from error
     if values.ndim != 1:

@@ -140,9 +140,9 @@ class _Measured:
         # Noise of half a step carries a mean below the step; without it a step is off for all samples alike.
         self.stuck = resolution if noise < 0.5 * record.position_resolution else 0.0
         rough = self._kernel(0.0)
-        way = float(rough[0, COLUMNS["low"].start] - rough[0, COLUMNS["high"].start])
+        fall_time = float(rough[0, COLUMNS["low"].start] - rough[0, COLUMNS["high"].start])
         quiet = self.white < _QUIET * abs(let_go.displacement)
-        self.detail = rough if quiet or not way > 0 else self._kernel(_REACH * way)
+        self.detail = rough if quiet or not fall_time > 0 else self._kernel(_REACH * fall_time)
         # What six samples say and what more of them say differs by what a polynomial cannot follow.
         other = self._kernel(_WIDER * record.step_s)[0] if quiet else self.detail[0]
         values = self.detail[0]
@@ -170,8 +170,8 @@ class _Measured:
 
     @cached_property
     def settled(self) -> bool:
-        way, at = self.fall_time.value, float(self.detail[0, COLUMNS["settled"].start])
-        return bool(self.record.time_s[-1] - at >= REST * way)
+        fall_time, at = self.fall_time.value, float(self.detail[0, COLUMNS["settled"].start])
+        return bool(self.record.time_s[-1] - at >= REST * fall_time)
 
     def why_not_settled(self) -> str:
         """A sentence with the record and the time at which it ends."""
@@ -226,10 +226,10 @@ class _Measured:
         values, unit = self.detail[0], self.record.position_unit
         crossings = range(COLUMNS["crossings"].start, COLUMNS["crossings"].stop, 2)
         cycles = [self._lasted(COLUMNS["high"].start, self.rules.high, crossings[0], 0.0)]
-        cycles += [self._lasted(one, 0.0, other, 0.0) for one, other in pairwise(crossings)]
+        cycles += [self._lasted(begin, 0.0, other, 0.0) for begin, other in pairwise(crossings)]
         overshoots, band = self._overshoots(), self.rules.residual_band * abs(self.displacement)
-        least = sum(it.value - _COVERAGE * it.uncertainty > band for it in overshoots)
-        most = sum(it.value + _COVERAGE * it.uncertainty > band for it in overshoots)
+        least = sum(overshoot.value - _COVERAGE * overshoot.uncertainty > band for overshoot in overshoots)
+        most = sum(overshoot.value + _COVERAGE * overshoot.uncertainty > band for overshoot in overshoots)
         return ReleaseFeatures(
             name=self.record.name,
             release_s=Figure(self.let_go.time_s, self.let_go.time_uncertainty_s, "s"),

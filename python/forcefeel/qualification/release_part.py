@@ -40,7 +40,7 @@ def release_part(record: Record) -> Record:
     band = max(_BAND * farthest, _NOISE * record.position_noise, 2 * record.position_resolution)
     still = maximum_filter1d(x, samples) - minimum_filter1d(x, samples) <= band
     held = still & (away > _AWAY * farthest)
-    holds = [one for one in _holds(held, still & ~held) if _is_hold(away, *one)]
+    holds = [hold for hold in _holds(held, still & ~held) if _is_hold(away, *hold)]
     if len(holds) > 1:
         at = ", ".join(f"{t[last]:.4g} s" for _, last in holds)
         raise InputError(
@@ -64,5 +64,5 @@ def _holds(held: NDArray[np.bool_], rests: NDArray[np.bool_]) -> list[tuple[int,
 
 def _is_hold(away: NDArray[np.float64], begin: int, last: int) -> bool:
     """Whether a control is still for as long as its way takes then, which one that turns round slowly is not."""
-    way = int(np.argmax(away[last:] < _PASSED * away[last]))
-    return last - begin >= way
+    samples = int(np.argmax(away[last:] < _PASSED * away[last]))
+    return last - begin >= samples

@@ -72,8 +72,8 @@ def check_same_way(measured: ReleaseFeatures, reference: ReleaseFeatures) -> Non
         raise InputError(f"expected both positions to be angles or both to be lengths; {came}")
     if measured.displacement.value * reference.displacement.value < 0:
         sides = " and ".join(
-            f"{it.name} at {it.release_s.value:.6g} s from {it.displacement.value:+.4g} {it.position_unit}"
-            for it in (measured, reference)
+            f"{features.name} at {features.release_s.value:.6g} s from {features.displacement.value:+.4g} {features.position_unit}"
+            for features in (measured, reference)
         )
         raise InputError(f"expected releases from the same side of the steady state, got {sides}; give the other one")
 
@@ -136,34 +136,40 @@ class _Judging:
         return float(rule.limit(scale, n=n, system=self.system, travel=self.travel))
 
     def _cycle(self, rule: Tolerance, n: int) -> Verdict:
-        row, name, theirs = self._row(rule), f"P{n}", self.reference.cycles
-        if n >= len(theirs):
+        row, name, reference_cycles = self._row(rule), f"P{n}", self.reference.cycles
+        if n >= len(reference_cycles):
             return row.not_evaluated(name, f"{self.reference.name} has too few zero crossings")
         if n >= len(self.measured.cycles):
             none = Figure(float("nan"), float("nan"), "s")
-            return row.stated(name, Outcome.FAILED, (none, theirs[n]), f"{self.measured.name} has no such cycle")
-        return row.decide(name, (self.measured.cycles[n], theirs[n]), self._limit(rule, theirs[n], n))
+            return row.stated(
+                name, Outcome.FAILED, (none, reference_cycles[n]), f"{self.measured.name} has no such cycle"
+            )
+        return row.decide(
+            name, (self.measured.cycles[n], reference_cycles[n]), self._limit(rule, reference_cycles[n], n)
+        )
 
     def _overshoots(self, rule: Tolerance) -> Iterator[Verdict]:
         kept = self.reference.overshoots[: self.reference.count]
         first_apart = self.test.tolerance("A1") is not None
-        for k, theirs in enumerate(kept):
+        for k, reference in enumerate(kept):
             if first_apart and (k == 0) is not (rule.quantity == "A1"):
                 continue
             known, fades = k < len(self.measured.overshoots), ""
             # One that is no longer looked for is far within the residual band.
-            mine = self.measured.overshoots[k] if known else Figure(0.0, self.measured.steady.uncertainty, theirs.unit)
+            measured = (
+                self.measured.overshoots[k] if known else Figure(0.0, self.measured.steady.uncertainty, reference.unit)
+            )
             if not known:
                 fades = f"{self.measured.name} has faded by then"
-            yield self._row(rule).decide(f"A{k + 1}", (mine, theirs), self._limit(rule, theirs), reason=fades)
+            yield self._row(rule).decide(f"A{k + 1}", (measured, reference), self._limit(rule, reference), reason=fades)
 
     def _first(self, rule: Tolerance) -> Verdict:
-        mine, theirs = self.measured, self.reference
-        none = Figure(0.0, mine.steady.uncertainty, mine.position_unit)
-        figures = (mine.overshoots[0] if mine.overshoots else none, theirs.overshoots[0])
-        if mine.count_range[0] > 0:
+        measured, reference = self.measured, self.reference
+        none = Figure(0.0, measured.steady.uncertainty, measured.position_unit)
+        figures = (measured.overshoots[0] if measured.overshoots else none, reference.overshoots[0])
+        if measured.count_range[0] > 0:
             return self._row(rule).stated(rule.quantity, Outcome.PASSED, figures, "")
-        sure = mine.count_range[1] == 0 and theirs.count_range[0] > 0
+        sure = measured.count_range[1] == 0 and reference.count_range[0] > 0
         outcome = Outcome.FAILED if sure else Outcome.TOO_CLOSE
         reason = "no overshoot above the residual band" if sure else "at the edge of the residual band"
         return self._row(rule).stated(rule.quantity, outcome, figures, reason)
@@ -174,7 +180,7 @@ class _Judging:
         limit = float(rule.limit(1.0))
         row = self._row(rule)
         verdict = row.decide(rule.quantity, figures, limit)
-        extremes = {abs(one - other) <= limit for one in (least, most) for other in (fewest, greatest)}
+        extremes = {abs(count - other) <= limit for count in (least, most) for other in (fewest, greatest)}
         if len(extremes) == 1:
             return verdict
         reason = "an overshoot is at the edge of the residual band"

@@ -113,13 +113,13 @@ class Test(BaseModel):
         names = {name for name, _ in kinds}
         if strangers := names - _QUANTITIES[self.kind]:
             raise ValueError(f"test {self.number}: a {self.kind} test measures no {', '.join(sorted(strangers))}")
-        if missing := {it.instead_of for it in self.tolerances if it.instead_of} - names:
+        if missing := {tolerance.instead_of for tolerance in self.tolerances if tolerance.instead_of} - names:
             raise ValueError(f"test {self.number}: there is no {', '.join(map(str, missing))} to stand in for")
         return self
 
     def tolerance(self, quantity: str) -> Tolerance | None:
         """The tolerance of a quantity; ``None`` if the test compares none."""
-        return next((it for it in self.tolerances if it.quantity == quantity), None)
+        return next((tolerance for tolerance in self.tolerances if tolerance.quantity == quantity), None)
 
     def is_verified(self, tolerance: Tolerance) -> bool:
         """Whether a person has held one of its tolerances against the document."""
@@ -245,8 +245,10 @@ def parse_rules(text: str, name: str) -> Rules:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: is no TOML ({error})") from error
     except ValidationError as error:
-        found = (f"{name}: {'.'.join(map(str, it['loc'])) or 'rules'}: {it['msg']}" for it in error.errors())
-        raise InputError("\n".join(found)) from error
+        problems = (
+            f"{name}: {'.'.join(map(str, detail['loc'])) or 'rules'}: {detail['msg']}" for detail in error.errors()
+        )
+        raise InputError("\n".join(problems)) from error
     if rules.id != name:
         raise InputError(f"{name}: id: expected {name!r} as the file is called, got {show(rules.id)}")
     return rules

@@ -69,8 +69,8 @@ def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
     """
     mean_speed = 2 * float(np.ptp(record.position)) / record.duration_s
     speed, acceleration, reach = _motion(record, mean_speed)
-    way = legs.directions[0].astype(float) - legs.directions[1]
-    sticks = speed * way <= _MOVES * mean_speed
+    direction = legs.directions[0].astype(float) - legs.directions[1]
+    sticks = speed * direction <= _MOVES * mean_speed
     # What was read across a sample at which it sticks is the motion of neither.
     moving = ~np.convolve(sticks, np.ones(2 * reach + 3), "same").astype(bool) & _new_ground(legs)
     grid = legs.grid
@@ -81,9 +81,9 @@ def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
     taken, uncertainty = np.zeros(2), 0.0
     if len(v) > 4 and np.std(v) > _TOLD_APART * np.sqrt(np.mean(v**2)):
         for terms in (np.column_stack([v, a]), v[:, np.newaxis]):
-            found, errors = _robust(np.column_stack([np.ones_like(v), terms]), width)
-            if found[1] > 0 and found[-1] > _SURE * errors[-1]:
-                taken[: terms.shape[1]] = found[1:]
+            coefficients, errors = _robust(np.column_stack([np.ones_like(v), terms]), width)
+            if coefficients[1] > 0 and coefficients[-1] > _SURE * errors[-1]:
+                taken[: terms.shape[1]] = coefficients[1:]
                 uncertainty = float(errors[1] * np.median(v))
                 break
     return StaticForce(force - taken[0] * speed - taken[1] * acceleration, moving, uncertainty)
@@ -91,12 +91,12 @@ def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
 
 def _new_ground(legs: Legs) -> _Mask:
     """Samples at which a leg has come farther than before."""
-    x, found = legs.position, np.empty(len(legs.position), dtype=bool)
+    x, new_ground = legs.position, np.empty(len(legs.position), dtype=bool)
     first, other = legs.turns
     for leg in (slice(None, first + 1), slice(first + 1, other + 1), slice(other + 1, None)):
-        way = np.sign(x[leg][-1] - x[leg][0])
-        found[leg] = way * x[leg] >= np.maximum.accumulate(way * x[leg]) - legs.near
-    return found
+        direction = np.sign(x[leg][-1] - x[leg][0])
+        new_ground[leg] = direction * x[leg] >= np.maximum.accumulate(direction * x[leg]) - legs.near
+    return new_ground
 
 
 def _motion(record: Record, mean_speed: float) -> tuple[_Array, _Array, int]:
@@ -127,8 +127,8 @@ def _robust(terms: _Array, width: _Array) -> tuple[_Array, _Array]:
     nothing = _ROUNDING * float(np.max(np.abs(width))) + math.sqrt(np.finfo(float).tiny)
     for k in range(_ROUNDS):
         root = np.sqrt(weights)
-        found, *_ = np.linalg.lstsq(terms * root[:, np.newaxis], width * root)
-        left = width - terms @ found
+        coefficients, *_ = np.linalg.lstsq(terms * root[:, np.newaxis], width * root)
+        left = width - terms @ coefficients
         usual = 1.4826 * float(np.median(np.abs(left))) + nothing
         far = np.abs(left) / (_FAR * usual)
         count: _Array = 1 / np.maximum(far, _ROUNDING) if 2 * k < _ROUNDS else 1 / (1 + far**2) ** 2
@@ -139,4 +139,4 @@ def _robust(terms: _Array, width: _Array) -> tuple[_Array, _Array]:
     degrees = max(float(np.sum(weights)) - terms.shape[1], 1.0)
     variance = squares / degrees * (1 + alike) / (1 - alike)
     covariance = np.linalg.pinv(terms.T @ (terms * weights[:, np.newaxis])) * variance
-    return found / scale, np.sqrt(np.diag(covariance)) / scale
+    return coefficients / scale, np.sqrt(np.diag(covariance)) / scale

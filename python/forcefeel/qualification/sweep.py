@@ -99,8 +99,8 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         >>> import numpy as np
         >>> time = np.linspace(0.0, 60.0, 3001)
         >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
-        >>> found = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))
-        >>> type(found).__name__
+        >>> features = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))
+        >>> type(features).__name__
         'SweepFeatures'
     """
     if record.force_n is None:
@@ -157,8 +157,8 @@ def _breakouts(record: Record, static: StaticForce, legs: Legs) -> list[Figure]:
     known = [_built_up(record, static, legs, sign) for sign in _SIDES]
     away = _breakaway(record, static, legs, known)
     return [
-        Figure(one.value + away.value, combined(one.uncertainty, away.uncertainty, static.uncertainty_n), "N")
-        for one in known
+        Figure(side.value + away.value, combined(side.uncertainty, away.uncertainty, static.uncertainty_n), "N")
+        for side in known
     ]
 
 
@@ -166,9 +166,9 @@ def _near(static: StaticForce, legs: Legs, sign: float) -> tuple[_Array, _Array]
     """Distance from neutral and force away from it of the samples on the way out to a side, from where the control is off it."""
     first, (turn, other) = legs.moved, legs.turns
     out = sign * (legs.position - legs.neutral)
-    way = slice(first, turn + 1) if out[turn] > 0 else slice(turn, other + 1)
-    near = (out[way] > legs.near) & (out[way] <= NEAR * (legs.grid[-1] - legs.grid[0])) & static.moving[way]
-    return out[way][near], sign * static.force_n[way][near]
+    leg = slice(first, turn + 1) if out[turn] > 0 else slice(turn, other + 1)
+    near = (out[leg] > legs.near) & (out[leg] <= NEAR * (legs.grid[-1] - legs.grid[0])) & static.moving[leg]
+    return out[leg][near], sign * static.force_n[leg][near]
 
 
 def _built_up(record: Record, static: StaticForce, legs: Legs, sign: float) -> Figure:
@@ -204,8 +204,8 @@ def _side(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: f
     off = sign * (x - legs.neutral)
     begin, _ = _begin(legs, spring, known_n, sign, max(built_up_n, 0.0))
     nearest = max(_SIDE[0] * travel, begin + _ONWARD * travel) if math.isfinite(begin) else _SIDE[0] * travel
-    there = (off >= nearest) & (off <= nearest + (_SIDE[1] - _SIDE[0]) * travel) & np.isfinite(spring)
-    _, slope, _, known = _line(x[there], spring[there])
+    near = (off >= nearest) & (off <= nearest + (_SIDE[1] - _SIDE[0]) * travel) & np.isfinite(spring)
+    _, slope, _, known = _line(x[near], spring[near])
     return Figure(slope, known, f"N/{unit}")
 
 
@@ -236,8 +236,8 @@ def _centring(record: Record, force: _Array, legs: Legs) -> Figure:
     turn, other = legs.turns
     position = combined(record.position_noise, record.position_resolution / math.sqrt(12))
     rests: list[Figure] = []
-    for way in (slice(turn, other + 1), slice(other, len(force))):
-        x, size = record.position[way] - legs.neutral, force[way]
+    for leg in (slice(turn, other + 1), slice(other, len(force))):
+        x, size = record.position[leg] - legs.neutral, force[leg]
         passes = np.flatnonzero(np.sign(size[:-1]) != np.sign(size[1:]))
         if not len(passes):
             continue

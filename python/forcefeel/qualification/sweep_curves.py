@@ -64,19 +64,19 @@ class Legs:
             )
         at_stop = (x >= high - near) | (x <= low + near)
         turns = _turns(x, high - near, low + near)
-        legs = np.searchsorted(np.array(turns), np.arange(len(x)), side="right")
+        leg_number = np.searchsorted(np.array(turns), np.arange(len(x)), side="right")
         first_up = bool(x[turns[0]] > neutral)
-        rising = (legs != 1) == first_up
+        rising = (leg_number != 1) == first_up
         last = len(x) - int(np.argmax(np.abs(x[::-1] - x[-1]) > near))
         usable = ~at_stop & (np.arange(len(x)) >= moved) & (np.arange(len(x)) < last)
-        found = cls(np.linspace(low, high, points), x, neutral, moved, turns, (usable & rising, usable & ~rising), near)
-        for curve, way in zip(found.curves(x), ("rises", "falls"), strict=True):
+        legs = cls(np.linspace(low, high, points), x, neutral, moved, turns, (usable & rising, usable & ~rising), near)
+        for curve, direction in zip(legs.curves(x), ("rises", "falls"), strict=True):
             if np.mean(np.isfinite(curve)) < _COVERED:
                 raise InputError(
-                    f"{record.name}: covers {100 * np.mean(np.isfinite(curve)):.3g} % of the travel while the position {way}, "
-                    f"up to its end at {record.time_s[-1]:.6g} s; expected neutral, stop, opposite stop, neutral"
+                    f"{record.name}: covers {100 * np.mean(np.isfinite(curve)):.3g} % of the travel while the position "
+                    f"{direction}, up to its end at {record.time_s[-1]:.6g} s; expected neutral, stop, opposite stop, neutral"
                 )
-        return found
+        return legs
 
     def curves(self, values: _Array, among: _Mask | None = None) -> tuple[_Array, _Array]:
         """Values over the grid while the position rises and while it falls; not a number where a direction does not go.
@@ -85,38 +85,38 @@ class Legs:
             values: Of the samples (samples,).
             among: The samples that count (samples,); all if not given.
         """
-        up, down = (way if among is None else way & among for way in self.directions)
+        up, down = (direction if among is None else direction & among for direction in self.directions)
         return self._binned(values, up), self._binned(values, down)
 
     @property
     def samples_a_point(self) -> float:
         """How many samples a point of a curve is the mean of; one at least."""
-        cells = [self._cells(way) for way in self.directions]
+        cells = [self._cells(direction) for direction in self.directions]
         return max(float(np.median([np.mean(np.unique(cell, return_counts=True)[1]) for cell in cells])), 1.0)
 
-    def _cells(self, way: _Mask) -> NDArray[np.intp]:
+    def _cells(self, direction: _Mask) -> NDArray[np.intp]:
         """The place of the grid that each sample of a way is nearest to."""
-        cell: NDArray[np.intp] = np.round((self.position[way] - self.grid[0]) / (self.grid[1] - self.grid[0])).astype(
-            np.intp
-        )
+        cell: NDArray[np.intp] = np.round(
+            (self.position[direction] - self.grid[0]) / (self.grid[1] - self.grid[0])
+        ).astype(np.intp)
         return cell
 
-    def _binned(self, values: _Array, way: _Mask) -> _Array:
+    def _binned(self, values: _Array, direction: _Mask) -> _Array:
         """Means of values around each place of the grid, straight between them."""
-        x, y, grid = self.position[way], values[way], self.grid
+        x, y, grid = self.position[direction], values[direction], self.grid
         if len(x) < 2:
             return np.full_like(grid, np.nan)
-        step, cell = grid[1] - grid[0], self._cells(way)
+        step, cell = grid[1] - grid[0], self._cells(direction)
         count = np.bincount(cell, minlength=len(grid))
         filled = count > 0
         with np.errstate(invalid="ignore", divide="ignore"):
-            at, mean = (np.bincount(cell, one, minlength=len(grid)) / count for one in (x, y))
+            at, mean = (np.bincount(cell, signal, minlength=len(grid)) / count for signal in (x, y))
         curve = np.interp(grid, at[filled], mean[filled])
         # Beyond the samples, and where too many cells in a row are empty, nothing is known.
         curve[(grid < x.min() - step - self.near) | (grid > x.max() + step + self.near)] = np.nan
         after = np.clip(np.searchsorted(at[filled], grid), 1, max(int(filled.sum()) - 1, 1))
-        neighbours = at[filled][np.minimum([after - 1, after], int(filled.sum()) - 1)]
-        distance = np.min(np.abs(grid - neighbours), axis=0)
+        neighbors = at[filled][np.minimum([after - 1, after], int(filled.sum()) - 1)]
+        distance = np.min(np.abs(grid - neighbors), axis=0)
         curve[distance > max(5 * step, 2 * self.near)] = np.nan
         return curve
 
@@ -124,5 +124,5 @@ class Legs:
 def _turns(x: _Array, high: float, low: float) -> tuple[int, int]:
     """Last sample at the first stop before the other one, and last sample at the other stop."""
     at_high, at_low = np.flatnonzero(x >= high), np.flatnonzero(x <= low)
-    one, other = (at_high, at_low) if at_high[0] < at_low[0] else (at_low, at_high)
-    return int(one[one < other[0]][-1]), int(other[-1])
+    first, other = (at_high, at_low) if at_high[0] < at_low[0] else (at_low, at_high)
+    return int(first[first < other[0]][-1]), int(other[-1])

@@ -105,23 +105,23 @@ def judge_dynamic_sweep(
             of another kind.
     """
     _check_kind(test, "dynamic sweep")
-    for one, other in ((measured, reference), (slow, reference_slow), (measured, slow)):
-        _check_unit(one, other)
-    for one, other in ((measured, reference), (slow, reference_slow)):
-        if abs(one.duration_s - other.duration_s) > _SAME_DURATION * other.duration_s:
-            lasted = f"{one.name} lasts {one.duration_s:.4g} s, {other.name} {other.duration_s:.4g} s"
+    for first, second in ((measured, reference), (slow, reference_slow), (measured, slow)):
+        _check_unit(first, second)
+    for first, second in ((measured, reference), (slow, reference_slow)):
+        if abs(first.duration_s - second.duration_s) > _SAME_DURATION * second.duration_s:
+            lasted = f"{first.name} lasts {first.duration_s:.4g} s, {second.name} {second.duration_s:.4g} s"
             raise InputError(f"expected sweeps of the same duration within {100 * _SAME_DURATION:g} %; {lasted}")
     (rule,) = test.tolerances
     row = Row(test.number, rule, test.is_verified(rule), coverage)
     verdicts = []
-    for way in ("up", "down"):
+    for direction in ("up", "down"):
         at = reference.position - reference.neutral
         increments, known = [], []
         for sweep, still in ((measured, slow), (reference, reference_slow)):
-            increments.append(_at(sweep, way, at) - _at(still, way, at))
+            increments.append(_at(sweep, direction, at) - _at(still, direction, at))
             known.append(combined(sweep.force_uncertainty_n, still.force_uncertainty_n))
         limit = rule.limit(increments[1], system=system)
-        verdicts.append(_worst(row, f"dynamic increment, {way}", at, increments, known, limit, "N"))
+        verdicts.append(_worst(row, f"dynamic increment, {direction}", at, increments, known, limit, "N"))
     return tuple(verdicts)
 
 
@@ -147,16 +147,19 @@ def judge_small_inputs(
     row = Row(test.number, rule, test.is_verified(rule), coverage)
     from scipy.interpolate import CubicSpline  # noqa: PLC0415  only here
 
-    mine, theirs = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
-    if mine is None or theirs is None:
-        name = record.name if mine is None else reference.name
+    rate, reference_rate = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
+    if rate is None or reference_rate is None:
+        name = record.name if rate is None else reference.name
         return (row.not_evaluated("body rate", f"{name} has no body rate"),)
     if record.duration_s > reference.duration_s + _ENDS * reference.step_s:
         raise InputError(
             f"{reference.name}: lasts {reference.duration_s:.6g} s, {record.name} {record.duration_s:.6g} s; expected a reference "
             f"that covers the record; cut {record.name} at {record.time_s[0] + reference.duration_s:.6g} s"
         )
-    splines = [CubicSpline(one.time_s - one.time_s[0], rate) for one, rate in ((record, mine), (reference, theirs))]
+    splines = [
+        CubicSpline(source.time_s - source.time_s[0], values)
+        for source, values in ((record, rate), (reference, reference_rate))
+    ]
     time = np.union1d(*(spline.x for spline in splines))
     time = time[time <= min(spline.x[-1] for spline in splines)]
     turns = splines[1].derivative().roots(extrapolate=False)
@@ -175,15 +178,15 @@ def _curves(
         yield row.not_evaluated(str(rule.surface), f"{name} has no surface position")
         return
     at = reference.position - reference.neutral
-    for way in ("up", "down"):
-        both = [_at(sweep, way, at, surface=surface) for sweep in (measured, reference)]
+    for direction in ("up", "down"):
+        both = [_at(sweep, direction, at, surface=surface) for sweep in (measured, reference)]
         known = [0.0, 0.0] if surface else [measured.force_uncertainty_n, reference.force_uncertainty_n]
         limit = rule.limit(both[1], system=system)
-        name = f"{rule.surface if surface else rule.quantity}, {way}"
+        name = f"{rule.surface if surface else rule.quantity}, {direction}"
         yield _worst(row, name, at, both, known, limit, "rad" if surface else "N")
 
 
-def _at(sweep: SweepFeatures, way: str, at: _Array, *, surface: bool = False) -> _Array:
+def _at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
     """A curve of a sweep at distances from neutral; not a number beyond its ends."""
     curves = {
         ("up", False): sweep.force_up_n,
@@ -191,7 +194,7 @@ def _at(sweep: SweepFeatures, way: str, at: _Array, *, surface: bool = False) ->
         ("up", True): sweep.surface_up_rad,
         ("down", True): sweep.surface_down_rad,
     }
-    curve, x = curves[way, surface], sweep.position - sweep.neutral
+    curve, x = curves[direction, surface], sweep.position - sweep.neutral
     rounding = 1e-9 * (x[-1] - x[0])
     if curve is None:
         return np.full_like(at, np.nan)
@@ -203,14 +206,14 @@ def _worst(
     row: Row, name: str, at: _Array, curves: list[_Array], known: list[float], limit: _Array, unit: str
 ) -> Verdict:
     """The verdict where a curve is closest to its limit, or beyond it most."""
-    mine, theirs = curves
-    asked, there = np.isfinite(theirs), np.isfinite(mine) & np.isfinite(theirs)
-    if not asked.any() or there.sum() < _COVERED * asked.sum():
-        share = 100 * there.sum() / max(int(asked.sum()), 1)
+    measured, reference = curves
+    required, known_in_both = np.isfinite(reference), np.isfinite(measured) & np.isfinite(reference)
+    if not required.any() or known_in_both.sum() < _COVERED * required.sum():
+        share = 100 * known_in_both.sum() / max(int(required.sum()), 1)
         return row.not_evaluated(name, f"the curves overlap over {share:.3g} % of the reference's")
-    ratio = np.where(there, np.abs(mine - theirs) / limit, -np.inf)
+    ratio = np.where(known_in_both, np.abs(measured - reference) / limit, -np.inf)
     worst = int(np.argmax(ratio))
-    figures = Figure(float(mine[worst]), known[0], unit), Figure(float(theirs[worst]), known[1], unit)
+    figures = Figure(float(measured[worst]), known[0], unit), Figure(float(reference[worst]), known[1], unit)
     return row.decide(name, figures, float(limit[worst]), at=float(at[worst]))
 
 
@@ -219,7 +222,7 @@ def _check_kind(test: Test, *kinds: str) -> None:
         raise InputError(f"test: expected a {' or '.join(kinds)} test, got {show(test.number)}, a {test.kind} test")
 
 
-def _check_unit(one: SweepFeatures, other: SweepFeatures) -> None:
-    if one.position_unit != other.position_unit:
-        came = f"{one.name} is in {one.position_unit}, {other.name} in {other.position_unit}"
+def _check_unit(sweep: SweepFeatures, other: SweepFeatures) -> None:
+    if sweep.position_unit != other.position_unit:
+        came = f"{sweep.name} is in {sweep.position_unit}, {other.name} in {other.position_unit}"
         raise InputError(f"expected both positions to be angles or both to be lengths; {came}")

@@ -49,8 +49,8 @@ class Verdict:
     Example:
         >>> import forcefeel as ff
         >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> found = ff.qualify_loader(ff.elevator(), setup).sections[0].results[0]
-        >>> found.verdicts[0].outcome.value
+        >>> result = ff.qualify_loader(ff.elevator(), setup).sections[0].results[0]
+        >>> result.verdicts[0].outcome.value
         'failed'
     """
 
@@ -98,7 +98,9 @@ class Row:
         """A verdict on a measured figure and the reference's; not evaluated if one or the limit is not known."""
         measured, reference = figures
         difference = measured.less(reference)
-        unknown = next((name for name, it in zip(("measured", "reference"), figures, strict=True) if not it.known), "")
+        unknown = next(
+            (name for name, figure in zip(("measured", "reference"), figures, strict=True) if not figure.known), ""
+        )
         if unknown or math.isnan(limit):
             return self.not_evaluated(
                 quantity, reason or f"the {f'{unknown} figure' if unknown else 'tolerance'} is not known", figures
@@ -129,7 +131,7 @@ class Row:
 
     def not_evaluated(self, quantity: str, reason: str, figures: tuple[Figure, Figure] | None = None) -> Verdict:
         """A verdict that there is none, and why."""
-        measured, reference = (it if it.known else None for it in figures) if figures else (None, None)
+        measured, reference = (figure if figure.known else None for figure in figures) if figures else (None, None)
         nan, unit = math.nan, figures[0].unit if figures else ""
         outcome = Outcome.NOT_EVALUATED
         return Verdict(
@@ -160,6 +162,6 @@ class Row:
 
 def overall(verdicts: Iterable[Verdict]) -> Outcome:
     """Of several: failed if one failed, else too close to call if one is; passed only if there are some, and all passed."""
-    found = {verdict.outcome for verdict in verdicts}
+    outcomes = {verdict.outcome for verdict in verdicts}
     order = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED, Outcome.PASSED)
-    return next((outcome for outcome in order if outcome in found), Outcome.NOT_EVALUATED)
+    return next((outcome for outcome in order if outcome in outcomes), Outcome.NOT_EVALUATED)

@@ -63,20 +63,20 @@ def _printed_digits(design: Design) -> Row:
     """The report's own simulation: its printed digits, six states fed back."""
     digits = [float(text) for text in printed()["gains"]["us"]]
     gains = np.array([digit / unit.from_si(1.0, UnitSystem.US) for digit, unit in zip(digits, GAIN_UNITS, strict=True)])
-    found = assess(design.loader, state_feedback(design.loader, gains[:6]))
+    assessment = assess(design.loader, state_feedback(design.loader, gains[:6]))
     return claim(
         "the printed digits settle the column right",
         "page of fig. 14",
-        found.static_angle_rad,
+        assessment.static_angle_rad,
         "rad",
-        holds=abs(found.static_error) <= SMALL_ERROR,
-        reason=f"steady angle with the printed c_1 .. c_6 on the compliant model, {100 * found.static_error:+.2f} % off",
+        holds=abs(assessment.static_error) <= SMALL_ERROR,
+        reason=f"steady angle with the printed c_1 .. c_6 on the compliant model, {100 * assessment.static_error:+.2f} % off",
     )
 
 
 def _scale(loader: Loader) -> list[Row]:
     """What the original system makes of the programmed deflection."""
-    found = assess(loader, None, linkage=Linkage.RIGID)
+    assessment = assess(loader, None, linkage=Linkage.RIGID)
     k_1 = loader["potentiometer.gain"] * (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2
     k_1 /= loader["feel.maximum_stiffness"]
     right = assess(loader.replace({"load_cell.gain": k_1}, si=True), None, linkage=Linkage.RIGID)
@@ -84,9 +84,9 @@ def _scale(loader: Loader) -> list[Row]:
         claim(
             "the original system renders the deflection R_p F_p / G (rigid link)",
             "eqs. (12), (13)",
-            1 + found.static_error,
+            1 + assessment.static_error,
             "",
-            holds=abs(found.static_error) <= SMALL_ERROR,
+            holds=abs(assessment.static_error) <= SMALL_ERROR,
             reason="share of it that is reached: K_1 = 0.005 V/lb is too small for G to be what it says",
         ),
         claim(
@@ -140,10 +140,10 @@ def _structural_damping(design: Design) -> Row:
 
 
 def _only_delta(design: Design) -> list[Row]:
-    here, there = (
+    own_gains, other_gains = (
         design_gains(loader, DesignSettings()).gains for loader in (design.loader, _other_setting(design.loader))
     )
-    change = np.abs(there / here - 1)
+    change = np.abs(other_gains / own_gains - 1)
     others, own = float(np.max(change[DESIGN_PLANT])), float(np.min(change[DESIGN_FEEL]))
     return [
         claim(
@@ -185,7 +185,7 @@ def _low_stiffness(design: Design) -> Row:
 def _valve_dynamics(design: Design) -> Row:
     law = design.compensation.law(design.loader)
     fast = design.loader.replace({"valve.natural_frequency": "37700 rad/s"})
-    with_valve, without = (assess(one, law).frequency_rad_per_s for one in (design.loader, fast))
+    with_valve, without = (assess(loader, law).frequency_rad_per_s for loader in (design.loader, fast))
     change = with_valve / without - 1
     reason = "change of the feel's frequency from a valve a hundred times faster to the real one"
     return claim(
@@ -199,8 +199,8 @@ def _valve_dynamics(design: Design) -> Row:
 
 
 def _feasible(design: Design) -> Row:
-    found = design.configuration("compensated").programmed.peaks
-    share = 100 * max(found.current_share, found.flow_share) if isinstance(found, Peaks) else np.inf
+    peaks = design.configuration("compensated").programmed.peaks
+    share = 100 * max(peaks.current_share, peaks.flow_share) if isinstance(peaks, Peaks) else np.inf
     reason = "largest share of rated current or flow that the step of pilot force asks for"
     return claim(
         "current and flow stay within the valve's limits",
@@ -214,8 +214,8 @@ def _feasible(design: Design) -> Row:
 
 def _insensitive(design: Design) -> Row:
     row = worst(design.deviations)
-    found, nominal = row.assessment, design.configuration("compensated").programmed.assessment.tracking_error
-    if found is None or not found.stable:
+    assessment, nominal = row.assessment, design.configuration("compensated").programmed.assessment.tracking_error
+    if assessment is None or not assessment.stable:
         return claim(
             "the scheme is insensitive to plant parameters",
             "page of fig. 14",
@@ -232,9 +232,9 @@ def _insensitive(design: Design) -> Row:
     return claim(
         "the scheme is insensitive to plant parameters",
         "page of fig. 14",
-        100 * found.tracking_error,
+        100 * assessment.tracking_error,
         "%",
-        holds=found.tracking_error - nominal <= SMALL_ERROR,
+        holds=assessment.tracking_error - nominal <= SMALL_ERROR,
         reason=reason,
     )
 

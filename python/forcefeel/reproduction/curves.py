@@ -21,8 +21,8 @@ def figures(design: Design) -> Section:
     """A row or more per figure."""
     rigid, compliant, compensated = (design.configuration(n) for n in ("rigid", "compliant", "compensated"))
     growing = max(compliant.low.modes, key=lambda mode: mode.real_per_s)
-    wanted = float(np.degrees(programmed_angle_rad(design.loader)))
-    found = compensated.programmed.assessment
+    programmed_deg = float(np.degrees(programmed_angle_rad(design.loader)))
+    assessment = compensated.programmed.assessment
     return Section(
         "Figures 8 to 11 and 14",
         (
@@ -47,17 +47,17 @@ def figures(design: Design) -> Section:
             claim(
                 "fig. 14: the compensated column settles where it should",
                 "page of fig. 14",
-                float(np.degrees(found.static_angle_rad)),
+                float(np.degrees(assessment.static_angle_rad)),
                 "deg",
-                holds=abs(found.static_error) <= SMALL_ERROR,
-                reason=f"{to_text(found.static_angle_rad)} rad; programmed are R_p F_p / G = {to_text(wanted)} deg",
+                holds=abs(assessment.static_error) <= SMALL_ERROR,
+                reason=f"{to_text(assessment.static_angle_rad)} rad; programmed are R_p F_p / G = {to_text(programmed_deg)} deg",
             ),
             claim(
                 "fig. 14: the compensated column moves as programmed",
                 "page of fig. 14",
-                found.frequency_rad_per_s / (2 * np.pi),
+                assessment.frequency_rad_per_s / (2 * np.pi),
                 "Hz",
-                holds=abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE,
+                holds=abs(assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE,
                 reason="2.0 Hz are programmed; the column's own inertia J adds to I",
             ),
         ),
@@ -111,8 +111,8 @@ def _phase_margins(design: Design) -> list[Row]:
     ]
 
 
-def _link(found: tuple[Mode, ...]) -> Mode:
-    return least_damped(mode for mode in found if mode.imaginary_per_s > 0)
+def _link(loop_modes: tuple[Mode, ...]) -> Mode:
+    return least_damped(mode for mode in loop_modes if mode.imaginary_per_s > 0)
 
 
 def _piston_held(design: Design) -> Mode:

@@ -28,7 +28,10 @@ def published(design: Design) -> tuple[Section, ...]:
 
 def horizon(design: Design) -> Section:
     """What the printed vector is, and what it is not."""
-    gains = {name: _us(found) for name, found in (("published", design.published), ("converged", design.converged))}
+    gains = {
+        name: _us(gain_design)
+        for name, gain_design in (("published", design.published), ("converged", design.converged))
+    }
     seventh = _seventh(design)
     c_1, c_7 = float(gains["published"][0]), float(gains["published"][6])
     not_converged = Reason(
@@ -88,5 +91,5 @@ def _seventh(design: Design) -> dict[str, float]:
     }
 
 
-def _us(found: GainDesign) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return gains_in(UnitSystem.US, found.gains)
+def _us(gain_design: GainDesign) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return gains_in(UnitSystem.US, gain_design.gains)

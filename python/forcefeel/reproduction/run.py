@@ -21,13 +21,13 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section
         True
     """
     loader = elevator()
-    found = design_servo(loader, progress=progress)
+    design = design_servo(loader, progress=progress)
     return (
         appendix.columns(),
         appendix.origins(loader),
         equations.matrices(loader),
-        *gains.published(found),
-        gains.horizon(found),
-        curves.figures(found),
-        claims.claims(found),
+        *gains.published(design),
+        gains.horizon(design),
+        curves.figures(design),
+        claims.claims(design),
     )

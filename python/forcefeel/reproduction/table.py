@@ -118,8 +118,8 @@ def cut(value: float, decimals: int) -> float:
 def claim(item: str, where: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
     """A row for a claim without a number: what speaks for or against it."""
     verdict = Verdict.AGREES if holds else Verdict.REFUTED
-    shown = to_text(value) if abs(value) >= NOTHING else f"less than {NOTHING:g}"
-    return Row(item, where, "claimed", shown, float(value), unit, verdict, reason)
+    computed = to_text(value) if abs(value) >= NOTHING else f"less than {NOTHING:g}"
+    return Row(item, where, "claimed", computed, float(value), unit, verdict, reason)
 
 
 def about(item: str, where: str, printed: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:

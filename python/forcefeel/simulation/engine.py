@@ -102,8 +102,8 @@ def _stepped(
 
 def _angle_noise_rad(loader: Loader, law: Law) -> float:
     """What the sensors' noise moves the column by, r.m.s.: no smaller swing is measured. Zero where runs have laws of their own."""
-    one = law.gains is None and (law.sampled is None or law.sampled.settings == 1)
-    return angle_noise_rad(loader, law) if one else 0.0
+    single_law = law.gains is None and (law.sampled is None or law.sampled.settings == 1)
+    return angle_noise_rad(loader, law) if single_law else 0.0
 
 
 def simulate_batch(
@@ -139,8 +139,8 @@ def simulate_batch(
         >>> import forcefeel as ff
         >>> import numpy as np
         >>> loader = ff.elevator()
-        >>> found = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
-        >>> found.sizes["run"]
+        >>> runs = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
+        >>> runs.sizes["run"]
         3
     """
     check_loader(loader)
@@ -207,8 +207,8 @@ def engine_changes(
 ) -> list[tuple[int, int, NDArray[np.float64], NDArray[np.float64] | None]]:
     """The changes of the feel: first step, step at which it is done, values and law afterwards."""
     return [
-        (*change, None if law is None else _next_law(loader, law, way.law))
-        for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
+        (*change, None if law is None else _next_law(loader, law, feel_change.law))
+        for change, feel_change in zip(steps.changes, scenario.feel_changes, strict=True)
     ]
 
 

@@ -63,15 +63,15 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         >>> ff.simulation.run_conclusions(run, ff.UnitSystem.SI).verdict
         'Settled at 1.24 s, overshoot 45.3 %, 1.68 Hz.'
     """
-    found = limit_times(run)
+    limits = limit_times(run)
     sentences = (
         _at_rest(run, units),
         _period(run),
         _demand(run, units),
         _heat(run),
-        _saturation(run, found, units),
-        _stops(run, found),
-        _friction(run, found),
+        _saturation(run, limits, units),
+        _stops(run, limits),
+        _friction(run, limits),
         _arm(run),
         _design(run),
         run.law_remark,
@@ -115,8 +115,8 @@ def _formula_text(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine
 def _verdict(run: Run, units: UnitSystem) -> str:
     if run.status is RunStatus.DIVERGED:
         return f"{run.note[0].upper()}{run.note[1:]}."
-    found = run.measures
-    if found.maximum_angle_rad == found.minimum_angle_rad:
+    measures = run.measures
+    if measures.maximum_angle_rad == measures.minimum_angle_rad:
         return "The column did not move."
     if below_noise(run):
         noise = _quantity(run.angle_noise_rad, ANGLE, units, 2)
@@ -124,21 +124,21 @@ def _verdict(run: Run, units: UnitSystem) -> str:
     if not goes_to_a_place(run.scenario.force):
         return _range(run, units)
     why = why_no_overshoot(run)
-    overshoot = f"no overshoot to measure: {why}" if why else f"overshoot {_percent(found.overshoot)}"
+    overshoot = f"no overshoot to measure: {why}" if why else f"overshoot {_percent(measures.overshoot)}"
     swing = ", ".join(filter(None, (_frequency(run), overshoot) if why else (overshoot, _frequency(run))))
     if hanging := hang(run):
         return f"The column {_hangs(run, hanging, units)}; {swing}."
     if run.status is RunStatus.SETTLED:
-        return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
-    by = _quantity(found.last_swing_rad, ANGLE, units, 2)
+        return f"Settled at {to_text(measures.settling_time_s, 3)} s, {swing}."
+    by = _quantity(measures.last_swing_rad, ANGLE, units, 2)
     return f"Still moving after {to_text(run.scenario.duration_s)} s, by {by} over the last tenth; {swing}."
 
 
 def _range(run: Run, units: UnitSystem) -> str:
     """Of a run whose force leads to no place of its own."""
-    found = run.measures
+    measures = run.measures
     low, high = (
-        to_text(ANGLE.from_si(angle, units), 3) for angle in (found.minimum_angle_rad, found.maximum_angle_rad)
+        to_text(ANGLE.from_si(angle, units), 3) for angle in (measures.minimum_angle_rad, measures.maximum_angle_rad)
     )
     motion = f"The column moved between {low} and {high} {ANGLE.shown(units)}"
     if keeps_moving(run.scenario.force):
@@ -147,17 +147,17 @@ def _range(run: Run, units: UnitSystem) -> str:
         return f"{motion} and {_hangs(run, hanging, units)}."
     settled = run.status is RunStatus.SETTLED
     end = (
-        f"settled at {to_text(found.settling_time_s, 3)} s"
+        f"settled at {to_text(measures.settling_time_s, 3)} s"
         if settled
         else f"was still moving after {to_text(run.scenario.duration_s)} s"
     )
     return f"{motion} and {end}."
 
 
-def _hangs(run: Run, found: Hang, units: UnitSystem) -> str:
-    at, feel = (_quantity(angle, ANGLE, units, 3) for angle in (found.angle_rad, found.feel_rad))
-    where = f"hangs at {at}{found.held_by and f' {found.held_by}'} while its feel stands at {feel}"
-    return f"{where}, with the current at its limit of {_current_limit(run, units)}" if found.current else where
+def _hangs(run: Run, hanging: Hang, units: UnitSystem) -> str:
+    at, feel = (_quantity(angle, ANGLE, units, 3) for angle in (hanging.angle_rad, hanging.feel_rad))
+    where = f"hangs at {at}{hanging.held_by and f' {hanging.held_by}'} while its feel stands at {feel}"
+    return f"{where}, with the current at its limit of {_current_limit(run, units)}" if hanging.current else where
 
 
 def _at_rest(run: Run, units: UnitSystem) -> str:
@@ -187,26 +187,26 @@ def _period(run: Run) -> str:
     natural, damping = feel_frequency(programmed(run.loader))
     if damping >= 1:
         return f"{swings}; {alone} do not swing."
-    damped, undamped = (to_text(found / (2 * pi), 3) for found in (natural * sqrt(1 - damping**2), natural))
+    damped, undamped = (to_text(rad_per_s / (2 * pi), 3) for rad_per_s in (natural * sqrt(1 - damping**2), natural))
     return f"{swings}; {alone} give {damped} Hz damped, {undamped} Hz undamped."
 
 
 def _frequency(run: Run) -> str:
     """From the mean period; empty where the column did not swing."""
-    found = run.measures
-    if not goes_to_a_place(run.scenario.force) or isnan(found.period_s):
+    measures = run.measures
+    if not goes_to_a_place(run.scenario.force) or isnan(measures.period_s):
         return ""
-    return f"{to_text(1 / found.period_s, 3)} Hz"
+    return f"{to_text(1 / measures.period_s, 3)} Hz"
 
 
 def _demand(run: Run, units: UnitSystem) -> str:
     if run.status is RunStatus.DIVERGED:
         return ""
-    loader, found = run.loader, run.measures
-    if found.maximum_angle_rad == found.minimum_angle_rad:
+    loader, measures = run.loader, run.measures
+    if measures.maximum_angle_rad == measures.minimum_angle_rad:
         return ""
     used = [
-        f"{_percent(getattr(found, row.peak) / loader[row.whole])} of {row.whole_name}"
+        f"{_percent(getattr(measures, row.peak) / loader[row.whole])} of {row.whole_name}"
         for row in demanded(loader)
         if row.peak
     ]
@@ -225,20 +225,20 @@ def _heat(run: Run) -> str:
     return f"The winding goes from {warm[0]:.0f} to {warm.max():.0f} degC; at {limit:.0f} degC the motor gives nothing."
 
 
-def _saturation(run: Run, found: LimitTimes, units: UnitSystem) -> str:
+def _saturation(run: Run, limits: LimitTimes, units: UnitSystem) -> str:
     sentences = []
     of_motor = run.loader.drive == ELECTRIC
     limit = run.loader[_CURRENT_LIMIT[run.loader.drive][0]]
     if isfinite(limit):
         at = f"the amplifier's limit of {_current_limit(run, units)}"
-        spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
+        spent = f"was at {at} for {_percent(limits.current)} of the time" if limits.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
-        if of_motor and found.current > _LITTLE:
+        if of_motor and limits.current > _LITTLE:
             sentences.append("Whether the motor holds the programmed force, and what would, forcefeel size tells.")
     beyond = (
-        (found.over_current, "the current was above its rating"),
-        (found.over_flow, "the flow was above its rating"),
-        (found.over_pressure, "the load pressure was above the supply's"),
+        (limits.over_current, "the current was above its rating"),
+        (limits.over_flow, "the flow was above its rating"),
+        (limits.over_pressure, "the load pressure was above the supply's"),
     )
     if over := [f"{what} for {_percent(share)} of the time" for share, what in beyond if share > _LITTLE]:
         unlimited = "" if isfinite(limit) else " The loader file sets no amplifier.current_limit."
@@ -252,30 +252,30 @@ def _current_limit(run: Run, units: UnitSystem) -> str:
     return _quantity(run.loader[row], measured_in, units, 3)
 
 
-def _stops(run: Run, found: LimitTimes) -> str:
+def _stops(run: Run, limits: LimitTimes) -> str:
     loader = run.loader
     sides = (
-        (loader["column.stop_low"], found.stop_low_s, "the lower end stop"),
-        (loader["column.stop_high"], found.stop_high_s, "the upper end stop"),
-        (loader["feel.hard_stop_low"], found.feel_low_s, "the programmed lower stop"),
-        (loader["feel.hard_stop_high"], found.feel_high_s, "the programmed upper stop"),
+        (loader["column.stop_low"], limits.stop_low_s, "the lower end stop"),
+        (loader["column.stop_high"], limits.stop_high_s, "the upper end stop"),
+        (loader["feel.hard_stop_low"], limits.feel_low_s, "the programmed lower stop"),
+        (loader["feel.hard_stop_high"], limits.feel_high_s, "the programmed upper stop"),
     )
-    there = [(spent, name) for bound, spent, name in sides if isfinite(bound)]
-    hit = [f"at {name} for {to_text(spent, 3)} s" for spent, name in there if spent]
+    stops = [(spent, name) for bound, spent, name in sides if isfinite(bound)]
+    hit = [f"at {name} for {to_text(spent, 3)} s" for spent, name in stops if spent]
     if hit:
         return f"It was {' and '.join(hit)}."
-    if not there:
+    if not stops:
         return ""
     return "It reached no stop" + (": the force is too small." if isinstance(run.scenario.force, StopToStop) else ".")
 
 
-def _friction(run: Run, found: LimitTimes) -> str:
+def _friction(run: Run, limits: LimitTimes) -> str:
     if not (run.loader["column.coulomb_friction"] or run.loader["column.static_friction"]):
         return ""
-    if not found.stuck_s:
+    if not limits.stuck_s:
         return "Dry friction never held the column once it moved."
-    end = ", in the end too" if found.stuck_at_end else ""
-    return f"Dry friction held the column for {to_text(found.stuck_s, 3)} s in all{end}."
+    end = ", in the end too" if limits.stuck_at_end else ""
+    return f"Dry friction held the column for {to_text(limits.stuck_s, 3)} s in all{end}."
 
 
 def _arm(run: Run) -> str:

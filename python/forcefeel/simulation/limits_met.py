@@ -149,19 +149,23 @@ def below_noise(run: Run) -> bool:
 
 def _why_no_number(run: Run) -> str:
     """Why a run that leads from one place to another does not tell by how much the column went beyond."""
-    found, met = run.measures, limit_times(run)
-    first, end = float(run.history["column_angle_rad"].values[0]), found.equilibrium_angle_rad
-    low, high = found.minimum_angle_rad, found.maximum_angle_rad
-    way, excursion, beyond = abs(end - first), max(high - first, first - low), high - end if end > first else end - low
+    measures, met = run.measures, limit_times(run)
+    first, end = float(run.history["column_angle_rad"].values[0]), measures.equilibrium_angle_rad
+    low, high = measures.minimum_angle_rad, measures.maximum_angle_rad
+    travel, excursion, beyond = (
+        abs(end - first),
+        max(high - first, first - low),
+        high - end if end > first else end - low,
+    )
     if isnan(end):
         return "the column is not left alone in the end"
     if met.stop_low_s or met.stop_high_s or met.feel_low_s or met.feel_high_s:
         return "the column met a stop"
     if below_noise(run):
         return "the column moved no farther than noise moves it"
-    if min(way, excursion) <= BAND * max(way, excursion):
+    if min(travel, excursion) <= BAND * max(travel, excursion):
         return "the column ended where it began"
-    if _HIDES * run.angle_noise_rad > max(beyond, BAND * way):
+    if _HIDES * run.angle_noise_rad > max(beyond, BAND * travel):
         return "the noise of the sensors hides it"
     return "the run ends before it is known"
 

@@ -122,8 +122,8 @@ def simulate_linear_batch(
         >>> import forcefeel as ff
         >>> import numpy as np
         >>> loader = ff.elevator()
-        >>> found = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
-        >>> found.column_angle_rad.shape
+        >>> runs = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
+        >>> runs.column_angle_rad.shape
         (3, 501)
     """
     check_hydraulic(

@@ -69,14 +69,14 @@ class NoisyLoop:
     def covariance(self) -> NDArray[np.float64]:
         """P of a stable loop, as the sum of ``M^k N V N' M'^k``, twice as many terms at each turn."""
         power = self.matrix
-        found = (self.by_sample * self.variance) @ self.by_sample.T
+        total = (self.by_sample * self.variance) @ self.by_sample.T
         for _ in range(_MOST_DOUBLINGS):
-            more = power @ found @ power.T
-            found = found + more
-            if np.all(np.diag(more) <= _DONE * np.diag(found)):
+            more = power @ total @ power.T
+            total = total + more
+            if np.all(np.diag(more) <= _DONE * np.diag(total)):
                 break
             power = power @ power
-        return np.asarray(found)
+        return np.asarray(total)
 
     def angle_rms(self) -> float:
         """R.m.s. of the column's angle in rad; infinite where the loop is not stable."""
@@ -101,8 +101,8 @@ def angle_noise_rad(loader: Loader, law: Law) -> float:
     """
     if not loader["controller.period"] or not any(loader[f"{sensor}.noise"] for sensor in sensors_of(loader)):
         return 0.0
-    found = NoisyLoop.of(loader, law).angle_rms()
-    return found if np.isfinite(found) else 0.0
+    angle_rms = NoisyLoop.of(loader, law).angle_rms()
+    return angle_rms if np.isfinite(angle_rms) else 0.0
 
 
 def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArray[np.float64]]:
@@ -112,15 +112,15 @@ def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArr
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])}, si=True)
     keywords = law.engine(loader)
     states, loop = _core.sampled_loops(loader.si_values[np.newaxis], step_s, timing, **keywords)
-    wide, found = _core.sampled_loops(lagging.si_values[np.newaxis], step_s, timing, **keywords)
+    wide, lagging_loop = _core.sampled_loops(lagging.si_values[np.newaxis], step_s, timing, **keywords)
     columns = np.zeros((len(states), len(keys)))
     rows = [wide.index(state) for state in states]
     for sensor, key in enumerate(keys):
         if _SHOWN + sensor not in wide:
             continue  # no law asks this sensor
-        place = wide.index(_SHOWN + sensor)
+        index = wide.index(_SHOWN + sensor)
         kept = np.exp(-lagging[key] * step_s)
-        column = found[0, :, place].copy()
-        column[place] -= kept ** timing[0]  # what the sensor itself remembers
+        column = lagging_loop[0, :, index].copy()
+        column[index] -= kept ** timing[0]  # what the sensor itself remembers
         columns[:, sensor] = column[rows] / kept
     return loop[0, :, : len(states)], states.index(_core.PERIOD_BASE), columns

@@ -192,7 +192,7 @@ class Run:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> run
-        <Run of 'elevator', 2 s, exact: settled at 1.241 s>
+        <Run of 'elevator-1974', 2 s, exact: settled at 1.241 s>
     """
 
     loader: Loader
@@ -251,16 +251,18 @@ class Run:
             raise InputError(
                 f"outputs: expected names such as {', '.join(map(str, list(self.history)[:3]))}, got {show(unknown[0])}"
             )
-        shown = {name: self.history[name].to_numpy() for name in outputs} or self._angles()
+        curves_si = {name: self.history[name].to_numpy() for name in outputs} or self._angles()
         kinds = {self.history[name].attrs["units"] for name in outputs} or {"rad"}
         if len(kinds) > 1:
             raise InputError(f"outputs: expected one kind of quantity on one axis, got {', '.join(sorted(kinds))}")
         unit = _SHOWN.get(kind := kinds.pop(), Unit(kind, kind, kind))
         scale, time = unit.from_si(1.0, units), self.history["time_s"].to_numpy()
-        words = {name: _words(name, kind) for name in shown}
-        what = next(iter(words.values())) if len(shown) == 1 else _words("angle" if kind == "rad" else "output", kind)
+        words = {name: _words(name, kind) for name in curves_si}
+        what = (
+            next(iter(words.values())) if len(curves_si) == 1 else _words("angle" if kind == "rad" else "output", kind)
+        )
         return curves(
-            {words[name]: (time, scale * values) for name, values in shown.items()},
+            {words[name]: (time, scale * values) for name, values in curves_si.items()},
             "Time, s",
             f"{what[:1].upper()}{what[1:]}, {unit.shown(units)}".rstrip(", "),
             f"{self.loader.name}: {self.note}",
@@ -316,9 +318,9 @@ def outputs(displacement_unit: str, drive: str = HYDRAULIC) -> dict[str, str]:
     """The outputs of a run and their SI units; the feel's displacement is a voltage or an angle."""
     feel = {"feel_position": displacement_unit, "feel_velocity": f"{displacement_unit}/s"}
     return {
-        named(name, found): found
+        named(name, actual): actual
         for name, unit in _core.simulation_outputs(drive)
-        if (found := feel.get(name, unit)) is not None
+        if (actual := feel.get(name, unit)) is not None
     }
 
 

@@ -126,9 +126,9 @@ class Scenario:
             expect_number(name, getattr(self, name))
         expect_number("seed", self.seed, whole=True)
         for name in ("trim_rad", "dynamic_pressure_pa", "shaker", "test_signal_v", "command_signal_v"):
-            if (given := getattr(self, name)) is not None and not callable(getattr(given, "sample", None)):
+            if (value := getattr(self, name)) is not None and not callable(getattr(value, "sample", None)):
                 raise InputError(
-                    f"{name}: expected values over time, simulation.Schedule(times_s, values), got {type_text(given)}"
+                    f"{name}: expected values over time, simulation.Schedule(times_s, values), got {type_text(value)}"
                 )
         expect("feel_changes", self.feel_changes, (tuple, list), "a tuple of simulation.FeelChange")
         for change in self.feel_changes:
@@ -182,13 +182,13 @@ class Steps:
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
             )
         span = scenario.duration_s, step_s
-        given = {
+        signals = {
             "trim": scenario.trim_rad,
             "test_signal": scenario.test_signal_v,
             "command_signal": scenario.command_signal_v,
         }
         inputs = {"force": scenario.force.sample(*span).pairs} | {
-            name: signal.sample(*span).pairs for name, signal in given.items() if signal is not None
+            name: signal.sample(*span).pairs for name, signal in signals.items() if signal is not None
         }
         if (factor := _stiffness_factor(scenario, loader, span)) is not None:
             inputs["stiffness_factor"] = factor.pairs

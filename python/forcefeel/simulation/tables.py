@@ -88,12 +88,12 @@ class Column:
 @of_result
 def measure_rows(run: Run, units: UnitSystem, digits: int = 4) -> tuple[tuple[str, str, str], ...]:
     """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
-    found, hints = known_measures(run), get_type_hints(type(run.measures), include_extras=True)
+    measures, hints = known_measures(run), get_type_hints(type(run.measures), include_extras=True)
     rows = []
     for key, name in NAMES.items():
         if key not in hints:
             continue  # of another drive
-        value, measured_in = getattr(found, key), hints[key].__metadata__[0]
+        value, measured_in = getattr(measures, key), hints[key].__metadata__[0]
         if key == "overshoot" and (why := why_no_overshoot(run)):
             rows.append((f"{name} ({why})", "–", ""))
         if not isfinite(value):
@@ -107,15 +107,15 @@ def measure_rows(run: Run, units: UnitSystem, digits: int = 4) -> tuple[tuple[st
 def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
     """Time and every output, up to where the run diverged, by the names that readers of records know."""
     known = np.isfinite(run.history["column_angle_rad"].values)
-    found = []
+    table = []
     for name in ("time_s", *map(str, run.history.data_vars)):
         data = run.history[name]
         bare = next(name.removesuffix(end) for end in _SUFFIXES if name.endswith(end))
         unit = MOTOR_CURRENT if name == "motor_current_a" else _HISTORY_UNITS[data.attrs["units"]]
-        found.append(
+        table.append(
             Column(bare.replace("_", " "), unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units)))
         )
-    return tuple(found)
+    return tuple(table)
 
 
 def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
@@ -142,5 +142,5 @@ def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
 
 
 def _dict_json(result: Any, units: UnitSystem) -> dict[str, Json]:
-    found = json_value(result, units)
-    return found if isinstance(found, dict) else {}
+    document = json_value(result, units)
+    return document if isinstance(document, dict) else {}

@@ -10,38 +10,38 @@ from forcefeel.sizing.result import Sizing
 from forcefeel.units import ANGLE, MASS, UnitSystem
 
 
-def sizing_json(found: Sizing, units: UnitSystem) -> dict[str, Json]:
+def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:
     """What is asked and given, every number with its unit."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "loader": found.loader.name,
-        "drive": found.loader.drive,
-        "axis": found.plan.axis,
+        "loader": sizing.loader.name,
+        "drive": sizing.loader.drive,
+        "axis": sizing.plan.axis,
         "rule": RULE,
-        "release_angle": quantity(found.plan.release_rad, ANGLE, units),
-        "good": found.good,
-        "conclusions": json_value(sizing_conclusions(found, units), units),
-        "capability": json_value(found.capability, units),
-        "demands": [{**_document(one, units), "available": one.available} for one in found.demands],
-        "added_mass": quantity(found.added_mass_kg, MASS, units),
-        "column_mass": quantity(found.column_mass_kg, MASS, units),
-        "missing": list(found.missing),
+        "release_angle": quantity(sizing.plan.release_rad, ANGLE, units),
+        "good": sizing.good,
+        "conclusions": json_value(sizing_conclusions(sizing, units), units),
+        "capability": json_value(sizing.capability, units),
+        "demands": [{**_document(demand, units), "available": demand.available} for demand in sizing.demands],
+        "added_mass": quantity(sizing.added_mass_kg, MASS, units),
+        "column_mass": quantity(sizing.column_mass_kg, MASS, units),
+        "missing": list(sizing.missing),
     }
 
 
-def cockpit_json(found: CockpitSizing, units: UnitSystem) -> dict[str, Json]:
+def cockpit_json(cockpit: CockpitSizing, units: UnitSystem) -> dict[str, Json]:
     """The sizing of each axis."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "project": found.name,
-        "good": found.good,
-        "conclusions": json_value(cockpit_conclusions(found, units), units),
-        "axes": {axis: sizing_json(one, units) for axis, one in found.axes.items()},
+        "project": cockpit.name,
+        "good": cockpit.good,
+        "conclusions": json_value(cockpit_conclusions(cockpit, units), units),
+        "axes": {axis: sizing_json(sizing, units) for axis, sizing in cockpit.axes.items()},
     }
 
 
-def _document(one: object, units: UnitSystem) -> dict[str, Json]:
-    document = json_value(one, units)
+def _document(value: object, units: UnitSystem) -> dict[str, Json]:
+    document = json_value(value, units)
     return document if isinstance(document, dict) else {}

@@ -34,7 +34,7 @@ class CockpitSizing:
     @property
     def good(self) -> bool:
         """Whether every drive gives what its programmed feel asks for."""
-        return all(found.good for found in self.axes.values())
+        return all(sizing.good for sizing in self.axes.values())
 
 
 def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitSizing:
@@ -54,19 +54,19 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
         >>> ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).good
         True
     """
-    found = project.each(lambda axis, loader: size_drive(loader, control_of(axis), release_rad))
-    return CockpitSizing(project.name, found)
+    sizings = project.each(lambda axis, loader: size_drive(loader, control_of(axis), release_rad))
+    return CockpitSizing(project.name, sizings)
 
 
 @of_result
-def cockpit_conclusions(found: CockpitSizing, units: UnitSystem) -> Conclusions:
+def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusions:
     """What follows for the whole: each axis's verdict, and what would do where a drive is too small."""
-    lacking = [axis for axis, one in found.axes.items() if not one.good]
+    lacking = [axis for axis, sizing in cockpit.axes.items() if not sizing.good]
     verdict = (
         f"Too small for the programmed feel: the drive of {', '.join(lacking)}."
         if lacking
         else "Every drive of the cockpit gives what its programmed feel asks for."
     )
-    lines = [f"{capital(axis)}: {sizing_conclusions(one, units).verdict}" for axis, one in found.axes.items()]
-    lines += [f"{capital(axis)}: {sizing_conclusions(found.axes[axis], units).findings[0]}" for axis in lacking]
-    return Conclusions(found.good, verdict, tuple(lines))
+    lines = [f"{capital(axis)}: {sizing_conclusions(sizing, units).verdict}" for axis, sizing in cockpit.axes.items()]
+    lines += [f"{capital(axis)}: {sizing_conclusions(cockpit.axes[axis], units).findings[0]}" for axis in lacking]
+    return Conclusions(cockpit.good, verdict, tuple(lines))

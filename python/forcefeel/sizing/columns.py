@@ -48,27 +48,30 @@ class Column(Generic[Row]):
     detail: bool = False
 
 
-def columns(found: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ...]:
+def columns(sizing: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ...]:
     """The columns that go with the drive."""
     needs = partial(_needs, units=units)
     at_grip = (
-        Column("force", lambda one: text(one.force_n, FORCE, units)),
-        Column("speed", lambda one: text(one.speed_m_per_s, SPEED, units) if one.duration is Duration.MOVING else NONE),
+        Column("force", lambda demand: text(demand.force_n, FORCE, units)),
+        Column(
+            "speed",
+            lambda demand: text(demand.speed_m_per_s, SPEED, units) if demand.duration is Duration.MOVING else NONE,
+        ),
     )
-    if not isinstance(found.capability, MotorCapability):
+    if not isinstance(sizing.capability, MotorCapability):
         return (
             *at_grip,
             Column("pressure", needs("pressure_pa", PRESSURE)),
             Column("flow", needs("flow_m3_per_s", FLOW)),
-            Column("of the largest", lambda one: _share(one.of_peak)),
+            Column("of the largest", lambda demand: _share(demand.of_peak)),
         )
     return (
         *at_grip,
         Column("torque", needs("torque_n_m", TORQUE)),
         Column("current", needs("current_a", MOTOR_CURRENT), detail=True),
         Column("voltage", needs("voltage_v", VOLTAGE), detail=True),
-        Column("of the peak", lambda one: _share(one.of_peak)),
-        Column("of the continuous", lambda one: _share(one.of_continuous)),
+        Column("of the peak", lambda demand: _share(demand.of_peak)),
+        Column("of the continuous", lambda demand: _share(demand.of_continuous)),
         Column("winding in the end", needs("winding_degc", TEMPERATURE), detail=True),
         Column("can be held", _held),
     )
@@ -77,19 +80,19 @@ def columns(found: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ...
 def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     """The columns of the table over the axes, whatever moves them."""
     return (
-        Column("loader", lambda one: one.loader.name),
-        Column("drive", lambda one: one.loader.drive, detail=True),
-        Column("gives, short", lambda one: text(one.capability.peak_force_n, FORCE, units)),
-        Column("gives, for ever", lambda one: _force(_for_ever(one), units)),
-        Column("feel, of the peak", lambda one: _share(_most(one, programmed=True, duration=None))),
-        Column("rule, short", lambda one: _share(_most(one, programmed=False, duration=Duration.SHORT))),
-        Column("rule, long", lambda one: _share(_most(one, programmed=False, duration=Duration.LONG))),
-        Column("rotor at the grip", lambda one: text(one.added_mass_kg, MASS, units), detail=True),
+        Column("loader", lambda sizing: sizing.loader.name),
+        Column("drive", lambda sizing: sizing.loader.drive, detail=True),
+        Column("gives, short", lambda sizing: text(sizing.capability.peak_force_n, FORCE, units)),
+        Column("gives, for ever", lambda sizing: _force(_continuous_force(sizing), units)),
+        Column("feel, of the peak", lambda sizing: _share(_most(sizing, programmed=True, duration=None))),
+        Column("rule, short", lambda sizing: _share(_most(sizing, programmed=False, duration=Duration.SHORT))),
+        Column("rule, long", lambda sizing: _share(_most(sizing, programmed=False, duration=Duration.LONG))),
+        Column("rotor at the grip", lambda sizing: text(sizing.added_mass_kg, MASS, units), detail=True),
     )
 
 
-def _for_ever(found: Sizing) -> float:
-    capability = found.capability
+def _continuous_force(sizing: Sizing) -> float:
+    capability = sizing.capability
     return capability.continuous_force_n if isinstance(capability, MotorCapability) else capability.peak_force_n
 
 
@@ -97,27 +100,29 @@ def _force(force: float, units: UnitSystem) -> str:
     return text(force, FORCE, units) if isfinite(force) else NONE
 
 
-def _most(found: Sizing, *, programmed: bool, duration: Duration | None) -> float:
+def _most(sizing: Sizing, *, programmed: bool, duration: Duration | None) -> float:
     """The largest share that is asked for; of the continuous force where it is asked for long."""
-    rows = [one for one in found.demands if one.programmed is programmed and duration in (None, one.duration)]
-    shares = [one.of_continuous if duration is Duration.LONG else one.of_peak for one in rows]
+    rows = [
+        demand for demand in sizing.demands if demand.programmed is programmed and duration in (None, demand.duration)
+    ]
+    shares = [row.of_continuous if duration is Duration.LONG else row.of_peak for row in rows]
     return max((share for share in shares if not isnan(share)), default=nan)
 
 
 def _needs(name: str, measured_in: Unit, units: UnitSystem) -> Callable[[DemandResult], str]:
-    def found(one: DemandResult) -> str:
-        value = getattr(one.needs, name)
+    def cell(demand: DemandResult) -> str:
+        value = getattr(demand.needs, name)
         return NONE if isnan(value) else "no end" if isinf(value) else text(value, measured_in, units)
 
-    return found
+    return cell
 
 
 def _share(share: float) -> str:
     return share_text(share) if isfinite(share) else NONE if isnan(share) else "beyond"
 
 
-def _held(one: DemandResult) -> str:
-    needs = one.needs
-    if not isinstance(needs, MotorNeeds) or one.of_peak > 1 or isnan(needs.derates_after_s):
-        return "not" if one.of_peak > 1 else NONE
+def _held(demand: DemandResult) -> str:
+    needs = demand.needs
+    if not isinstance(needs, MotorNeeds) or demand.of_peak > 1 or isnan(needs.derates_after_s):
+        return "not" if demand.of_peak > 1 else NONE
     return "for ever" if isinf(needs.derates_after_s) else time_text(needs.derates_after_s)

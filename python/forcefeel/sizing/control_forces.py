@@ -55,7 +55,9 @@ def control_forces() -> tuple[ForceLimit, ...]:
     if table["id"] != RULE or len(set(keys)) < len(keys) or min(row.force_n for row in rows) <= 0:
         raise ValueError(f"control_forces.toml: expected rows of {RULE}, each once, with forces above zero")
     for axis in {row.axis for row in rows}:
-        short, long = ([row.force_n for row in rows if (row.axis, row.duration) == (axis, it)] for it in _DURATIONS)
+        short, long = (
+            [row.force_n for row in rows if (row.axis, row.duration) == (axis, duration)] for duration in _DURATIONS
+        )
         if not short or not long or max(long) >= min(short):
             raise ValueError(f"control_forces.toml: {axis}: expected long-term forces below the short-term ones")
     return rows

@@ -75,8 +75,8 @@ def _feel(plan: SizingPlan) -> Iterator[Demand]:
     angle = hardest_angle(loader, min(*ends, 0.0), max(*ends, 0.0))
     force = float(programmed_force(loader, angle))
     if isfinite(force):
-        shown = angle if stops or angle not in ends else abs(angle)
-        where = f"{to_text(ANGLE.from_si(shown, UnitSystem.SI), 3)} deg"
+        labeled = angle if stops or angle not in ends else abs(angle)
+        where = f"{to_text(ANGLE.from_si(labeled, UnitSystem.SI), 3)} deg"
         name = f"feel at its stop, {where}" if angle in stops else f"feel at {where}"
         yield _held(name, force, "the programmed feel, standing still")
 
@@ -112,8 +112,8 @@ def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float6
     curve, factor = loader.force_curve, loader.stiffness_factor
     engine = None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients))
     between = [
-        _core.feel_held_between(loader.si_values, angles.ravel(), one, curve=engine)
-        for one in ((min(factor.y), max(factor.y)) if factor else (1.0,))
+        _core.feel_held_between(loader.si_values, angles.ravel(), scale, curve=engine)
+        for scale in ((min(factor.y), max(factor.y)) if factor else (1.0,))
     ]
     return np.asarray(np.abs(between).max(axis=(0, 2))).reshape(angles.shape)
 

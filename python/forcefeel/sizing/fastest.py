@@ -85,14 +85,14 @@ class Fastest:
         time = np.linspace(0.0, angle / speed + 2 * np.pi / w, _MOMENTS)
         gone = speed * time - speed / w * np.sin(w * time) + stretch[:, None] * (1 - np.cos(w * time))
         furthest = np.maximum.accumulate(gone, axis=1)
-        when = [np.array([np.interp((1 - at) * angle, one, time) for one in furthest]) for at in (high, low)]
+        when = [np.array([np.interp((1 - at) * angle, angles, time) for angles in furthest]) for at in (high, low)]
         return np.asarray(when[1] - when[0])
 
     def _by_force(self, angle: float, high: float, low: float) -> float:
         if not self.force_n > 0:
             return np.inf
-        way = angle * self.loader["column.grip_arm"]
-        return float(np.sqrt(2 * self.mass_kg * way / self.force_n) * (np.sqrt(1 - low) - np.sqrt(1 - high)))
+        distance = angle * self.loader["column.grip_arm"]
+        return float(np.sqrt(2 * self.mass_kg * distance / self.force_n) * (np.sqrt(1 - low) - np.sqrt(1 - high)))
 
 
 def _of_valve(loader: Loader) -> Fastest:

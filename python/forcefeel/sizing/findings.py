@@ -18,9 +18,9 @@ def text(value: float, measured_in: Unit, units: UnitSystem) -> str:
 
 def enough(value: float, measured_in: Unit, units: UnitSystem, *, most: bool = False) -> str:
     """A SI value that is the least that does, or the most, with its unit: three digits, rounded to the side that does."""
-    shown = measured_in.from_si(value, units)
-    last = 10.0 ** (floor(log10(abs(shown))) - 2)
-    places = shown / last
+    scaled = measured_in.from_si(value, units)
+    last = 10.0 ** (floor(log10(abs(scaled))) - 2)
+    places = scaled / last
     exact = abs(places - round(places)) <= _ROUNDING * abs(places)
     whole = round(places) if exact else floor(places) if most else ceil(places)
     return f"{to_text(whole * last, 3)} {measured_in.shown(units)}".rstrip()
@@ -41,82 +41,82 @@ _MINUTE, _HOUR = 60.0, 3600.0
 
 
 @of_result
-def sizing_conclusions(found: Sizing, units: UnitSystem) -> Conclusions:
+def sizing_conclusions(sizing: Sizing, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the drive gives what the programmed feel asks for.
 
     Args:
-        found: The sizing.
+        sizing: The sizing.
         units: The units of the numbers.
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.sizing.size_drive(ff.elevator())
-        >>> ff.sizing.sizing_conclusions(found, ff.UnitSystem.US).good
+        >>> sizing = ff.sizing.size_drive(ff.elevator())
+        >>> ff.sizing.sizing_conclusions(sizing, ff.UnitSystem.US).ok
         True
     """
     lines = (
-        *_remedies(found, units),
-        *_gives(found, units),
-        *_relief(found),
-        _rule(found),
-        *_heat(found, units),
-        _mass(found, units),
+        *_remedies(sizing, units),
+        *_gives(sizing, units),
+        *_relief(sizing),
+        _rule(sizing),
+        *_heat(sizing, units),
+        _mass(sizing, units),
     )
-    return Conclusions(found.good, _verdict(found, units), tuple(filter(None, (*lines, *_unknown(found)))))
+    return Conclusions(sizing.good, _verdict(sizing, units), tuple(filter(None, (*lines, *_unknown(sizing)))))
 
 
-def noun(found: Sizing) -> str:
+def noun(sizing: Sizing) -> str:
     """The drive, as a sentence calls it."""
-    return "motor" if isinstance(found.capability, MotorCapability) else "valve"
+    return "motor" if isinstance(sizing.capability, MotorCapability) else "valve"
 
 
-def _verdict(found: Sizing, units: UnitSystem) -> str:
-    programmed = [one for one in found.demands if one.programmed]
-    lacking = [one for one in programmed if not one.available]
+def _verdict(sizing: Sizing, units: UnitSystem) -> str:
+    programmed = [demand for demand in sizing.demands if demand.programmed]
+    lacking = [demand for demand in programmed if not demand.available]
     if lacking:
-        worst = max(lacking, key=lambda one: one.of_peak)
+        worst = max(lacking, key=lambda demand: demand.of_peak)
         share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
-        return f"The {noun(found)} is too small for the programmed feel: {_what(worst, units)}, takes {share} what it gives."
-    known = [one for one in programmed if not isnan(one.of_peak)]
+        return f"The {noun(sizing)} is too small for the programmed feel: {_what(worst, units)}, takes {share} what it gives."
+    known = [demand for demand in programmed if not isnan(demand.of_peak)]
     if not known:
         return (
             "How much the motor gives is not known: the loader file gives neither its largest current nor its voltage."
         )
-    worst = max(known, key=lambda one: one.of_peak)
+    worst = max(known, key=lambda demand: demand.of_peak)
     return (
-        f"The {noun(found)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} of "
-        f"what it gives{' for a short time' if isinstance(found.capability, MotorCapability) else ''}."
+        f"The {noun(sizing)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} "
+        f"of what it gives{' for a short time' if isinstance(sizing.capability, MotorCapability) else ''}."
     )
 
 
-def _what(one: DemandResult, units: UnitSystem) -> str:
-    force = text(one.force_n, FORCE, units)
-    if one.duration is not Duration.MOVING:
-        return f"the {one.name}, {force}" if not one.name.startswith("25.") else f"{one.name}, {force}"
-    return f"the {one.name}, up to {force} and {text(one.speed_m_per_s, SPEED, units)}"
+def _what(demand: DemandResult, units: UnitSystem) -> str:
+    force = text(demand.force_n, FORCE, units)
+    if demand.duration is not Duration.MOVING:
+        return f"the {demand.name}, {force}" if not demand.name.startswith("25.") else f"{demand.name}, {force}"
+    return f"the {demand.name}, up to {force} and {text(demand.speed_m_per_s, SPEED, units)}"
 
 
-def _remedies(found: Sizing, units: UnitSystem) -> Iterator[str]:
+def _remedies(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
     """What would give what the drive does not, the largest of each kind."""
     for programmed, long in ((True, False), (False, False), (False, True)):
         lacking = [
-            one
-            for one in found.demands
-            if one.remedy and (one.programmed, one.duration is Duration.LONG) == (programmed, long)
+            demand
+            for demand in sizing.demands
+            if demand.remedy and (demand.programmed, demand.duration is Duration.LONG) == (programmed, long)
         ]
         if lacking:
-            yield _remedy(found, max(lacking, key=lambda one: one.force_n), units)
-    for one in found.demands:
-        if one.duration is Duration.MOVING and not one.available:
-            yield _too_fast(found, one, units)
+            yield _remedy(sizing, max(lacking, key=lambda demand: demand.force_n), units)
+    for demand in sizing.demands:
+        if demand.duration is Duration.MOVING and not demand.available:
+            yield _too_fast(sizing, demand, units)
 
 
-def _remedy(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
-    remedy, capability = one.remedy, found.capability
-    what, loader = _what(one, units), found.loader
+def _remedy(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
+    remedy, capability = demand.remedy, sizing.capability
+    what, loader = _what(demand, units), sizing.loader
     what = what[:1].upper() + what[1:]
     if isinstance(remedy, MotorRemedy) and isinstance(capability, MotorCapability):
-        long = one.duration is Duration.LONG
+        long = demand.duration is Duration.LONG
         torque = capability.continuous_torque_n_m if long else capability.peak_torque_n_m
         sentence = (
             f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
@@ -146,22 +146,22 @@ _TWICE = 2.0
 """From so many times as fast on it is told so, below in per cent."""
 
 
-def _too_fast(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
-    needs, what = one.needs, _what(one, units)
+def _too_fast(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
+    needs, what = demand.needs, _what(demand, units)
     what = what[:1].upper() + what[1:]
     if isinstance(needs, MotorNeeds):
-        volts, amperes = (to_text(it, 3) for it in (needs.voltage_v, needs.current_a))
-        limits = [found.loader[f"current_loop.{name}_limit"] for name in ("voltage", "current")]
-        there = " and ".join(
+        volts, amperes = (to_text(value, 3) for value in (needs.voltage_v, needs.current_a))
+        limits = [sizing.loader[f"current_loop.{name}_limit"] for name in ("voltage", "current")]
+        available = " and ".join(
             f"{to_text(limit, 3)} {unit}" for limit, unit in zip(limits, "VA", strict=True) if isfinite(limit)
         )
-        return f"{what}, takes {volts} V and {amperes} A; there is {there}."
-    fastest = text(found.capability.fastest_m_per_s, SPEED, units)
+        return f"{what}, takes {volts} V and {amperes} A; there is {available}."
+    fastest = text(sizing.capability.fastest_m_per_s, SPEED, units)
     return f"{what}, is beyond the valve's flow at that load; without a load it moves the grip at {fastest}."
 
 
-def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
-    capability = found.capability
+def _gives(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
+    capability = sizing.capability
     if not isinstance(capability, MotorCapability):
         yield (
             f"At the grip the valve gives {text(capability.peak_force_n, FORCE, units)} standing still, for as long as one likes, "
@@ -183,40 +183,41 @@ def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
     )
 
 
-def _relief(found: Sizing) -> Iterator[str]:
-    for one in found.demands:
-        if one.law and one.of_peak > one.of_motion:
+def _relief(sizing: Sizing) -> Iterator[str]:
+    for demand in sizing.demands:
+        if demand.law and demand.of_peak > demand.of_motion:
             yield (
-                f"The {one.name} takes {share_text(one.of_peak)} in the engine under {one.law}, with the force that is held before "
-                f"and the relief of the link as the hand lets go; the motion by itself takes {share_text(one.of_motion)}."
+                f"The {demand.name} takes {share_text(demand.of_peak)} in the engine under {demand.law}, with the force "
+                f"that is held before and the relief of the link as the hand lets go; the motion by itself takes "
+                f"{share_text(demand.of_motion)}."
             )
 
 
-def _rule(found: Sizing) -> str:
-    rows = [one for one in found.demands if not one.programmed]
+def _rule(sizing: Sizing) -> str:
+    rows = [row for row in sizing.demands if not row.programmed]
     if not rows:
-        return f"{RULE} has no limits for a {found.plan.axis}: they are for wheels and pedals."
-    beyond = [one.name.removeprefix("25.143(d) ") for one in rows if not one.available]
+        return f"{RULE} has no limits for a {sizing.plan.axis}: they are for wheels and pedals."
+    beyond = [demand.name.removeprefix("25.143(d) ") for demand in rows if not demand.available]
     unknown = [
-        one.name.removeprefix("25.143(d) ")
-        for one in rows
-        if isnan(one.of_continuous if one.duration is Duration.LONG else one.of_peak)
+        demand.name.removeprefix("25.143(d) ")
+        for demand in rows
+        if isnan(demand.of_continuous if demand.duration is Duration.LONG else demand.of_peak)
     ]
     says = f"all but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "all"
     says += f"; of {' and '.join(unknown)} it is not known" if unknown else ""
-    unread = "" if all(one.verified for one in rows) else " Nobody has held its table here against the document."
-    return f"Of the forces of {RULE} in {found.plan.axis} the {noun(found)} gives {says}.{unread}"
+    unread = "" if all(demand.verified for demand in rows) else " Nobody has held its table here against the document."
+    return f"Of the forces of {RULE} in {sizing.plan.axis} the {noun(sizing)} gives {says}.{unread}"
 
 
-def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
-    limit = found.loader["thermal.derating_from"] if isinstance(found.capability, MotorCapability) else 0.0
-    for one in found.demands:
-        needs = one.needs
-        if not isinstance(needs, MotorNeeds) or not one.programmed or one.duration is Duration.MOVING:
+def _heat(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
+    limit = sizing.loader["thermal.derating_from"] if isinstance(sizing.capability, MotorCapability) else 0.0
+    for demand in sizing.demands:
+        needs = demand.needs
+        if not isinstance(needs, MotorNeeds) or not demand.programmed or demand.duration is Duration.MOVING:
             continue
         if isnan(needs.winding_degc):
             return
-        held = _what(one, units)
+        held = _what(demand, units)
         if needs.winding_degc <= limit:
             yield f"Held for ever, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
         elif not isnan(needs.derates_after_s):
@@ -226,21 +227,21 @@ def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
             )
 
 
-def _mass(found: Sizing, units: UnitSystem) -> str:
-    if not isinstance(found.capability, MotorCapability):
+def _mass(sizing: Sizing, units: UnitSystem) -> str:
+    if not isinstance(sizing.capability, MotorCapability):
         return ""
-    share = share_text(found.added_mass_kg / found.column_mass_kg)
+    share = share_text(sizing.added_mass_kg / sizing.column_mass_kg)
     return (
-        f"The rotor adds {text(found.added_mass_kg, MASS, units)} at the grip, J (F/T)², {share} of the column's own "
-        f"{text(found.column_mass_kg, MASS, units)}; the law has to hide it."
+        f"The rotor adds {text(sizing.added_mass_kg, MASS, units)} at the grip, J (F/T)², {share} of the column's own "
+        f"{text(sizing.column_mass_kg, MASS, units)}; the law has to hide it."
     )
 
 
-def _unknown(found: Sizing) -> Iterator[str]:
-    heat = [row for row in found.missing if row.startswith("thermal.")]
+def _unknown(sizing: Sizing) -> Iterator[str]:
+    heat = [row for row in sizing.missing if row.startswith("thermal.")]
     if heat:
         yield f"The continuous torque is not known: {', '.join(heat)} of the loader file give it."
-    for row in found.missing:
+    for row in sizing.missing:
         if row in heat:
             continue
         what = "torque" if "current" in row.partition(".")[2] else "speed"

@@ -62,7 +62,7 @@ def falls_through_s(
         level: The share.
     """
     latest = np.full(len(stiffness), np.inf)
-    if not _told(loader):
+    if not _applies(loader):
         return latest
     drive = (_motor if loader.drive == ELECTRIC else _valve)(loader)
     friction = drive.by_force * _column_friction(loader)
@@ -106,7 +106,7 @@ _UNKNOWN_OF_VALVE = ("column.viscous_friction",)
 """Eq. (17) has none."""
 
 
-def _told(loader: Loader) -> bool:
+def _applies(loader: Loader) -> bool:
     electric = loader.drive == ELECTRIC
     if electric:
         current, volts = (np.isfinite(loader[f"current_loop.{name}_limit"]) for name in ("current", "voltage"))
@@ -254,15 +254,15 @@ def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: 
     state = scipy.linalg.expm(_driven(plant.a, plant.b[:, 1] * before) * unseen)[:-1] @ np.append(state, 1.0)
     step = scipy.linalg.expm(under * period)
     free, pulse, swings = state, by_voltage, 0.0
-    found = np.full(len(time), before)
+    largest = np.full(len(time), before)
     for moment, at in enumerate(time):
         if at <= unseen:
             continue
         # By the end of this moment, a step ahead of what has come about: the more generous one.
         before, free = free[CURRENT], step @ free
         swings += volts * period * max(abs(pulse[CURRENT]), abs((pulse := step @ pulse)[CURRENT]))
-        found[moment] = min(by_command[moment], max(before, free[CURRENT]) + swings)
-    return found
+        largest[moment] = min(by_command[moment], max(before, free[CURRENT]) + swings)
+    return largest
 
 
 _VOLTAGE = OUTPUTS.index("motor_voltage_v")

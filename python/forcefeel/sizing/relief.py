@@ -59,16 +59,16 @@ def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief 
     """
     loader = drive.loader
     try:
-        law = Law.of(LAW if loader["controller.period"] else None, loader)
+        law = Law.of(None, loader)
     except InputError:
         return None
     outputs = [name for name, _ in _core.simulation_outputs(loader.drive)]
     kept = ("motor_current", "motor_speed") if isinstance(drive, Motor) else ("load_pressure", "actuator_flow")
-    found = _run(loader, law, (angle_rad, duration_s), [outputs.index(name) for name in kept])
-    if not np.isfinite(found).all():
+    histories = _run(loader, law, (angle_rad, duration_s), [outputs.index(name) for name in kept])
+    if not np.isfinite(histories).all():
         return None
     called = LAW if law.sampled else ORIGINAL
-    return _of_motor(drive, called, *found) if isinstance(drive, Motor) else _of_valve(drive, called, *found)
+    return _of_motor(drive, called, *histories) if isinstance(drive, Motor) else _of_valve(drive, called, *histories)
 
 
 def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[int]) -> NDArray[np.float64]:

@@ -92,8 +92,8 @@ class Sizing:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.sizing.size_drive(ff.loader.electric("rudder-pedals"))
-        >>> [one.name for one in found.demands if not one.programmed]
+        >>> sizing = ff.sizing.size_drive(ff.loader.electric("rudder-pedals"))
+        >>> [demand.name for demand in sizing.demands if not demand.programmed]
         ['25.143(d) short term', '25.143(d) long term']
     """
 
@@ -113,4 +113,4 @@ class Sizing:
     @property
     def good(self) -> bool:
         """Whether the drive gives what the programmed feel asks for."""
-        return all(one.available for one in self.demands if one.programmed)
+        return all(demand.available for demand in self.demands if demand.programmed)

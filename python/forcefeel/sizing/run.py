@@ -36,8 +36,8 @@ def size_drive(loader: Loader, axis: str | None = None, release_rad: float | Non
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.sizing.size_drive(ff.loader.electric("elevator-electric"))
-        >>> f"{found.capability.peak_force_n:.0f} N, {found.added_mass_kg:.2f} kg"
+        >>> sizing = ff.sizing.size_drive(ff.loader.electric("elevator-electric"))
+        >>> f"{sizing.capability.peak_force_n:.0f} N, {sizing.added_mass_kg:.2f} kg"
         '389 N, 0.63 kg'
     """
     return sized(SizingPlan.of(loader, axis, release_rad))
@@ -48,19 +48,19 @@ def sized(plan: SizingPlan) -> Sizing:
     loader = plan.loader
     drive = Motor(loader) if loader.drive == ELECTRIC else Valve(loader)
     relieved = relief(drive, plan.release_rad, release_s(loader))
-    asked = tuple(_asked(drive, one, relieved) for one in demands(plan))
+    results = tuple(_demand_result(drive, demand, relieved) for demand in demands(plan))
     return Sizing(
         plan=plan,
         capability=drive.capability,
-        demands=asked,
-        curves=_curves(drive, asked),
+        demands=results,
+        curves=_curves(drive, results),
         missing=_missing(drive),
         added_mass_kg=drive.added_mass_kg,
         column_mass_kg=column_mass_kg(loader),
     )
 
 
-def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> DemandResult:
+def _demand_result(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> DemandResult:
     """What a demand takes at its worst moment; a release also what the engine's run of it takes."""
     force = demand.force_n + drive.added_mass_kg * demand.acceleration_m_per_s2
     speed = demand.speed_m_per_s
@@ -68,7 +68,7 @@ def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> Dem
     share = float(np.max(drive.share(force, speed)))
     lasting = _of_continuous(drive, float(force[0])) if held else nan
     path = _Path.of(force, speed, held=held)
-    asked = DemandResult(
+    result = DemandResult(
         name=demand.name,
         duration=demand.duration,
         programmed=demand.programmed,
@@ -85,7 +85,7 @@ def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> Dem
         of_motion=nan if held else share,
     )
     # What cannot follow the motion by itself is told of that alone.
-    return asked if held or relieved is None or share > 1 else _relieved(asked, relieved)
+    return result if held or relieved is None or share > 1 else _relieved(result, relieved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,30 +101,30 @@ class _Path:
         return cls(np.abs(speed) * pushes, np.abs(force) * pushes)
 
 
-def _relieved(asked: DemandResult, relieved: Relief) -> DemandResult:
+def _relieved(result: DemandResult, relieved: Relief) -> DemandResult:
     """A release with what the relief of the link takes: of each the most."""
     path = _Path.of(relieved.force_n, relieved.speed_m_per_s)
     return replace(
-        asked,
-        force_n=_most(asked.force_n, float(np.abs(relieved.force_n).max())),
-        speed_m_per_s=_most(asked.speed_m_per_s, float(np.abs(relieved.speed_m_per_s).max())),
-        of_peak=_most(asked.of_peak, relieved.of_peak),
-        needs=_most_needs(asked.needs, relieved.needs),
-        source=f"{asked.source}; the engine under {relieved.law}",
+        result,
+        force_n=_most(result.force_n, float(np.abs(relieved.force_n).max())),
+        speed_m_per_s=_most(result.speed_m_per_s, float(np.abs(relieved.speed_m_per_s).max())),
+        of_peak=_most(result.of_peak, relieved.of_peak),
+        needs=_most_needs(result.needs, relieved.needs),
+        source=f"{result.source}; the engine under {relieved.law}",
         law=relieved.law,
-        path_speed_m_per_s=np.concatenate([asked.path_speed_m_per_s, [nan], path.speed_m_per_s]),
-        path_force_n=np.concatenate([asked.path_force_n, [nan], path.force_n]),
+        path_speed_m_per_s=np.concatenate([result.path_speed_m_per_s, [nan], path.speed_m_per_s]),
+        path_force_n=np.concatenate([result.path_force_n, [nan], path.force_n]),
     )
 
 
-def _most_needs(one: Needs, other: Needs) -> Needs:
-    found = {name: _most(value, vars(other)[name]) for name, value in vars(one).items()}
-    return MotorNeeds(**found) if isinstance(one, MotorNeeds) else ValveNeeds(**found)
+def _most_needs(first: Needs, other: Needs) -> Needs:
+    largest = {name: _most(value, vars(other)[name]) for name, value in vars(first).items()}
+    return MotorNeeds(**largest) if isinstance(first, MotorNeeds) else ValveNeeds(**largest)
 
 
-def _most(one: float, other: float) -> float:
+def _most(first: float, other: float) -> float:
     """The larger of two; the other where one is not a number."""
-    return float(np.fmax(one, other))
+    return float(np.fmax(first, other))
 
 
 def _of_continuous(drive: Motor | Valve, force: float) -> float:
@@ -147,7 +147,7 @@ def _remedy(drive: Motor | Valve, demand: Demand, force: float, share: float, la
     return drive.remedy(abs(force), drive.capability.continuous_force_n if long else drive.capability.peak_force_n)
 
 
-def _curves(drive: Motor | Valve, asked: tuple[DemandResult, ...]) -> tuple[Curve, ...]:
+def _curves(drive: Motor | Valve, results: tuple[DemandResult, ...]) -> tuple[Curve, ...]:
     if isinstance(drive, Valve):
         return (Curve("the valve gives", *drive.curve()),)
     capability, limit = drive.capability, drive.loader["current_loop.current_limit"]
@@ -155,11 +155,11 @@ def _curves(drive: Motor | Valve, asked: tuple[DemandResult, ...]) -> tuple[Curv
         return ()
     fastest = capability.fastest_m_per_s
     if not isfinite(fastest):
-        fastest = _MOST_SPEED * max(one.speed_m_per_s for one in asked)
-    found = [Curve(f"the motor gives {SHORT}", *drive.curve(fastest, limit))]
+        fastest = _MOST_SPEED * max(result.speed_m_per_s for result in results)
+    curves = [Curve(f"the motor gives {SHORT}", *drive.curve(fastest, limit))]
     if capability.continuous_current_a > 0:
-        found.append(Curve(f"the motor gives {LONG}", *drive.curve(fastest, capability.continuous_current_a)))
-    return tuple(found)
+        curves.append(Curve(f"the motor gives {LONG}", *drive.curve(fastest, capability.continuous_current_a)))
+    return tuple(curves)
 
 
 _MOST_SPEED = 4.0

@@ -24,11 +24,11 @@ def too_small_text(loader: Loader, units: UnitSystem, release_rad: float | None 
     """
     if loader.drive != ELECTRIC:
         return ""
-    found = size_drive(loader, release_rad=release_rad)
-    if found.good:
+    sizing = size_drive(loader, release_rad=release_rad)
+    if sizing.good:
         return ""
-    concluded = sizing_conclusions(found, units)
-    return f"{concluded.verdict} {concluded.findings[0]}"
+    conclusions = sizing_conclusions(sizing, units)
+    return f"{conclusions.verdict} {conclusions.findings[0]}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ def rows(path):
 
 
 def test_what_a_user_sees(run, tmp_path):
-    status, out, err = run("elevator", "--fit", "k,c,J,C_i", *SHORT, "--out", "excite.csv")
+    status, out, err = run("elevator-1974", "--fit", "k,c,J,C_i", *SHORT, "--out", "excite.csv")
     assert (status, err) == (0, "")
     plain = " ".join(out.split())
     for words in (
@@ -53,7 +53,7 @@ def test_what_a_user_sees(run, tmp_path):
 
 
 def test_json_is_what_the_library_finds(run, tmp_path):
-    status, out, _ = run("elevator", "--fit", "k,c,J,C_i", *SHORT, "--json", "--units", "si")
+    status, out, _ = run("elevator-1974", "--fit", "k,c,J,C_i", *SHORT, "--json", "--units", "si")
     found, told = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN), json.loads(out)
     assert status == 0
     errors = {key: it["relative_standard_error"] for key, it in told["parameters"].items()}
@@ -104,7 +104,7 @@ def test_with_measured_columns_added_it_is_a_bench_record(tmp_path):
 def test_options_reach_the_design(run, tmp_path):
     status, out, _ = run(
         *(
-            "elevator",
+            "elevator-1974",
             "--fit",
             "J",
             *SHORT,
@@ -136,23 +136,23 @@ def test_options_reach_the_design(run, tmp_path):
 
 def test_a_file_that_is_there_is_replaced_only_if_asked(run, tmp_path):
     (tmp_path / "e.csv").write_text("mine")
-    status, _, err = run("elevator", "--fit", "J", *SHORT, "--out", "e.csv")
+    status, _, err = run("elevator-1974", "--fit", "J", *SHORT, "--out", "e.csv")
     assert status == 2
     assert "e.csv: is there already; give another name, or --replace to replace it" in err
     assert (tmp_path / "e.csv").read_text() == "mine"
-    assert run("elevator", "--fit", "J", *SHORT, "--out", "e.csv", "--replace")[0] == 0
+    assert run("elevator-1974", "--fit", "J", *SHORT, "--out", "e.csv", "--replace")[0] == 0
     assert rows(tmp_path / "e.csv")[1] == "time (s),test_signal (V)"
 
 
 def test_what_cannot_be_told_apart_is_exit_1_and_nothing_is_written(run, tmp_path):
-    status, out, err = run("elevator", "--fit", "K_2,C_i,J", *SHORT)
+    status, out, err = run("elevator-1974", "--fit", "K_2,C_i,J", *SHORT)
     assert (status, out) == (1, "")
     assert "cannot tell K_2 (amplifier.admittance) and C_i (valve.current_gain) apart" in err
     assert not list(tmp_path.iterdir())
 
 
 def test_what_is_not_determined_is_exit_1(run, tmp_path):
-    status, out, _ = run("elevator", "--fit", "c", *SHORT, "--noise", "100000 %")
+    status, out, _ = run("elevator-1974", "--fit", "c", *SHORT, "--noise", "100000 %")
     assert status == 1
     assert "c (linkage.damping): not determined" in " ".join(out.split())
     assert len(list(tmp_path.iterdir())) == 1
@@ -187,7 +187,7 @@ def test_what_is_not_determined_is_exit_1(run, tmp_path):
     ],
 )
 def test_bad_input_is_exit_2_and_nothing_is_written(run, tmp_path, words, message):
-    status, out, err = run("elevator", *words)
+    status, out, err = run("elevator-1974", *words)
     assert (status, out) == (2, "")
     assert message in err
     assert not list(tmp_path.iterdir())

@@ -48,7 +48,7 @@ def played(found):
     law = {
         "servo-open": ff.laws.GainLaw.none(loader.si_values),
         "servo-closed": ff.laws.GainLaw.position_loop(loader.si_values),
-        "loader": None,
+        "loader": "original",
     }[str(found.experiment.loop)]
     return ff.simulate(loader, scenario, law)
 

@@ -242,7 +242,7 @@ def test_a_record_is_identified_through_its_response(identify, tmp_path):
     (tmp_path / "run.csv").write_text(
         f"# experiment: servo-closed\ntime (s),test_signal (V),column_angle (rad)\n{rows}\n"
     )
-    status, _, err = identify("elevator", "--data", "run.csv", "--fit", "k,c,J", "--responses", "--starts", "1")
+    status, _, err = identify("elevator-1974", "--data", "run.csv", "--fit", "k,c,J", "--responses", "--starts", "1")
     assert (status, err) == (0, "")
     folder = tmp_path / "forcefeel-identified"
     results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
@@ -429,7 +429,7 @@ def test_what_names_no_file_or_says_twice_is_refused(reader, given):
 
 # ----- resonance
 
-BENCH = ("elevator", "--data", "closed.csv", "--experiment", "servo-closed")
+BENCH = ("elevator-1974", "--data", "closed.csv", "--experiment", "servo-closed")
 
 
 def test_a_resonance_and_its_link(resonance):
@@ -493,13 +493,13 @@ def test_a_record_is_turned_into_a_response(resonance, tmp_path):
     rows = "\n".join(f"{t:.6g},{u:.9g},{y:.9g}" for t, u, y in zip(time, rest * drive, rest * angle, strict=True))
     head = "# experiment: servo-closed\ntime (s),test_signal (V),column_angle (rad)"
     (tmp_path / "sweep.csv").write_text(f"{head}\n{rows}\n")
-    status, out, err = resonance("elevator", "--data", "sweep.csv", "--json", "--band", "2 Hz..9 Hz")
+    status, out, err = resonance("elevator-1974", "--data", "sweep.csv", "--json", "--band", "2 Hz..9 Hz")
     assert (status, err) == (0, "")
     found = json.loads(out)
     assert found["output"] == "column_angle"
     assert found["circle"]["frequency"]["value"] == pytest.approx(5.0, rel=CIRCLE)
     assert found["circle"]["damping_ratio"] == pytest.approx(0.1, rel=CIRCLE_DAMPING)
-    assert resonance("elevator", "--data", "sweep.csv", "--channel", "load_pressure")[0] == 2
+    assert resonance("elevator-1974", "--data", "sweep.csv", "--channel", "load_pressure")[0] == 2
 
 
 @pytest.mark.parametrize(
@@ -511,7 +511,7 @@ def test_a_record_is_turned_into_a_response(resonance, tmp_path):
         ((*BENCH, "--band", "8..16"), "has no unit"),
         ((*BENCH, "--band", "8..8.1 Hz"), "widen the band"),
         ((*BENCH, "--channel", "column_angle"), "is for a record"),
-        (("elevator", "--data", "none.csv"), "none.csv"),
+        (("elevator-1974", "--data", "none.csv"), "none.csv"),
     ],
 )
 def test_a_bad_resonance_ends_with_two(resonance, words, message):

@@ -95,14 +95,14 @@ def test_a_wrong_token_opens_no_connection(console):
 
 
 def test_an_origin_of_digits_is_checked_too():
-    admission = Admission(8731, asked=False)
+    admission = Admission(8731, token_required=False)
     admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://127.0.0.1:8731"})
     with pytest.raises(Refused, match="another site"):
         admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://localhost:8731"})
 
 
 def test_no_token_but_on_this_machine(running):
-    with pytest.raises(InputError, match=r"--no-token: whoever reaches 0\.0\.0\.0"):
+    with pytest.raises(InputError, match=r"--no-token: any host that reaches 0\.0\.0\.0"):
         Console(running, port=0, bind="0.0.0.0", token=False)
     with Console(running, port=0, token=False) as console:
         assert "token" not in console.address

@@ -110,9 +110,9 @@ def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, runnin
     page.locator("#holder", has_text="Nobody").wait_for()
     page.wait_for_timeout(300)
     assert running.hand_force_n == 0
-    assert page.inner_text("#holder") == "Nobody holds control."
+    assert page.inner_text("#holder") == "No client has control."
     page.click("#take")
-    page.locator("#holder", has_text="You hold control.").wait_for()
+    page.locator("#holder", has_text="You have control.").wait_for()
     page.wait_for_timeout(200)
     assert running.hand_force_n == 0  # it has not been in its middle since
     push(page, [0.0, 0.0])
@@ -129,7 +129,7 @@ def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, con
     other = browser.new_context(viewport=page.viewport_size)
     window = other.new_page()
     window.goto(console.address)  # which takes control, since it is free
-    window.locator("#holder", has_text="You hold control.").wait_for()
+    window.locator("#holder", has_text="You have control.").wait_for()
     window.mouse.move(*grip(window))
     window.mouse.down()
     window.mouse.move(grip(window)[0] + 40, grip(window)[1])
@@ -140,7 +140,7 @@ def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, con
     page.locator("#holder", has_text="Nobody").wait_for()
     assert running.state.name == "active"
     page.click("#take")
-    page.locator("#holder", has_text="You hold control.").wait_for()
+    page.locator("#holder", has_text="You have control.").wait_for()
 
 
 def test_the_feel_is_changed(page, running):

@@ -76,7 +76,7 @@ def test_the_force_that_the_law_finds_is_read_over_a_tenth_of_a_second(running):
     end = int(frames._seen) + 1
     mean = rows[end - samples : end, found].mean() / running.loader["column.grip_arm"]
     assert last == pytest.approx(mean, rel=1e-5)  # of single precision
-    assert shown[place].label == "as the law finds it, over 0.1 s"
+    assert shown[place].label == "estimate of the law, mean of 0.1 s"
 
 
 def test_the_page_is_told_all_that_it_shows(talk):
@@ -177,7 +177,7 @@ def test_a_release_is_made_and_judged():
         talk.send(do="test", test="release", side="negative")
         assert talk.notice("status", lambda it: it["test"])["test"]["test"] == "release"
         talk.send(do="hand", force_n=1.0)
-        assert "a test is under way" in talk.notice("refused")["reason"]
+        assert "a test is running" in talk.notice("refused")["reason"]
         found = talk.notice("test")["judged"]
         assert found["title"] == "Release from 50 % of the throw, negative"
         assert found["passed"], found["sentence"]
@@ -189,7 +189,7 @@ def test_a_test_is_broken_off_by_a_stop(talk, running):
     talk.send(do="test", test="release")
     until(lambda: running.hand_force_n != 0)
     talk.send(do="stop")
-    assert "broken off" in talk.notice("test")["reason"]
+    assert "aborted" in talk.notice("test")["reason"]
     assert running.hand_force_n == 0
 
 

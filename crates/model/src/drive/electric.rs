@@ -32,14 +32,16 @@ pub mod statics;
 pub mod thermal;
 pub mod transmission;
 
-use super::{Coupling, Drive, DriveSignals, Link, Neighbors, REMEMBERED, SIGNALS};
+use super::{
+    Contact, Coupling, Drive, DriveSignals, Link, Motion, Neighbors, QuickPart, REMEMBERED, SIGNALS, Signals, Statics,
+};
 use crate::Scalar;
 use crate::channels::COUNT;
 use crate::controller::Converters;
-use crate::dry_friction::StickState;
+use crate::dry_friction::{DryFriction, StickState};
 use crate::effects::Effects;
 use crate::parameters::Parameters;
-use crate::run::{Shared, Slow, Snapshot, State, StepFraction, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared, Slow, StepFraction};
 use channels::CHANNELS;
 use current_loop::{Current, CurrentTrajectory, Warm};
 use motor::Rotor;
@@ -66,7 +68,7 @@ pub struct Electric<S> {
     one: S,
 }
 
-/// What the drive remembers of a step.
+/// Memory of the drive from step to step.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -76,7 +78,7 @@ pub struct Electric<S> {
         deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
     ))
 )]
-pub struct Motion<S: Scalar> {
+pub struct MotorState<S: Scalar> {
     /// What the rotor's dry friction does.
     pub grip: StickState<S>,
     /// Temperatures of winding and housing over that around, in K.
@@ -105,8 +107,8 @@ impl<S: Scalar> Electric<S> {
     fn stick(
         &self,
         neighbors: &Neighbors<'_, S>,
-        state: &mut State<S, Motion<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
         let (v, pull) = (state.slow.plant[1], rates.plant[1]);
@@ -123,29 +125,12 @@ impl<S: Scalar> Electric<S> {
 
     /// Dry friction of the rotor under the link's force `f`, moving or about to move along `way`.
     #[inline(always)]
-    fn friction(&self, f: S, way: S) -> crate::dry_friction::DryFriction<S> {
+    fn friction(&self, f: S, way: S) -> DryFriction<S> {
         self.rotor.friction(self.train.lost(f, way) / self.per_travel)
     }
 }
 
 impl<S: Scalar> Drive<S> for Electric<S> {
-    const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("drive_position", "m"),
-        ("motor_current", "A"),
-        ("motor_voltage", "V"),
-        ("motor_speed", "rad/s"),
-        ("winding_temperature", "degC"),
-    ];
-    const PEAKS: [usize; 3] = [CURRENT, VOLTAGE, SPEED];
-    const COMMAND_HOLDS: bool = true;
-    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
-
-    /// `alpha c` while the base moves, zero while it sticks.
-    type Side = S;
-    /// Force on the link in N.
-    type Balance = S;
-    type Memory = Motion<S>;
-
     #[inline(always)]
     fn new(parameters: &Parameters<S>, shared: &Shared, _: &Coupling<S>) -> Self {
         let one = parameters.column.inertia.constant(1.0);
@@ -163,6 +148,10 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     fn converters(parameters: &Parameters<S>) -> Converters<S> {
         Converters::of_numbers(parameters.current_loop.current_limit, parameters.controller.antiwindup)
     }
+}
+
+impl<S: Scalar> Statics<S> for Electric<S> {
+    const COMMAND_HOLDS: bool = true;
 
     #[inline(always)]
     fn link(&self) -> Link<S> {
@@ -172,96 +161,6 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     #[inline(always)]
     fn force_per_effort(&self) -> S {
         self.one
-    }
-
-    #[inline(always)]
-    fn side(&self, _: &Effects, stuck: S::Mask) -> S {
-        S::select(stuck, self.one.zero(), self.train.base_damping)
-    }
-
-    #[inline(always)]
-    fn moving(&self) -> S {
-        self.train.base_damping
-    }
-
-    #[inline(always)]
-    fn touches(&self, _: &[S; 5]) -> S::Mask {
-        !self.one.less(self.one)
-    }
-
-    #[inline(always)]
-    fn balance(&self, effects: &Effects, side: &S, _: S::Mask, &[x_m, v_m, _, x_b, w]: &[S; 5]) -> S {
-        self.train.force(effects, (x_m, v_m), x_b, *side * w)
-    }
-
-    #[inline(always)]
-    fn seen(&self, &[x_m, v_m, i, ..]: &[S; 5], balance: &S, warmth: S) -> DriveSignals<S> {
-        let mut signals = [i; SIGNALS];
-        (signals[VOLTAGE], signals[SPEED]) = (i.zero(), v_m * self.per_travel);
-        signals[WINDING] = self.warming.ambient + warmth;
-        DriveSignals { position: x_m, force: *balance, signals }
-    }
-
-    #[inline(always)]
-    fn left(memory: &Motion<S>) -> S {
-        memory.warmth[0]
-    }
-
-    #[inline(always)]
-    fn base_velocity(&self, w: S, _: &S) -> S {
-        w
-    }
-
-    #[inline(always)]
-    fn base_momentum(&self, velocity: S, _: &S) -> S {
-        velocity
-    }
-
-    #[inline(always)]
-    fn feel_velocity(&self, u: S, _: &S) -> S {
-        u
-    }
-
-    #[inline(always)]
-    fn feel_momentum(&self, rate: S, _: &S) -> S {
-        rate
-    }
-
-    #[inline(always)]
-    fn feel_changed(&mut self, _: S, _: S, balance: &S) -> S {
-        balance.zero()
-    }
-
-    #[inline(always)]
-    fn pull(&self, base_per_force: S, balance: &S) -> S {
-        base_per_force * *balance
-    }
-
-    #[inline(always)]
-    fn rates(
-        &self,
-        effects: &Effects,
-        memory: &Motion<S>,
-        (&[x_m, v_m, carried, ..], moment): (&[S; 5], StepFraction),
-        e: S,
-        now: &mut Snapshot<S, S>,
-    ) -> [S; 3] {
-        let asked = self.current.commanded(effects, &memory.warm, e);
-        let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
-        if moment == StepFraction::Start {
-            now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), asked);
-        }
-        [v_m, self.acceleration(effects, [x_m, v_m, i], now.balance), i_rate]
-    }
-
-    #[inline(always)]
-    fn command_jump(&self, _: &Effects, _: &Snapshot<S, S>, e_change: S) -> S {
-        self.current.bandwidth * e_change
-    }
-
-    #[inline(always)]
-    fn heard(&self, force: S, _: &Snapshot<S, S>) -> S {
-        force
     }
 
     #[inline(always)]
@@ -285,16 +184,66 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         let i = self.current.commanded(effects, &self.current.warm(e.zero()), e);
         self.torque(effects, position, i) * self.per_travel - effort
     }
+}
+
+impl<S: Scalar> Motion<S> for Electric<S> {
+    /// `alpha c` while the base moves, zero while it sticks.
+    type Side = S;
+    /// Force on the link in N.
+    type Balance = S;
+    type Memory = MotorState<S>;
 
     #[inline(always)]
-    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Motion<S>) {
+    fn side(&self, _: &Effects, stuck: S::Mask) -> S {
+        S::select(stuck, self.one.zero(), self.train.base_damping)
+    }
+
+    #[inline(always)]
+    fn moving(&self) -> S {
+        self.train.base_damping
+    }
+
+    #[inline(always)]
+    fn balance(&self, effects: &Effects, side: &S, _: S::Mask, &[x_m, v_m, _, x_b, w]: &[S; 5]) -> S {
+        self.train.force(effects, (x_m, v_m), x_b, *side * w)
+    }
+
+    #[inline(always)]
+    fn pull(&self, base_per_force: S, balance: &S) -> S {
+        base_per_force * *balance
+    }
+
+    #[inline(always)]
+    fn rates(
+        &self,
+        effects: &Effects,
+        memory: &MotorState<S>,
+        (&[x_m, v_m, carried, ..], moment): (&[S; 5], StepFraction),
+        e: S,
+        now: &mut RunSnapshot<S, S>,
+    ) -> [S; 3] {
+        let asked = self.current.commanded(effects, &memory.warm, e);
+        let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
+        if moment == StepFraction::Start {
+            now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), asked);
+        }
+        [v_m, self.acceleration(effects, [x_m, v_m, i], now.balance), i_rate]
+    }
+
+    #[inline(always)]
+    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], MotorState<S>) {
         let zero = position.zero();
         let i = (effort / self.per_travel - self.torque(effects, position, zero)) / self.rotor.torque_constant;
         let grip = StickState::resting(&self.friction(effort, zero));
         (
             [position, zero, i],
             [zero; 2],
-            Motion { grip, warmth: [zero; 2], warm: self.current.warm(zero), course: CurrentTrajectory::constant(i) },
+            MotorState {
+                grip,
+                warmth: [zero; 2],
+                warm: self.current.warm(zero),
+                course: CurrentTrajectory::constant(i),
+            },
         )
     }
 
@@ -303,24 +252,23 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         &self,
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
-        state: &mut State<S, Motion<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
-        let drive = self;
         if effects.drive_friction {
-            drive.stick(neighbors, state, now, rates);
+            self.stick(neighbors, state, now, rates);
         }
         let asked = rates.plant[2];
         let mut resisted = *rates;
         Self::resist(effects, &state.drive, &mut resisted);
-        let speed = (state.slow.plant[1] + resisted.plant[1] * neighbors.step.times(0.5)) * drive.per_travel;
-        state.drive.course = drive.current.course(effects, &state.drive.warm, (state.slow.plant[2], speed), asked);
+        let speed = (state.slow.plant[1] + resisted.plant[1] * neighbors.step.times(0.5)) * self.per_travel;
+        state.drive.course = self.current.course(effects, &state.drive.warm, (state.slow.plant[2], speed), asked);
         rates.plant[2] = state.drive.course.rate;
     }
 
     #[inline(always)]
-    fn resist(effects: &Effects, memory: &Motion<S>, rates: &mut Slow<S>) {
+    fn resist(effects: &Effects, memory: &MotorState<S>, rates: &mut Slow<S>) {
         if effects.drive_friction {
             let pull = rates.plant[1] + memory.grip.drag;
             rates.plant[1] = S::select(memory.grip.stuck, pull.zero(), pull);
@@ -328,63 +276,89 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
+    fn end_step(&self, effects: &Effects, state: &mut RunState<S, MotorState<S>>, begun: &RunStepStart<S, S, S>) {
+        if effects.heating {
+            let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
+            let power = self.current.heat(&state.drive.warm, squared);
+            state.drive.warmth = self.warming.after(state.drive.warmth, power);
+            state.drive.warm = self.current.warm(state.drive.warmth[0]);
+        }
+    }
+
+    /// None: heat and dry friction are left out of a linear loop.
+    fn remembered(memory: &MotorState<S>) -> [S; REMEMBERED] {
+        [memory.warmth[0].zero(); REMEMBERED]
+    }
+
+    fn remember(_: &mut MotorState<S>, _: [S; REMEMBERED]) {}
+}
+
+impl<S: Scalar> QuickPart<S> for Electric<S> {
+    #[inline(always)]
     fn catch_up(
         &self,
         _: &Neighbors<'_, S>,
         effects: &Effects,
         _: &S,
-        state: &mut State<S, Motion<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
     ) {
         if effects.heating {
             now.signals[WINDING] = self.warming.ambient + state.drive.warmth[0];
         }
     }
+}
+
+impl<S: Scalar> Contact<S> for Electric<S> {
+    #[inline(always)]
+    fn command_jump(&self, _: &Effects, _: &RunSnapshot<S, S>, e_change: S) -> S {
+        self.current.bandwidth * e_change
+    }
+}
+
+impl<S: Scalar> Signals<S> for Electric<S> {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("drive_position", "m"),
+        ("motor_current", "A"),
+        ("motor_voltage", "V"),
+        ("motor_speed", "rad/s"),
+        ("winding_temperature", "degC"),
+    ];
+    const PEAKS: [usize; 3] = [CURRENT, VOLTAGE, SPEED];
+    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
 
     #[inline(always)]
-    fn end_step(&self, effects: &Effects, state: &mut State<S, Motion<S>>, begun: &StepStart<S, S, S>) {
-        if effects.heating {
-            let drive = self;
-            let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
-            let power = drive.current.heat(&state.drive.warm, squared);
-            state.drive.warmth = drive.warming.after(state.drive.warmth, power);
-            state.drive.warm = drive.current.warm(state.drive.warmth[0]);
-        }
+    fn carried(memory: &MotorState<S>) -> S {
+        memory.warmth[0]
     }
 
     #[inline(always)]
-    fn seen_between(&self, plant: &[S; 5], balance: &S, [a, b]: [&Snapshot<S, S>; 2], _: bool) -> DriveSignals<S> {
-        let mut seen = self.seen(plant, balance, balance.zero());
+    fn signals(&self, &[x_m, v_m, i, ..]: &[S; 5], balance: &S, warmth: S) -> DriveSignals<S> {
+        let mut signals = [i; SIGNALS];
+        (signals[VOLTAGE], signals[SPEED]) = (i.zero(), v_m * self.per_travel);
+        signals[WINDING] = self.warming.ambient + warmth;
+        DriveSignals { position: x_m, force: *balance, signals }
+    }
+
+    #[inline(always)]
+    fn signals_between(
+        &self,
+        plant: &[S; 5],
+        balance: &S,
+        [a, b]: [&RunSnapshot<S, S>; 2],
+        _: bool,
+    ) -> DriveSignals<S> {
+        let mut seen = self.signals(plant, balance, balance.zero());
         seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
         seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);
         seen
     }
 
-    /// Nothing to make good: the rotor has mass, so the force comes in with the damper's part alone.
     #[inline(always)]
-    fn close_play(
-        &self,
-        _: &Neighbors<'_, S>,
-        _: &Shared,
-        state: &mut State<S, Motion<S>>,
-        _: &[S; 5],
-        _: &StepStart<S, S, S>,
-    ) {
-        state.late = state.late.zero();
-    }
-
-    #[inline(always)]
-    fn channels(now: &Snapshot<S, S>, parameters: &Parameters<S>) -> [S; COUNT] {
+    fn channels(now: &RunSnapshot<S, S>, parameters: &Parameters<S>) -> [S; COUNT] {
         let angle = |x: S| parameters.column.angle(x);
         let [i, voltage, speed, winding] = now.signals;
         let turned = now.position / parameters.transmission.travel;
         [angle(now.base), angle(now.base_rate), now.position, now.force, i, voltage, speed, turned, winding]
     }
-
-    /// None: heat and dry friction are left out of a linear loop.
-    fn remembered(memory: &Motion<S>) -> [S; REMEMBERED] {
-        [memory.warmth[0].zero(); REMEMBERED]
-    }
-
-    fn remember(_: &mut Motion<S>, _: [S; REMEMBERED]) {}
 }

@@ -19,13 +19,15 @@ pub mod pressure;
 pub mod statics;
 pub mod valve;
 
-use super::{Coupling, Drive, DriveSignals, Link, Neighbors, REMEMBERED, SIGNALS};
+use super::{
+    Contact, Coupling, Drive, DriveSignals, Link, Motion, Neighbors, QuickPart, REMEMBERED, SIGNALS, Signals, Statics,
+};
 use crate::Scalar;
 use crate::channels::{self, Bench, CHANNELS};
 use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::parameters::Parameters;
-use crate::run::{Shared, Snapshot, State, StepFraction, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared, StepFraction};
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
 
@@ -61,16 +63,6 @@ pub struct Oil<S> {
 }
 
 impl<S: Scalar> Drive<S> for Hydraulic<S> {
-    const NAMES: &'static [(&'static str, &'static str)] =
-        &[("piston_position", "m"), ("load_pressure", "Pa"), ("actuator_flow", "m^3/s"), ("valve_current", "A")];
-    const PEAKS: [usize; 3] = [CURRENT, PRESSURE, FLOW];
-    const COMMAND_HOLDS: bool = false;
-    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
-
-    type Side = Side<S>;
-    type Balance = Flow<S>;
-    type Memory = Oil<S>;
-
     #[inline(always)]
     fn new(parameters: &Parameters<S>, shared: &Shared, coupling: &Coupling<S>) -> Self {
         let balance = Balance::new(parameters, coupling.base_per_force);
@@ -89,6 +81,10 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     fn converters(parameters: &Parameters<S>) -> Converters<S> {
         Converters::new(parameters)
     }
+}
+
+impl<S: Scalar> Statics<S> for Hydraulic<S> {
+    const COMMAND_HOLDS: bool = false;
 
     #[inline(always)]
     fn link(&self) -> Link<S> {
@@ -102,6 +98,34 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
+    fn effort(&self, force: S) -> S {
+        force * self.per_area
+    }
+
+    #[inline(always)]
+    fn effort_of_stretch(&self, stretch: S) -> S {
+        stretch / self.balance.per_stiffness * self.per_area
+    }
+
+    #[inline(always)]
+    fn stretch_at_rest(&self, effort: S) -> S {
+        self.balance.stretch_at_rest(effort)
+    }
+
+    /// Flow that the command asks for, less what is lost at the pressure.
+    #[inline(always)]
+    fn residual(&self, effects: &Effects, e: S, (_, effort): (S, S)) -> S {
+        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
+        flow - self.balance.leakage(effects, effort)
+    }
+}
+
+impl<S: Scalar> Motion<S> for Hydraulic<S> {
+    type Side = Side<S>;
+    type Balance = Flow<S>;
+    type Memory = Oil<S>;
+
+    #[inline(always)]
     fn side(&self, effects: &Effects, stuck: S::Mask) -> Side<S> {
         self.balance.side(effects, stuck)
     }
@@ -112,25 +136,49 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn touches(&self, plant: &[S; 5]) -> S::Mask {
-        self.balance.touch(self.balance.stretch(plant[0], plant[3]))
-    }
-
-    #[inline(always)]
     fn balance(&self, effects: &Effects, side: &Side<S>, touches: S::Mask, plant: &[S; 5]) -> Flow<S> {
         self.balance.solve(effects, side, touches, *plant)
     }
 
     #[inline(always)]
-    fn seen(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> DriveSignals<S> {
-        self.shown(plant[0], balance.pressure + behind, balance.flow, behind.zero())
+    fn pull(&self, base_per_force: S, balance: &Flow<S>) -> S {
+        base_per_force * self.balance.area * balance.pressure
     }
 
     #[inline(always)]
-    fn left(memory: &Oil<S>) -> S {
-        -memory.lag
+    fn rates(
+        &self,
+        effects: &Effects,
+        _: &Oil<S>,
+        (plant, _): (&[S; 5], StepFraction),
+        e: S,
+        now: &mut RunSnapshot<S, Flow<S>>,
+    ) -> [S; 3] {
+        let &[_, q_i, q_i_rate, ..] = plant;
+        let current = self.valve.current(effects, e);
+        now.signals[CURRENT] = current;
+        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, current);
+        [now.balance.flow * self.per_area, q_i_rate, flow_acceleration]
     }
 
+    #[inline(always)]
+    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Oil<S>) {
+        let z = position + self.balance.compressibility * effort;
+        let q_i = self.balance.leakage(effects, effort);
+        let momenta = [self.base_impulse * effort, -self.feel_impulse * effort];
+        ([z, q_i, z.zero()], momenta, Oil { pressure: effort, lag: z.zero() })
+    }
+
+    fn remembered(memory: &Oil<S>) -> [S; REMEMBERED] {
+        [memory.pressure, memory.lag]
+    }
+
+    fn remember(memory: &mut Oil<S>, [pressure, lag]: [S; REMEMBERED]) {
+        *memory = Oil { pressure, lag };
+    }
+}
+
+impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
     #[inline(always)]
     fn base_velocity(&self, w: S, balance: &Flow<S>) -> S {
         w - self.base_impulse * balance.pressure
@@ -158,66 +206,10 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         (before - self.feel_impulse) * balance.pressure
     }
 
-    #[inline(always)]
-    fn pull(&self, base_per_force: S, balance: &Flow<S>) -> S {
-        base_per_force * self.balance.area * balance.pressure
-    }
-
-    #[inline(always)]
-    fn rates(
-        &self,
-        effects: &Effects,
-        _: &Oil<S>,
-        (plant, _): (&[S; 5], StepFraction),
-        e: S,
-        now: &mut Snapshot<S, Flow<S>>,
-    ) -> [S; 3] {
-        let &[_, q_i, q_i_rate, ..] = plant;
-        let current = self.valve.current(effects, e);
-        now.signals[CURRENT] = current;
-        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, current);
-        [now.balance.flow * self.per_area, q_i_rate, flow_acceleration]
-    }
-
-    #[inline(always)]
-    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Flow<S>>, e_change: S) -> S {
-        self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
-    }
-
     /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
-    fn heard(&self, force: S, now: &Snapshot<S, Flow<S>>) -> S {
+    fn feel_force(&self, force: S, now: &RunSnapshot<S, Flow<S>>) -> S {
         force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
-    }
-
-    #[inline(always)]
-    fn effort(&self, force: S) -> S {
-        force * self.per_area
-    }
-
-    #[inline(always)]
-    fn effort_of_stretch(&self, stretch: S) -> S {
-        stretch / self.balance.per_stiffness * self.per_area
-    }
-
-    #[inline(always)]
-    fn stretch_at_rest(&self, effort: S) -> S {
-        self.balance.stretch_at_rest(effort)
-    }
-
-    /// Flow that the command asks for, less what is lost at the pressure.
-    #[inline(always)]
-    fn residual(&self, effects: &Effects, e: S, (_, effort): (S, S)) -> S {
-        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
-        flow - self.balance.leakage(effects, effort)
-    }
-
-    #[inline(always)]
-    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Oil<S>) {
-        let z = position + self.balance.compressibility * effort;
-        let q_i = self.balance.leakage(effects, effort);
-        let momenta = [self.base_impulse * effort, -self.feel_impulse * effort];
-        ([z, q_i, z.zero()], momenta, Oil { pressure: effort, lag: z.zero() })
     }
 
     #[inline(always)]
@@ -226,22 +218,63 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Side<S>,
-        state: &mut State<S, Oil<S>>,
-        now: &mut Snapshot<S, Flow<S>>,
+        state: &mut RunState<S, Oil<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) {
         self.made_good(neighbors, effects, side, state, now);
     }
+}
+
+impl<S: Scalar> Contact<S> for Hydraulic<S> {
+    #[inline(always)]
+    fn touches(&self, plant: &[S; 5]) -> S::Mask {
+        self.balance.touch(self.balance.stretch(plant[0], plant[3]))
+    }
 
     #[inline(always)]
-    fn seen_between(
+    fn command_jump(&self, effects: &Effects, now: &RunSnapshot<S, Flow<S>>, e_change: S) -> S {
+        self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
+    }
+
+    #[inline(always)]
+    fn close_play(
+        &self,
+        neighbors: &Neighbors<'_, S>,
+        shared: &Shared,
+        state: &mut RunState<S, Oil<S>>,
+        start: &[S; 5],
+        begun: &RunStepStart<S, Flow<S>, Side<S>>,
+    ) {
+        self.met(neighbors, shared, state, start, begun);
+    }
+}
+
+impl<S: Scalar> Signals<S> for Hydraulic<S> {
+    const NAMES: &'static [(&'static str, &'static str)] =
+        &[("piston_position", "m"), ("load_pressure", "Pa"), ("actuator_flow", "m^3/s"), ("valve_current", "A")];
+    const PEAKS: [usize; 3] = [CURRENT, PRESSURE, FLOW];
+    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
+
+    #[inline(always)]
+    fn carried(memory: &Oil<S>) -> S {
+        -memory.lag
+    }
+
+    #[inline(always)]
+    fn signals(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> DriveSignals<S> {
+        self.shown(plant[0], balance.pressure + behind, balance.flow, behind.zero())
+    }
+
+    #[inline(always)]
+    fn signals_between(
         &self,
         plant: &[S; 5],
         balance: &Flow<S>,
-        [a, b]: [&Snapshot<S, Flow<S>>; 2],
+        [a, b]: [&RunSnapshot<S, Flow<S>>; 2],
         digital: bool,
     ) -> DriveSignals<S> {
         // The lag itself changes so little over a step that a straight line will do.
-        let lag = |now: &Snapshot<S, Flow<S>>| {
+        let lag = |now: &RunSnapshot<S, Flow<S>>| {
             (now.signals[PRESSURE] - now.balance.pressure, now.signals[FLOW] - now.balance.flow)
         };
         let (from, to) = (lag(a), lag(b));
@@ -252,30 +285,10 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn close_play(
-        &self,
-        neighbors: &Neighbors<'_, S>,
-        shared: &Shared,
-        state: &mut State<S, Oil<S>>,
-        start: &[S; 5],
-        begun: &StepStart<S, Flow<S>, Side<S>>,
-    ) {
-        self.met(neighbors, shared, state, start, begun);
-    }
-
-    #[inline(always)]
-    fn channels(now: &Snapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
-        let &Snapshot { base, base_rate, position, signals, .. } = now;
+    fn channels(now: &RunSnapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+        let &RunSnapshot { base, base_rate, position, signals, .. } = now;
         let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
         Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)
-    }
-
-    fn remembered(memory: &Oil<S>) -> [S; REMEMBERED] {
-        [memory.pressure, memory.lag]
-    }
-
-    fn remember(memory: &mut Oil<S>, [pressure, lag]: [S; REMEMBERED]) {
-        *memory = Oil { pressure, lag };
     }
 }
 

@@ -24,3 +24,21 @@ pub struct OfElectric;
 impl Kind for OfElectric {
     type Of<S: Scalar> = electric::Electric<S>;
 }
+
+/// An expression for the kind of drive that a loader has: `with_drive!(kind, K => expression)`, in which `K` is its [`Kind`]. The one place
+/// that lists the drives.
+#[macro_export]
+macro_rules! with_drive {
+    ($kind:expr, $Drive:ident => $work:expr) => {
+        match $kind {
+            $crate::parameters::DriveKind::Hydraulic => {
+                type $Drive = $crate::drive::OfHydraulic;
+                $work
+            }
+            $crate::parameters::DriveKind::Electric => {
+                type $Drive = $crate::drive::OfElectric;
+                $work
+            }
+        }
+    };
+}

@@ -66,7 +66,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 }
 
-impl<S: Scalar, M> run::State<S, M> {
+impl<S: Scalar, M> run::RunState<S, M> {
     /// The programmed feel as it stands.
     #[inline(always)]
     pub fn feeling(&self) -> FeelState<S> {

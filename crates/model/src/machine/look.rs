@@ -29,7 +29,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let rate = self.drive.feel_velocity(u, &balance);
             if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
         };
-        let drive::DriveSignals { position, force, signals } = self.drive.seen(&slow.plant, &balance, left);
+        let drive::DriveSignals { position, force, signals } = self.drive.signals(&slow.plant, &balance, left);
         Snapshot::<S, D> { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
     }
 }

@@ -33,7 +33,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let touches = self.drive.touches(&before.slow.plant) | self.drive.touches(&after.slow.plant);
         let balance = self.drive.balance(&shared.effects, &before.side, touches, &slow.plant);
         let digital = shared.timing.is_some();
-        let seen = self.drive.seen_between(&slow.plant, &balance, [a, b], digital);
+        let seen = self.drive.signals_between(&slow.plant, &balance, [a, b], digital);
         let drive::DriveSignals { position, force: on_load_cell, signals } = seen;
         let force = StepFraction::Half.of(inputs.force) - inputs.force[0];
         Snapshot::<S, D> {

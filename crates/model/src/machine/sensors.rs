@@ -60,6 +60,6 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Torque that an analog feel computer hears where the load cell shows `force`.
     #[inline(always)]
     pub(super) fn heard_torque(&self, force: S, now: &Snapshot<S, D>) -> S {
-        self.control.law.feel_torque(self.drive.heard(force, now))
+        self.control.law.feel_torque(self.drive.feel_force(force, now))
     }
 }

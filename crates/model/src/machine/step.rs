@@ -112,7 +112,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     ) -> Slow<S> {
         // The lag hardly changes in a step.
         let force = self.pilot_force(state, inputs, moment);
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::left(&state.drive)));
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::carried(&state.drive)));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
             (now.delta, now.delta_rate) = self.control.feel.held_within(before, (now.delta, now.delta_rate));

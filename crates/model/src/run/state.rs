@@ -15,7 +15,7 @@ use crate::transducers::SensorReading;
         deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>, M: serde::Deserialize<'de>"
     ))
 )]
-pub struct State<S: Scalar, M> {
+pub struct RunState<S: Scalar, M> {
     pub(crate) slow: Slow<S>,
     pub(crate) column: StickState<S>,
     pub(crate) feel: StickState<S>,
@@ -43,7 +43,7 @@ pub const SIGNALS: usize = 4;
 
 /// Quantities of a loader at one instant; `B`: the balance of the drive.
 #[derive(Debug, Clone, Copy)]
-pub struct Snapshot<S, B> {
+pub struct RunSnapshot<S, B> {
     /// Displacement of the column's base in m.
     pub base: S,
     /// Its velocity in m/s.
@@ -66,9 +66,9 @@ pub struct Snapshot<S, B> {
 
 /// Start of a step: what the rest of it needs; `B`, `L`: balance of the drive, and its side of the link.
 #[derive(Debug, Clone, Copy)]
-pub struct StepStart<S, B, L> {
+pub struct RunStepStart<S, B, L> {
     /// Quantities at the start.
-    pub now: Snapshot<S, B>,
+    pub now: RunSnapshot<S, B>,
     pub(crate) slow: Slow<S>,
     pub(crate) rates: Slow<S>,
     pub(crate) side: L,

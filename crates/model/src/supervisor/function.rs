@@ -95,7 +95,7 @@ functions! {
         "Drive position, load cell and column angle contradict one another. Check their zeros, their scales and the link.";
     /// The force at the grip lasts.
     Force: "force at the grip", Stop, |limits| limits.force,
-        "The force at the grip stayed above its limit. Let go; if nobody pushed, look at the load cell's zero.";
+        "The force at the grip stayed above its limit. Let go; if no hand pushed, look at the load cell's zero.";
     /// The force at the grip is beyond what the controls are made for.
     AbsoluteForce: "largest force", Stop, |_| CONFIRMED,
         "The force at the grip came to its absolute limit. Check linkage and stops before going on.";
@@ -104,7 +104,7 @@ functions! {
         "The force at the grip changed faster than its limit. Look for a hard stop, a collision or a law too quick.";
     /// The column moves too fast.
     Speed: "speed", Stop, |_| CONFIRMED,
-        "The column moved faster than its limit. If nobody threw it, check law and feel in a simulation first.";
+        "The column moved faster than its limit. If no hand threw it, check law and feel in a simulation first.";
     /// The column is beyond its end stops.
     Travel: "travel", Stop, |_| CONFIRMED,
         "The column is beyond its end stops. Check the stops, and the zero of the column's sensor.";

@@ -15,6 +15,7 @@ from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
 from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.bench.excitation.waves import Wave, chirps, multisine
 from forcefeel.bench.experiments import Drive, Experiment, Loop, check_experiment
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -89,7 +90,7 @@ def excite(
         raise InputError(f"law: is the law of the whole loader, and {resolved} is of the servo alone; leave it out")
     progress("law")
     if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
-        law = Law.of(law, loader)  # designed or read once, not for each rehearsal
+        law = Law.of(bench_law(loader) if law is None else law, loader)  # designed or read once, not for each rehearsal
     limits = limits_of(loader, resolved.drive, plan.limits)
     times = timing(plan)
     progress("information of the lines")

@@ -12,6 +12,7 @@ from forcefeel._core import GainLaw
 from forcefeel.bench.channels import CHANNELS
 from forcefeel.bench.excitation.limits import KINDS, Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.record_run import driven, engine_step_s
 from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
@@ -93,7 +94,7 @@ class Bench:
             case Loop.SERVO_CLOSED:
                 return GainLaw.position_loop(self.loader.si_values)
             case Loop.LOADER:
-                return self.law
+                return bench_law(self.loader) if self.law is None else self.law
 
 
 def fit_to_limits(

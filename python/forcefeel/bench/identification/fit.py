@@ -15,7 +15,7 @@ from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.confidence import Confidence, half_widths
 from forcefeel.bench.identification.fitted_loader import fitted_loader
 from forcefeel.bench.identification.inseparable import DETERMINED, inseparable_sets
-from forcefeel.bench.identification.linear import LinearModel, model_response
+from forcefeel.bench.identification.linear import LinearModel, bench_law, model_response
 from forcefeel.bench.identification.losses import Loss
 from forcefeel.bench.identification.misfit import explained
 from forcefeel.bench.identification.observations import Observation
@@ -101,7 +101,9 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     check_bench(loader, data)
     _check_valve(loader, keys, data, as_responses=as_responses)
     if loader.drive == ELECTRIC and any(measurement.experiment.loop is Loop.LOADER for measurement in data):
-        law = Law.of(law, loader)  # designed or read once, for the loader as its file has it
+        law = Law.of(
+            bench_law(loader) if law is None else law, loader
+        )  # designed or read once, for the loader as its file has it
     used = [
         part for measurement in data for part in (_as_responses(measurement, loader) if as_responses else [measurement])
     ]

@@ -24,10 +24,10 @@ from forcefeel import _core
 from forcefeel.bench.channels import inputs, outputs
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
-from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.law import ORIGINAL, ROBUST, Law, LawLike
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.parameters import ELECTRIC, INDEX
 from forcefeel.loader.timing import controller_steps
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
@@ -149,6 +149,11 @@ def model_response(
     return responses.between(source, target, experiment.drive)[0]
 
 
+def bench_law(loader: Loader) -> str:
+    """The law under which a whole loader is recorded where the data state none: ``original``, of a motor ``robust``."""
+    return ROBUST if loader.drive == ELECTRIC else ORIGINAL
+
+
 def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     """The law of a loop as keywords of the engine.
 
@@ -157,7 +162,7 @@ def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     """
     if loop is Loop.MOTOR_OPEN:
         return {"law": _LAWS[loop]}
-    whole = Law.of(law, loader)
+    whole = Law.of(bench_law(loader) if law is None else law, loader)
     return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
 
 

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from forcefeel import _core
 from forcefeel.bench.channels import outputs
 from forcefeel.bench.experiments import Drive, Loop
-from forcefeel.bench.identification.linear import loop_law
+from forcefeel.bench.identification.linear import bench_law, loop_law
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -191,8 +191,10 @@ class RecordRun:
 
     @cached_property
     def _whole(self) -> Law | None:
-        """The law of the whole loader, if the record is of it."""
-        return Law.of(self.law, self.loader) if self.record.experiment.loop is Loop.LOADER else None
+        """The law of the whole loader, where the record is of it."""
+        if self.record.experiment.loop is not Loop.LOADER:
+            return None
+        return Law.of(bench_law(self.loader) if self.law is None else self.law, self.loader)
 
     @cached_property
     def _law(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The folder of methods that were tried: the page and the results, whole or not at all."""
+"""Folder of a comparison of laws: page and results, written completely or not at all."""
 
 from pathlib import Path
 
@@ -9,33 +9,33 @@ from forcefeel.json_values import json_text
 from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
-PAGE, RESULTS = "compensate.html", "results.json"
-"""Names in the folder."""
+PAGE, RESULTS = "law.html", "results.json"
+"""File names."""
 
-FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
-"""Checked before the work, written after it."""
+FOLDER = OutputFolder("the laws", (PAGE, RESULTS))
+"""Checked before the computation, written after it."""
 
 
 def write_choice(
     scored: LawScores, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Writes ``results.json`` and ``compensate.html``, the page last.
+    """Write ``results.json`` and ``law.html``, the page last.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
 
     Args:
-        scored: The methods.
-        choice: The choice among them; ``None`` for one method that was asked for by name.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of the law in ``results.json``, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        scored: The laws with their scores.
+        choice: The choice; ``None`` for one law requested by name.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of the law in ``results.json``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
         >>> import forcefeel as ff

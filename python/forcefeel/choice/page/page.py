@@ -1,4 +1,4 @@
-"""The page of methods that were tried: the template filled with pictures, tables and words."""
+"""Page of a comparison of laws: the template filled with plots, tables and text."""
 
 from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
@@ -14,9 +14,9 @@ from forcefeel.units import ANGLE, UnitSystem
 
 
 def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
+    """The page, with numbers in ``units``; ``choice`` is ``None`` for one law requested by name."""
     plan = scored.plan
-    shown = _shown(scored, choice)
+    displayed = _displayed(scored, choice)
     over = any(score.over for score in scored.scores)
     return render(
         "choice/page/choice.html.j2",
@@ -27,15 +27,15 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
         scored=scored,
         choice=choice,
         over=over,
-        shown=shown,
+        shown=displayed,
         shares=choice_tables.shares(scored, choice) if over else None,
         laws=choice_tables.laws(scored),
         trade_off=drawing(choice_plots.trade_off(scored, choice), "trade-off") if over else "",
         bars=drawing(choice_plots.bars(scored, units), "margins-and-noise") if _some_stable(scored) else "",
         margins=choice_tables.margins(scored),
         demands=choice_tables.demands(scored, units),
-        release=drawing(choice_plots.release(scored, shown), "release-plot"),
-        poles=choice_tables.poles(shown[0]),
+        release=drawing(choice_plots.release(scored, displayed), "release-plot"),
+        poles=choice_tables.poles(displayed[0]),
         grid=choice_tables.grid(scored, units),
         tolerances=tolerances(plan.deviations),
         least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
@@ -49,8 +49,8 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
     )
 
 
-def _shown(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
-    """The law whose release is drawn: the chosen one; all where none is chosen."""
+def _displayed(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
+    """Laws whose release is drawn: the chosen law, or all without a choice."""
     if choice is None or choice.chosen is None:
         return scored.scores
     return tuple(score for score in scored.scores if score.name == choice.chosen)

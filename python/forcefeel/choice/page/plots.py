@@ -1,4 +1,4 @@
-"""The pictures of methods that were tried: the trade-off of their shares, margins and noise as bars, the release."""
+"""Plots of a comparison of laws: nominal and worst-case shares, margins and noise as bars, the release."""
 
 from dataclasses import dataclass
 from math import degrees, isfinite
@@ -20,7 +20,7 @@ _SHOWN_PERIODS = 6
 
 
 def trade_off(scored: LawScores, choice: Choice | None) -> go.Figure:
-    """Share within tolerance in every case over the nominal one, a point for each method."""
+    """Worst-case share over nominal share, a point for each law."""
     picture = go.Figure()
     points = [(score, *_percent(score)) for score in scored.scores if score.over]
     for (score, x, y), rise in zip(points, _rises(points), strict=True):
@@ -67,18 +67,18 @@ _Point = tuple[Score, float, float]
 
 
 def _rises(points: list[_Point]) -> list[float]:
-    """How many pixels each label stands above its point, so that none lies over another even on a narrow page."""
+    """Height of each label above its point in pixels, without overlaps even on a narrow page."""
     placed: list[tuple[float, float]] = []
-    found = [0.0] * len(points)
-    for place in sorted(range(len(points)), key=lambda one: points[one][1:], reverse=True):
-        _, x, y = points[place]
+    rises = [0.0] * len(points)
+    for index in sorted(range(len(points)), key=lambda k: points[k][1:], reverse=True):
+        _, x, y = points[index]
         left = x if x < 50 else x - _WIDE
         rise = _LEAST_RISE
         while any(abs(left - other) < _WIDE and abs(y * _PIXELS + rise - top) < _LINE for other, top in placed):
             rise += _LINE
         placed.append((left, y * _PIXELS + rise))
-        found[place] = rise
-    return found
+        rises[index] = rise
+    return rises
 
 
 _LEAST_RISE, _LINE = 16.0, 16.0
@@ -93,29 +93,27 @@ _PIXELS = 3.0
 
 @dataclass(frozen=True)
 class _Row:
-    """One row of bars: a title, a value for each method, and what is asked for, if anything is."""
+    """One row of bars: title, a value for each law, and the required value, if any."""
 
     title: str
     values: list[float]
-    asked: float | None = None
+    required: float | None = None
 
 
 def bars(scored: LawScores, units: UnitSystem) -> go.Figure:
-    """Margins, noise and current of each method at the loader's own setting, a row each."""
+    """Margins, noise and current of each law at the loader's own setting, a row each."""
     rows = _rows(scored, units)
     names = [score.name for score in scored.scores]
     picture = make_subplots(rows=len(rows), cols=1, shared_xaxes=True, vertical_spacing=0.055)
-    for place, row in enumerate(rows, start=1):
+    for k, row in enumerate(rows, start=1):
         known = [value if isfinite(value) else None for value in row.values]
-        picture.add_bar(
-            x=names, y=known, marker_color=RIGID, row=place, col=1, hovertemplate="%{y:.3~g}<extra></extra>"
-        )
-        if row.asked is not None:
-            picture.add_hline(row.asked, line={"color": _MARK, "dash": "dash", "width": 1}, row=place, col=1)
+        picture.add_bar(x=names, y=known, marker_color=RIGID, row=k, col=1, hovertemplate="%{y:.3~g}<extra></extra>")
+        if row.required is not None:
+            picture.add_hline(row.required, line={"color": _MARK, "dash": "dash", "width": 1}, row=k, col=1)
     frame(picture, 118 * len(rows) + 70, top=14, hover="closest")
-    for place, row in enumerate(rows, start=1):
-        picture.update_yaxes(title_text=row.title, rangemode="tozero", nticks=4, row=place, col=1)
-        picture.update_yaxes(title_font_size=11.5, row=place, col=1)
+    for k, row in enumerate(rows, start=1):
+        picture.update_yaxes(title_text=row.title, rangemode="tozero", nticks=4, row=k, col=1)
+        picture.update_yaxes(title_font_size=11.5, row=k, col=1)
     picture.update_xaxes(ticks="", type="category")
     picture.update_layout(showlegend=False, bargap=0.45)
     return picture
@@ -141,17 +139,19 @@ def _rows(scored: LawScores, units: UnitSystem) -> list[_Row]:
     noise = [own.noise if own else None for own in stable]
     if scored.sampled:
         rows += [
-            _Row("Noise, angle,<br>0.001 deg", [1e3 * degrees(one.angle_rad) if one else np.nan for one in noise]),
+            _Row(
+                "Noise, angle,<br>0.001 deg", [1e3 * degrees(level.angle_rad) if level else np.nan for level in noise]
+            ),
             _Row(
                 f"Noise, hand,<br>{FORCE.shown(units)}",
-                [FORCE.from_si(one.force_n, units) if one else np.nan for one in noise],
+                [FORCE.from_si(level.force_n, units) if level else np.nan for level in noise],
             ),
         ]
     return rows
 
 
-def release(scored: LawScores, shown: tuple[Score, ...]) -> go.Figure:
-    """The release at the loader's own setting of each law that is stable, beside I, B and G alone."""
+def release(scored: LawScores, scores: tuple[Score, ...]) -> go.Figure:
+    """Release at the loader's own setting with each stable law, and with I, B and G alone."""
     picture = go.Figure()
     inertia, _, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
     end = _SHOWN_PERIODS * 2 * np.pi * (inertia / stiffness) ** 0.5
@@ -159,18 +159,18 @@ def release(scored: LawScores, shown: tuple[Score, ...]) -> go.Figure:
         LineStyle(COMPENSATED, "solid", 2.8),
         *(LineStyle(color, "dashdot") for color in ("#0072B2", "#D55E00", "#A8568A", "#B57A00")),
     )
-    for place, score in enumerate(one for one in shown if one.own.stable):
-        found = score.own.release
-        seen = found.time_s <= end
+    for k, score in enumerate(score for score in scores if score.own.stable):
+        released = score.own.release
+        seen = released.time_s <= end
         picture.add_scatter(
-            x=found.time_s[seen],
-            y=np.degrees(found.angle_rad[seen]),
+            x=released.time_s[seen],
+            y=np.degrees(released.angle_rad[seen]),
             mode="lines",
             name=score.name,
-            line=line(looks[place % len(looks)]),
+            line=line(looks[k % len(looks)]),
             hovertemplate="%{y:.3f}°",
         )
-    ideal = shown[0].own.release
+    ideal = scores[0].own.release
     seen = ideal.time_s <= end
     picture.add_scatter(
         x=ideal.time_s[seen],

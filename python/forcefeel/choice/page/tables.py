@@ -1,4 +1,4 @@
-"""The tables of methods that were tried: shares, margins, noise and demand, poles, the settings."""
+"""Tables of a comparison of laws: shares, margins, noise and demand, poles, settings."""
 
 from math import degrees, inf, isfinite
 
@@ -13,40 +13,40 @@ from forcefeel.page.typography import NONE, heading_text, number_text, prose_htm
 from forcefeel.units import FORCE, HERTZ, UnitSystem
 
 _MOST_HZ = 1000.0
-"""Poles above are those of sampling and delay."""
+"""Poles above this frequency belong to sampling and delay."""
 
 
 def shares(scored: LawScores, choice: Choice | None) -> Table:
-    """The shares of the settings that each method renders, and what costs most."""
+    """Shares of the settings that each law renders, and its costliest case."""
     rows = []
     for score in scored.scores:
         if score.over is None:
             continue
         taken = choice is not None and score.name == choice.chosen
-        one, lost = score.over.shares, score.over.worst_case
-        numbers = (one.worst_case_share, one.nominal_share, one.stable_worst, one.stable)
+        law_shares, lost = score.over.shares, score.over.worst_case
+        numbers = (law_shares.worst_case_share, law_shares.nominal_share, law_shares.stable_worst, law_shares.stable)
         most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
         rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
-    head = heads("Method", "Passes in every case", "Passes", "Stable in every case", "Stable")
-    return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
+    head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable")
+    return Table((*head, Cell("Largest loss comes from")), tuple(rows))
 
 
 def laws(scored: LawScores) -> Table:
-    """What each method is."""
+    """Description of each law."""
     rows = tuple((words(capital(score.name)), words(prose_html(score.summary))) for score in scored.scores)
-    return Table((Cell("Method"), Cell("What it is")), rows)
+    return Table((Cell("Law"), Cell("Description")), rows)
 
 
 def margins(scored: LawScores) -> Table:
-    """Margins at the loader's own setting, and the least of each over the corners of the grid."""
+    """Margins at the loader's own setting, and the smallest of each over the corners of the grid."""
     rows = []
     for score in scored.scores:
         rows.append((words(capital(score.name)), *_margins(score.own.margins)))
         if score.over is not None:
             rows.append((words(""), *_margins(score.over.margins, "least")))
     head = (
-        "Method",
+        "Law",
         "At",
         "Gain may fall to",
         "Gain may grow",
@@ -55,29 +55,29 @@ def margins(scored: LawScores) -> Table:
         "Disk",
         "Crossover, Hz",
     )
-    return Table((Cell(head[0]), Cell(head[1]), *(Cell(one, "number") for one in head[2:])), tuple(rows))
+    return Table((Cell(head[0]), Cell(head[1]), *(Cell(text, "number") for text in head[2:])), tuple(rows))
 
 
-def _margins(one: LoopMargins, where: str = "own setting") -> tuple[Cell, ...]:
-    if one.disk == 0:
+def _margins(margins: LoopMargins, where: str = "own setting") -> tuple[Cell, ...]:
+    if margins.disk == 0:
         return (Cell(where), number("unstable", bad=True), *(number(NONE) for _ in range(5)))
     return (
         Cell(where),
-        number("nothing" if one.gain_down == 0 else number_text(one.gain_down, 3)),
-        number("without end" if one.gain_up == inf else f"{number_text(one.gain_up, 3)} times"),
-        number(NONE if one.phase_rad == inf else number_text(degrees(one.phase_rad), 3)),
-        number(NONE if one.delay_s == inf else number_text(1e3 * one.delay_s, 3)),
-        number(number_text(one.disk, 2)),
+        number("nothing" if margins.gain_down == 0 else number_text(margins.gain_down, 3)),
+        number("unlimited" if margins.gain_up == inf else f"{number_text(margins.gain_up, 3)} times"),
+        number(NONE if margins.phase_rad == inf else number_text(degrees(margins.phase_rad), 3)),
+        number(NONE if margins.delay_s == inf else number_text(1e3 * margins.delay_s, 3)),
+        number(number_text(margins.disk, 2)),
         number(
-            number_text(HERTZ.from_si(one.crossover_rad_per_s, UnitSystem.SI), 3)
-            if isfinite(one.crossover_rad_per_s)
+            number_text(HERTZ.from_si(margins.crossover_rad_per_s, UnitSystem.SI), 3)
+            if isfinite(margins.crossover_rad_per_s)
             else NONE
         ),
     )
 
 
 def demands(scored: LawScores, system: UnitSystem) -> Table:
-    """What releases take of the drive, and what noise does."""
+    """Demand of releases on the drive, and effect of the noise."""
     rows = []
     for score in scored.scores:
         rows.append(
@@ -93,12 +93,13 @@ def demands(scored: LawScores, system: UnitSystem) -> Table:
             rows.append((words(""), Cell("largest"), *_demand(score.over.demand), *empty))
     noise = ("Noise, angle, 0.001 deg", heading_text("Noise, on a hand", FORCE, system)) if scored.sampled else ()
     head = (*(f"Peak {name}" for name in demand_shares(scored.scores[0].own.demand)), *noise)
-    return Table((Cell("Method"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
+    return Table((Cell("Law"), Cell("At"), *(Cell(text, "number") for text in head)), tuple(rows))
 
 
-def _demand(one: AnyDemand) -> tuple[Cell, ...]:
+def _demand(demand: AnyDemand) -> tuple[Cell, ...]:
     return tuple(
-        number(share_text(share) if isfinite(share) else NONE, bad=share >= 1) for share in demand_shares(one).values()
+        number(share_text(share) if isfinite(share) else NONE, bad=share >= 1)
+        for share in demand_shares(demand).values()
     )
 
 
@@ -113,7 +114,7 @@ def _noise(scored: LawScores, score: Score, system: UnitSystem) -> tuple[Cell, .
 
 
 def poles(score: Score) -> Table:
-    """The modes of the closed loop up to some frequency."""
+    """Modes of the closed loop up to ``_MOST_HZ``."""
     rows = tuple(
         _mode(mode) for mode in score.own.modes if HERTZ.from_si(mode.frequency_rad_per_s, UnitSystem.SI) <= _MOST_HZ
     )
@@ -136,6 +137,6 @@ def grid(scored: LawScores, system: UnitSystem) -> Table:
     rows = []
     for name, axis in AXES.items():
         values = getattr(scored.plan.settings, name)
-        shown = ", ".join(number_text(axis.unit.from_si(value, system), 3) for value in values)
-        rows.append((words(prose_html(capital(axis.title))), words(shown), Cell(axis.unit.shown(system))))
+        texts = ", ".join(number_text(axis.unit.from_si(value, system), 3) for value in values)
+        rows.append((words(prose_html(capital(axis.title))), words(texts), Cell(axis.unit.shown(system))))
     return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))

@@ -14,10 +14,10 @@ def beside(tried: LawComparison) -> Table:
 
 
 def _row(tried: LawComparison, law: LawResult) -> tuple[Cell, ...]:
-    place = " ".join(
+    rank = " ".join(
         text for text, holds in (("the best", law == tried.best), ("the report's", law == tried.report)) if holds
     )
-    name = Markup("<b>{}</b><br><small>{}</small>").format(law.name, place)
+    name = Markup("<b>{}</b><br><small>{}</small>").format(law.name, rank)
     return (
         Cell(name),
         words(capital(law.summary)),

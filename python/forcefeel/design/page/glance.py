@@ -12,26 +12,28 @@ from forcefeel.units import ANGLE, HERTZ, RATIO, ROTARY_STIFFNESS, Unit, UnitSys
 
 def side_by_side(design: Design, system: UnitSystem) -> Table:
     """What each configuration does at the programmed setting."""
-    loops = [one.programmed for one in design.configurations]
-    found = [loop.assessment for loop in loops]
-    wanted = programmed_angle_rad(design.loader)
+    loops = [configuration.programmed for configuration in design.configurations]
+    assessments = [loop.assessment for loop in loops]
+    programmed_rad = programmed_angle_rad(design.loader)
 
     def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
-        values = [value_text(getattr(one, attribute), unit, system) for one in found]
+        values = [value_text(getattr(assessment, attribute), unit, system) for assessment in assessments]
         return row(heading_text(name, unit, system), values, value_text(ideal, unit, system))
 
-    names = (*(one.name for one in design.configurations), "ideal feel")
+    names = (*(configuration.name for configuration in design.configurations), "ideal feel")
     rows = (
-        (words("Stable"), *(stable(one) for one in found), number("yes")),
+        (words("Stable"), *(stable(assessment) for assessment in assessments), number("yes")),
         of("Frequency of the feel", "frequency_rad_per_s", HERTZ, design.feel_frequency_rad_per_s),
         of("Its damping ratio", "damping_ratio", RATIO, design.feel_damping_ratio),
         of("Damping ratio of the least damped mode", "least_damping_ratio", RATIO),
-        of("Deflection at rest", "static_angle_rad", ANGLE, wanted),
-        row("Its error", [percent_text(one.static_error, signed=True) for one in found]),
-        row("Deviation from the ideal over 2 s", [percent_text(one.tracking_error) for one in found]),
+        of("Deflection at rest", "static_angle_rad", ANGLE, programmed_rad),
+        row("Its error", [percent_text(assessment.static_error, signed=True) for assessment in assessments]),
+        row(
+            "Deviation from the ideal over 2 s", [percent_text(assessment.tracking_error) for assessment in assessments]
+        ),
         row("Largest valve current, of its rating", [_share(loop.peaks, "current_share") for loop in loops]),
         row("Largest flow, of its rating", [_share(loop.peaks, "flow_share") for loop in loops]),
-        row(smallest(system), [edge(one.boundary, system) for one in design.configurations]),
+        row(smallest(system), [edge(configuration.boundary, system) for configuration in design.configurations]),
     )
     return Table(heads("At the programmed setting", *map(configuration, names)), rows)
 
@@ -52,10 +54,10 @@ def row(name: Text, values: list[str], ideal: str = NONE) -> tuple[Cell, ...]:
     return (words(name), *map(number, values), number(ideal))
 
 
-def stable(found: Assessment) -> Cell:
+def stable(assessment: Assessment) -> Cell:
     """Whether a loop is."""
-    return number("yes") if found.stable else number("unstable", bad=True)
+    return number("yes") if assessment.stable else number("unstable", bad=True)
 
 
-def _share(found: AnyPeaks | None, attribute: str) -> str:
-    return NONE if found is None else percent_text(getattr(found, attribute))
+def _share(peaks: AnyPeaks | None, attribute: str) -> str:
+    return NONE if peaks is None else percent_text(getattr(peaks, attribute))

@@ -39,12 +39,12 @@ STATES = (
 def gains(design: Design, system: UnitSystem) -> Table:
     """The gains that close the loop, beside those of the published horizon and of an endless one."""
     laws = (design.compensation, design.published, design.converged)
-    shown = [gains_in(system, law.gains) for law in laws]
+    gain_values = [gains_in(system, law.gains) for law in laws]
     rows = tuple(
         (
             Cell(symbol_html(symbol)),
             words(Markup("{}, {}").format(symbol_html(state), meaning)),
-            *(number(number_text(float(values[k]))) for values in shown),
+            *(number(number_text(float(values[k]))) for values in gain_values),
             Cell(unit_text(GAIN_UNITS[k].shown(system))),
         )
         for k, (symbol, (state, meaning)) in enumerate(zip(GAIN_SYMBOLS, STATES, strict=True))
@@ -63,11 +63,11 @@ def laws(design: Design, system: UnitSystem) -> Table:
 
 
 def _law(law: GainDesign, system: UnitSystem) -> tuple[Cell, ...]:
-    asked = law.settings
-    weights = ("[Q] given", "[Q] given") if asked.q is not None else (asked.position_weight, asked.r1)
-    horizon = str(law.status) if asked.horizon_s is None else quantity_text(asked.horizon_s, SECONDS, system)
-    shown = [weight if isinstance(weight, str) else number_text(weight) for weight in (*weights, asked.r2)]
-    cells = (quantity_text(asked.step_s, SECONDS, system), horizon, str(law.steps), *shown)
+    settings = law.settings
+    weights = ("[Q] given", "[Q] given") if settings.q is not None else (settings.position_weight, settings.r1)
+    horizon = str(law.status) if settings.horizon_s is None else quantity_text(settings.horizon_s, SECONDS, system)
+    weight_texts = [weight if isinstance(weight, str) else number_text(weight) for weight in (*weights, settings.r2)]
+    cells = (quantity_text(settings.step_s, SECONDS, system), horizon, str(law.steps), *weight_texts)
     return tuple(number(text) for text in (*cells, number_text(law.riccati_residual, 2)))
 
 
@@ -106,18 +106,18 @@ def _dropped(row: DroppedPaths, system: UnitSystem, *, best: bool = False) -> tu
     return (words(name), *_rendering(row.assessment, system), cost, _edge(row.boundary, system))
 
 
-def _edge(found: StabilityBoundary, system: UnitSystem) -> Cell:
-    return number(edge(found, system), bad=math.isinf(found.stiffness_n_m_per_rad))
+def _edge(boundary: StabilityBoundary, system: UnitSystem) -> Cell:
+    return number(edge(boundary, system), bad=math.isinf(boundary.stiffness_n_m_per_rad))
 
 
-def _rendering(found: Assessment, system: UnitSystem) -> tuple[Cell, ...]:
-    if not found.stable:
+def _rendering(assessment: Assessment, system: UnitSystem) -> tuple[Cell, ...]:
+    if not assessment.stable:
         return (number("unstable", bad=True), *(number(NONE) for _ in range(3)))
     return (
-        number(percent_text(found.tracking_error)),
-        number(percent_text(found.static_error, signed=True)),
-        number(quantity_text(found.frequency_rad_per_s, HERTZ, system, 3)),
-        number(quantity_text(found.least_damping_ratio, RATIO, system, 3)),
+        number(percent_text(assessment.tracking_error)),
+        number(percent_text(assessment.static_error, signed=True)),
+        number(quantity_text(assessment.frequency_rad_per_s, HERTZ, system, 3)),
+        number(quantity_text(assessment.least_damping_ratio, RATIO, system, 3)),
     )
 
 
@@ -132,7 +132,8 @@ def sensitivity(design: Design) -> Table:
         by_quantity.items(), key=lambda item: (item[0] not in GAIN_SYMBOLS, -max(map(_error, item[1].values())))
     )
     rows = tuple(
-        (_quantity(key), *(heat(found.get(change), full, largest) for change in CHANGES)) for key, found in order
+        (_quantity(key), *(heat(by_change.get(change), full, largest) for change in CHANGES))
+        for key, by_change in order
     )
     changes = map(change_text, CHANGES)
     return Table(heads("Quantity, off by", *changes), rows, "heat")

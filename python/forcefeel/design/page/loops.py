@@ -21,10 +21,12 @@ def margins(design: Design, system: UnitSystem) -> Table:
         name = Markup("{} link").format(configuration(str(servo.linkage)))
         rows.append((words("Servo, position loop"), Cell(name), *_margins(servo.margins, system, stable=stable)))
     for setting in ("programmed", "low"):
-        for one in design.configurations:
-            loop = one.low if setting == "low" else one.programmed
+        for loop_configuration in design.configurations:
+            loop = loop_configuration.low if setting == "low" else loop_configuration.programmed
             cells = _margins(loop.margins, system, stable=loop.assessment.stable)
-            rows.append((words(f"Overall loop, {setting} setting"), Cell(configuration(one.name)), *cells))
+            rows.append(
+                (words(f"Overall loop, {setting} setting"), Cell(configuration(loop_configuration.name)), *cells)
+            )
     at_phase, at_gain = (heading_text(name, HERTZ, system) for name in ("at phase −180°", "at gain 1"))
     phase = heading_text("Phase margin", ANGLE, system)
     numbers = heads("", "Gain margin", at_phase, phase, at_gain, "Closed loop")[1:]
@@ -34,14 +36,14 @@ def margins(design: Design, system: UnitSystem) -> Table:
 def boundary(design: Design, system: UnitSystem) -> Table:
     """The smallest stable stiffness of each configuration."""
     rows = []
-    for one in design.configurations:
-        share = one.boundary.stiffness_n_m_per_rad / design.loader["feel.stiffness"]
+    for loop_configuration in design.configurations:
+        share = loop_configuration.boundary.stiffness_n_m_per_rad / design.loader["feel.stiffness"]
         rows.append(
             (
-                Cell(configuration(one.name)),
-                number(edge(one.boundary, system)),
+                Cell(configuration(loop_configuration.name)),
+                number(edge(loop_configuration.boundary, system)),
                 number(percent_text(share) if share > 0 else NONE),
-                words(prose_html(one.boundary.note)),
+                words(prose_html(loop_configuration.boundary.note)),
             )
         )
     head = heads("Configuration", smallest(system), "of the programmed")
@@ -51,7 +53,11 @@ def boundary(design: Design, system: UnitSystem) -> Table:
 def modes(design: Design, system: UnitSystem, *, low: bool = False) -> Table:
     """The modes of the three configurations."""
     groups: list[tuple[Text, tuple[Mode, ...]]] = [
-        (configuration(one.name), (one.low if low else one.programmed).modes) for one in design.configurations
+        (
+            configuration(loop_configuration.name),
+            (loop_configuration.low if low else loop_configuration.programmed).modes,
+        )
+        for loop_configuration in design.configurations
     ]
     return _modes(groups, system)
 
@@ -59,9 +65,9 @@ def modes(design: Design, system: UnitSystem, *, low: bool = False) -> Table:
 def servo_modes(design: Design, system: UnitSystem) -> Table:
     """The modes of the servo, position loop open and closed."""
     groups: list[tuple[Text, tuple[Mode, ...]]] = [
-        (f"{one.linkage} link, loop {how}", found)
-        for one in design.servos
-        for how, found in (("open", one.open_modes), ("closed", one.closed_modes))
+        (f"{servo.linkage} link, loop {how}", loop_modes)
+        for servo in design.servos
+        for how, loop_modes in (("open", servo.open_modes), ("closed", servo.closed_modes))
     ]
     return _modes(groups, system)
 
@@ -69,13 +75,13 @@ def servo_modes(design: Design, system: UnitSystem) -> Table:
 def _modes(groups: list[tuple[Text, tuple[Mode, ...]]], system: UnitSystem) -> Table:
     rows = tuple(
         (
-            Cell(name if mode is found[0] else ""),
+            Cell(name if mode is loop_modes[0] else ""),
             number(pole(mode), bad=mode.real_per_s > MARGINAL_PER_S),
             number(value_text(mode.frequency_rad_per_s if moves(mode) else 0.0, HERTZ, system)),
             number(value_text(mode.damping_ratio if moves(mode) else math.nan, RATIO, system)),
         )
-        for name, found in groups
-        for mode in found
+        for name, loop_modes in groups
+        for mode in loop_modes
     )
     return Table(heads("Configuration", "Pole, 1/s", heading_text("Frequency", HERTZ, system), "Damping ratio"), rows)
 
@@ -91,13 +97,13 @@ def moves(mode: Mode) -> bool:
     return mode.frequency_rad_per_s > MARGINAL_PER_S
 
 
-def _margins(found: Margins, system: UnitSystem, *, stable: bool) -> tuple[Cell, ...]:
-    gain, phase = found.gain_margin, found.phase_margin_rad
+def _margins(margins: Margins, system: UnitSystem, *, stable: bool) -> tuple[Cell, ...]:
+    gain, phase = margins.gain_margin, margins.phase_margin_rad
     decibels = f" ({number_text(20 * math.log10(gain), 3)} dB)" if 0 < gain < math.inf else ""
     return (
         number("∞" if gain == math.inf else value_text(gain, RATIO, system) + decibels),
-        number(value_text(found.phase_crossover_rad_per_s, HERTZ, system)),
+        number(value_text(margins.phase_crossover_rad_per_s, HERTZ, system)),
         number("∞" if phase == math.inf else value_text(phase, ANGLE, system)),
-        number(value_text(found.gain_crossover_rad_per_s, HERTZ, system)),
+        number(value_text(margins.gain_crossover_rad_per_s, HERTZ, system)),
         number("stable" if stable else "unstable", bad=not stable),
     )

@@ -20,21 +20,23 @@ from forcefeel.units import ANGLE, HERTZ, INERTIA, RATIO, ROTARY_STIFFNESS, Unit
 def side_by_side(design: MotorDesign, system: UnitSystem) -> Table:
     """What the loader does by current alone and under the law, at the programmed setting."""
     loops = dict(_loops(design))
-    found = [loop.assessment for loop in loops.values()]
-    wanted = programmed_angle_rad(design.loader)
+    assessments = [loop.assessment for loop in loops.values()]
+    programmed_rad = programmed_angle_rad(design.loader)
 
     def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
-        values = [value_text(getattr(one, attribute), unit, system) for one in found]
+        values = [value_text(getattr(assessment, attribute), unit, system) for assessment in assessments]
         return row(heading_text(name, unit, system), values, value_text(ideal, unit, system))
 
     rows = (
-        (words("Stable"), *map(stable, found), number("yes")),
+        (words("Stable"), *map(stable, assessments), number("yes")),
         of("Frequency of the feel", "frequency_rad_per_s", HERTZ, design.feel_frequency_rad_per_s),
         of("Its damping ratio", "damping_ratio", RATIO, design.feel_damping_ratio),
         of("Damping ratio of the least damped mode", "least_damping_ratio", RATIO),
-        of("Deflection at rest", "static_angle_rad", ANGLE, wanted),
-        row("Its error", [_error(one.static_error) for one in found]),
-        row("Deviation from the ideal over 2 s", [percent_text(one.tracking_error) for one in found]),
+        of("Deflection at rest", "static_angle_rad", ANGLE, programmed_rad),
+        row("Its error", [_error(assessment.static_error) for assessment in assessments]),
+        row(
+            "Deviation from the ideal over 2 s", [percent_text(assessment.tracking_error) for assessment in assessments]
+        ),
         row("Largest current, of the limit", [_share(loop, "current_share") for loop in loops.values()]),
         row("Largest voltage, of the limit", [_share(loop, "voltage_share") for loop in loops.values()]),
     )
@@ -50,7 +52,10 @@ def _error(share: float) -> str:
 
 
 def _loops(design: MotorDesign, *, low: bool = False) -> tuple[tuple[str, LoopResult | LawLoop], ...]:
-    alone = ((f"{one.name} link", one.low if low else one.programmed) for one in design.configurations)
+    alone = (
+        (f"{configuration.name} link", configuration.low if low else configuration.programmed)
+        for configuration in design.configurations
+    )
     return (*alone, (under(design.law), design.low if low else design.programmed))
 
 
@@ -107,14 +112,14 @@ def margins(design: MotorDesign, system: UnitSystem) -> Table:
 
 
 def _alone(loop: LoopResult, system: UnitSystem) -> tuple[str, str, str]:
-    found = loop.margins
-    return _gain(found.gain_margin), _angle(found.phase_margin_rad, system), _delay(delay_s(found), system)
+    margins = loop.margins
+    return _gain(margins.gain_margin), _angle(margins.phase_margin_rad, system), _delay(delay_s(margins), system)
 
 
 def _law(loop: LawLoop, system: UnitSystem) -> tuple[str, str, str]:
-    found = loop.margins
-    down = f" or {number_text(found.gain_down, 2)}" if found.gain_down > 0 else ""
-    return f"{_gain(found.gain_up)}{down}", _angle(found.phase_rad, system), _delay(found.delay_s, system)
+    margins = loop.margins
+    down = f" or {number_text(margins.gain_down, 2)}" if margins.gain_down > 0 else ""
+    return f"{_gain(margins.gain_up)}{down}", _angle(margins.phase_rad, system), _delay(margins.delay_s, system)
 
 
 def _gain(value: float) -> str:
@@ -133,14 +138,14 @@ def boundary(design: MotorDesign, system: UnitSystem) -> Table:
     """The largest stable stiffness by current alone."""
     highest = design.loader["feel.maximum_stiffness"]
     rows = []
-    for one in design.configurations:
-        value = one.boundary.stiffness_n_m_per_rad
+    for link_configuration in design.configurations:
+        value = link_configuration.boundary.stiffness_n_m_per_rad
         texts = (
             "∞" if value == math.inf else value_text(value, ROTARY_STIFFNESS, system),
             NONE if value == math.inf else number_text(value / highest, 3),
         )
-        note = words(prose_html(one.boundary.note))
-        rows.append((Cell(configuration(f"{one.name} link")), *map(number, texts), note))
+        note = words(prose_html(link_configuration.boundary.note))
+        rows.append((Cell(configuration(f"{link_configuration.name} link")), *map(number, texts), note))
     head = heads("Configuration", heading_text("Largest stable stiffness", ROTARY_STIFFNESS, system), "times G_max")
     return Table((*head[:2], Cell(prose_html("times G_max"), "number"), Cell("How stability is lost")), tuple(rows))
 

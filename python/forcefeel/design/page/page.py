@@ -84,8 +84,8 @@ def _tables(design: Design, units: UnitSystem) -> dict[str, Any]:
 
 def _drawn_gains(design: Design, units: UnitSystem) -> tuple[tuple[str, str], ...]:
     """Symbol and value of the six gains that are fed back."""
-    shown = gains_in(units, design.compensation.gains[:6])
+    gain_values = gains_in(units, design.compensation.gains[:6])
     return tuple(
         (symbol, f"{number_text(float(value), 3)} {unit_text(unit.shown(units))}")
-        for symbol, value, unit in zip(GAIN_SYMBOLS, shown, GAIN_UNITS, strict=False)
+        for symbol, value, unit in zip(GAIN_SYMBOLS, gain_values, GAIN_UNITS, strict=False)
     )

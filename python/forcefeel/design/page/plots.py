@@ -85,10 +85,10 @@ def _frequency(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figu
     if figure.key in {"figure-08", "figure-10", LOOP}:
         mark_level(picture, -180.0, row=2)
     low, high = (float(frequency[end]) for end in (0, -1))
-    shown = [tick for tick in _FREQUENCY_TICKS if low * (1 - _SAME) <= tick <= high * (1 + _SAME)]
-    if len(shown) > _MOST_TICKS:
-        shown = [tick for tick in shown if np.log10(tick) % 1 == 0]
-    picture.update_xaxes(type="log", tickvals=shown, ticktext=[f"{f:g}" for f in shown])
+    ticks = [tick for tick in _FREQUENCY_TICKS if low * (1 - _SAME) <= tick <= high * (1 + _SAME)]
+    if len(ticks) > _MOST_TICKS:
+        ticks = [tick for tick in ticks if np.log10(tick) % 1 == 0]
+    picture.update_xaxes(type="log", tickvals=ticks, ticktext=[f"{f:g}" for f in ticks])
     picture.update_xaxes(tickangle=0, range=[np.log10(low), np.log10(high)], unifiedhovertitle={"text": "%{x:.3~g} Hz"})
     picture.update_xaxes(title_text="Frequency, Hz", row=2, col=1)
     picture.update_yaxes(title_text="Gain, dB", row=1, col=1)
@@ -192,8 +192,8 @@ def _cut(time: np.ndarray, values: np.ndarray, limit: float) -> tuple[np.ndarray
 
 
 def _shown(data: xr.DataArray, system: UnitSystem) -> tuple[np.ndarray, str]:
-    found = signal(data, system)
-    return (data.values * found.scale, found.unit) if found else (data.values, "")
+    axis = signal(data, system)
+    return (data.values * axis.scale, axis.unit) if axis else (data.values, "")
 
 
 def _end(figure: Figure) -> float:

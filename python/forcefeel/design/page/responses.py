@@ -24,14 +24,17 @@ def table(figure: Figure, system: UnitSystem) -> xr.Dataset:
     curves = list(figure.curves.items())
     axis = str(next(iter(curves[0][1].coords)))
     along = curves[0][1][axis]
-    shown = signal(along, system)
-    header = axis if axis in _PLAIN_AXES or shown is None else f"{shown.name} [{shown.unit}]"
+    axis_signal = signal(along, system)
+    header = axis if axis in _PLAIN_AXES or axis_signal is None else f"{axis_signal.name} [{axis_signal.unit}]"
     for label, data in curves:
         for values in data.data_vars.values():
-            found = signal(values, system)
-            if found is not None:
-                columns[f"{label}: {found.name} [{found.unit}]"] = (header, values.data * found.scale)
-    return xr.Dataset(columns, {header: along.data * (shown.scale if shown else 1.0)})
+            curve_signal = signal(values, system)
+            if curve_signal is not None:
+                columns[f"{label}: {curve_signal.name} [{curve_signal.unit}]"] = (
+                    header,
+                    values.data * curve_signal.scale,
+                )
+    return xr.Dataset(columns, {header: along.data * (axis_signal.scale if axis_signal else 1.0)})
 
 
 def csv(data: xr.Dataset) -> str:

@@ -33,14 +33,20 @@ class _Loop:
 
 
 def _loops(design: AnyDesign) -> tuple[_Loop, ...]:
-    found = tuple(
-        _Loop(one.name, CONFIGURATIONS[one.name], _SYMBOLS[one.name], one.programmed.modes, one.low.modes)
-        for one in design.configurations
+    loops = tuple(
+        _Loop(
+            configuration.name,
+            CONFIGURATIONS[configuration.name],
+            _SYMBOLS[configuration.name],
+            configuration.programmed.modes,
+            configuration.low.modes,
+        )
+        for configuration in design.configurations
     )
     if not isinstance(design, MotorDesign):
-        return found
+        return loops
     law = _Loop(under(design.law), COMPENSATED, _SYMBOLS["compensated"], design.programmed.modes, design.low.modes)
-    return (*found, law)
+    return (*loops, law)
 
 
 def whole(design: AnyDesign) -> go.Figure:
@@ -53,7 +59,9 @@ def link(design: AnyDesign) -> go.Figure:
     if isinstance(design, MotorDesign):
         return _plane(design, _up_to(design, 1.5 * design.mode(ON_THE_LINK).frequency_rad_per_s))
     fastest = 1.5 * max(
-        one.boundary.frequency_rad_per_s for one in design.configurations if one.linkage is Linkage.COMPLIANT
+        configuration.boundary.frequency_rad_per_s
+        for configuration in design.configurations
+        if configuration.linkage is Linkage.COMPLIANT
     )
     return _plane(design, _up_to(design, max(fastest, 10 * design.feel_frequency_rad_per_s)))
 
@@ -64,8 +72,8 @@ def feel(design: AnyDesign) -> go.Figure:
 
 
 def _up_to(design: AnyDesign, frequency_rad_per_s: float) -> list[Mode]:
-    found = (mode for one in _loops(design) for mode in (*one.programmed, *one.low))
-    return [mode for mode in found if mode.frequency_rad_per_s <= frequency_rad_per_s]
+    modes = (mode for loop in _loops(design) for mode in (*loop.programmed, *loop.low))
+    return [mode for mode in modes if mode.frequency_rad_per_s <= frequency_rad_per_s]
 
 
 def _plane(design: AnyDesign, seen: list[Mode], legend: int = 98) -> go.Figure:
@@ -77,8 +85,8 @@ def _plane(design: AnyDesign, seen: list[Mode], legend: int = 98) -> go.Figure:
     picture = go.Figure()
     _damping_rays(picture, left, top)
     for low in (False, True):
-        for one in _loops(design):
-            _poles(picture, one, low=low)
+        for loop in _loops(design):
+            _poles(picture, loop, low=low)
     _ideal(picture, design)
     frame(picture, 460, top=legend, hover="closest")
     picture.update_xaxes(title_text="Real part, 1/s", range=[left, right], **ZERO)
@@ -86,19 +94,19 @@ def _plane(design: AnyDesign, seen: list[Mode], legend: int = 98) -> go.Figure:
     return picture
 
 
-def _poles(picture: go.Figure, one: _Loop, *, low: bool) -> None:
-    modes = one.low if low else one.programmed
+def _poles(picture: go.Figure, loop: _Loop, *, low: bool) -> None:
+    modes = loop.low if low else loop.programmed
     marker = {
-        "symbol": "circle-open" if low else one.symbol,
+        "symbol": "circle-open" if low else loop.symbol,
         "size": 8 if low else 11,
-        "color": one.color,
-        "line": {"width": 1.6 if low else 2.4, "color": one.color},
+        "color": loop.color,
+        "line": {"width": 1.6 if low else 2.4, "color": loop.color},
     }
     picture.add_scatter(
         x=[mode.real_per_s for mode in modes],
         y=[mode.imaginary_per_s for mode in modes],
         customdata=[[mode.frequency_rad_per_s / (2 * np.pi), mode.damping_ratio] for mode in modes],
-        name=f"{one.name}, low" if low else one.name,
+        name=f"{loop.name}, low" if low else loop.name,
         mode="markers",
         marker=marker,
         hovertemplate="%{customdata[0]:.3~g} Hz, damping ratio %{customdata[1]:.2f}",

@@ -20,7 +20,9 @@ def loop_of(design: AnyDesign, figure: str, label: str) -> LoopResult | LawLoop 
     if figure in {"figure-11a", "figure-11b"}:
         original = design.configuration("rigid" if figure == "figure-11a" else "compliant")
         return {"programmed setting": original.programmed, "low setting": original.low}.get(label)
-    return next((one.programmed for one in design.configurations if one.name == label), None)
+    return next(
+        (configuration.programmed for configuration in design.configurations if configuration.name == label), None
+    )
 
 
 def is_unstable(design: AnyDesign, figure: str, label: str) -> bool:

@@ -1,4 +1,4 @@
-"""The folder of an envelope: its page, its results, its settings as a table and its maps, whole or not at all."""
+"""Folder of an envelope: page, results, table of settings and maps, written completely or not at all."""
 
 from pathlib import Path
 
@@ -12,66 +12,68 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "envelope.html", "results.json"
-"""Names in the folder, beside those of ``Files``."""
+"""File names in addition to those of ``Files``."""
 
 FOLDER = OutputFolder(
     "the envelope",
     (PAGE, RESULTS, *(name for axis in ("", *PROJECT_AXES) for name in Files.of(axis).names)),
 )
-"""Checked before the work, written after it; a loader's and a cockpit's take one another's place."""
+"""Checked before the computation, written after it; a loader's folder and a cockpit's replace each other."""
 
 
-def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
-    """Writes ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
+def write_envelope(
+    envelope: Envelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    """Write ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
 
     Args:
-        found: The envelope.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of ``envelope.nc``, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        envelope: The envelope.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of ``envelope.nc``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
-        >>> found = ff.find_envelope(ff.elevator(), ["original"], grid)
-        >>> ff.envelope.write_envelope(found, Path("envelope"), ff.UnitSystem.SI).parent.name
+        >>> envelope = ff.find_envelope(ff.elevator(), ["original"], grid)
+        >>> ff.envelope.write_envelope(envelope, Path("envelope"), ff.UnitSystem.SI).parent.name
         'envelope'
     """
     FOLDER.check(out, replace=replace)
     files = Files.of()
     contents = {
-        **_maps(found, units, files),
-        RESULTS: json_text(envelope_json(found, units)),
-        PAGE: envelope_page(found, units, files, command=command),
+        **_maps(envelope, units, files),
+        RESULTS: json_text(envelope_json(envelope, units)),
+        PAGE: envelope_page(envelope, units, files, command=command),
     }
     FOLDER.write(out, contents)
     return out / PAGE
 
 
 def write_cockpit(
-    found: CockpitEnvelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+    cockpit: CockpitEnvelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    r"""Writes the files of each axis, such as ``envelope-roll.html``, then ``results.json`` and ``envelope.html`` of the whole.
+    r"""Write the files of each axis, such as ``envelope-roll.html``, then the cockpit's ``results.json`` and ``envelope.html``.
 
     Args:
-        found: The envelope of each axis.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of the netCDF files, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the pages.
+        cockpit: The envelope of each axis.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of the netCDF files, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the pages.
 
     Returns:
-        The path of the page over the axes.
+        The path of the cockpit's page.
 
     Raises:
         InputError: As ``write_envelope``.
@@ -79,25 +81,25 @@ def write_cockpit(
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> ff.envelope.write_cockpit(found, Path("envelopes"), ff.UnitSystem.SI).name
+        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> ff.envelope.write_cockpit(cockpit, Path("envelopes"), ff.UnitSystem.SI).name
         'envelope.html'
     """
     FOLDER.check(out, replace=replace)
     contents: dict[str, str | bytes] = {}
-    for axis, one in found.axes.items():
+    for axis, envelope in cockpit.axes.items():
         files = Files.of(axis)
-        contents |= _maps(one, units, files)
-        contents[files.page] = envelope_page(one, units, files, command=command)
-    contents[RESULTS] = json_text(cockpit_json(found, units))
-    contents[PAGE] = cockpit_page(found, units, command=command)
+        contents |= _maps(envelope, units, files)
+        contents[files.page] = envelope_page(envelope, units, files, command=command)
+    contents[RESULTS] = json_text(cockpit_json(cockpit, units))
+    contents[PAGE] = cockpit_page(cockpit, units, command=command)
     FOLDER.write(out, contents)
     return out / PAGE
 
 
-def _maps(found: Envelope, units: UnitSystem, files: Files) -> dict[str, str | bytes]:
-    return {files.maps: bytes(found.data.to_netcdf(engine="scipy")), files.settings: settings_csv(found, units)}
+def _maps(envelope: Envelope, units: UnitSystem, files: Files) -> dict[str, str | bytes]:
+    return {files.maps: bytes(envelope.data.to_netcdf(engine="scipy")), files.settings: settings_csv(envelope, units)}

@@ -1,4 +1,4 @@
-"""The page of an envelope: the template filled with maps, tables and words."""
+"""Page of an envelope: the template filled with maps, tables and text."""
 
 from dataclasses import dataclass
 
@@ -18,13 +18,13 @@ from forcefeel.units import ANGLE, UnitSystem
 
 @dataclass(frozen=True)
 class Files:
-    """The names of an envelope's files, which its page links.
+    """File names of an envelope, which its page links.
 
     Attributes:
         page: The page.
         settings: The settings as a table.
         maps: Outcome and margin of each setting in each case.
-        axis: The axis that they are of; empty where there is but one loader.
+        axis: Axis of the files; empty for a single loader.
     """
 
     page: str
@@ -34,7 +34,7 @@ class Files:
 
     @classmethod
     def of(cls, axis: str = "") -> "Files":
-        """The names of an axis's files; of the only loader's if none is given."""
+        """File names of an axis, or of a single loader if ``axis`` is empty."""
         end = f"-{axis}" if axis else ""
         return cls(f"envelope{end}.html", f"settings{end}.csv", f"envelope{end}.nc", axis)
 
@@ -44,38 +44,38 @@ class Files:
         return self.page, self.settings, self.maps
 
 
-def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``; ``files`` are what it stands among."""
-    plan = found.plan
-    shares = [(name, found.shares(name)) for name in found.laws]
-    nominal, worst = setting_maps(found, worst=False), setting_maps(found, worst=True)
+def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
+    """The page, with numbers in ``units`` and links to ``files``."""
+    plan = envelope.plan
+    shares = [(name, envelope.shares(name)) for name in envelope.laws]
+    nominal, worst = setting_maps(envelope, worst=False), setting_maps(envelope, worst=True)
     return render(
         "envelope/page/envelope.html.j2",
         command=command,
         loader=plan.given,
         files=files,
         plan=plan,
-        conclusions=envelope_conclusions(found, units),
+        conclusions=envelope_conclusions(envelope, units),
         laws=shares,
-        shares=envelope_tables.shares(found),
-        allowed=envelope_tables.allowed(found) if found.forbidden.settings.any() else None,
-        angles=envelope_tables.by_angle(found, units) if found.smaller else None,
-        angles_plot=drawing(envelope_plots.by_angle(found, units), "angles") if found.smaller else None,
+        shares=envelope_tables.shares(envelope),
+        allowed=envelope_tables.allowed(envelope) if envelope.forbidden.settings.any() else None,
+        angles=envelope_tables.by_angle(envelope, units) if envelope.smaller else None,
+        angles_plot=drawing(envelope_plots.by_angle(envelope, units), "angles") if envelope.smaller else None,
         spans=spans(nominal, units),
         nominal=picture(nominal, units, worst),
         worst=picture(worst, units, nominal),
-        failures=envelope_tables.failures(found),
-        cases=envelope_tables.cases(found),
-        drawn=envelope_tables.drawn(found) if plan.machines else None,
-        counted=envelope_tables.counted(found),
+        failures=envelope_tables.failures(envelope),
+        cases=envelope_tables.cases(envelope),
+        drawn=envelope_tables.drawn(envelope) if plan.machines else None,
+        counted=envelope_tables.counted(envelope),
         tolerances=tolerances(plan.deviations),
-        smallest=envelope_tables.smallest(found, units),
-        impedance=drawing(envelope_plots.impedance(found), "impedance"),
-        passive=envelope_tables.passive(found),
-        grid=envelope_tables.grid(found, units),
-        arms=envelope_tables.arms(found),
+        smallest=envelope_tables.smallest(envelope, units),
+        impedance=drawing(envelope_plots.impedance(envelope), "impedance"),
+        passive=envelope_tables.passive(envelope),
+        grid=envelope_tables.grid(envelope, units),
+        arms=envelope_tables.arms(envelope),
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
-        releases=f"{releases(found):,}",
+        releases=f"{releases(envelope):,}",
         parameters=machine.parameters(plan.given, units),
     )
 
@@ -85,7 +85,7 @@ def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
 
     Args:
         envelope: The envelope.
-        worst: By the first failure in the first case that fails, in place of the nominal failure.
+        worst: Show the first failure in the first failing case instead of the nominal failure.
     """
     settings = envelope.plan.settings
     return SettingMaps(
@@ -98,14 +98,21 @@ def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
     )
 
 
-def cockpit_page(found: CockpitEnvelope, units: UnitSystem, *, command: str = "") -> str:
-    """The page over the axes of a cockpit, which links each axis's own."""
+def cockpit_page(cockpit: CockpitEnvelope, units: UnitSystem, *, command: str = "") -> str:
+    """The page of a cockpit, with links to the page of each axis."""
     return render(
         "envelope/page/cockpit.html.j2",
         command=command,
-        name=found.name,
-        axes={axis: (one, envelope_conclusions(one, units), Files.of(axis)) for axis, one in found.axes.items()},
-        conclusions=cockpit_conclusions(found),
-        table_of_axes=envelope_tables.axes(found, {axis: Files.of(axis).page for axis in found.axes}),
-        rules=list(dict.fromkeys(f"{one.plan.rules.title}, {one.plan.rules.edition}" for one in found.axes.values())),
+        name=cockpit.name,
+        axes={
+            axis: (envelope, envelope_conclusions(envelope, units), Files.of(axis))
+            for axis, envelope in cockpit.axes.items()
+        },
+        conclusions=cockpit_conclusions(cockpit),
+        table_of_axes=envelope_tables.axes(cockpit, {axis: Files.of(axis).page for axis in cockpit.axes}),
+        rules=list(
+            dict.fromkeys(
+                f"{envelope.plan.rules.title}, {envelope.plan.rules.edition}" for envelope in cockpit.axes.values()
+            )
+        ),
     )

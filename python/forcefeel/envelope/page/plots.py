@@ -1,4 +1,4 @@
-"""The curves of an envelope: the share over the release's angle, the impedance at the grip over frequency."""
+"""Curves of an envelope: share over release angle, and impedance at the grip over frequency."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -19,18 +19,20 @@ _LOOKS = {
 }
 
 
-def _law_looks(found: Envelope) -> dict[str, LineStyle]:
-    others = iter(_OTHERS * len(found.laws))
-    return {name: _LOOKS.get(name) or LineStyle(next(others), "dashdot") for name in found.laws}
+def _law_looks(envelope: Envelope) -> dict[str, LineStyle]:
+    others = iter(_OTHERS * len(envelope.laws))
+    return {name: _LOOKS.get(name) or LineStyle(next(others), "dashdot") for name in envelope.laws}
 
 
-def by_angle(found: Envelope, units: UnitSystem) -> go.Figure:
-    """Share that passes with the nominal plant over the angle of the release."""
-    picture, points = go.Figure(), found.by_angle
-    angles = [ANGLE.from_si(one.release_rad, units) for one in points]
-    shown = {name: ([100 * one.passes[name] for one in points], each) for name, each in _law_looks(found).items()}
-    shown["allowed by drive and sensors"] = [100 * one.allowed for one in points], LineStyle(IDEAL, "dot")
-    for name, (shares, each) in shown.items():
+def by_angle(envelope: Envelope, units: UnitSystem) -> go.Figure:
+    """Share that passes with the nominal plant over the release angle."""
+    picture, points = go.Figure(), envelope.by_angle
+    angles = [ANGLE.from_si(point.release_rad, units) for point in points]
+    curves = {
+        name: ([100 * point.passes[name] for point in points], each) for name, each in _law_looks(envelope).items()
+    }
+    curves["allowed by drive and sensors"] = [100 * point.allowed for point in points], LineStyle(IDEAL, "dot")
+    for name, (shares, each) in curves.items():
         picture.add_scatter(
             x=angles, y=shares, mode="lines+markers", name=name, line=line(each), hovertemplate="%{y:.1f} %"
         )
@@ -46,11 +48,11 @@ def by_angle(found: Envelope, units: UnitSystem) -> go.Figure:
     return picture
 
 
-def impedance(found: Envelope) -> go.Figure:
-    """Phase of the impedance at the grip at the loader's own setting; beyond 90 deg the grip gives energy to the hand."""
+def impedance(envelope: Envelope) -> go.Figure:
+    """Phase of the grip impedance at the loader's own setting; beyond 90 deg the grip feeds energy into the hand."""
     picture = go.Figure()
-    for name, look in _law_looks(found).items():
-        grip = found.passivity[name]
+    for name, look in _law_looks(envelope).items():
+        grip = envelope.passivity[name]
         picture.add_scatter(
             x=grip.frequency_hz,
             y=grip.phase_deg,
@@ -61,7 +63,7 @@ def impedance(found: Envelope) -> go.Figure:
         )
     picture.add_scatter(
         x=grip.frequency_hz,
-        y=_ideal_phase(found, grip.frequency_hz),
+        y=_ideal_phase(envelope, grip.frequency_hz),
         mode="lines",
         name="I, B, G alone",
         line=line(LineStyle(IDEAL, "dot")),
@@ -84,8 +86,8 @@ def impedance(found: Envelope) -> go.Figure:
     return picture
 
 
-def _ideal_phase(found: Envelope, frequency_hz: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of ``Z = I s + B + G / s``, but for the lever arm, which turns nothing."""
-    inertia, damping, stiffness = (found.plan.given[key] for key in FEEL_SETTING)
+def _ideal_phase(envelope: Envelope, frequency_hz: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Phase of ``Z = I s + B + G / s``; the lever arm does not change it."""
+    inertia, damping, stiffness = (envelope.plan.given[key] for key in FEEL_SETTING)
     s = 2j * np.pi * frequency_hz
     return np.asarray(np.degrees(np.angle(inertia * s + damping + stiffness / s)))

@@ -1,4 +1,4 @@
-"""The tables of an envelope: one number each, what fails, what each case costs, what can be rendered, passivity."""
+"""Tables of an envelope: shares, failures, loss in each case, smallest feel, passivity."""
 
 from collections.abc import Mapping
 from math import isfinite
@@ -27,44 +27,45 @@ from forcefeel.units import ANGLE, HERTZ, INERTIA, UnitSystem
 _BAD = (240, 140, 60)
 
 
-def shares(found: Envelope) -> Table:
-    """One number each."""
+def shares(envelope: Envelope) -> Table:
+    """Shares of all settings for each law."""
     rows = []
-    for name in found.laws:
-        one = found.shares(name)
-        numbers = (one.stable, one.nominal_share, one.stable_worst, one.worst_case_share)
+    for name in envelope.laws:
+        law_shares = envelope.shares(name)
+        numbers = (law_shares.stable, law_shares.nominal_share, law_shares.stable_worst, law_shares.worst_case_share)
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Stable", "Passes", "Stable in every case", "Passes in every case")
     return Table(heads(*head), tuple(rows))
 
 
-def allowed(found: Envelope) -> Table:
-    """The shares of the settings that no limit forbids to every law."""
+def allowed(envelope: Envelope) -> Table:
+    """Shares of the settings that no limit forbids to every law."""
     rows = []
-    for name in found.laws:
-        one = found.allowed_shares(name)
+    for name in envelope.laws:
+        law_shares = envelope.allowed_shares(name)
         numbers = (
-            share_text(share) if isfinite(share) else NONE for share in (one.nominal_share, one.worst_case_share)
+            share_text(share) if isfinite(share) else NONE
+            for share in (law_shares.nominal_share, law_shares.worst_case_share)
         )
-        rows.append((words(capital(name)), number(f"{one.settings:,}"), *map(number, numbers)))
+        rows.append((words(capital(name)), number(f"{law_shares.settings:,}"), *map(number, numbers)))
     return Table(heads("Law", "Settings allowed", "Of these passes", "Of these in every case"), tuple(rows))
 
 
-def by_angle(found: Envelope, system: UnitSystem) -> Table:
-    """The nominal shares over the release's angle."""
+def by_angle(envelope: Envelope, system: UnitSystem) -> Table:
+    """Nominal shares over the release angle."""
     rows = [
         (
-            number(quantity_text(one.release_rad, ANGLE, system, 3)),
-            number(share_text(one.allowed)),
-            *(number(share_text(share)) for share in one.passes.values()),
+            number(quantity_text(point.release_rad, ANGLE, system, 3)),
+            number(share_text(point.allowed)),
+            *(number(share_text(share)) for share in point.passes.values()),
         )
-        for one in found.by_angle
+        for point in envelope.by_angle
     ]
-    head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in found.laws))
+    head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in envelope.laws))
     return Table(tuple(Cell(text, "number") for text in head), tuple(rows))
 
 
-def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
+def axes(cockpit: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
     """A row for each axis and law of a cockpit; ``pages`` has the page of each axis."""
     rows = tuple(
         (
@@ -76,7 +77,7 @@ def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
             words(row.loader),
             words(row.drive),
         )
-        for row in found.rows
+        for row in cockpit.rows
     )
     shares = heads("", *map(capital, SHARES))[1:]
     head = (
@@ -84,19 +85,19 @@ def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
         Cell("Law"),
         Cell("Released from", "number"),
         *shares,
-        *map(Cell, ("Most is lost with", "Loader", "Drive")),
+        *map(Cell, ("Largest loss comes from", "Loader", "Drive")),
     )
     return Table(head, rows)
 
 
-def drawn(found: Envelope) -> Table:
-    """One number each, on machines with all tolerances at once."""
+def drawn(envelope: Envelope) -> Table:
+    """Shares for each law on machines with all tolerances at once."""
     rows = []
-    for name in found.laws:
-        one = found.drawn_shares(name)
-        sure = interval_text(one.good_low, one.good_high)
-        good = f"{share_text(one.good)} ({sure})"
-        numbers = (share_text(one.settings), good, share_text(one.passes), share_text(one.least))
+    for name in envelope.laws:
+        law_shares = envelope.drawn_shares(name)
+        sure = interval_text(law_shares.good_low, law_shares.good_high)
+        good = f"{share_text(law_shares.good)} ({sure})"
+        numbers = (share_text(law_shares.settings), good, share_text(law_shares.passes), share_text(law_shares.least))
         rows.append((words(capital(name)), *map(number, numbers)))
     most = share_text(MOST)
     head = (
@@ -109,40 +110,40 @@ def drawn(found: Envelope) -> Table:
     return Table(heads(*head), tuple(rows))
 
 
-def counted(found: Envelope) -> Table:
-    """The shares by two weights of the grid's points."""
+def counted(envelope: Envelope) -> Table:
+    """Shares with two weights of the grid points."""
     rows = []
-    for name in found.laws:
-        one, even = found.shares(name), found.even_shares(name)
-        numbers = (one.nominal_share, even.nominal_share, one.worst_case_share, even.worst_case_share)
+    for name in envelope.laws:
+        points, even = envelope.shares(name), envelope.even_shares(name)
+        numbers = (points.nominal_share, even.nominal_share, points.worst_case_share, even.worst_case_share)
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Passes: by points", "in proportion", "In every case: by points", "in proportion")
     return Table(heads(*head), tuple(rows))
 
 
-def failures(found: Envelope) -> Table:
-    """What fails first with the nominal plant, as shares of all settings."""
-    shown = {name: found.failure_shares(name) for name in found.laws}
-    kinds = [kind for kind in Failure if any(row[kind] for row in shown.values())]
+def failures(envelope: Envelope) -> Table:
+    """First failures with the nominal plant, as shares of all settings."""
+    by_law = {name: envelope.failure_shares(name) for name in envelope.laws}
+    kinds = [kind for kind in Failure if any(row[kind] for row in by_law.values())]
     rows = [
-        (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in shown.values()))
+        (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in by_law.values()))
         for kind in kinds
     ]
-    return Table(heads("What fails first", *(capital(name) for name in shown)), tuple(rows))
+    return Table(heads("First failure", *(capital(name) for name in by_law)), tuple(rows))
 
 
-def cases(found: Envelope) -> Table:
-    """What each case leaves: settings within tolerance, and of those that are nominally, the share that is lost."""
-    shown = [found.case_shares(name) for name in found.laws]
+def cases(envelope: Envelope) -> Table:
+    """Settings within tolerance in each case, and the share of nominal passes that is lost."""
+    by_law = [envelope.case_shares(name) for name in envelope.laws]
     rows = []
-    for place, case in enumerate(found.plan.cases):
+    for k, case in enumerate(envelope.plan.cases):
         cells = []
-        for column in shown:
-            one = column[place]
-            share = 0.0 if not isfinite(one.lost) else one.lost
-            cells += [number(share_text(one.stable)), number(share_text(one.passes))]
-            known = isfinite(one.lost) and case.kind is not Kind.NOMINAL
-            cells.append(Cell(share_text(one.lost) if known else NONE, "number", _heat(share)))
+        for column in by_law:
+            case_shares = column[k]
+            share = 0.0 if not isfinite(case_shares.lost) else case_shares.lost
+            cells += [number(share_text(case_shares.stable)), number(share_text(case_shares.passes))]
+            known = isfinite(case_shares.lost) and case.kind is not Kind.NOMINAL
+            cells.append(Cell(share_text(case_shares.lost) if known else NONE, "number", _heat(share)))
         if case.kind is Kind.PLANT:
             change = f"{'+' if case.change > 0 else '−'}{number_text(100 * abs(case.change), 3)}\N{NO-BREAK SPACE}%"
             named = words(parameter_name(case.parameter) + f" {change}")
@@ -150,27 +151,27 @@ def cases(found: Envelope) -> Table:
             named = words(capital(case.name) + ("" if case.verified else " (not verified)"))
         rows.append((named, *cells))
     head = [Cell("Case")]
-    for name in found.laws:
-        head += [Cell(f"{capital(name)}: {what}", "number") for what in ("stable", "passes", "lost")]
+    for name in envelope.laws:
+        head += [Cell(f"{capital(name)}: {figure}", "number") for figure in ("stable", "passes", "lost")]
     return Table(tuple(head), tuple(rows))
 
 
-def smallest(found: Envelope, system: UnitSystem) -> Table:
+def smallest(envelope: Envelope, system: UnitSystem) -> Table:
     """Smallest inertia and stiffness."""
     stiffness = unit(TABLE["feel.stiffness"])
     rows = []
-    for name in found.laws:
+    for name in envelope.laws:
         for worst in (False, True):
-            one = found.smallest(name, worst=worst)
-            known = isfinite(one.inertia_n_m_s2_per_rad)
+            edge = envelope.smallest(name, worst=worst)
+            known = isfinite(edge.inertia_n_m_s2_per_rad)
             rows.append(
                 (
                     words(f"{capital(name)}, {'in every case' if worst else 'nominally'}"),
-                    number(value_text(one.inertia_n_m_s2_per_rad, INERTIA, system)),
-                    number(number_text(one.inertia_share, 3) if known else NONE),
-                    number(value_text(one.stiffness_n_m_per_rad, stiffness, system)),
-                    number(share_text(one.stiffness_share) if known else NONE),
-                    number(value_text(one.frequency_rad_per_s, HERTZ, system)),
+                    number(value_text(edge.inertia_n_m_s2_per_rad, INERTIA, system)),
+                    number(number_text(edge.inertia_share, 3) if known else NONE),
+                    number(value_text(edge.stiffness_n_m_per_rad, stiffness, system)),
+                    number(share_text(edge.stiffness_share) if known else NONE),
+                    number(value_text(edge.frequency_rad_per_s, HERTZ, system)),
                 )
             )
     head = (
@@ -184,11 +185,11 @@ def smallest(found: Envelope, system: UnitSystem) -> Table:
     return Table(heads(*head), tuple(rows))
 
 
-def passive(found: Envelope) -> Table:
-    """Where the grip is not passive."""
+def passive(envelope: Envelope) -> Table:
+    """Frequency bands in which the grip is not passive."""
     rows = []
-    for name in found.laws:
-        grip = found.passivity[name]
+    for name in envelope.laws:
+        grip = envelope.passivity[name]
         bands = ", ".join(f"{number_text(low, 3)} to {number_text(high, 3)}" for low, high in grip.bands_hz)
         state = (bands or f"none up to {number_text(HIGHEST_HZ)}") if grip.stable else "unstable"
         rows.append(
@@ -203,11 +204,11 @@ def passive(found: Envelope) -> Table:
     return Table(heads("Law", "Not passive, Hz, at the loader's setting", "Settings passive", below), tuple(rows))
 
 
-def grid(found: Envelope, system: UnitSystem) -> Table:
+def grid(envelope: Envelope, system: UnitSystem) -> Table:
     """The settings."""
     rows = []
     for name, axis in AXES.items():
-        values = getattr(found.plan.settings, name)
+        values = getattr(envelope.plan.settings, name)
         ends = (number(number_text(axis.unit.from_si(value, system), 3)) for value in (values[0], values[-1]))
         rows.append(
             (words(prose_html(capital(axis.title))), *ends, Cell(axis.unit.shown(system)), number(str(len(values))))
@@ -216,7 +217,7 @@ def grid(found: Envelope, system: UnitSystem) -> Table:
     return Table(head, tuple(rows))
 
 
-def arms(found: Envelope) -> Table:
+def arms(envelope: Envelope) -> Table:
     """The arms at the grip."""
     rows = [
         (
@@ -224,14 +225,14 @@ def arms(found: Envelope) -> Table:
             *(number(number_text(value)) for value in case.arm.values),
             Cell("yes" if case.verified else "no", "" if case.verified else "bad"),
         )
-        for case in found.plan.cases
+        for case in envelope.plan.cases
         if case.arm
     ]
     return Table((*heads("Arm", "Mass, kg", "Damper, N s/m", "Spring, N/m"), Cell("Verified")), tuple(rows))
 
 
 def _heat(share: float) -> str:
-    """The more is lost, the darker."""
+    """Cell color: darker for a larger loss."""
     if share <= 0:
         return ""
     mixed = (round(255 + share**0.5 * (channel - 255)) for channel in _BAD)

@@ -1,4 +1,4 @@
-"""The table of how far each parameter may be off, and who says so, for every page that has cases."""
+"""Table of the parameters' tolerances and their sources, shared by all pages with cases."""
 
 from collections.abc import Mapping
 
@@ -18,14 +18,14 @@ _SPREAD = {
 
 
 def tolerances(deviations: Mapping[str, Deviation]) -> Table:
-    """A row for each parameter; what is assumed stands out."""
+    """A row for each parameter; assumed tolerances are highlighted."""
     rows = tuple(
         (
             words(parameter_name(key)),
-            Cell(ends_text(one).replace("-", _MINUS), "number"),
-            words(_SPREAD[one.spread.distribution]),
-            words(str(one.origin), bad=one.origin is Origin.ASSUMED),
+            Cell(ends_text(deviation).replace("-", _MINUS), "number"),
+            words(_SPREAD[deviation.spread.distribution]),
+            words(str(deviation.origin), bad=deviation.origin is Origin.ASSUMED),
         )
-        for key, one in deviations.items()
+        for key, deviation in deviations.items()
     )
     return Table((Cell("Parameter"), Cell("Off by", "number"), Cell("Distribution"), Cell("Stated by")), rows)

@@ -1,4 +1,4 @@
-"""The curves of a flight schedule: how fast its slowest swing dies, and its gains, over each axis."""
+"""Curves of a flight schedule over each axis: decay rate of its slowest oscillation, and its gains."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -23,27 +23,27 @@ _SIGNALS = (
     ("feel's angle", ("/rad", "/rad", "/rad"), LineStyle(COMPENSATED)),
     ("feel's rate", (" s/rad", " s/rad", " s/rad"), LineStyle("#A8568A", "dot")),
 )
-"""What the command is made of, in the law's order, beside the observer's state, and what its gain is in per volt or ampere."""
+"""Inputs of the command in the law's order, without the observer's state, and units of their gains per volt or ampere."""
 
 
-def poles(found: ScheduleCheck) -> go.Figure:
+def poles(check: ScheduleCheck) -> go.Figure:
     """Decay rate of the critical pole over each axis: the nominal plant, the worst case, and the programmed feel alone."""
-    schedule = found.schedule
+    schedule = check.schedule
     picture = _panels(schedule)
-    decay = found.poles.decay
-    feel, _ = schedule.between(found.where)
+    decay = check.poles.decay
+    feel, _ = schedule.between(check.where)
     curves = (
         ("nominal plant", decay[0], LineStyle(COMPENSATED, "solid", 2.6)),
         ("worst case", _least(decay), LineStyle(COMPLIANT)),
         ("I, B, G alone", _ideal_decay(feel), LineStyle(IDEAL, "dot")),
     )
     for row, axis in enumerate(schedule.axes):
-        x = axis.refined(found.refine)
+        x = axis.refined(check.refine)
         for name, values, look in curves:
-            y = _least_over_others(found, values, row)
+            y = _least_over_others(check, values, row)
             _curve(picture, row, name, (x, y), look, "%{y:.3~g} 1/s")
             if name != "I, B, G alone":
-                at = np.arange(len(x)) % found.refine == 0
+                at = np.arange(len(x)) % check.refine == 0
                 _marks(picture, row, x[at], y[at], look)
         _axis(picture, row, axis)
         picture.update_yaxes(title_text="Decay rate, 1/s", rangemode="tozero", row=row + 1, col=1, **ZERO)
@@ -51,7 +51,7 @@ def poles(found: ScheduleCheck) -> go.Figure:
 
 
 def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure:
-    """The command's gain on each signal over each axis, the other axes at their middle knot; shares of the largest."""
+    """Gain of the command on each signal over each axis, the other axes at their middle knot; as shares of the largest."""
     picture, of = _panels(schedule), "A" if schedule.loader.drive == ELECTRIC else "V"
     middle = [[axis.values[len(axis.values) // 2]] for axis in schedule.axes]
     for row, axis in enumerate(schedule.axes):
@@ -63,9 +63,9 @@ def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure
             largest = float(np.abs(values).max())
             if largest == 0:
                 continue
-            shown = f"{number_text(measured_in.from_si(largest, units), 4)} {unit_text(measured_in.shown(units))}"
-            label = name if len(schedule.axes) > 1 else f"{name}, of {shown}"
-            _curve(picture, row, label, (along, values / largest), look, f"%{{y:.3f}} of {shown}")
+            text = f"{number_text(measured_in.from_si(largest, units), 4)} {unit_text(measured_in.shown(units))}"
+            label = name if len(schedule.axes) > 1 else f"{name}, of {text}"
+            _curve(picture, row, label, (along, values / largest), look, f"%{{y:.3f}} of {text}")
             at = np.arange(len(along)) % refine == 0
             _marks(picture, row, along[at], values[at] / largest, look)
         _axis(picture, row, axis)
@@ -125,19 +125,19 @@ def _axis(picture: go.Figure, row: int, axis: ScheduleAxis) -> None:
 
 
 def _ideal_decay(feel: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``zeta w`` of each feel; not a number where it does not swing."""
+    """``zeta w`` of each feel; NaN for an overdamped feel."""
     frequency, damping = _core.feel_frequencies(feel)
     return np.where(damping < 1, damping * frequency, np.nan)
 
 
 def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Least of all cases; not a number where none has one."""
+    """Smallest value of all cases; NaN if all are NaN."""
     least = np.where(np.isnan(values), np.inf, values).min(axis=0)
     return np.where(np.isinf(least) & (least > 0), np.nan, least)
 
 
-def _least_over_others(found: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
-    """Along one axis, the least at any place of the others."""
-    shape = [(len(axis.values) - 1) * found.refine + 1 for axis in found.schedule.axes]
+def _least_over_others(check: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
+    """Smallest value along one axis over all points of the others."""
+    shape = [(len(axis.values) - 1) * check.refine + 1 for axis in check.schedule.axes]
     along = np.moveaxis(values.reshape(shape), kept, -1).reshape(-1, shape[kept])
     return _least(along)

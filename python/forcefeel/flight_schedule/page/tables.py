@@ -1,4 +1,4 @@
-"""The tables of a flight schedule: what was checked, the knots, the places in the middle between them, margins."""
+"""Tables of a flight schedule: checked parts, knots, middles between knots, margins."""
 
 from math import isfinite
 
@@ -13,13 +13,13 @@ from forcefeel.page.typography import NONE, heading_text, number_text, prose_htm
 from forcefeel.units import UnitSystem
 
 MOST_ROWS = 100
-"""Knots, and places between them, in a table; the files have all."""
+"""Largest number of rows in a table; the files contain all."""
 
 
-def parts(found: ScheduleCheck) -> Table:
-    """What was checked, and where it is nearest to the edge."""
+def parts(check: ScheduleCheck) -> Table:
+    """Checked parts, and the loop closest to instability in each."""
     rows = []
-    for part in found.parts:
+    for part in check.parts:
         rows.append(
             (
                 words(f"{part.part[:1].upper()}{part.part[1:]}"),
@@ -40,20 +40,23 @@ def parts(found: ScheduleCheck) -> Table:
     return Table(head, tuple(rows))
 
 
-def knots(found: ScheduleCheck, units: UnitSystem) -> Table:
-    """Every knot: its feel, its poles, its release."""
-    schedule = found.schedule
+def knots(check: ScheduleCheck, units: UnitSystem) -> Table:
+    """Feel, poles and release of every knot."""
+    schedule = check.schedule
     frequency, damping = _core.feel_frequencies(schedule.rows)
-    critical, outcomes = found.poles.critical[:, found.knot], [one.outcome for one in found.releases if one.knot]
+    critical, outcomes = (
+        check.poles.critical[:, check.knot],
+        [release.outcome for release in check.releases if release.knot],
+    )
     rows = []
     for k in range(min(schedule.knots, MOST_ROWS)):
-        place = [number(number_text(value)) for value in schedule.where[k]]
+        point = [number(number_text(value)) for value in schedule.where[k]]
         feel = zip(schedule.rows[k], FEEL_UNITS, strict=True)
         rows.append(
             (
-                Cell(place[0].text),
-                *place[1:],
-                *(number(value_text(float(value), one, units)) for value, one in feel),
+                Cell(point[0].text),
+                *point[1:],
+                *(number(value_text(float(value), feel_unit, units)) for value, feel_unit in feel),
                 number(number_text(float(frequency[k]) / (2 * np.pi), 3)),
                 number(number_text(float(damping[k]), 3)),
                 words(outcomes[k], bad=outcomes[k] != "passes"),
@@ -62,36 +65,43 @@ def knots(found: ScheduleCheck, units: UnitSystem) -> Table:
             )
         )
     names = [_axis_head(schedule, k) for k in range(len(schedule.axes))]
-    names += [heading_text(symbol, one, units) for symbol, one in zip("IBG", FEEL_UNITS, strict=True)]
+    names += [heading_text(symbol, feel_unit, units) for symbol, feel_unit in zip("IBG", FEEL_UNITS, strict=True)]
     names += ["Frequency, Hz", "Damping ratio"]
     poles = (Cell(name, "number") for name in ("Pole, nominal", "Pole, worst case"))
     return Table((*heads(*names), Cell("Release"), *poles), tuple(rows))
 
 
-def middle(found: ScheduleCheck) -> Table:
-    """The release in the middle between knots, by the interpolated law and by one of its own: what fails, then the others."""
-    places = sorted((one for one in found.releases if not one.knot), key=lambda one: (one.passes, not one.lost))
+def middle(check: ScheduleCheck) -> Table:
+    """Releases in the middle between knots, with the interpolated law and with a law designed for the point; failures first."""
+    places = sorted(
+        (release for release in check.releases if not release.knot),
+        key=lambda release: (release.passes, not release.lost),
+    )
     rows = [
-        (words(prose_html(one.place)), words(one.outcome, bad=not one.passes), words(one.designed, bad=one.lost))
-        for one in places[:MOST_ROWS]
+        (
+            words(prose_html(release.place)),
+            words(release.outcome, bad=not release.passes),
+            words(release.designed, bad=release.lost),
+        )
+        for release in places[:MOST_ROWS]
     ]
     return Table((Cell("Place"), Cell("Interpolated law"), Cell("Law of its own")), tuple(rows))
 
 
-def margins(found: ScheduleCheck) -> Table:
+def margins(check: ScheduleCheck) -> Table:
     """Margins on the nominal plant."""
     rows = []
-    for one in found.margins:
-        found_here = one.margins
-        crossover = found_here.crossover_rad_per_s / (2 * np.pi)
+    for margin in check.margins:
+        loop = margin.margins
+        crossover = loop.crossover_rad_per_s / (2 * np.pi)
         rows.append(
             (
-                words(prose_html(one.place)),
-                number(number_text(found_here.gain_up, 3)),
-                number(number_text(found_here.gain_down, 3)),
-                number(number_text(float(np.degrees(found_here.phase_rad)), 3)),
-                number(number_text(1e3 * found_here.delay_s, 3)),
-                number(number_text(found_here.disk, 3)),
+                words(prose_html(margin.place)),
+                number(number_text(loop.gain_up, 3)),
+                number(number_text(loop.gain_down, 3)),
+                number(number_text(float(np.degrees(loop.phase_rad)), 3)),
+                number(number_text(1e3 * loop.delay_s, 3)),
+                number(number_text(loop.disk, 3)),
                 number(number_text(crossover, 3) if isfinite(crossover) else NONE),
             )
         )

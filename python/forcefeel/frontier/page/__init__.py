@@ -1,1 +1,1 @@
-"""The folder and the page of what this wing computes."""
+"""Folder and page of a frontier."""

@@ -1,4 +1,4 @@
-"""The folder of a frontier: its page and its results, whole or not at all."""
+"""Folder of a frontier: page and results, written completely or not at all."""
 
 from pathlib import Path
 
@@ -10,17 +10,19 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "frontier.html", "results.json"
-"""Names in the folder."""
+"""File names."""
 
 FOLDER = OutputFolder("the frontier", (PAGE, RESULTS))
-"""Checked before the work, written after it."""
+"""Checked before the computation, written after it."""
 
 
-def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
-    """Writes ``results.json`` and ``frontier.html``, the page last; other files in the folder are left alone.
+def write_frontier(
+    frontier: Frontier, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    """Write ``results.json`` and ``frontier.html``, the page last; other files in the folder are not touched.
 
     Args:
-        found: The frontier.
+        frontier: The frontier.
         out: The folder; made if it is not there.
         units: The units of every number.
         replace: Whether the new files may take the place of others.
@@ -36,11 +38,11 @@ def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bo
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> ff.frontier.write_frontier(found, Path("frontier"), ff.UnitSystem.SI).parent.name
+        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> ff.frontier.write_frontier(frontier, Path("frontier"), ff.UnitSystem.SI).parent.name
         'frontier'
     """
     FOLDER.check(out, replace=replace)
-    results = json_text(frontier_json(found, units))
-    FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units, command=command)})
+    results = json_text(frontier_json(frontier, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(frontier, units, command=command)})
     return out / PAGE

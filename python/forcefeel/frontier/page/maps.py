@@ -1,6 +1,6 @@
-"""The maps of a frontier: a panel for each damping ratio, a cell for each setting, coloured by what limits it.
+"""Maps of a frontier: a panel for each damping ratio and a cell for each setting, colored by its limit.
 
-Stiffness runs to the right, natural frequency up; cells are of one size, whatever lies between the values of the grid.
+Stiffness runs to the right, natural frequency up; all cells have the same size, whatever the spacing of the grid.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
 
 CELL = 24, 16
-"""Width and height of a cell, in the drawing's own units."""
+"""Width and height of a cell, in units of the drawing."""
 
 COLORS = {
     Limit.NONE: "#009E73",
@@ -26,14 +26,14 @@ COLORS = {
     Limit.NOMINAL: "#2B2B2B",
     Limit.LAW: "#E6B800",
 }
-"""Okabe and Ito's hues, which the colour-blind can tell apart; light and dark differ too."""
+"""Okabe and Ito's hues for color blindness; lightness differs too."""
 
 _MOST_PANELS = 8
 
 
 @dataclass(frozen=True)
 class Panel:
-    """The map of one damping ratio.
+    """Map of one damping ratio.
 
     Attributes:
         title: The damping ratio.
@@ -48,42 +48,42 @@ class Panel:
     frequency: Markup
 
 
-def panels(found: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
-    """The maps by damping ratio; of more than eight, eight evenly spread."""
-    settings = found.plan.settings
+def panels(frontier: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
+    """Maps by damping ratio; at most eight, evenly spread."""
+    settings = frontier.plan.settings
     damping = settings.damping
     percent = [number_text(100 * value, 3) for value in settings.stiffness]
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency]
     numbers = (marks("x", _middles(percent), percent, "%"), marks("y", _middles(hertz), hertz, "Hz"))
-    shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
-    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found, k), *numbers) for k in map(int, shown))
+    rows = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
+    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(frontier, k), *numbers) for k in map(int, rows))
 
 
 def _middles(values: Sequence[str]) -> list[float]:
-    """Where the middles of so many cells of one size lie."""
+    """Relative positions of the centers of equal cells."""
     return [(k + 0.5) / len(values) for k in range(len(values))]
 
 
-def legend(found: Frontier) -> tuple[tuple[str, str, str], ...]:
-    """Name, colour and share of what is in the maps."""
+def legend(frontier: Frontier) -> tuple[tuple[str, str, str], ...]:
+    """Name, color and share of each limit in the maps."""
     return tuple(
-        (found.text(limit), COLORS[limit], share_text(share))
-        for limit, share in found.limit_shares.items()
+        (frontier.text(limit), COLORS[limit], share_text(share))
+        for limit, share in frontier.limit_shares.items()
         if share > 0
     )
 
 
-def spans(found: Frontier, units: UnitSystem) -> dict[str, str]:
-    """From where to where the axes run."""
-    settings = found.plan.settings
+def spans(frontier: Frontier, units: UnitSystem) -> dict[str, str]:
+    """Ranges of the axes."""
+    settings = frontier.plan.settings
     share = [number_text(100 * value, 3) for value in (settings.stiffness[0], settings.stiffness[-1])]
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (settings.frequency[0], settings.frequency[-1])]
     return {"stiffness": f"{share[0]} to {share[1]} %", "frequency": f"{hertz[0]} to {hertz[1]} Hz"}
 
 
-def _drawing(found: Frontier, damping: int) -> Markup:
-    """One map from what limits its settings (frequency, stiffness)."""
-    limits: NDArray[np.int8] = found.limits[damping]
+def _drawing(frontier: Frontier, damping: int) -> Markup:
+    """One map from the limits of its settings (frequency, stiffness)."""
+    limits: NDArray[np.int8] = frontier.limits[damping]
     order, (wide, high) = list(Limit), CELL
     rows, columns = limits.shape
     boxes = [
@@ -94,7 +94,7 @@ def _drawing(found: Frontier, damping: int) -> Markup:
     ]
     counts = np.bincount(limits.ravel(), minlength=len(order))
     says = ", ".join(
-        f"{found.text(limit)} {100 * count / limits.size:.0f} %"
+        f"{frontier.text(limit)} {100 * count / limits.size:.0f} %"
         for limit, count in zip(order, counts, strict=True)
         if count
     )

@@ -1,4 +1,4 @@
-"""The page of a frontier: the template filled with curves, maps, tables and words."""
+"""Page of a frontier: the template filled with curves, maps, tables and text."""
 
 from forcefeel.envelope.findings import WHOLE_WORST, name_text
 from forcefeel.envelope.page.tolerance_table import tolerances
@@ -14,33 +14,33 @@ from forcefeel.page.typography import quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def frontier_page(found: Frontier, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``."""
-    plan = found.plan
+def frontier_page(frontier: Frontier, units: UnitSystem, *, command: str = "") -> str:
+    """The page, with numbers in ``units``."""
+    plan = frontier.plan
     return render(
         "frontier/page/frontier.html.j2",
         command=command,
         loader=plan.given,
         plan=plan,
         motor=plan.loader.drive == ELECTRIC,
-        law=name_text(found.law),
+        law=name_text(frontier.law),
         goal=GOAL,
         goal_worst=f"{100 * WHOLE_WORST:.0f} %",
-        inertia=tolerance_text(found.inertia_tolerance).replace(" ", "\N{NO-BREAK SPACE}"),
-        conclusions=frontier_conclusions(found, units),
-        curves=drawing(frontier_plots.shares(found), "shares"),
-        tolerances=frontier_tables.tolerances(found),
-        friction=frontier_tables.friction(found, units),
-        panels=frontier_maps.panels(found, units),
-        legend=frontier_maps.legend(found),
-        spans=frontier_maps.spans(found, units),
-        costs=frontier_tables.costs(found),
-        hardware=frontier_tables.hardware(found),
-        edges=frontier_tables.edges(found, units),
-        grid=frontier_tables.grid(found, units),
+        inertia=tolerance_text(frontier.inertia_tolerance).replace(" ", "\N{NO-BREAK SPACE}"),
+        conclusions=frontier_conclusions(frontier, units),
+        curves=drawing(frontier_plots.shares(frontier), "shares"),
+        tolerances=frontier_tables.tolerances(frontier),
+        friction=frontier_tables.friction(frontier, units),
+        panels=frontier_maps.panels(frontier, units),
+        legend=frontier_maps.legend(frontier),
+        spans=frontier_maps.spans(frontier, units),
+        costs=frontier_tables.costs(frontier),
+        hardware=frontier_tables.hardware(frontier),
+        edges=frontier_tables.edges(frontier, units),
+        grid=frontier_tables.grid(frontier, units),
         known=tolerances(plan.deviations),
-        geometry=geometry_text(found),
+        geometry=geometry_text(frontier),
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
-        beyond=found.beyond_bound,
+        beyond=frontier.beyond_bound,
         parameters=machine.parameters(plan.given, units),
     )

@@ -1,4 +1,4 @@
-"""The curves of a frontier: share of the settings over how well the column's inertia is known."""
+"""Curves of a frontier: share of the settings over the tolerance of the column's inertia."""
 
 from math import isfinite
 
@@ -12,14 +12,14 @@ from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, LineStyle
 
 _TICKS = (0.001, 0.01, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30)
 _SAID = (0.001, 0.01, 0.1, 0.5, 1, 2, 5, 10, 20)
-"""Ticks with a number; the others have no room for one on a phone."""
+"""Ticks with a number; on a phone there is no space for others."""
 
 
-def shares(found: Frontier) -> go.Figure:
-    """Bound and achieved shares over the tolerance of the column's inertia; the tightening that reaches the goal is marked."""
-    picture, tight = go.Figure(), found.tightening
+def shares(frontier: Frontier) -> go.Figure:
+    """Bound and achieved shares over the tolerance of the column's inertia, with the tightening that reaches the goal."""
+    picture, tight = go.Figure(), frontier.tightening
     curves = (
-        ("bound on any linear law", found.bound.errors, found.bound.shares, LineStyle(IDEAL, "dot")),
+        ("bound on any linear law", frontier.bound.errors, frontier.bound.shares, LineStyle(IDEAL, "dot")),
         (
             "inertia and geometry tightened",
             tight.inertia_and_geometry.tolerances,
@@ -33,10 +33,10 @@ def shares(found: Frontier) -> go.Figure:
             LineStyle(COMPLIANT, "dash"),
         ),
     )
-    for name, tolerances, found_shares, look in curves:
+    for name, tolerances, shares_of_rungs, look in curves:
         picture.add_scatter(
-            x=[100 * one for one in tolerances],
-            y=[100 * one for one in found_shares],
+            x=[100 * tolerance for tolerance in tolerances],
+            y=[100 * share for share in shares_of_rungs],
             mode="lines+markers",
             name=name,
             line=line(look),

@@ -1,4 +1,4 @@
-"""The tables of a frontier: the shares over the tolerances, what each tolerance costs, what each part buys, the edges."""
+"""Tables of a frontier: shares over tolerances, cost of each tolerance, gain from each part, edges."""
 
 from math import isfinite
 
@@ -18,34 +18,34 @@ from forcefeel.units import FLOW, INERTIA, UnitSystem
 _MINUS = "\N{MINUS SIGN}"
 _GAIN = "#CDE9DD"
 _FELT = 5e-3
-"""Gain of a share, and share lost, from which on a cell stands out."""
+"""Smallest gain and loss of a highlighted cell."""
 
 
-def tolerances(found: Frontier) -> Table:
-    """Worst-case shares on every rung, beside the bound where it was computed for that tolerance."""
-    one, every = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
+def tolerances(frontier: Frontier) -> Table:
+    """Worst-case shares on every rung, with the bound if computed for that tolerance."""
+    geometry, every = frontier.tightening.inertia_and_geometry, frontier.tightening.all_in_proportion
     rows = []
-    for tolerance, alone, together in zip(one.tolerances, one.shares, every.shares, strict=True):
+    for tolerance, alone, together in zip(geometry.tolerances, geometry.shares, every.shares, strict=True):
         bound = [
             share
-            for error, share in zip(found.bound.errors, found.bound.shares, strict=True)
+            for error, share in zip(frontier.bound.errors, frontier.bound.shares, strict=True)
             if abs(error - tolerance) < _SAME * tolerance
         ]
         cells = (share_text(alone), share_text(together), share_text(bound[0]) if bound else NONE)
         rows.append((words(f"±{tolerance_text(tolerance)}"), *map(number, cells)))
-    exactly = (share_text(one.limit), share_text(every.limit), share_text(1.0))
+    exactly = (share_text(geometry.limit), share_text(every.limit), share_text(1.0))
     rows.append((words("exactly"), *map(number, exactly)))
     head = ("Inertia known to", "Inertia and geometry tightened", "All in proportion", "Bound on any linear law")
     return Table(heads(*head), tuple(rows))
 
 
 _SAME = 1e-6
-"""Relative; tolerances that are the same but for rounding."""
+"""Relative difference of tolerances that counts as rounding."""
 
 
-def friction(found: Frontier, system: UnitSystem) -> Table | None:
-    """What an error of the column's dry friction leaves; nothing for a column without."""
-    bound = found.friction_bound
+def friction(frontier: Frontier, system: UnitSystem) -> Table | None:
+    """Possible share over the error of the column's dry friction; ``None`` without friction."""
+    bound = frontier.friction_bound
     if bound is None:
         return None
     rows = tuple(
@@ -59,16 +59,16 @@ def friction(found: Frontier, system: UnitSystem) -> Table | None:
     return Table(heads("Friction known to", "Force at the hand off by at least", "Bound"), rows)
 
 
-def costs(found: Frontier) -> Table:
-    """What each tolerance and each arm costs by itself."""
+def costs(frontier: Frontier) -> Table:
+    """Cost of each single tolerance and arm."""
     rows = []
-    for cost in found.tightening.costs:
+    for cost in frontier.tightening.costs:
         known = isfinite(cost.tolerance)
         name = parameter_name(cost.name) if known else cost.name
         rows.append(
             (
                 words(name),
-                number(ends_text(found.plan.deviations[cost.name]).replace("-", _MINUS) if known else NONE),
+                number(ends_text(frontier.plan.deviations[cost.name]).replace("-", _MINUS) if known else NONE),
                 number(share_text(cost.passes)),
                 number(share_text(cost.lost) if cost.lost else NONE),
                 number(share_text(cost.only) if cost.only else NONE),
@@ -77,9 +77,9 @@ def costs(found: Frontier) -> Table:
     return Table(heads("Off, all else nominal", "By", "Passes", "Lost", "Lost to nothing else"), tuple(rows))
 
 
-def hardware(found: Frontier) -> Table:
-    """What each change of the hardware buys, the largest gain in the worst case first."""
-    before = found.envelope.shares(found.law)
+def hardware(frontier: Frontier) -> Table:
+    """Gain from each hardware change, the largest in the worst case first."""
+    before = frontier.envelope.shares(frontier.law)
     rows = [
         (
             words("as it is"),
@@ -91,7 +91,7 @@ def hardware(found: Frontier) -> Table:
             number(NONE),
         )
     ]
-    for gain in found.hardware:
+    for gain in frontier.hardware:
         rows.append(
             (
                 words(f"{gain.name}; {gain.remark}" if gain.remark else gain.name),
@@ -107,12 +107,12 @@ def hardware(found: Frontier) -> Table:
     return Table(heads(*head), tuple(rows))
 
 
-def edges(found: Frontier, system: UnitSystem) -> Table:
-    """The edges of what is rendered, and what the drive gives."""
-    edge, friction = found.smallest, found.friction
+def edges(frontier: Frontier, system: UnitSystem) -> Table:
+    """Edges of the rendered settings, and capability of the drive."""
+    edge, friction = frontier.smallest, frontier.friction
     stiffness = unit(TABLE["feel.stiffness"])
     known = isfinite(edge.inertia_n_m_s2_per_rad)
-    largest = found.largest_stiffness * found.plan.loader["feel.maximum_stiffness"]
+    largest = frontier.largest_stiffness * frontier.plan.loader["feel.maximum_stiffness"]
     rows = (
         (
             "Smallest inertia rendered in every case",
@@ -127,7 +127,7 @@ def edges(found: Frontier, system: UnitSystem) -> Table:
         (
             "Largest stiffness rendered in every case",
             quantity_text(largest, stiffness, system, 3) if known else NONE,
-            f"{share_text(found.largest_stiffness)} of the largest" if known else "",
+            f"{share_text(frontier.largest_stiffness)} of the largest" if known else "",
         ),
         (
             "Friction, play and lag felt with no friction programmed",
@@ -144,7 +144,7 @@ def edges(found: Frontier, system: UnitSystem) -> Table:
             quantity_text(friction.column_n, FORCE, system, 2),
             "at the grip, beyond every sensor: a law that does not know of it leaves all of it",
         ),
-        *_drive(found, system),
+        *_drive(frontier, system),
     )
     return Table(
         (Cell("Edge"), Cell("Value", "number"), Cell("")),
@@ -155,8 +155,8 @@ def edges(found: Frontier, system: UnitSystem) -> Table:
 _Row = tuple[str, str, str]
 
 
-def _drive(found: Frontier, system: UnitSystem) -> tuple[_Row, ...]:
-    drive = found.drive
+def _drive(frontier: Frontier, system: UnitSystem) -> tuple[_Row, ...]:
+    drive = frontier.drive
     gives = _motor(drive, system) if isinstance(drive, MotorLimits) else (_valve(drive, system),)
     takes = (
         "Time to take the hand's torque off the link, at most"
@@ -194,11 +194,11 @@ def _valve(valve: ValveLimits, system: UnitSystem) -> _Row:
     )
 
 
-def grid(found: Frontier, system: UnitSystem) -> Table:
+def grid(frontier: Frontier, system: UnitSystem) -> Table:
     """The settings."""
     rows = []
     for name, axis in AXES.items():
-        values = [number_text(axis.unit.from_si(one, system), 3) for one in getattr(found.plan.settings, name)]
+        values = [number_text(axis.unit.from_si(value, system), 3) for value in getattr(frontier.plan.settings, name)]
         title = axis.title[:1].upper() + axis.title[1:]
         rows.append((words(prose_html(title)), words(", ".join(values)), Cell(axis.unit.shown(system))))
     return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))

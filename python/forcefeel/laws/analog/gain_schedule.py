@@ -41,7 +41,7 @@ class GainSchedule:
 def schedule_gains(
     loader: Loader, settings: ArrayLike, design: DesignSettings | None = None, *, continuous: bool = False
 ) -> GainSchedule:
-    """Gains for every setting, those that ``compensate`` gives for it.
+    """Gains for every setting, those that ``design_gains`` gives for it.
 
     Args:
         loader: The loader; its own feel setting is not used.

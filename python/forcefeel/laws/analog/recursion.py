@@ -205,14 +205,19 @@ def published_settings(loader: Loader) -> DesignSettings:
     return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
 
 
-NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | None]] = MappingProxyType(
+@dataclass(frozen=True)
+class OriginalLoop:
+    """The loader's own position loop, eq. (13): no design, the numbers are those of each loader."""
+
+
+NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | OriginalLoop]] = MappingProxyType(
     {
-        "original": lambda _: None,
+        "original": lambda _: OriginalLoop(),
         "published": published_settings,
         "converged": lambda _: DesignSettings(),
     }
 )
-"""How the gains of each law are designed, by the law's name; ``None`` is the original position loop, eq. (13)."""
+"""How the gains of each law are designed, by the law's name."""
 
 
 def design_gains(loader: Loader, settings: DesignSettings | None = None) -> GainDesign:

@@ -1,4 +1,4 @@
-"""The console of ``forcefeel run``: a web server of this machine, and the page that it serves.
+"""The console of ``forcefeel run``: a web server and its page.
 
-The loop waits for nothing in here: the server asks it for its newest rows sixty times a second, and hands on what is asked of it.
+The loop never waits for the server, which reads its newest rows sixty times a second and forwards requests.
 """

@@ -1,13 +1,12 @@
-"""Who gets in, and what they may: a token, the Host header, the Origin header.
+"""Access control by token, Host header and Origin header.
 
-Two tokens, 24 random bytes each: one to move the column, one to look on. The address that is printed holds one; the page then goes
-by a cookie, and a program by ``Authorization: Bearer TOKEN``. The habits are those of Jupyter Server (its documentation, "Security
-in the Jupyter Server").
+There are two tokens of 24 random bytes: one for control, one for watching. The printed address contains one. The page then uses a
+cookie, a program ``Authorization: Bearer TOKEN``. Source of the rules: Jupyter Server, "Security in the Jupyter Server".
 
-* Host: a page of another site whose name was pointed at this machine (DNS rebinding) sends that name, and is refused. An address in
-  digits cannot be pointed elsewhere.
-* Origin: a browser names the page that opens a WebSocket; only our own may. A program sends none, and shows its token by
-  ``Authorization``, which no page of another site can.
+* Host: a page of another site with a name that resolves to this machine (DNS rebinding) sends that name and is refused. A numeric
+  address cannot be redirected.
+* Origin: a browser sends the origin of the page that opens a WebSocket; only the console's own page is accepted. A program sends no
+  Origin and uses ``Authorization``, which a page of another site cannot.
 """
 
 import hmac
@@ -24,16 +23,16 @@ _TOKEN_BYTES = 24
 
 
 class Role(Enum):
-    """What somebody who got in may."""
+    """Rights of a client."""
 
     CONTROL = "control"
-    """Move the column, one at a time."""
+    """Move the column; one client at a time."""
     WATCH = "watch"
-    """Look on, and stop."""
+    """Watch and stop."""
 
 
-class Refused(Exception):  # noqa: N818  no fault of the program
-    """Why somebody does not get in, with the status of HTTP."""
+class Refused(Exception):  # noqa: N818  not a program error
+    """A refused request, with its HTTP status."""
 
     def __init__(self, status: int, reason: str) -> None:
         super().__init__(reason)
@@ -46,18 +45,18 @@ def _token() -> str:
 
 @dataclass(frozen=True)
 class Admission:
-    """Who gets in.
+    """Access control of a server.
 
     Attributes:
-        port: Where the server listens; cookies know no ports, so its name holds it.
-        bind: The address that it is bound to.
-        asked: Whether a token is asked for; without, everybody on this machine may control.
+        port: Port of the server; part of the cookie's name, because cookies have no ports.
+        bind: Address of the server.
+        token_required: Whether a request needs a token; without one, every user of this machine may control.
         control, watch: The tokens.
     """
 
     port: int
     bind: str = "127.0.0.1"
-    asked: bool = True
+    token_required: bool = True
     control: str = field(default_factory=_token, repr=False)
     watch: str = field(default_factory=_token, repr=False)
 
@@ -67,63 +66,63 @@ class Admission:
         return f"forcefeel-{self.port}"
 
     def role(self, path: str, headers: Mapping[str, str]) -> Role:
-        """What a request may.
+        """Role of a request.
 
         Args:
-            path: Of the request, with its query.
-            headers: Of the request.
+            path: Path of the request, with its query.
+            headers: Headers of the request.
 
         Raises:
-            Refused: If it may nothing: another Host, no token or a wrong one.
+            Refused: With another Host, or without a valid token.
         """
         self._check_host(headers.get("Host", ""))
-        if not self.asked:
+        if not self.token_required:
             return Role.CONTROL
-        shown = self.token_of(path) or _bearer(headers) or self._of_cookie(headers)
-        if not shown:
+        token_sent = self.token_of(path) or _bearer(headers) or self._of_cookie(headers)
+        if not token_sent:
             raise Refused(403, "no token: open the address that forcefeel run printed, token and all")
         for token, role in ((self.control, Role.CONTROL), (self.watch, Role.WATCH)):
-            if hmac.compare_digest(shown.encode(), token.encode()):
+            if hmac.compare_digest(token_sent.encode(), token.encode()):
                 return role
         raise Refused(403, "wrong token: open the address that forcefeel run printed last")
 
     def check_origin(self, headers: Mapping[str, str]) -> None:
-        """Refuses a WebSocket that a page of another site opens.
+        """Refuse a WebSocket from a page of another site.
 
         Raises:
-            Refused: If the Origin is not that of our page, or is missing without an ``Authorization``.
+            Refused: If the Origin is not that of the console's page, or is missing without ``Authorization``.
         """
         origin = headers.get("Origin")
         if origin is None:
-            if self.asked and not _bearer(headers):
-                raise Refused(403, "no Origin: a program shows its token by Authorization: Bearer TOKEN")
+            if self.token_required and not _bearer(headers):
+                raise Refused(403, "no Origin: a program must send Authorization: Bearer TOKEN")
             return
         if origin not in {f"{scheme}://{headers.get('Host', '')}" for scheme in ("http", "https")}:
             raise Refused(403, "another site's page may not open this connection")
 
     @staticmethod
     def token_of(path: str) -> str:
-        """The token in the address; empty if there is none."""
+        """The token in the address, or an empty text."""
         return parse_qs(urlsplit(path).query).get("token", [""])[0]
 
     def _of_cookie(self, headers: Mapping[str, str]) -> str:
         try:
-            found = SimpleCookie(headers.get("Cookie", "")).get(self.cookie)
+            morsel = SimpleCookie(headers.get("Cookie", "")).get(self.cookie)
         except CookieError:
             return ""
-        return found.value if found else ""
+        return morsel.value if morsel else ""
 
     def _check_host(self, host: str) -> None:
         try:
             named = urlsplit(f"//{host}")
             name, port = named.hostname or "", named.port
         except ValueError:
-            raise Refused(400, "the Host header is no address") from None
-        # Through a tunnel the page has another port, so that of a loopback name is free.
+            raise Refused(400, "the Host header is not an address") from None
+        # A tunnel changes the port, so any port is accepted for a loopback name.
         if name == "localhost" or _in_digits(name):
             return
         if self.bind in ("127.0.0.1", "::1") or name != socket.gethostname().lower() or port != self.port:
-            raise Refused(403, "this server does not answer to that name; use its address in digits, or localhost")
+            raise Refused(403, "unknown name of this server; use its numeric address or localhost")
 
 
 def _bearer(headers: Mapping[str, str]) -> str:
@@ -140,7 +139,7 @@ def _in_digits(name: str) -> bool:
 
 
 def is_loopback(bind: str) -> bool:
-    """Whether only this machine reaches an address."""
+    """Whether only this machine can reach an address."""
     try:
         return ipaddress.ip_address(bind).is_loopback
     except ValueError:

@@ -1,4 +1,4 @@
-"""What a page may ask for: small JSON, of which nothing but this is taken."""
+"""Commands of a page: small JSON with exactly these fields."""
 
 from math import pi
 from typing import Annotated, Literal
@@ -10,10 +10,10 @@ from forcefeel.live.live_session import Fault, Sensor
 from forcefeel.loader.parameters import TABLE
 
 LARGEST_BYTES = 4096
-"""Of a message."""
+"""Largest message."""
 
 _STRONGEST_N = 2000.0
-"""A hand's force: more than the 300 lb that 14 CFR 25.397 has a pilot pull at most."""
+"""Largest force of a hand: above the 300 lb limit pilot force of 14 CFR 25.397."""
 _MOST_CHANGES = 40
 
 
@@ -22,7 +22,7 @@ class _Message(BaseModel):
 
 
 class Plain(_Message):
-    """What needs no number. Whoever got in may stop; the rest is for who holds control, or takes it."""
+    """A command without numbers. Every client may stop; all other commands require control."""
 
     do: Literal["take", "give", "stop", "acknowledge", "on", "off", "repair", "abort"]
 
@@ -34,7 +34,7 @@ def _row_of_the_feel(key: str) -> str:
 
 
 class FeelChange(_Message):
-    """Rows of the feel in SI units; ``None`` switches an optional one off."""
+    """Rows of the feel in SI units; ``None`` switches an optional row off."""
 
     do: Literal["feel"]
     rows: Annotated[
@@ -44,7 +44,7 @@ class FeelChange(_Message):
 
 
 class Around(_Message):
-    """What the feel is told from outside."""
+    """External inputs of the feel."""
 
     do: Literal["around"]
     trim_rad: Annotated[float, Field(ge=-pi / 2, le=pi / 2)] | None = None
@@ -53,7 +53,7 @@ class Around(_Message):
 
 
 class Hand(_Message):
-    """A simulated hand: it pulls, or holds an angle, or lets go. It lapses, so it is sent again and again."""
+    """A simulated hand: a force, a held angle, or release. It expires, so a page sends it repeatedly."""
 
     do: Literal["hand"]
     force_n: Annotated[float, Field(ge=-_STRONGEST_N, le=_STRONGEST_N)] | None = None
@@ -81,14 +81,14 @@ Command = Plain | FeelChange | Around | Hand | Break | RuleTest
 _ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(discriminator="do")])
 
 FOR_ALL = frozenset({"stop", "take", "give"})
-"""What needs no control: anyone may stop."""
+"""Commands that do not require control."""
 
 
 def command_of(message: str | bytes) -> Command:
-    """A message as a command.
+    """Parse a command.
 
     Raises:
-        InputError: If it is none.
+        InputError: If the message is invalid.
     """
     if isinstance(message, bytes):
         raise InputError("expected a command as text, got bytes")

@@ -1,4 +1,4 @@
-"""What a page is told when it opens: whose loop it is, what is to be seen of it, what can be set and between which limits."""
+"""Description of a loop for a page: loader, channels, sliders and their limits."""
 
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -12,7 +12,7 @@ from forcefeel.page.typography import split_symbol, unit_text
 from forcefeel.units import ANGLE, FORCE, UnitSystem
 
 _TO_EITHER_SIDE = 4.0
-"""A slider of the setting I, B, G goes to so many times the value that the loop began with, and to that part of it."""
+"""Range of the sliders of I, B, G: initial value divided and multiplied by this factor."""
 
 _SLIDERS: dict[str, tuple[str, float, float]] = {
     "feel.stiffness": ("stiffness", 0, 0),
@@ -24,39 +24,39 @@ _SLIDERS: dict[str, tuple[str, float, float]] = {
     "feel.hysteresis": ("hysteresis", 0, 40.0),
     "feel.deadband": ("deadband", 0, 0.07),
     "feel.detent_force": ("detent", 0, 60.0),
-    "feel.detent_angle": ("detent's place", -0.17, 0.17),
+    "feel.detent_angle": ("detent position", -0.17, 0.17),
     "feel.preload": ("preload", -60.0, 60.0),
 }
-"""What has a slider: its name, and lowest and highest value in SI units; of the setting, those follow from the loader."""
+"""Rows with a slider: name, lowest and highest value in SI units; the range of I, B, G follows from the loader."""
 
 FAULTS: dict[Fault, str] = {
-    "no_samples": "no samples come",
-    "stuck": "a sensor stays where it is",
-    "not_a_number": "a sensor gives no number",
+    "no_samples": "no samples",
+    "stuck": "a sensor is stuck",
+    "not_a_number": "a sensor returns NaN",
     "jump": "a sensor jumps",
     "ignores_command": "commands are lost",
 }
-"""Of a simulated machine."""
+"""Text of the faults of a simulated machine."""
 
 SENSORS: dict[Sensor, tuple[str, float]] = {
     "load_cell": ("load cell", 500.0),
     "drive": ("drive's end", 0.01),
     "column": ("column", 0.05),
 }
-"""What a fault may be of, and by how much that jumps: N, m, rad."""
+"""Sensors with faults, and their jump: N, m, rad."""
 
 OF_A_SENSOR: tuple[Fault, ...] = ("stuck", "not_a_number", "jump")
 
 
 @dataclass(frozen=True)
 class Slider:
-    """A row of the feel that can be set while the loop runs.
+    """A row of the feel that can be changed while the loop runs.
 
     Attributes:
-        key: Its row.
-        name: In words.
-        low, high: In SI units.
-        even: Whether equal ways on it are equal factors.
+        key: The row.
+        name: Displayed name.
+        low, high: Range in SI units.
+        even: Whether the slider is logarithmic.
     """
 
     key: str
@@ -66,7 +66,7 @@ class Slider:
     even: bool
 
     def as_json(self, system: UnitSystem) -> Json:
-        """The slider in the page's units; what it sends is in SI units, ``scale`` being what makes of SI what is shown."""
+        """The slider for the page: values in SI units, ``scale`` converts them to the displayed unit."""
         row = TABLE[self.key]
         base, index, dashes = split_symbol(row.symbol)
         return {
@@ -83,26 +83,26 @@ class Slider:
 
 
 def sliders(loader: Loader) -> tuple[Slider, ...]:
-    """What can be set of a loader's feel."""
-    found = []
+    """Sliders of a loader's feel."""
+    rows = []
     for key, (name, least, most) in _SLIDERS.items():
         smallest, largest = limits_si(TABLE[key])
         even = key in FEEL_SETTING and loader[key] > 0
         low, high = _around(loader, key) if even else (least, most or 1.0)
-        found.append(Slider(key, name, max(low, smallest), min(high, largest), even))
-    return tuple(found)
+        rows.append(Slider(key, name, max(low, smallest), min(high, largest), even))
+    return tuple(rows)
 
 
 def _around(loader: Loader, key: str) -> tuple[float, float]:
-    """To either side of a value of the setting, by factors; of the stiffness to the largest that its channel is scaled for."""
+    """Range of a slider of I, B, G; the stiffness is limited by the scale of its channel."""
     most = max(loader["feel.maximum_stiffness"], loader[key]) if key == "feel.stiffness" else inf
     return loader[key] / _TO_EITHER_SIDE, min(_TO_EITHER_SIDE * loader[key], most)
 
 
 def description(
-    running: LiveSession, shown: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
+    running: LiveSession, displayed: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
 ) -> dict[str, Json]:
-    """All of it, but for who is told."""
+    """The description, without fields of a single client."""
     loader = running.loader
     angle, force = ANGLE.from_si(1.0, system), FORCE.from_si(1.0, system)
     return {
@@ -111,9 +111,10 @@ def description(
         "period_ms": 1e3 * running.period_s,
         "frames_hz": RATE_HZ,
         "channels": [
-            {"column": one.column, "label": one.label, "unit": unit_text(one.unit.shown(system))} for one in shown
+            {"column": channel.column, "label": channel.label, "unit": unit_text(channel.unit.shown(system))}
+            for channel in displayed
         ],
-        "sliders": [one.as_json(system) for one in sliders(loader)],
+        "sliders": [slider.as_json(system) for slider in sliders(loader)],
         "angle": {
             "unit": ANGLE.shown(system),
             "scale": angle,
@@ -127,20 +128,20 @@ def description(
 
 
 def feel_json(running: LiveSession) -> dict[str, Json]:
-    """The rows that have a slider, in SI units; what is off and infinite has no number."""
+    """Values of the rows with a slider, in SI units; ``None`` if infinite."""
     loader = running.loader
     values = {key: loader[key] for key in _SLIDERS}
     return {key: value if isfinite(value) else None for key, value in values.items()}
 
 
 def host_json(running: LiveSession) -> Json:
-    """The aircraft simulator as the page shows it; nothing where none is listened to."""
+    """State of the aircraft simulator for the page; ``None`` without a host port."""
     host = running.host
     if host is None:
         return None
-    heard = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
-    return {"listens": host.listens, "heard": heard, "share": round(host.share, 2), "refused": host.refused}
+    status = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
+    return {"listens": host.listens, "status": status, "share": round(host.share, 2), "refused": host.refused}
 
 
 _SILENT_S = 0.2
-"""Longer than a host of 30 packets a second is between two of them."""
+"""A host without packets for this long is silent; a host at 30 Hz sends more often."""

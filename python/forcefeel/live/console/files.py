@@ -1,4 +1,4 @@
-"""The page's files, and the headers that they go with."""
+"""Files of the page and their headers."""
 
 from functools import cache
 from http import HTTPStatus
@@ -14,7 +14,7 @@ _KINDS = {
 }
 
 _HEADERS = {
-    # Nothing but this server's own files, and no frame of another site around them.
+    # Only this server's own files, and no frame of another site.
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
@@ -28,21 +28,21 @@ _HEADERS = {
 
 @cache
 def page_files() -> dict[str, tuple[str, bytes]]:
-    """Each file by the path that it is asked for by: its kind and its bytes."""
+    """Content type and bytes of each file, by request path."""
     folder = resources.files("forcefeel.live.console") / "page"
     shared = (
         resources.files("forcefeel.page") / "style.css.j2"
-    )  # palette and type of all pages; nothing in it is filled in
-    found = {"/style.css": (_KINDS["css"], shared.read_bytes())}
+    )  # palette and fonts of all pages; it has no template fields
+    answers = {"/style.css": (_KINDS["css"], shared.read_bytes())}
     for path in folder.iterdir():
         kind = _KINDS.get(path.name.rpartition(".")[2])
         if kind:
-            found["/" if path.name == "index.html" else f"/{path.name}"] = kind, path.read_bytes()
-    return found
+            answers["/" if path.name == "index.html" else f"/{path.name}"] = kind, path.read_bytes()
+    return answers
 
 
 def answer(status: int, body: bytes, kind: str = "text/plain; charset=utf-8", **more: str) -> Response:
-    """A response with the headers that all have."""
+    """A response with the common headers."""
     headers = Headers({**_HEADERS, "Content-Type": kind, "Content-Length": str(len(body))})
     for name, value in more.items():
         headers[name.replace("_", "-")] = value

@@ -1,9 +1,8 @@
-"""Between a loop's process and that of its console: what a loop offers, asked for and answered over a socket.
+"""Communication between the processes of a loop and its console over a socket.
 
-A request is JSON, ``[name, arguments]`` of a method of ``_core.LiveLoop``; the answer JSON too, or of a history the rows that
-follow in a later part, ``uint64``, then rows of ``float64``. Both are one message of a socket that keeps messages apart, and short
-enough to find room in it: the loop's process never waits for a console that takes nothing. The console, which a network may
-reach, can ask for nothing but what stands here.
+A request is JSON, ``[name, arguments]`` of a method of ``_core.LiveLoop``. The answer is JSON too; that of a history is the number
+of remaining rows, ``uint64``, then rows of ``float64``. Each is one message of a sequenced-packet socket and short enough for its
+buffer, so the loop's process never waits for the console. The console, which may be on a network, has only these requests.
 """
 
 import json
@@ -21,83 +20,83 @@ from forcefeel.live.live_session import LiveSession
 from forcefeel.live.state import COLUMNS
 
 LAPSES_S = 0.5
-"""A console that asks for nothing for so long is silent: what it holds of a simulated hand lets go."""
+"""A console without requests for this long is silent; its simulated hand is released."""
 
 _LEFT = struct.Struct("<Q")
 _ROWS = 256
-"""Of a part of a history: some 64 kB."""
+"""Rows in a message of a history: some 64 kB."""
 _ALL = 2**62
 _LARGEST_BYTES = 1 << 17
 
 _HAND = {"hold_at": None, "force": 0.0}
-"""What the simulated hand may do, with the number by which it does so no more."""
+"""Inputs of the simulated hand, with their released value."""
 
 _LOOKED_AT = ("status", "recorded", "host_status", "timing", "refused")
-"""What is asked for without arguments, and changes nothing."""
+"""Read-only requests without arguments."""
 
 
 def pair() -> tuple[socket.socket, socket.socket]:
-    """The two ends of a wire."""
+    """A connected pair of sockets."""
     return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
 
 class LoopProxy:
-    """A loop of another process, with the methods of ``_core.LiveLoop``; any thread may call them.
+    """Proxy of a loop in another process, with the methods of ``_core.LiveLoop``; thread-safe.
 
-    Where the other end is closed there is no loop any more and nothing to serve: the process ends at once.
+    If the other end closes, the loop is gone and this process exits.
 
     Args:
-        wire: This end.
+        wire: Socket of this end.
     """
 
     def __init__(self, wire: socket.socket) -> None:
         self._wire, self._lock = wire, Lock()
 
     def request(self, name: str, numbers: list[float]) -> bool:
-        """Asks something of the loop; whether there was room for it."""
-        return bool(self._asked("request", name, numbers))
+        """Send a request; return whether the ring had space."""
+        return bool(self._query("request", name, numbers))
 
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool:
-        """Does something to a simulated machine; whether there was room for it."""
-        return bool(self._asked("disturb", name, sensor, number))
+        """Send an input to a simulated machine; return whether the ring had space."""
+        return bool(self._query("disturb", name, sensor, number))
 
     def status(self) -> Any:
-        """As of the loop; so are the next ones."""
-        return self._asked("status")
+        """As ``Loop.status``."""
+        return self._query("status")
 
     def recorded(self) -> Any:
-        """See there."""
-        return self._asked("recorded")
+        """As ``Loop.recorded``."""
+        return self._query("recorded")
 
     def host_status(self) -> Any:
-        """See there."""
-        return self._asked("host_status")
+        """As ``Loop.host_status``."""
+        return self._query("host_status")
 
     def timing(self) -> Any:
-        """See there."""
-        return self._asked("timing")
+        """As ``Loop.timing``."""
+        return self._query("timing")
 
     def refused(self) -> Any:
-        """See there."""
-        return self._asked("refused")
+        """As ``Loop.refused``."""
+        return self._query("refused")
 
     def history(self, since: float, most: int) -> NDArray[np.float64]:
-        """The newest ``most`` rows of cycles after ``since``, part after part."""
-        found, cycle = [], COLUMNS.index("cycle")
+        """The newest ``most`` rows of cycles after ``since``, in several messages."""
+        parts, cycle = [], COLUMNS.index("cycle")
         while True:
             answer = self._answer("history", since, most)
             (most,) = _LEFT.unpack_from(answer)
             rows = np.frombuffer(answer, np.float64, offset=_LEFT.size).reshape(-1, len(COLUMNS))
-            found.append(rows)
+            parts.append(rows)
             if not most:
-                return np.concatenate(found)
-            # All after it: of the newest so many some would be newer by now, and others left out.
+                return np.concatenate(parts)
+            # Request all later rows: a limit would now select newer rows and skip others.
             since, most = float(rows[-1, cycle]), _ALL
 
     def end(self) -> None:
-        """Nothing: the loop is its own process's to end."""
+        """Do nothing: only the loop's own process ends it."""
 
-    def _asked(self, name: str, *arguments: object) -> Any:
+    def _query(self, name: str, *arguments: object) -> Any:
         answer = json.loads(self._answer(name, *arguments))
         if isinstance(answer, dict):
             raise InputError(answer["refused"])
@@ -116,11 +115,11 @@ class LoopProxy:
 
 
 class LoopServer:
-    """The loop's end of the wire.
+    """Server at the loop's end of the socket.
 
     Args:
         running: The loop.
-        wire: This end.
+        wire: Socket of this end.
     """
 
     def __init__(self, running: LiveSession, wire: socket.socket) -> None:
@@ -129,7 +128,7 @@ class LoopServer:
         wire.settimeout(LAPSES_S)
 
     def until_gone(self) -> None:
-        """Answers until the other end is closed; lets the hand go when that is silent, or gone."""
+        """Answer until the other end closes; release the hand if that is silent or closed."""
         while True:
             try:
                 request = self._wire.recv(_LARGEST_BYTES)
@@ -146,12 +145,12 @@ class LoopServer:
         try:
             if name == "history":
                 return self._part(*arguments)
-            return json.dumps(self._found(name, arguments)).encode()
+            return json.dumps(self._execute(name, arguments)).encode()
         except Exception as error:
-            # Whatever was wrong with what it asked: who answers the next one must not end by it.
+            # An invalid request must not end this server.
             return json.dumps({"refused": str(error)}).encode()
 
-    def _found(self, name: str, arguments: list[Any]) -> object:
+    def _execute(self, name: str, arguments: list[Any]) -> object:
         if name == "request":
             return self._running.take_request(*arguments)
         if name == "disturb":

@@ -1,7 +1,7 @@
-"""A console in a process of its own: nothing that holds or ends it reaches the loop.
+"""A console in its own process: a blocked or crashed console does not affect the loop.
 
-The loop's process keeps what outlives a server: the door, which goes on listening, so that address and tokens stay; and what was
-asked for. It answers the server in a thread, and starts a new one where one has ended.
+The loop's process keeps the state that survives a server: the listening socket, so that address and tokens stay, and the settings.
+It answers the server in a thread and restarts a server that ended.
 """
 
 import pickle
@@ -26,28 +26,28 @@ from forcefeel.live.setup import live_law
 from forcefeel.qualification.plan.run import QualificationSetup
 
 _SHORT_LIFE_S = 5.0
-"""A server that ends so soon is not started again: the next would end too."""
+"""A server that ends sooner is not restarted, because the next would end too."""
 _PATIENCE_S = 2.0
-"""For a server's end."""
+"""Timeout for the end of a server."""
 
 
 @dataclass(frozen=True)
 class _Begins:
-    """What a server is told at its beginning."""
+    """Initial data of a server."""
 
-    asked: LoopSettings
+    settings: LoopSettings
     admission: Admission
     setup: QualificationSetup
 
 
 class ConsoleProcess:
-    """The console of a running loop in a process of its own, a context manager that ends it.
+    """The console of a running loop in its own process, a context manager that ends it.
 
     Args:
         running: The loop.
-        door: Where it listens, and who gets in.
-        setup: How the rule's tests are judged, and in which units all is shown.
-        tell: Is told, in a sentence, that a server has ended by itself.
+        door: Socket and access control.
+        setup: Rule of the tests, and displayed units.
+        tell: Called with a sentence if a server ends by itself.
     """
 
     def __init__(
@@ -60,19 +60,19 @@ class ConsoleProcess:
 
     @property
     def process_id(self) -> int | None:
-        """Of the server; ``None`` where there is none."""
+        """Process id of the server; ``None`` without a server."""
         return None if self._process is None else self._process.pid
 
     def __enter__(self) -> Self:
-        """Starts a server."""
-        self._process, self._wire = self._begun()
+        """Start a server."""
+        self._process, self._wire = self._start_server()
         self._thread.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
-        """Ends it: in good order, or else, where it is stopped, all the same."""
+        """Terminate the server, and kill it if it does not end in time."""
         with self._lock:
             self._ends = True
             process = self._process
@@ -84,7 +84,7 @@ class ConsoleProcess:
         self._door.listening.close()
 
     def _keep(self) -> None:
-        """Answers server after server, until the end."""
+        """Answer servers and restart them until the end."""
         while self._process is not None:
             began = time.monotonic()
             with self._wire:
@@ -96,31 +96,31 @@ class ConsoleProcess:
                     return
                 self._process = None
                 if again:
-                    self._process, self._wire = self._begun()
+                    self._process, self._wire = self._start_server()
             self._tell(
-                f"the console's server ended ({how}); the loop goes on, and who had its hand on the column let go. "
-                + ("Another one serves at the same address" if again else "It ended too soon to be started again")
+                f"the console's server ended ({how}); the loop continues, and the console's hand on the column is released. "
+                + ("A new server runs at the same address" if again else "It ended too soon to be restarted")
             )
-        self._door.listening.close()  # who comes is refused, and does not wait
+        self._door.listening.close()  # new connections are refused instead of waiting
 
-    def _begun(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
-        mine, its = pair()
-        with its:
-            handed = (its.fileno(), self._door.listening.fileno())
-            # -P: no file of the folder that it is started in counts as a module. A group of its own: Ctrl-C is the loop's.
+    def _start_server(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
+        wire, child_wire = pair()
+        with child_wire:
+            handed = (child_wire.fileno(), self._door.listening.fileno())
+            # -P: modules are not imported from the current folder. Own process group: Ctrl-C reaches only the loop.
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", __name__, *map(str, handed)],
                 stdin=subprocess.PIPE,
                 pass_fds=handed,
                 process_group=0,
             )
-        begins = _Begins(self._running.asked, self._door.admission, self._setup)
+        begins = _Begins(self._running.settings, self._door.admission, self._setup)
         try:
             with process.stdin:  # type: ignore[union-attr]  # it is a pipe
                 pickle.dump(begins, process.stdin)  # type: ignore[arg-type]
         except OSError:
-            pass  # it has ended, which is seen at once
-        return process, mine
+            pass  # it has ended, which `_keep` detects
+        return process, wire
 
 
 def _how(status: int) -> str:
@@ -128,17 +128,17 @@ def _how(status: int) -> str:
 
 
 def serve() -> None:
-    """What the process of the server does, until it is told to end or the loop's process is gone."""
+    """Run the server's process until it is terminated or the loop's process is gone."""
     ends = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ends.set())
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     wire, listening = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:3])
     begins: _Begins = pickle.load(sys.stdin.buffer)
-    asked = begins.asked
-    running = LiveSession(LoopProxy(wire), asked, live_law(asked.law, asked.loader))
+    settings = begins.settings
+    running = LiveSession(LoopProxy(wire), settings, live_law(settings.law, settings.loader))
     with Server(running, Listener(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
-            running.loop.status()  # ends this process where there is no loop
+            running.loop.status()  # ends this process without a loop
             if not server.serves:
                 sys.exit(1)
 

@@ -1,4 +1,4 @@
-"""What the column is held against: force over position of the programmed feel alone, both ways, with the rule's tolerance."""
+"""Reference of the column: force over position of the programmed feel alone in both directions, with the rule's tolerance."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -29,10 +29,10 @@ class Programmed:
     """A slow sweep of the programmed feel alone.
 
     Attributes:
-        throw: How far it goes.
-        record: The sweep, as the rule has it.
-        features: What is measured on it.
-        tolerance: Of the force.
+        throw: Travel of the sweep.
+        record: The sweep by the rule.
+        features: Its measured figures.
+        tolerance: Tolerance of the force.
     """
 
     throw: Throw
@@ -41,9 +41,9 @@ class Programmed:
     tolerance: Tolerance
 
     @classmethod
-    @lru_cache(maxsize=8)  # it takes a second, and a test asks for what is already drawn
+    @lru_cache(maxsize=8)  # takes a second; a test uses the sweep that is already drawn
     def of(cls, loader: Loader, setup: QualificationSetup) -> "Programmed":
-        """The sweep of a loader's feel, hands off, as it is qualified.
+        """Sweep of a loader's feel, hands off, as in a qualification.
 
         Raises:
             InputError: If the feel alone diverges, or cannot be swept.
@@ -62,26 +62,29 @@ class Programmed:
         return cls(throw, record, measure_sweep(record, points=_POINTS), tolerance)
 
     def force_at(self, angle_rad: float) -> float:
-        """The force at the grip that takes the programmed feel to an angle, from neutral, N."""
+        """Force at the grip that moves the programmed feel from neutral to an angle, N."""
         swept = self.features
         outward = swept.force_up_n if angle_rad > 0 else swept.force_down_n
         known = np.isfinite(outward)
         return float(np.interp(angle_rad, swept.position[known], outward[known]))
 
     def as_json(self, system: UnitSystem) -> Json:
-        """The curve for the page, in its units."""
+        """The curve in the page's units."""
         swept, scale = self.features, FORCE.from_si(1.0, system)
-        # The outermost points are the turns, where there is one way only.
+        # The outermost points are the turns, with one direction only.
         kept = np.isfinite(swept.force_up_n) & np.isfinite(swept.force_down_n)
         ways = {"up": swept.force_up_n[kept], "down": swept.force_down_n[kept]}
-        found: dict[str, Json] = {"angle": shown(swept.position[kept] * ANGLE.from_si(1.0, system))}
+        curve: dict[str, Json] = {"angle": plot_values(swept.position[kept] * ANGLE.from_si(1.0, system))}
         for name, force in ways.items():
             limit = self.tolerance.limit(force, system=system)
-            found[name] = shown(force * scale)
-            found[f"{name}_low"], found[f"{name}_high"] = shown((force - limit) * scale), shown((force + limit) * scale)
-        return {**found, "tolerance": self.tolerance.text(system)}
+            curve[name] = plot_values(force * scale)
+            curve[f"{name}_low"], curve[f"{name}_high"] = (
+                plot_values((force - limit) * scale),
+                plot_values((force + limit) * scale),
+            )
+        return {**curve, "tolerance": self.tolerance.text(system)}
 
 
-def shown(values: NDArray[np.float64]) -> Json:
-    """Numbers for a plot: five digits, and nothing where there is no number."""
+def plot_values(values: NDArray[np.float64]) -> Json:
+    """Numbers for a plot: five digits, ``None`` for non-finite numbers."""
     return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]

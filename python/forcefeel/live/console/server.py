@@ -1,4 +1,4 @@
-"""The console's server: the page's files over HTTP, frames and commands over a WebSocket, in a thread of its own."""
+"""Server of the console: the page's files over HTTP, frames and commands over a WebSocket, in its own thread."""
 
 import asyncio
 import json
@@ -30,24 +30,24 @@ from forcefeel.qualification.plan.run import QualificationSetup
 SOCKET = "/live"
 
 _SEND_BYTES = 32768
-"""What the system holds of frames that a watcher does not take: a second or two of them."""
+"""Send buffer of a watcher: one or two seconds of frames."""
 _ASKED_EVERY_S, _ANSWER_WITHIN_S = 5.0, 10.0
-"""A watcher that does not answer a ping is gone, and with it control."""
+"""A watcher that does not answer a ping is disconnected and loses control."""
 _PATIENCE_S = 5.0
-"""For a request, for a good-bye, for the thread's start and end."""
+"""Timeout for a request, for closing, and for the thread's start and end."""
 
 _LOG = logging.getLogger("forcefeel.live.console")
 _LOG.addHandler(logging.NullHandler())
-_LOG.propagate = False  # who knocks wrongly must not fill the terminal
+_LOG.propagate = False  # bad requests must not fill the terminal
 
 
 class Server:
-    """The server of a running loop, a context manager: leaving it ends the server, not the loop.
+    """The server of a running loop, a context manager that ends the server, not the loop.
 
     Args:
         running: The loop.
-        door: Where it listens, and who gets in.
-        setup: How the rule's tests are judged, and in which units all is shown.
+        door: Socket and access control.
+        setup: Rule of the tests, and displayed units.
     """
 
     def __init__(self, running: LiveSession, door: Listener, setup: QualificationSetup) -> None:
@@ -58,7 +58,7 @@ class Server:
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def __enter__(self) -> Self:
-        """Listens, from now on."""
+        """Start to listen."""
         self._thread.start()
         self._ready.wait(_PATIENCE_S)
         return self
@@ -66,14 +66,14 @@ class Server:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
-        """Says good-bye to all."""
+        """Close all connections."""
         if self._loop is not None and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._end.set)
             self._thread.join(_PATIENCE_S)
 
     @property
     def serves(self) -> bool:
-        """Whether it has begun and not ended."""
+        """Whether the server is running."""
         return self._thread.is_alive()
 
     def _run(self) -> None:
@@ -96,31 +96,31 @@ class Server:
             ping_timeout=_ANSWER_WITHIN_S,
             logger=_LOG,
         )
-        # What fails of the group ends the server, whose watchers are told so; a picture that stands still would tell them nothing.
+        # A failed task ends the server and so disconnects the watchers, instead of leaving them with a frozen picture.
         async with server, self._desk, asyncio.TaskGroup() as tasks:
-            works = [tasks.create_task(one) for one in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
+            works = [tasks.create_task(work) for work in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
             self._ready.set()
             await self._end.wait()
-            for one in works:
-                one.cancel()
+            for work in works:
+                work.cancel()
 
     # HTTP.
 
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Serves a file, or lets a WebSocket in by answering nothing."""
+        """Serve a file, or return ``None`` to accept a WebSocket."""
         path = urlsplit(request.path).path
         try:
             role = self.admission.role(request.path, request.headers)
             if path == SOCKET:
                 self.admission.check_origin(request.headers)
                 if len(self._desk.watchers) >= MOST:
-                    raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST} watchers are there already")
+                    raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST} watchers are connected already")
                 connection.forcefeel_role = role  # type: ignore[attr-defined]  # for the handler
                 return None
         except Refused as refused:
             return answer(refused.status, f"forcefeel: {refused}\n".encode())
         if token := self.admission.token_of(request.path):
-            # From the address into a cookie, so that the token does not stay in view and in the history.
+            # The token moves from the address into a cookie, so that it is not visible or stored in the history.
             cookie = f"{self.admission.cookie}={token}; Path=/; HttpOnly; SameSite=Lax"
             return answer(HTTPStatus.SEE_OTHER, b"", Location="/", Set_Cookie=cookie)
         if path not in page_files():
@@ -140,9 +140,9 @@ class Server:
                 if watcher.floods():
                     await connection.close(1008, "too many commands")
                     break
-                refusal = self._asked(watcher, message)
+                refusal = self._respond(watcher, message)
                 if refusal and watcher.is_refused():
-                    await connection.close(1008, "too many commands that are none")
+                    await connection.close(1008, "too many invalid commands")
                     break
                 if refusal and not watcher.behind:
                     await connection.send(json.dumps({"kind": "refused", "reason": refusal}))
@@ -151,8 +151,8 @@ class Server:
         finally:
             self._desk.leave(watcher)
 
-    def _asked(self, watcher: Watcher, message: str | bytes) -> str:
-        """Carries out a command; tells why not, if not."""
+    def _respond(self, watcher: Watcher, message: str | bytes) -> str:
+        """Execute a command; return the reason of a refusal, or an empty text."""
         try:
             self._desk.carry_out(watcher, command_of(message))
         except InputError as error:
@@ -161,7 +161,7 @@ class Server:
 
 
 async def _every(period_s: float, do: Callable[[], Any]) -> None:
-    """Does something so often; what it is late for is left out."""
+    """Call a function periodically; missed periods are not repeated."""
     following = time.monotonic()
     while True:
         do()
@@ -170,17 +170,17 @@ async def _every(period_s: float, do: Callable[[], Any]) -> None:
 
 
 class Console(Server):
-    """The console of a running loop, served by a thread of this process; a context manager, which leaves the loop as it is.
+    """The console of a running loop in a thread of this process; a context manager that does not end the loop.
 
     Args:
         running: The loop.
-        port: Where it listens; 0 for any free one.
-        bind: The address that it listens at; only this machine reaches the usual one.
-        token: Whether it asks for a token.
-        setup: How the rule's tests are judged, and in which units all is shown.
+        port: Port; 0 for a free one.
+        bind: Address; by default only this machine can reach it.
+        token: Whether requests need a token.
+        setup: Rule of the tests, and displayed units.
 
     Raises:
-        InputError: If the port is taken or the address is none of this machine's; if without a token others could reach it.
+        InputError: If the port is in use, the address does not belong to this machine, or it is public without a token.
 
     Example:
         >>> import forcefeel as ff
@@ -202,10 +202,10 @@ class Console(Server):
 
     @property
     def address(self) -> str:
-        """What to open to control; it holds the token."""
+        """Address for control, with its token."""
         return self.door.address
 
     @property
     def watch_address(self) -> str:
-        """What to open to look on."""
+        """Address for watching, with its token."""
         return self.door.watch_address

@@ -1,7 +1,7 @@
-"""What stands between watchers and loop: commands to it, frames and notices from it.
+"""Session of a console: commands from watchers to the loop, frames and notices to watchers.
 
-All but a change of the feel and a test of the rule is done at once. Those two take a while, so each has a thread; of feels that are
-asked for meanwhile the newest counts.
+A change of the feel and a test of the rule take longer and run in threads; all other commands are executed at once. Of feels
+requested during a change, only the newest follows.
 """
 
 import asyncio
@@ -32,31 +32,31 @@ from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.throw import Throw
 
 HAND_LAPSES_S = LAPSES_S
-"""A hand of which nothing is heard for so long lets go: its page is gone, or the network."""
+"""A hand without a command for this long is released: its page or network is gone."""
 
 HELD_UP_S = 1.5
-"""A server that did nothing for so long was held up: what was asked of it meanwhile is nobody's wish any more, but for a stop."""
+"""A server that was blocked for this long discards all commands of that time except a stop."""
 
 _STATUS_EACH, _TIMING_EACH = 6, 30
-"""Ticks between two looks at them."""
+"""Ticks between two notices."""
 
 
 class ConsoleSession:
-    """One loop's.
+    """Session of one loop.
 
     Args:
         running: The loop.
-        setup: How it is judged, and in which units all is shown.
-        watchers: Who looks on.
+        setup: Rule of the tests, and displayed units.
+        watchers: Connected clients.
     """
 
     def __init__(self, running: LiveSession, setup: QualificationSetup, watchers: Watchers) -> None:
         self.watchers = watchers
         self._running, self._setup, self._ticks = running, setup, 0
-        loader, shown = running.loader, channels(running, running.loader)
+        loader, displayed = running.loader, channels(running, running.loader)
         throw = Throw.of(loader, setup.throw_rad)
-        self._telemetry = Telemetry(running, shown, setup.system)
-        self._description = description(running, shown, (throw.low_rad, throw.high_rad), setup.system)
+        self._telemetry = Telemetry(running, displayed, setup.system)
+        self._description = description(running, displayed, (throw.low_rad, throw.high_rad), setup.system)
         self._has_hand = _has_hand(running)
         self._description["hand"] = self._has_hand
         self._hand_until, self._ticked = 0.0, time.monotonic()
@@ -68,24 +68,24 @@ class ConsoleSession:
         self._progress: dict[str, Json] = {}
 
     async def __aenter__(self) -> Self:
-        """Opens."""
+        """Open the session."""
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
-        """Closes; a hand that was there lets go."""
+        """Close the session, abort a test and release the hand."""
         self._break_off()
         self._let_go()
 
     def works(self) -> tuple[Coroutine[None, None, None], ...]:
-        """What takes a while, for whoever runs it while the desk is open."""
+        """Background tasks for the time that the session is open."""
         return (_whenever(self._feel_asked, self._change_feel), _whenever(self._curve_asked, self._draw_curve))
 
-    # Who comes and goes.
+    # Watchers connect and disconnect.
 
     def join(self, connection: ServerConnection, role: Role) -> Watcher:
-        """Who came, and is told what there is."""
+        """Add a watcher and send it the description."""
         watcher = self.watchers.add(connection, role)
         if self._programmed is None:
             self._curve_asked.set()
@@ -96,23 +96,23 @@ class ConsoleSession:
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
-        """Who went; with who held control go the hand and a test."""
+        """Remove a watcher; if it held control, release the hand and abort a test."""
         if self.watchers.remove(watcher):
             self._freed()
 
-    # What they ask for.
+    # Commands.
 
     def carry_out(self, watcher: Watcher, command: Command) -> None:
-        """Does what is asked for.
+        """Execute a command.
 
         Raises:
-            InputError: If the watcher may not, or it cannot be done, with the reason.
+            InputError: If the watcher has no right, or the command cannot be executed, with the reason.
         """
         self._look_back()
         if watcher.outdated and command.do != "stop":
-            raise InputError("the console was held up, and leaves out what was asked meanwhile; ask again")
+            raise InputError("the console was blocked and discards commands of that time; send it again")
         if command.do not in FOR_ALL and self.watchers.holder is not watcher:
-            self.watchers.take(watcher)  # free, it goes to who first asks for something
+            self.watchers.take(watcher)  # free control goes to the first command
         match command:
             case Plain():
                 self._plain(watcher, command.do)
@@ -155,7 +155,7 @@ class ConsoleSession:
 
     def _hand(self, hand: Hand) -> None:
         if self._test is not None:
-            raise InputError("a test is under way, and has the hand; break it off first")
+            raise InputError("a test is running and uses the hand; abort it first")
         self._running.hand_angle_rad = hand.angle_rad
         self._running.hand_force_n = hand.force_n or 0.0
         holds = hand.force_n is not None or hand.angle_rad is not None
@@ -163,7 +163,7 @@ class ConsoleSession:
 
     def _let_go(self) -> None:
         self._hand_until = 0.0
-        with suppress(InputError):  # a loop that has ended, a machine with hands of its own
+        with suppress(InputError):  # the loop has ended, or the machine is real
             self._running.hand_angle_rad = None
             self._running.hand_force_n = 0.0
 
@@ -173,7 +173,7 @@ class ConsoleSession:
             self._let_go()
         self._post_status()
 
-    # What takes a while.
+    # Background tasks.
 
     async def _change_feel(self) -> None:
         rows, self._rows = self._rows, {}
@@ -197,30 +197,30 @@ class ConsoleSession:
             text = _text(kind="curve", curve=None, reason=str(error))
         self.watchers.post("curve", text)
 
-    def _begin(self, asked: RuleTest) -> None:
+    def _begin(self, test: RuleTest) -> None:
         if not self._has_hand:
             raise InputError(
-                "only a simulated machine has a hand; record a test by hand and give it to qualify --record"
+                "only a simulated machine has a hand; record a manual test and pass it to qualify --record"
             )
         if self._test is not None:
-            raise InputError("a test is under way; break it off first")
+            raise InputError("a test is running; abort it first")
         self._test_ended = Event()
-        self._test = asyncio.create_task(self._make(asked, self._test_ended))
+        self._test = asyncio.create_task(self._make(test, self._test_ended))
 
-    async def _make(self, asked: RuleTest, ended: Event) -> None:
+    async def _make(self, test: RuleTest, ended: Event) -> None:
         self._let_go()
-        result: dict[str, Json] = {"test": asked.test}
+        result: dict[str, Json] = {"test": test.test}
         loop = asyncio.get_running_loop()
 
         def tell(what: str, share: float) -> None:
-            loop.call_soon_threadsafe(self._progressed, asked.test, what, share)
+            loop.call_soon_threadsafe(self._progressed, test.test, what, share)
 
         try:
             programmed = await asyncio.to_thread(Programmed.of, self._running.loader, self._setup)
             by_hand = SimulatedPilot(self._running, self._setup, programmed, tell, ended)
-            make = by_hand.sweep if asked.test == "sweep" else lambda: by_hand.release(asked.side)
-            found = await asyncio.to_thread(make)
-            result["judged"] = await asyncio.to_thread(verdict_json, found)
+            make = by_hand.sweep if test.test == "sweep" else lambda: by_hand.release(test.side)
+            qualification = await asyncio.to_thread(make)
+            result["judged"] = await asyncio.to_thread(verdict_json, qualification)
         except (Aborted, InputError) as error:
             result["reason"] = str(error)
         finally:
@@ -236,17 +236,17 @@ class ConsoleSession:
         self._test_ended.set()
 
     def _look_back(self) -> None:
-        """Where the server was held up: all begin anew, none of what they asked meanwhile is done late."""
+        """After a blocked time, abort the test, release the hand and reconnect all watchers, so that no command runs late."""
         before, self._ticked = self._ticked, time.monotonic()
         if self._ticked - before > HELD_UP_S:
             self._break_off()
             self._let_go()
             self.watchers.turn_out()
 
-    # What they see.
+    # Frames and notices.
 
     def tick(self) -> None:
-        """Sends to all what is new."""
+        """Send new data to all watchers."""
         self._look_back()
         self._ticks += 1
         if self._hand_until and time.monotonic() > self._hand_until:
@@ -270,7 +270,7 @@ class ConsoleSession:
                 missed=state.missed,
                 record_ended=state.record_ended,
                 ended=state.ended,
-                trips=[{"name": it.name, "sentence": it.sentence} for it in running.trips],
+                trips=[{"name": trip.name, "sentence": trip.sentence} for trip in running.trips],
                 holder=holder and holder.number,
                 watchers=len(self.watchers),
                 feel=feel_json(running),
@@ -285,7 +285,7 @@ class ConsoleSession:
 
 
 def _has_hand(running: LiveSession) -> bool:
-    """Whether the machine is simulated here."""
+    """Whether the machine is simulated in this loop."""
     try:
         running.hand_force_n = 0.0
     except InputError:
@@ -298,7 +298,7 @@ def _text(**fields: Any) -> str:
 
 
 async def _whenever(event: asyncio.Event, work: Callable[[], Awaitable[None]]) -> None:
-    """Does something as often as it is asked for; while it is under way, once more."""
+    """Run a task on each event; events during a run cause one further run."""
     while True:
         await event.wait()
         event.clear()

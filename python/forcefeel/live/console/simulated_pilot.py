@@ -1,8 +1,8 @@
-"""The rule's tests on a running loop, made by the simulated hand: a release and a slow sweep, recorded and judged.
+"""Tests of the rule on a running loop with the simulated hand: a release and a slow sweep, recorded and judged.
 
-The hand pulls the column slowly to the release angle, waits until it stands, and lets go. For the sweep it pulls as the programmed
-feel alone has to be pulled to go from neutral to either side and back. Time is that of the simulated machine, which goes on by a
-period a cycle: beats of the clock that were missed are no time to it.
+For the release the hand pulls the column slowly to the angle, waits until it is at rest, and releases it. For the sweep it applies
+the force that moves the programmed feel from neutral to both sides and back. Time is that of the simulated machine, one period for
+each cycle; missed periods of the clock do not count.
 """
 
 from collections.abc import Callable
@@ -26,27 +26,27 @@ from forcefeel.units import FORCE, to_text
 Side = Literal["positive", "negative"]
 
 _PULL_S, _SETTLE_S, _HELD_S = 2.5, 1.5, 0.4
-"""How long the hand pulls, waits until the column stands, holds it as it stands."""
+"""Durations of pulling, settling and holding at rest."""
 _STEP_S = 0.005
-"""Between two forces of a hand that pulls."""
+"""Time between two forces of a pulling hand."""
 _LATE = 20.0
-"""A loop that takes so many times as long as its cycles should has stopped."""
+"""A loop that is slower than real time by this factor counts as stopped."""
 
 
-class Aborted(Exception):  # noqa: N818  no fault of the program
-    """Why a test was not brought to its end."""
+class Aborted(Exception):  # noqa: N818  not a program error
+    """Reason of an aborted test."""
 
 
 @dataclass(eq=False)
 class SimulatedPilot:
-    """Tests by the simulated hand.
+    """Tests with the simulated hand.
 
     Attributes:
         running: The loop.
-        setup: How it is judged: rule, axis, throw, units.
-        programmed: What the feel alone does.
-        tell: Is told what the hand does, and which share of the test is done.
-        ended: Set to break a test off.
+        setup: Rule, axis, throw and units of the tests.
+        programmed: Sweep of the feel alone.
+        tell: Called with the action of the hand and the completed share of the test.
+        ended: Set to abort a test.
     """
 
     running: LiveSession
@@ -58,11 +58,11 @@ class SimulatedPilot:
     _seen: int = -1
 
     def release(self, side: Side) -> Qualification:
-        """A release from the largest share of the throw that the rule has.
+        """Release from the rule's largest share of the throw.
 
         Raises:
-            Aborted: If it was broken off, with the reason.
-            InputError: If what was recorded cannot be measured.
+            Aborted: If the test was aborted, with the reason.
+            InputError: If the record cannot be measured.
         """
         rules = load_rules(self.setup.rule)
         share = rules.release.deflection[1]
@@ -82,11 +82,11 @@ class SimulatedPilot:
         return self._judge(f"release-{100 * share:g}-{side}")
 
     def sweep(self) -> Qualification:
-        """A slow sweep to both sides.
+        """Slow sweep to both sides.
 
         Raises:
-            Aborted: If it was broken off, with the reason.
-            InputError: If the supervisor does not allow its force, or what was recorded cannot be measured.
+            Aborted: If the test was aborted, with the reason.
+            InputError: If the supervisor does not allow the force, or the record cannot be measured.
         """
         force, record = self.programmed.record.force_n, self.programmed.record
         assert force is not None  # it was swept
@@ -101,7 +101,7 @@ class SimulatedPilot:
         return self._judge(STATIC)
 
     def _expect_force(self, time_s: NDArray[np.float64], force_n: NDArray[np.float64]) -> None:
-        """Refuses a sweep that the supervisor would stop: its force at the grip lasts too long above the limit."""
+        """Refuse a sweep with a grip force above the limit for longer than the supervisor allows."""
         limit, lasts_s = (self.running.loader[f"safety.{row}"] for row in ("force_limit", "force_time"))
         ends = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(force_n) > limit, [False]])))
         longest_s = max((float(time_s[end - 1] - time_s[begin]) for begin, end in ends.reshape(-1, 2)), default=0.0)
@@ -112,13 +112,12 @@ class SimulatedPilot:
                 for value in (float(np.abs(force_n).max()), limit)
             )
             raise InputError(
-                f"sweep: it takes up to {most} at the grip, and stays above safety.force_limit, {limit_text}, for "
-                f"{longest_s:.0f} s; the supervisor stops the loader after {lasts_s:g} s of that. Raise the limit in the "
-                "loader file for this test"
+                f"sweep: requires up to {most} at the grip, above safety.force_limit of {limit_text} for {longest_s:.0f} s; the "
+                f"supervisor stops the loader after {lasts_s:g} s. Raise the limit in the loader file for this test"
             )
 
     def _pull(self, force: Callable[[float], float], lasts_s: float, what: str, shares: tuple[float, float]) -> None:
-        """A force over the share of a time that has gone by."""
+        """Apply a force that depends on the elapsed share of a duration."""
         start = self._clock_s()
         while (gone := (self._clock_s() - start) / lasts_s) < 1:
             self.running.hand_force_n = force(gone)
@@ -142,11 +141,11 @@ class SimulatedPilot:
     def _check(self) -> None:
         state = self.running.state
         if self.ended.is_set():
-            raise Aborted("broken off")
+            raise Aborted("aborted")
         if state.ended:
             raise Aborted("the loop has ended")
         if state.name != "active":
-            raise Aborted(f"the law does not drive: the loop is {state.name}; switch it on and begin again")
+            raise Aborted(f"the law is not active: the loop is {state.name}; switch it on and start again")
 
     def _collect(self, *, anew: bool = False) -> None:
         if anew:
@@ -163,7 +162,7 @@ class SimulatedPilot:
         return list(self.running.columns).index(column)
 
     def _judge(self, key: str) -> Qualification:
-        """What was recorded, by the rule."""
+        """Judge the record by the rule."""
         self.tell("judges", 1.0)
         rows = np.concatenate(self._rows)
         cycle, angle, force = (rows[:, self._place(c)] for c in ("cycle", "column_angle_rad", "pilot_force_n"))

@@ -1,4 +1,4 @@
-"""Sixty times a second, of each column what a screen can show: its extremes since the last frame, and its last value.
+"""Frames at 60 Hz: extremes of each column since the last frame, and its last value.
 
 A frame is little-endian: ``float64`` time of its last row in s, ``uint32`` rows in it, ``uint32`` a number that counts frames,
 then ``float32`` first extreme, second extreme and last value of each column, in the units of the page.
@@ -20,23 +20,23 @@ HEADER = struct.Struct("<dII")
 RATE_HZ = 60.0
 
 FOUND_OVER_S = 0.1
-"""The estimate of a hand's torque has the sensors' noise times the law's gains: at the grip of the elevator at rest 0.85 lb r.m.s.,
-0.007 over so long. Each sample stands in the record."""
+"""Averaging time of the estimated hand torque. Its noise at the grip of the elevator at rest is 0.85 lb r.m.s., averaged 0.007 lb.
+The record contains each sample."""
 
 _MOST_ROWS = 2000
-"""Of a frame: a server that was held up goes on with the newest."""
+"""Largest number of rows in a frame; a blocked server continues with the newest."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A column as the page shows it.
+    """A displayed column.
 
     Attributes:
-        column: Its name in the history.
-        label: In words.
-        unit: What it is in.
-        by: What makes SI of it: an estimated torque is shown as a force at the grip.
-        over_s: Over how long its mean is shown, in place of each sample.
+        column: Name in the history.
+        label: Displayed name.
+        unit: Unit.
+        by: Factor on the column: an estimated torque is displayed as a force at the grip.
+        over_s: Averaging time, s; zero for samples.
     """
 
     column: str
@@ -47,19 +47,19 @@ class Channel:
 
 
 def channels(running: LiveSession, loader: Loader) -> tuple[Channel, ...]:
-    """The columns that the page shows, of those that the loop has."""
+    """Displayed columns that the loop has."""
     electric, arm = loader.drive == "electric", 1 / loader["column.grip_arm"]
-    asked = MOTOR_CURRENT if electric else VOLTAGE
+    command_unit = MOTOR_CURRENT if electric else VOLTAGE
     known = (
         Channel("column_angle_rad", "column", ANGLE),
         Channel("feel_angle_rad", "programmed", ANGLE),
         Channel("neutral_rad", "trim", ANGLE),
         Channel("pilot_force_n", "hand", FORCE),
-        Channel("feel_torque_n_m", f"as the law finds it, over {FOUND_OVER_S:g} s", FORCE, arm, FOUND_OVER_S),
-        Channel("law_command", "asked for", asked),
-        Channel("command", "sent", asked),
+        Channel("feel_torque_n_m", f"estimate of the law, mean of {FOUND_OVER_S:g} s", FORCE, arm, FOUND_OVER_S),
+        Channel("law_command", "requested", command_unit),
+        Channel("command", "sent", command_unit),
     )
-    return tuple(one for one in known if one.column in running.columns)
+    return tuple(channel for channel in known if channel.column in running.columns)
 
 
 class Telemetry:
@@ -67,26 +67,26 @@ class Telemetry:
 
     Args:
         running: The loop.
-        shown: What of it.
-        system: In which units.
+        displayed: Displayed channels.
+        system: Displayed units.
     """
 
-    def __init__(self, running: LiveSession, shown: Sequence[Channel], system: UnitSystem) -> None:
-        place: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
+    def __init__(self, running: LiveSession, displayed: Sequence[Channel], system: UnitSystem) -> None:
+        column_of: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
         self._running = running
-        self._taken = [place[one.column] for one in shown]
-        self._scale = np.array([one.by * one.unit.from_si(1.0, system) for one in shown])
-        self._time, self._cycle = place["time_s"], place["cycle"]
+        self._taken = [column_of[channel.column] for channel in displayed]
+        self._scale = np.array([channel.by * channel.unit.from_si(1.0, system) for channel in displayed])
+        self._time, self._cycle = column_of["time_s"], column_of["cycle"]
         self._means = {
-            k: Mean(round(one.over_s / running.period_s))
-            for k, one in enumerate(shown)
-            if one.over_s > running.period_s
+            k: Mean(round(channel.over_s / running.period_s))
+            for k, channel in enumerate(displayed)
+            if channel.over_s > running.period_s
         }
         self._seen, self._number = -1, 0
 
     def frame(self) -> bytes | None:
-        """What came since the last; ``None`` if nothing did."""
-        # The first begins with the newest row there is: the history lags behind the loop, so that none may be after its cycle.
+        """Frame of the rows since the last frame; ``None`` without new rows."""
+        # The first frame begins with the newest row: the history lags behind the loop, so there may be no row of the current cycle.
         rows = self._running.history(self._seen, 1 if self._seen < 0 else _MOST_ROWS)
         if not len(rows):
             return None
@@ -99,10 +99,10 @@ class Telemetry:
 
 
 class Mean:
-    """Of a signal over its last samples.
+    """Moving average of a signal.
 
     Args:
-        samples: How many, two at least.
+        samples: Number of samples, at least two.
     """
 
     def __init__(self, samples: int) -> None:
@@ -110,7 +110,7 @@ class Mean:
         self._before: NDArray[np.float64] | None = None
 
     def of(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At each of the samples that follow those of the last call; before the first stands the first."""
+        """Averages at further samples; the first sample also stands for those before it."""
         before = np.full(self._samples - 1, values[0]) if self._before is None else self._before
         joined = np.concatenate([before, values])
         self._before = joined[1 - self._samples :]

@@ -1,7 +1,7 @@
-"""Who looks on, who holds control, and what each has been sent.
+"""Watchers of a console, control, and the data sent to each.
 
-Nobody waits for a watcher. What is sent is of two sorts: frames, of which one that is not taken is lost; and notices, of which each
-kind has one, the newest, that a watcher gets when it can take it.
+The server never waits for a watcher. A frame that a watcher cannot take is lost. Of each kind of notice a watcher gets the newest
+when it can take it.
 """
 
 import asyncio
@@ -18,27 +18,27 @@ from forcefeel.json_values import Json
 from forcefeel.live.console.admission import Role
 
 MOST = 32
-"""Watchers."""
+"""Largest number of watchers."""
 
 _EACH_SECOND, _AT_ONCE = 150.0, 300.0
-"""Commands of one watcher, each second and at once; a hand that is dragged sends sixty a second."""
+"""Largest rate of a watcher's commands per second, and largest burst; a dragged hand sends 60 per second."""
 _AGAIN = 1012
-"""RFC 6455's registry of close codes: the service begins anew."""
+"""Close code of RFC 6455's registry: service restart."""
 _MOST_REFUSED = 20
-"""Commands of one watcher that are none, after which it is turned out."""
+"""Invalid commands after which a watcher is disconnected."""
 
 
 @dataclass(eq=False)
 class Watcher:
-    """A page, or a program.
+    """A connected page or program.
 
     Attributes:
         connection: Its WebSocket.
-        number: What the others call it.
-        role: What it may.
-        seen: Version of each kind of notice that it was sent.
-        refused: Commands of it that were none.
-        outdated: Whether it was there when the server was held up, and has to come again.
+        number: Number shown to other watchers.
+        role: Its rights.
+        seen: Version of the last sent notice of each kind.
+        refused: Number of its invalid commands.
+        outdated: Whether it was connected while the server was blocked and must reconnect.
     """
 
     connection: ServerConnection
@@ -52,24 +52,24 @@ class Watcher:
 
     @property
     def behind(self) -> bool:
-        """Whether it has yet to take what it was sent."""
+        """Whether sent data is still in its buffer."""
         return self.connection.transport.get_write_buffer_size() > 0
 
     def floods(self) -> bool:
-        """Counts a command, and tells whether they are too many."""
+        """Count a command; return whether there are too many."""
         now = time.monotonic()
         self._left = min(_AT_ONCE, self._left + _EACH_SECOND * (now - self._at)) - 1
         self._at = now
         return self._left < 0
 
     def is_refused(self) -> bool:
-        """Counts a command that is none, and tells whether they are too many."""
+        """Count an invalid command; return whether there are too many."""
         self.refused += 1
         return self.refused > _MOST_REFUSED
 
 
 class Watchers:
-    """All of them, and the newest notice of each kind."""
+    """All watchers, and the newest notice of each kind."""
 
     def __init__(self) -> None:
         self._all: dict[ServerConnection, Watcher] = {}
@@ -86,65 +86,67 @@ class Watchers:
         return len(self._all)
 
     def add(self, connection: ServerConnection, role: Role) -> Watcher:
-        """Who came; the first who may holds control."""
+        """Add a watcher; the first with the right gets control."""
         watcher = self._all[connection] = Watcher(connection, next(self._numbers), role)
         if self.holder is None and role is Role.CONTROL:
             self.holder = watcher
         return watcher
 
     def remove(self, watcher: Watcher) -> bool:
-        """Who went; tells whether control is free by that."""
+        """Remove a watcher; return whether this frees control."""
         self._all.pop(watcher.connection, None)
         return self.give(watcher)
 
     def turn_out(self) -> None:
-        """Ends the connections of all; their pages open others."""
-        for one in self:
-            one.outdated = True
-            task = asyncio.ensure_future(one.connection.close(_AGAIN, "the console was held up"))
+        """Close all connections; the pages reconnect."""
+        for watcher in self:
+            watcher.outdated = True
+            task = asyncio.ensure_future(watcher.connection.close(_AGAIN, "the console was blocked"))
             self._closing.add(task)
             task.add_done_callback(self._closing.discard)
 
     def take(self, watcher: Watcher) -> None:
-        """Gives control to a watcher.
+        """Give control to a watcher.
 
         Raises:
-            InputError: If it may not have it, or another holds it.
+            InputError: If the watcher has no right, or another one has control.
         """
         if watcher.role is not Role.CONTROL:
-            raise InputError("this address is for watching; open the one that forcefeel run printed for control")
+            raise InputError(
+                "this address is only for watching; for control open the address that forcefeel run printed"
+            )
         if self.holder not in (None, watcher):
             assert self.holder is not None
-            raise InputError(f"watcher {self.holder.number} holds control; it can give it up, anyone can stop")
+            raise InputError(f"watcher {self.holder.number} has control and can give it up; every watcher can stop")
         self.holder = watcher
 
     def give(self, watcher: Watcher) -> bool:
-        """Takes control from a watcher; tells whether it held it."""
+        """Take control from a watcher; return whether it had control."""
         held = self.holder is watcher
         if held:
             self.holder = None
         return held
 
     def post(self, kind: str, text: str) -> None:
-        """A notice for all, in place of the last of its kind."""
+        """Post a notice to all; it replaces the last of its kind."""
         if self._notices.get(kind, (0, ""))[1] != text:
             self._notices[kind] = next(self._versions), text
 
     def post_to(self, watcher: Watcher, notice: dict[str, Json]) -> None:
-        """A notice for one who has just come, whose buffer is empty."""
+        """Send a notice to a new watcher, whose buffer is empty."""
         _send([watcher], json.dumps(notice, allow_nan=False))
 
     def send(self, frame: bytes | None) -> None:
-        """A frame and what notices each lacks, to all who can take them."""
-        ready = [one for one in self if not one.behind]
+        """Send a frame and missing notices to all watchers with an empty buffer."""
+        ready = [watcher for watcher in self if not watcher.behind]
         if frame is not None:
             _send(ready, frame)
         for kind, (version, text) in self._notices.items():
-            lack = [one for one in ready if one.seen.get(kind) != version]
+            lack = [watcher for watcher in ready if watcher.seen.get(kind) != version]
             _send(lack, text)
-            for one in lack:
-                one.seen[kind] = version
+            for watcher in lack:
+                watcher.seen[kind] = version
 
 
 def _send(to: Iterable[Watcher], message: str | bytes) -> None:
-    broadcast([one.connection for one in to], message)
+    broadcast([watcher.connection for watcher in to], message)

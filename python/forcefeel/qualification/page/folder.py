@@ -18,13 +18,13 @@ FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
 """Checked before the work, written after it."""
 
 
-def write_qualification(found: Qualification, out: Path, *, pdf: bool = False, command: str = "") -> Path:
+def write_qualification(qualification: Qualification, out: Path, *, pdf: bool = False, command: str = "") -> Path:
     """Writes ``qualification.html``, ``results.json`` and, if asked for, ``qualification.pdf``.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
 
     Args:
-        found: What to report.
+        qualification: The qualification to report.
         out: The folder; made if it is not there.
         pdf: Print the page too; it takes a Chromium.
         command: The command that asked for it, to stand on the page.
@@ -39,21 +39,26 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False, c
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> found = ff.qualify_loader(ff.elevator(), setup)
-        >>> ff.qualification.write_qualification(found, Path("tests-of-mine")).parent.name
-        'tests-of-mine'
+        >>> qualification = ff.qualify_loader(ff.elevator(), setup)
+        >>> ff.qualification.write_qualification(qualification, Path("my-tests")).parent.name
+        'my-tests'
     """
     FOLDER.check(out)
-    return _written(out, qualification_page(found, _beside(pdf), command=command), qualification_json(found), pdf=pdf)
+    return _written(
+        out,
+        qualification_page(qualification, _beside(pdf), command=command),
+        qualification_json(qualification),
+        pdf=pdf,
+    )
 
 
 def write_cockpit(
-    found: CockpitQualification, out: Path, units: UnitSystem, *, pdf: bool = False, command: str = ""
+    cockpit: CockpitQualification, out: Path, units: UnitSystem, *, pdf: bool = False, command: str = ""
 ) -> Path:
     r"""Writes the same files for a cockpit: one test guide over its axes.
 
     Args:
-        found: The qualification of each axis.
+        cockpit: The qualification of each axis.
         out: The folder; made if it is not there.
         units: The units that it was made in.
         pdf: Print the page too; it takes a Chromium.
@@ -70,12 +75,12 @@ def write_cockpit(
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
-        >>> ff.qualification.write_cockpit(found, Path("guide"), ff.UnitSystem.US).name
+        >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> ff.qualification.write_cockpit(cockpit, Path("guide"), ff.UnitSystem.US).name
         'qualification.html'
     """
     FOLDER.check(out)
-    return _written(out, cockpit_page(found, _beside(pdf), command=command), cockpit_json(found, units), pdf=pdf)
+    return _written(out, cockpit_page(cockpit, _beside(pdf), command=command), cockpit_json(cockpit, units), pdf=pdf)
 
 
 def _beside(pdf: bool) -> tuple[str, ...]:

@@ -33,7 +33,7 @@ class ShownTest:
     Attributes:
         key: Its anchor.
         result: What came of it.
-        words: That in a sentence.
+        summary: Its outcome in a sentence.
         drawing: Its plot; empty where there is none.
         meaning: How to read the plot.
         figures: Its features; ``None`` where nothing was compared.
@@ -41,7 +41,7 @@ class ShownTest:
 
     key: str
     result: Result
-    words: str
+    summary: str
     drawing: Markup
     meaning: str
     figures: Table | None
@@ -62,79 +62,81 @@ class ShownAxis:
     """An axis of a cockpit as the page shows it; ``key`` is its anchor."""
 
     key: str
-    found: Qualification
+    qualification: Qualification
     conclusions: Conclusions
     sections: tuple[ShownSection, ...]
     conditions: Table
     parameters: Table
 
 
-def qualification_page(found: Qualification, beside: tuple[str, ...], *, command: str = "") -> str:
+def qualification_page(qualification: Qualification, beside: tuple[str, ...], *, command: str = "") -> str:
     """The whole page.
 
     Args:
-        found: What to show.
+        qualification: The qualification to show.
         beside: Names of the files beside it.
         command: The command that asked for it.
     """
     return render(
         "qualification/page/qualification.html.j2",
         command=command,
-        found=found,
-        conclusions=conclusions(found),
-        summary=qualification_tables.summary(found),
-        sections=[_section(section, found) for section in found.sections],
-        conditions=qualification_tables.conditions(found),
-        provenance=qualification_tables.provenance(found),
-        unverified=unverified_tests(found),
-        parameters=machine.parameters(found.loader, found.system),
+        qualification=qualification,
+        conclusions=conclusions(qualification),
+        summary=qualification_tables.summary(qualification),
+        sections=[_section(section, qualification) for section in qualification.sections],
+        conditions=qualification_tables.conditions(qualification),
+        provenance=qualification_tables.provenance(qualification),
+        unverified=unverified_tests(qualification),
+        parameters=machine.parameters(qualification.loader, qualification.system),
         beside=beside,
     )
 
 
-def cockpit_page(found: CockpitQualification, beside: tuple[str, ...], *, command: str = "") -> str:
+def cockpit_page(cockpit: CockpitQualification, beside: tuple[str, ...], *, command: str = "") -> str:
     """The test guide of a cockpit: an overview, then the sections of each axis; arguments as ``qualification_page``."""
     axes = [
         ShownAxis(
             axis,
-            one,
-            conclusions(one),
-            tuple(_section(section, one, axis) for section in one.sections),
-            qualification_tables.conditions(one),
-            machine.parameters(one.loader, one.system),
+            qualification,
+            conclusions(qualification),
+            tuple(_section(section, qualification, axis) for section in qualification.sections),
+            qualification_tables.conditions(qualification),
+            machine.parameters(qualification.loader, qualification.system),
         )
-        for axis, one in found.axes.items()
+        for axis, qualification in cockpit.axes.items()
     ]
-    first = axes[0].found
+    first = axes[0].qualification
     return render(
         "qualification/page/cockpit.html.j2",
         command=command,
-        name=found.name,
-        found=first,
-        conclusions=cockpit_conclusions(found),
-        overview=qualification_tables.axes(found),
-        tests_of_all=qualification_tables.over_axes(found),
+        name=cockpit.name,
+        qualification=first,
+        conclusions=cockpit_conclusions(cockpit),
+        overview=qualification_tables.axes(cockpit),
+        tests_of_all=qualification_tables.over_axes(cockpit),
         axes=axes,
-        provenance=qualification_tables.provenance(*found.axes.values()),
-        unverified=list(dict.fromkeys(test for one in found.axes.values() for test in unverified_tests(one))),
+        provenance=qualification_tables.provenance(*cockpit.axes.values()),
+        unverified=list(
+            dict.fromkeys(test for qualification in cockpit.axes.values() for test in unverified_tests(qualification))
+        ),
         beside=beside,
     )
 
 
-def _section(section: Section, found: Qualification, axis: str = "") -> ShownSection:
+def _section(section: Section, qualification: Qualification, axis: str = "") -> ShownSection:
     key = "-".join(filter(None, ("law", axis, section.name)))
-    tests = tuple(_test(result, section, found, axis) for result in section.results)
+    tests = tuple(_test(result, section, qualification, axis) for result in section.results)
     return ShownSection(key, section, outcome_counts(section), tests)
 
 
-def _test(result: Result, section: Section, found: Qualification, axis: str) -> ShownTest:
+def _test(result: Result, section: Section, qualification: Qualification, axis: str) -> ShownTest:
     key = qualification_tables.anchor(section, result.trial, axis)
-    picture = qualification_plots.drawn(result, found, section.name)
+    picture = qualification_plots.drawn(result, qualification, section.name)
     return ShownTest(
         key=key,
         result=result,
-        words=result_text(result, found),
+        summary=result_text(result, qualification),
         drawing=Markup("") if picture is None else drawing(picture, f"plot-{key}"),
         meaning=_MEANINGS[result.trial.test.kind],
-        figures=qualification_tables.figures(result, found.system) if result.verdicts else None,
+        figures=qualification_tables.figures(result, qualification.system) if result.verdicts else None,
     )

@@ -24,35 +24,36 @@ def color(section: str) -> str:
     return _COLORS.get(section, COMPENSATED)
 
 
-def sweep(result: Result, found: Qualification, section: str) -> go.Figure:
+def sweep(result: Result, qualification: Qualification, section: str) -> go.Figure:
     """Force over position both ways; of a medium or fast sweep what it takes above the slow one."""
     assert result.measured
     assert result.reference
     picture = make_subplots(rows=1, cols=1)
-    system = found.system
-    mine, theirs = _curves(result.measured), _curves(result.reference)
+    system = qualification.system
+    measured, reference = _curves(result.measured), _curves(result.reference)
     unit = UNITS[result.measured.record.position_unit]
     scale, force = unit.from_si(1.0, system), FORCE.from_si(1.0, system)
     rule = _rule(result)
-    for k, way in enumerate(("up", "down")):
-        at, curve = theirs[way]
+    hover = f"%{{x:.3~g}} {unit.shown(system)}, %{{y:.3~g}} {FORCE.shown(system)}"
+    for k, direction in enumerate(("up", "down")):
+        at, curve = reference[direction]
         limit = rule.limit(curve, system=system)
         _band(picture, at * scale, (curve - limit) * force, (curve + limit) * force, first=k == 0)
     for curves, name, look in (
-        (theirs, "reference", REFERENCE),
-        (mine, "measured", LineStyle(color(section), "solid", 2.2)),
+        (reference, "reference", REFERENCE),
+        (measured, "measured", LineStyle(color(section), "solid", 2.2)),
     ):
-        for way in ("up", "down"):
-            at, curve = curves[way]
+        for direction in ("up", "down"):
+            at, curve = curves[direction]
             picture.add_scatter(
                 x=at * scale,
                 y=curve * force,
                 name=name,
                 legendgroup=name,
-                showlegend=way == "up",
+                showlegend=direction == "up",
                 mode="lines",
                 line=line(look),
-                hovertemplate=f"{name}, {way}: %{{x:.3~g}} {unit.shown(system)}, %{{y:.3~g}} {FORCE.shown(system)}<extra></extra>",
+                hovertemplate=f"{name}, {direction}: {hover}<extra></extra>",
             )
     frame(picture, 420, hover="closest")
     what = "Force" if result.measured.slow is None else "Above the slow sweep"
@@ -67,7 +68,7 @@ def small_inputs(result: Result, section: str) -> go.Figure:
     assert result.reference
     picture = make_subplots(rows=1, cols=1)
     degrees = factor("rad", "deg")
-    limit = next((one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)), 0.0) * degrees
+    limit = next((verdict.tolerance for verdict in result.verdicts if np.isfinite(verdict.tolerance)), 0.0) * degrees
     for side, name, look in (
         (result.reference, "reference", REFERENCE),
         (result.measured, "measured", LineStyle(color(section), "solid", 2.4)),
@@ -106,36 +107,38 @@ def _curves(side: Side) -> dict[str, tuple[_Array, _Array]]:
     swept = side.features
     assert isinstance(swept, SweepFeatures)  # a sweep's result
     at = swept.position - swept.neutral
-    found = {}
-    for way in ("up", "down"):
-        force = _way(swept, way)
+    curves = {}
+    for direction in ("up", "down"):
+        force = _way(swept, direction)
         if side.slow is not None:
             slow = side.slow
-            force = force - np.interp(at, slow.position - slow.neutral, _way(slow, way), left=np.nan, right=np.nan)
-        found[way] = at, force
-    return found
+            force = force - np.interp(
+                at, slow.position - slow.neutral, _way(slow, direction), left=np.nan, right=np.nan
+            )
+        curves[direction] = at, force
+    return curves
 
 
-def _way(swept: SweepFeatures, way: str) -> _Array:
-    return swept.force_up_n if way == "up" else swept.force_down_n
+def _way(swept: SweepFeatures, direction: str) -> _Array:
+    return swept.force_up_n if direction == "up" else swept.force_down_n
 
 
 def _rule(result: Result) -> Tolerance:
-    wanted = {"force", "dynamic increment"}
-    return next(one for one in result.trial.test.tolerances if one.quantity in wanted)
+    compared = {"force", "dynamic increment"}
+    return next(tolerance for tolerance in result.trial.test.tolerances if tolerance.quantity in compared)
 
 
-def drawn(result: Result, found: Qualification, section: str) -> go.Figure | None:
+def drawn(result: Result, qualification: Qualification, section: str) -> go.Figure | None:
     """The plot of a test; ``None`` where there is nothing to draw."""
     if result.measured is None or result.reference is None:
         return None
     match result.trial.test.kind:
         case "release":
-            return release(result, found, color(section))
+            return release(result, qualification, color(section))
         case "small inputs":
             return small_inputs(result, section)
         case "freeplay":  # of the static sweep
             return None
-        case "static" if any(one.rule.quantity == "surface" for one in result.verdicts):
+        case "static" if any(verdict.rule.quantity == "surface" for verdict in result.verdicts):
             return None
-    return sweep(result, found, section)
+    return sweep(result, qualification, section)

@@ -28,16 +28,16 @@ _Limits = Mapping[str, float]
 """Tolerances by what is judged, in SI units."""
 
 
-def release(result: Result, found: Qualification, color: str) -> go.Figure:
+def release(result: Result, qualification: Qualification, color: str) -> go.Figure:
     """Position from each record's steady state over the time from its release, with the tolerances at the reference's marks."""
     assert result.measured
     assert result.reference
     picture = make_subplots(rows=1, cols=1)
     unit = UNITS[result.measured.record.position_unit]
-    scale, shown = unit.from_si(1.0, found.system), unit.shown(found.system)
-    theirs = _features(result.reference)
-    end = _SHOWN * max(one.settled_s - one.release_s.value for one in (_features(result.measured), theirs))
-    band = theirs.band * scale
+    scale, unit_name = unit.from_si(1.0, qualification.system), unit.shown(qualification.system)
+    reference = _features(result.reference)
+    end = _SHOWN * max(span.settled_s - span.release_s.value for span in (_features(result.measured), reference))
+    band = reference.band * scale
     grey = {"fillcolor": BAND, "line_width": 0, "layer": "below"}
     picture.add_hrect(-band, band, **grey, exclude_empty_subplots=False)  # the curves come after it
     for side, name, look in (
@@ -49,57 +49,59 @@ def release(result: Result, found: Qualification, color: str) -> go.Figure:
         kept = seen[drawn(side.record.position[seen], _MOST_POINTS)]
         position = (side.record.position[kept] - _features(side).steady.value) * scale
         picture.add_scatter(
-            x=time[kept], y=position, name=name, mode="lines", line=line(look), hovertemplate=f"%{{y:.3~g}} {shown}"
+            x=time[kept], y=position, name=name, mode="lines", line=line(look), hovertemplate=f"%{{y:.3~g}} {unit_name}"
         )
-    _marks(picture, result, found, color, _ROOM * end)
+    _marks(picture, result, qualification, color, _ROOM * end)
     frame(picture, 380)
     picture.update_xaxes(
         title_text="Time from release, s", range=[-0.03 * end, end], unifiedhovertitle={"text": "%{x:.3f} s"}
     )
-    picture.update_yaxes(title_text=f"From steady state, {shown}", zeroline=True, zerolinecolor="#8A939E")
+    picture.update_yaxes(title_text=f"From steady state, {unit_name}", zeroline=True, zerolinecolor="#8A939E")
     return picture
 
 
-def _marks(picture: go.Figure, result: Result, found: Qualification, color: str, room_s: float) -> None:
+def _marks(picture: go.Figure, result: Result, qualification: Qualification, color: str, room_s: float) -> None:
     """What is judged: instants and overshoots of both curves, and on the reference their names and tolerances."""
     assert result.measured
     assert result.reference
-    limits = {one.quantity: one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)}
-    scale = UNITS[result.measured.record.position_unit].from_si(1.0, found.system)
-    rules, theirs = found.rules.release, _features(result.reference)
-    for its, shade, fill in ((theirs, IDEAL, "#FFFFFF"), (_features(result.measured), color, color)):
-        _circles(picture, _judged_points(its, limits, rules, scale), shade, fill)
-    _mark_spans(picture, theirs, rules, limits, scale, room_s)
-    _mark_overshoots(picture, theirs, limits, scale, room_s)
+    limits = {verdict.quantity: verdict.tolerance for verdict in result.verdicts if np.isfinite(verdict.tolerance)}
+    scale = UNITS[result.measured.record.position_unit].from_si(1.0, qualification.system)
+    rules, reference = qualification.rules.release, _features(result.reference)
+    for features, shade, fill in ((reference, IDEAL, "#FFFFFF"), (_features(result.measured), color, color)):
+        _circles(picture, _judged_points(features, limits, rules, scale), shade, fill)
+    _mark_spans(picture, reference, rules, limits, scale, room_s)
+    _mark_overshoots(picture, reference, limits, scale, room_s)
 
 
 def _mark_spans(
-    picture: go.Figure, its: ReleaseFeatures, rules: ReleaseRules, limits: _Limits, scale: float, room_s: float
+    picture: go.Figure, features: ReleaseFeatures, rules: ReleaseRules, limits: _Limits, scale: float, room_s: float
 ) -> None:
     """The tolerance of each time where it ends; a double arrow with its name at the height where the first begins."""
-    spans = [one for one in _spans(its, rules) if one.name in limits]
+    spans = [span for span in _spans(features, rules) if span.name in limits]
     if not spans:
         return
-    away = its.displacement.value * scale
-    named, height = [spans[k] for k in _apart([one.end_s for one in spans], room_s)], rules.high * away
-    x = [at for one in named for at in (one.end_s, one.end_s, None)]
-    y = [at for one in named for at in (one.foot * away, height, None)]
+    away = features.displacement.value * scale
+    named, height = [spans[k] for k in _apart([span.end_s for span in spans], room_s)], rules.high * away
+    x = [at for span in named for at in (span.end_s, span.end_s, None)]
+    y = [at for span in named for at in (span.foot * away, height, None)]
     drop = {"color": _TOLERANCE, "width": 1, "dash": "dot"}
     picture.add_scatter(x=x, y=y, mode="lines", line=drop, showlegend=False, hoverinfo="skip")
     arrow = {"axref": "x", "ayref": "y", "arrowside": "end+start", "arrowhead": 2, "startarrowhead": 2}
     arrow |= {"arrowcolor": _TOLERANCE, "arrowwidth": 1}
-    for one in named:
-        picture.add_annotation(x=one.end_s, y=height, ax=one.start_s, ay=height, text="", **arrow)
-        middle = (one.start_s + one.end_s) / 2
-        picture.add_annotation(x=middle, y=height, text=one.name, showarrow=False, yanchor="bottom", yshift=1)
-    foot = [one.foot * away for one in spans]
-    width = [limits[one.name] for one in spans]
-    _bars(picture, [one.end_s for one in spans], foot, "tolerance of times", error_x=width)
+    for span in named:
+        picture.add_annotation(x=span.end_s, y=height, ax=span.start_s, ay=height, text="", **arrow)
+        middle = (span.start_s + span.end_s) / 2
+        picture.add_annotation(x=middle, y=height, text=span.name, showarrow=False, yanchor="bottom", yshift=1)
+    foot = [span.foot * away for span in spans]
+    width = [limits[span.name] for span in spans]
+    _bars(picture, [span.end_s for span in spans], foot, "tolerance of times", error_x=width)
 
 
-def _mark_overshoots(picture: go.Figure, its: ReleaseFeatures, limits: _Limits, scale: float, room_s: float) -> None:
+def _mark_overshoots(
+    picture: go.Figure, features: ReleaseFeatures, limits: _Limits, scale: float, room_s: float
+) -> None:
     """The tolerance of each, with its name beyond it."""
-    tops = [one for one in _overshoots(its, scale) if one[0] in limits]
+    tops = [overshoot for overshoot in _overshoots(features, scale) if overshoot[0] in limits]
     if not tops:
         return
     for side in (tops[::2], tops[1::2]):
@@ -137,41 +139,41 @@ class _Span:
     foot: float
 
 
-def _spans(its: ReleaseFeatures, rules: ReleaseRules) -> list[_Span]:
+def _spans(features: ReleaseFeatures, rules: ReleaseRules) -> list[_Span]:
     """All that a release can be judged by."""
-    low = its.rise_time.value
-    high = low - its.fall_time.value
-    passes = _crossings(its)
-    found = [_Span("fall time", high, low, rules.low), _Span("rise time", 0.0, low, rules.low)]
-    found += [_Span("P0", high, end, 0.0) for end in passes[:1]]
-    return found + [_Span(f"P{n}", *ends, 0.0) for n, ends in enumerate(pairwise(passes[::2]), start=1)]
+    low = features.rise_time.value
+    high = low - features.fall_time.value
+    passes = _crossings(features)
+    spans = [_Span("fall time", high, low, rules.low), _Span("rise time", 0.0, low, rules.low)]
+    spans += [_Span("P0", high, end, 0.0) for end in passes[:1]]
+    return spans + [_Span(f"P{n}", *ends, 0.0) for n, ends in enumerate(pairwise(passes[::2]), start=1)]
 
 
-def _crossings(its: ReleaseFeatures) -> list[float]:
-    return [time - its.release_s.value for time in its.crossing_times_s]
+def _crossings(features: ReleaseFeatures) -> list[float]:
+    return [time - features.release_s.value for time in features.crossing_times_s]
 
 
-def _overshoots(its: ReleaseFeatures, scale: float) -> list[tuple[str, float, float]]:
+def _overshoots(features: ReleaseFeatures, scale: float) -> list[tuple[str, float, float]]:
     """Name, time from the release and position of each."""
-    sign = -1.0 if its.displacement.value > 0 else 1.0
-    both = zip(its.overshoots, its.overshoot_times_s, strict=False)
+    sign = -1.0 if features.displacement.value > 0 else 1.0
+    both = zip(features.overshoots, features.overshoot_times_s, strict=False)
     return [
-        (f"A{k + 1}", time - its.release_s.value, sign * (-1.0) ** k * size.value * scale)
+        (f"A{k + 1}", time - features.release_s.value, sign * (-1.0) ** k * size.value * scale)
         for k, (size, time) in enumerate(both)
     ]
 
 
 def _judged_points(
-    its: ReleaseFeatures, judged: Collection[str], rules: ReleaseRules, scale: float
+    features: ReleaseFeatures, judged: Collection[str], rules: ReleaseRules, scale: float
 ) -> list[tuple[float, float]]:
     """The instants between which judged times lie, all crossings up to the last of them, and judged overshoots."""
-    away = its.displacement.value * scale
-    spans = [one for one in _spans(its, rules) if one.name in judged]
-    last = max((one.end_s for one in spans), default=0.0)
-    points = [(one.start_s, rules.high * away) for one in spans if one.name in {"P0", "fall time"}]
-    points += [(one.end_s, one.foot * away) for one in spans if one.foot]
-    points += [(time, 0.0) for time in _crossings(its) if time <= last and "P0" in judged]
-    return points + [(time, top) for name, time, top in _overshoots(its, scale) if name in judged]
+    away = features.displacement.value * scale
+    spans = [span for span in _spans(features, rules) if span.name in judged]
+    last = max((span.end_s for span in spans), default=0.0)
+    points = [(span.start_s, rules.high * away) for span in spans if span.name in {"P0", "fall time"}]
+    points += [(span.end_s, span.foot * away) for span in spans if span.foot]
+    points += [(time, 0.0) for time in _crossings(features) if time <= last and "P0" in judged]
+    return points + [(time, top) for name, time, top in _overshoots(features, scale) if name in judged]
 
 
 def _circles(picture: go.Figure, points: list[tuple[float, float]], shade: str, fill: str) -> None:

@@ -43,22 +43,26 @@ def anchor(section: Section, trial: RuleTestCase, axis: str = "") -> str:
     return "-".join(filter(None, (axis, section.name, trial.key)))
 
 
-def summary(found: Qualification) -> Table:
+def summary(qualification: Qualification) -> Table:
     """A row for each test of the rule with what it came to, a column for each law; each leads to its test."""
-    head = (Cell("Test"), *(Cell(section.title) for section in found.sections), Cell("Number"))
-    by_section = [(section, {one.trial.key: one for one in section.results}) for section in found.sections]
+    head = (Cell("Test"), *(Cell(section.title) for section in qualification.sections), Cell("Number"))
+    by_section = [
+        (section, {result.trial.key: result for result in section.results}) for section in qualification.sections
+    ]
     rows = []
-    for trial in found.test_plan.trials:
+    for trial in qualification.test_plan.trials:
         came = (_linked(section, results.get(trial.key)) for section, results in by_section)
         rows.append((words(trial.title), *came, _number(trial)))
-    for trial in found.test_plan.outside:
-        reason = f"outside the programme: {why_outside(trial, found)}"
-        rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
-    total = (words("All"), *(coloured(section.status) for section in found.sections), Cell(""))
+    for trial in qualification.test_plan.outside:
+        reason = f"outside the programme: {why_outside(trial, qualification)}"
+        rows.append(
+            (words(trial.title), *(Cell(reason, "words", _NONE) for _ in qualification.sections), _number(trial))
+        )
+    total = (words("All"), *(coloured(section.status) for section in qualification.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")
 
 
-def over_axes(found: CockpitQualification) -> Table:
+def over_axes(cockpit: CockpitQualification) -> Table:
     """A row for each test of each axis and law, with what it came to; each leads to its test."""
     rows = tuple(
         (
@@ -68,24 +72,24 @@ def over_axes(found: CockpitQualification) -> Table:
             words(section.title),
             _number(result.trial),
         )
-        for axis, one in found.axes.items()
-        for section in one.sections
+        for axis, qualification in cockpit.axes.items()
+        for section in qualification.sections
         for result in section.results
     )
     return Table(tuple(map(Cell, ("Axis", "Test", "Outcome", "Law", "Number"))), rows, "outcomes")
 
 
-def axes(found: CockpitQualification) -> Table:
+def axes(cockpit: CockpitQualification) -> Table:
     """A row for each axis and law: the loader, and how many tests came to what; each leads to its section."""
     rows = tuple(
         (
             Cell(Markup('<a href="#{}">{}</a>').format(axis, axis), "words"),
             coloured(section.status),
-            *(words(text) for text in (one.loader.name, one.loader.drive, section.title)),
+            *(words(text) for text in (qualification.loader.name, qualification.loader.drive, section.title)),
             *(number(str(section.count(outcome))) for outcome in Outcome),
         )
-        for axis, one in found.axes.items()
-        for section in one.sections
+        for axis, qualification in cockpit.axes.items()
+        for section in qualification.sections
     )
     head = (
         *map(Cell, ("Axis", "Status", "Loader", "Drive", "Law")),
@@ -118,7 +122,7 @@ def figures(result: Result, system: UnitSystem) -> Table:
         *(Cell(name, "number") for name in numbers),
         Cell("Rule"),
     )
-    return Table(head, tuple(_figure_row(one, result, system) for one in result.verdicts))
+    return Table(head, tuple(_figure_row(verdict, result, system) for verdict in result.verdicts))
 
 
 def _figure_row(verdict: Verdict, result: Result, system: UnitSystem) -> tuple[Cell, ...]:
@@ -133,7 +137,7 @@ def _figure_row(verdict: Verdict, result: Result, system: UnitSystem) -> tuple[C
         Cell(name),
         Cell(Markup("{}").format(str(verdict.outcome)) + reason, "words", _BACKGROUNDS[verdict.outcome]),
         Cell(unit_text(UNITS[verdict.unit].shown(system)) or ""),
-        *(number(figure_text(one, system).replace("-", _MINUS)) for one in (verdict.measured, verdict.reference)),
+        *(number(figure_text(figure, system).replace("-", _MINUS)) for figure in (verdict.measured, verdict.reference)),
         *(number(_value(value, verdict.unit, system)) for value in numbers),
         words(rule),
     )
@@ -143,46 +147,49 @@ def _value(value: float, unit: str, system: UnitSystem) -> str:
     return number_text(UNITS[unit].from_si(value, system), 3) if isfinite(value) else NONE
 
 
-def conditions(found: Qualification) -> Table:
+def conditions(qualification: Qualification) -> Table:
     """By which rule, of which control, under which conditions."""
-    rules, system = found.rules, found.system
+    rules, system = qualification.rules, qualification.system
     least, most = (100 * share for share in rules.release.deflection)
-    low, high = (quantity(end, "rad", system) for end in (found.throw.low_rad, found.throw.high_rad))
-    unverified = ", ".join(unverified_tests(found))
-    made = found.test_plan.made
-    asked = dict.fromkeys(one for trial in made for one in trial.test.conditions)
-    feel = "that was recorded" if recorded(found, "record") else "that the loader programs, hands off"
-    sweeps = ", ".join(f"{one.name} {one.duration_s[0]:g} to {one.duration_s[1]:g} s" for one in rules.sweeps)
+    low, high = (quantity(end, "rad", system) for end in (qualification.throw.low_rad, qualification.throw.high_rad))
+    unverified = ", ".join(unverified_tests(qualification))
+    made = qualification.test_plan.made
+    required = dict.fromkeys(condition for trial in made for condition in trial.test.conditions)
+    feel = "that was recorded" if recorded(qualification, "record") else "that the loader programs, hands off"
+    sweeps = ", ".join(f"{sweep.name} {sweep.duration_s[0]:g} to {sweep.duration_s[1]:g} s" for sweep in rules.sweeps)
     rows = [
         ("Rule", f"{rules.title}, edition {rules.edition}, {rules.category}"),
-        ("Axis", found.axis),
+        ("Axis", qualification.axis),
         ("Rows held against the document", f"all but {unverified}" if unverified else "all"),
         (
             "Releases",
             f"from {least:g} to {most:g} % of the throw, both directions; residual band {100 * rules.release.residual_band:g} %",
         ),
         ("Sweeps", f"to {100 * SHORT:g} % of the throw and back: {sweeps}"),
-        ("Throw", f"from {low} to {high}: {found.throw.source}"),
-        ("Reference", found.reference),
-        ("Conditions the rule asks for", "; ".join(asked)),
+        ("Throw", f"from {low} to {high}: {qualification.throw.source}"),
+        ("Reference", qualification.reference),
+        ("Conditions the rule asks for", "; ".join(required)),
         ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
     ]
-    if found.omitted:
-        rows.append(("Left out of the loader", ", ".join(found.omitted)))
+    if qualification.omitted:
+        rows.append(("Left out of the loader", ", ".join(qualification.omitted)))
     rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
     return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
-def provenance(*found: Qualification) -> Table:
+def provenance(*qualifications: Qualification) -> Table:
     """Date, versions, loaders, files with their hashes."""
     rows = [
-        ("Date", found[0].day.isoformat()),
+        ("Date", qualifications[0].day.isoformat()),
         ("forcefeel", version("forcefeel")),
         ("Python, NumPy", f"{platform.python_version()}, {version('numpy')}"),
-        *(("Loader", f"{one.loader.name}: {one.loader.source}") for one in found),
+        *(
+            ("Loader", f"{qualification.loader.name}: {qualification.loader.source}")
+            for qualification in qualifications
+        ),
     ]
-    for one in found:
-        for name, given in one.files.items():
-            if given.path is not None:
-                rows.append((name, f"{given.path.name}, SHA-256 {given.sha256}"))
+    for qualification in qualifications:
+        for name, file in qualification.files.items():
+            if file.path is not None:
+                rows.append((name, f"{file.path.name}, SHA-256 {file.sha256}"))
     return Table((Cell("What"), Cell("Which")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")

@@ -28,68 +28,68 @@ _SWEEP = (
 )
 
 
-def qualification_json(found: Qualification) -> dict[str, Json]:
+def qualification_json(qualification: Qualification) -> dict[str, Json]:
     """Everything but the records themselves."""
-    system, rules = found.system, found.rules
+    system, rules = qualification.system, qualification.rules
     rule = {
         "id": rules.id,
         "title": rules.title,
         "edition": rules.edition,
         "category": rules.category,
-        "axis": found.axis,
+        "axis": qualification.axis,
         "verified": rules.verified,
-        "unverified": list(unverified_tests(found)),
+        "unverified": list(unverified_tests(qualification)),
     }
     files = {
-        name: {"name": given.record.name, "path": str(given.path), "sha256": given.sha256}
-        for name, given in found.files.items()
-        if given.path is not None
+        name: {"name": file.record.name, "path": str(file.path), "sha256": file.sha256}
+        for name, file in qualification.files.items()
+        if file.path is not None
     }
     return {
         "forcefeel": version("forcefeel"),
-        "date": found.day.isoformat(),
+        "date": qualification.day.isoformat(),
         "units": str(system),
-        "status": str(found.status),
-        "conclusions": json_value(conclusions(found), system),
+        "status": str(qualification.status),
+        "conclusions": json_value(conclusions(qualification), system),
         "rule": rule,
-        "throw": json_value(found.throw, system),
-        "reference": found.reference,
-        "omitted": list(found.omitted),
-        "simulator": found.simulator,
-        "operator": found.operator,
-        "test_plan": [trial.key for trial in found.test_plan.trials],
-        "tests_not_simulated": [trial.key for trial in found.test_plan.outside],
-        "named": list(found.test_plan.named),
+        "throw": json_value(qualification.throw, system),
+        "reference": qualification.reference,
+        "omitted": list(qualification.omitted),
+        "simulator": qualification.simulator,
+        "operator": qualification.operator,
+        "test_plan": [trial.key for trial in qualification.test_plan.trials],
+        "tests_not_simulated": [trial.key for trial in qualification.test_plan.outside],
+        "named": list(qualification.test_plan.named),
         "files": files,
-        "sections": [_section(section, found) for section in found.sections],
-        "loader": json_value(found.loader, system),
+        "sections": [_section(section, qualification) for section in qualification.sections],
+        "loader": json_value(qualification.loader, system),
     }
 
 
-def cockpit_json(found: CockpitQualification, system: UnitSystem) -> dict[str, Json]:
+def cockpit_json(cockpit: CockpitQualification, system: UnitSystem) -> dict[str, Json]:
     """The qualification of each axis."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(system),
-        "project": found.name,
-        "status": str(found.status),
-        "conclusions": json_value(cockpit_conclusions(found), system),
-        "axes": {axis: qualification_json(one) for axis, one in found.axes.items()},
+        "project": cockpit.name,
+        "status": str(cockpit.status),
+        "conclusions": json_value(cockpit_conclusions(cockpit), system),
+        "axes": {axis: qualification_json(qualification) for axis, qualification in cockpit.axes.items()},
     }
 
 
-def _section(section: Section, found: Qualification) -> dict[str, Json]:
+def _section(section: Section, qualification: Qualification) -> dict[str, Json]:
     return {
         "name": section.name,
         "title": section.title,
         "status": str(section.status),
         "missing": [{"any_of": [trial.key for trial in group]} for group in section.missing],
         "outcome_counts": outcome_counts(section),
-        "tests": [_result(result, found) for result in section.results],
+        "tests": [_result(result, qualification) for result in section.results],
     }
 
 
-def _result(result: Result, found: Qualification) -> dict[str, Json]:
+def _result(result: Result, qualification: Qualification) -> dict[str, Json]:
     trial, test = result.trial, result.trial.test
     return {
         "key": trial.key,
@@ -99,12 +99,12 @@ def _result(result: Result, found: Qualification) -> dict[str, Json]:
         "conditions": list(test.conditions),
         "verified": trial.verified,
         "outcome": str(result.outcome),
-        "summary": result_text(result, found),
+        "summary": result_text(result, qualification),
         "reason": result.reason,
         "remarks": list(result.remarks),
-        "verdicts": [_verdict(one, found.system) for one in result.verdicts],
-        "measured": _side(result.measured, found.system),
-        "reference": _side(result.reference, found.system),
+        "verdicts": [_verdict(verdict, qualification.system) for verdict in result.verdicts],
+        "measured": _side(result.measured, qualification.system),
+        "reference": _side(result.reference, qualification.system),
     }
 
 

@@ -123,18 +123,18 @@ class TestBench:
     # Releases.
 
     def _release(self, trial: RuleTestCase) -> Result:
-        task, mine, theirs = self.task, self._given(trial.key), self._reference(trial.key)
+        task, record, recorded_reference = self.task, self._given(trial.key), self._reference(trial.key)
         angle = trial.share * abs(task.throw.end(1 if trial.share > 0 else -1))
         measured = reference = None
-        if theirs is not None:
-            reference = theirs, measure_release(theirs, rules=task.rules.release)
+        if recorded_reference is not None:
+            reference = recorded_reference, measure_release(recorded_reference, rules=task.rules.release)
             angle = reference[1].displacement.value
-        if mine is not None:
-            measured = mine, measure_release(mine, rules=task.rules.release)
+        if record is not None:
+            measured = record, measure_release(record, rules=task.rules.release)
             angle = measured[1].displacement.value
-        reference = reference or self._programmed_release(angle, mine)
+        reference = reference or self._programmed_release(angle, record)
         measured = measured or self._loader_release(angle)
-        if mine is not None and theirs is not None:
+        if record is not None and recorded_reference is not None:
             check_cover(measured, reference)
         in_angle = measured[0].position_unit == "rad"
         verdicts = judge_release(
@@ -178,8 +178,8 @@ class TestBench:
     def _static(self, trial: RuleTestCase) -> Result:
         measured, reference = self._slow(STATIC)
         verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
-        kept = tuple(one for one in verdicts if (one.rule.quantity == "surface") is (trial.key == SURFACE))
-        if trial.key == SURFACE and all(one.outcome is Outcome.NOT_EVALUATED for one in kept):
+        kept = tuple(verdict for verdict in verdicts if (verdict.rule.quantity == "surface") is (trial.key == SURFACE))
+        if trial.key == SURFACE and all(verdict.outcome is Outcome.NOT_EVALUATED for verdict in kept):
             raise MissingError("needs the surface in both static sweeps, in a column 'surface (deg)'")
         return _judged(trial, kept, measured, reference)
 
@@ -187,8 +187,13 @@ class TestBench:
         """The rule has it as a length at the grip: of an angle ``R_p theta``."""
         measured, reference = self._slow(trial.key)
         arm = self.task.loader["column.grip_arm"]
-        mine, theirs = (_at_grip(_swept(side), arm) for side in (measured, reference))
-        return _judged(trial, judge_sweep(mine, theirs, trial.test, system=self.task.system), measured, reference)
+        measured_at_grip, reference_at_grip = (_at_grip(_swept(side), arm) for side in (measured, reference))
+        return _judged(
+            trial,
+            judge_sweep(measured_at_grip, reference_at_grip, trial.test, system=self.task.system),
+            measured,
+            reference,
+        )
 
     def _slow(self, key: str) -> tuple[Side, Side]:
         """The slow sweep of both, made once; recorded ones are each of their own test."""
@@ -198,9 +203,9 @@ class TestBench:
         return self._slow_sweeps[key]
 
     def _swept_slowly(self, key: str) -> tuple[Side, Side]:
-        mine, theirs = self._given(key), self._reference(key)
-        measured = None if mine is None else _side(mine)
-        reference = None if theirs is None else _side(theirs)
+        record, recorded_reference = self._given(key), self._reference(key)
+        measured = None if record is None else _side(record)
+        reference = None if recorded_reference is None else _side(recorded_reference)
         like = measured if measured is not None else reference
         throw, lasts = self.task.throw, duration_s(self.task.rules, "slow")
         if like is not None and (measured is None or reference is None):
@@ -222,17 +227,17 @@ class TestBench:
 
     def _dynamic(self, trial: RuleTestCase) -> Result:
         name: SweepName = trial.sweep or "slow"
-        mine, theirs = self._given(trial.key), self._reference(trial.key)
+        record, recorded_reference = self._given(trial.key), self._reference(trial.key)
         for what, those in (("record", self.records), ("reference", self.task.references)):
             if those and STATIC not in those:
                 raise MissingError(f"needs the slow sweep too: no {what} of the test {STATIC} was given")
         slow, slow_reference = self._slow(STATIC)
-        measured = _side(mine) if mine is not None else None
-        reference = _side(theirs) if theirs is not None else None
+        measured = _side(record) if record is not None else None
+        reference = _side(recorded_reference) if recorded_reference is not None else None
         if measured is None:
-            measured = self._loader_fast(slow, theirs, name)
+            measured = self._loader_fast(slow, recorded_reference, name)
         if reference is None:
-            reference = self._programmed_fast(slow_reference, mine, name)
+            reference = self._programmed_fast(slow_reference, record, name)
         sides = (
             Side(measured.record, measured.features, _swept(slow)),
             Side(reference.record, reference.features, _swept(slow_reference)),
@@ -247,15 +252,15 @@ class TestBench:
         )
         return _judged(trial, verdicts, *sides)
 
-    def _loader_fast(self, slow: Side, theirs: Record | None, name: SweepName) -> Side:
+    def _loader_fast(self, slow: Side, recorded_reference: Record | None, name: SweepName) -> Side:
         """The loader under the force of the recorded reference, or under that of its slow sweep in less time."""
-        force = _force_of(theirs) if theirs is not None else self._quicker(slow, name)
+        force = _force_of(recorded_reference) if recorded_reference is not None else self._quicker(slow, name)
         record = self._moved(lambda moved: self.task.motions.forced(moved, force, self.name))
         return Side(record, _measured(lambda: measure_sweep(record)))
 
-    def _programmed_fast(self, slow: Side, mine: Record | None, name: SweepName) -> Side:
-        _angles_only(mine)
-        task, force = self.task, _force_of(mine) if mine is not None else self._quicker(slow, name)
+    def _programmed_fast(self, slow: Side, recorded: Record | None, name: SweepName) -> Side:
+        _angles_only(recorded)
+        task, force = self.task, _force_of(recorded) if recorded is not None else self._quicker(slow, name)
         record = task.once((name, id(slow.record)), lambda: task.motions.forced(task.feel, force, PROGRAMMED))
         return Side(record, _reference_of(lambda: measure_sweep(record)))
 
@@ -269,10 +274,12 @@ class TestBench:
     # Small inputs, and what all share.
 
     def _small(self, trial: RuleTestCase) -> Result:
-        mine, theirs = self._given(trial.key), self._reference(trial.key)
-        if mine is None or theirs is None:
+        record, recorded_reference = self._given(trial.key), self._reference(trial.key)
+        if record is None or recorded_reference is None:
             raise MissingError("needs a record and a reference with a column 'body rate (deg/s)'")
-        return _judged(trial, judge_small_inputs(mine, theirs, trial.test), Side(mine), Side(theirs))
+        return _judged(
+            trial, judge_small_inputs(record, recorded_reference, trial.test), Side(record), Side(recorded_reference)
+        )
 
     def _given(self, key: str) -> Record | None:
         """The record of a test; ``None`` where the loader is simulated."""

@@ -26,8 +26,8 @@ class CockpitQualification:
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
-        >>> str(found.status)
+        >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> str(cockpit.status)
         'incomplete'
     """
 
@@ -37,7 +37,7 @@ class CockpitQualification:
     @property
     def status(self) -> QualificationStatus:
         """The worst of the axes'."""
-        return worst_status(one.status for one in self.axes.values())
+        return worst_status(qualification.status for qualification in self.axes.values())
 
     @property
     def qualifies(self) -> bool:
@@ -47,7 +47,7 @@ class CockpitQualification:
     @property
     def fulfilled(self) -> bool:
         """Whether every axis qualifies, or passed every test where only some were asked for."""
-        return all(one.fulfilled for one in self.axes.values())
+        return all(qualification.fulfilled for qualification in self.axes.values())
 
 
 def qualify_cockpit(
@@ -72,18 +72,18 @@ def qualify_cockpit(
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
-        >>> found.fulfilled, found.axes["yaw"].axis
+        >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> cockpit.fulfilled, cockpit.axes["yaw"].axis
         (True, 'yaw')
     """
 
     def qualified(axis: str, loader: Loader) -> Qualification:
-        given = setup(loader)
-        if given.records or given.references:
+        axis_setup = setup(loader)
+        if axis_setup.records or axis_setup.references:
             raise InputError("setup: has records or references, which are of one control; qualify its loader by itself")
         return qualify_loader(
             loader,
-            replace(given, axis=rule_axis(axis)),
+            replace(axis_setup, axis=rule_axis(axis)),
             progress=lambda test, done, total: progress(f"{axis}, {test}", done, total),
         )
 
@@ -91,27 +91,31 @@ def qualify_cockpit(
 
 
 @of_result
-def cockpit_conclusions(found: CockpitQualification) -> Conclusions:
+def cockpit_conclusions(cockpit: CockpitQualification) -> Conclusions:
     """What to conclude of the whole: each axis's verdict, and the first tests that are off."""
-    rules = " and ".join(dict.fromkeys(map(rule_text, found.axes.values())))
+    rules = " and ".join(dict.fromkeys(map(rule_text, cockpit.axes.values())))
     lines = []
-    for axis, one in found.axes.items():
-        told = [text for section in one.sections for text in (standing_text(section), *reasons(section, one)[:1])]
-        lines.append(f"{capital(axis)}, {one.loader.name}: {' '.join(told)}")
-    return Conclusions(found.fulfilled, f"By {rules} the cockpit {_standing(found)}.", tuple(lines))
+    for axis, qualification in cockpit.axes.items():
+        texts = [
+            text
+            for section in qualification.sections
+            for text in (standing_text(section), *reasons(section, qualification)[:1])
+        ]
+        lines.append(f"{capital(axis)}, {qualification.loader.name}: {' '.join(texts)}")
+    return Conclusions(cockpit.fulfilled, f"By {rules} the cockpit {_standing(cockpit)}.", tuple(lines))
 
 
-def _standing(found: CockpitQualification) -> str:
-    if found.status is QualificationStatus.QUALIFIES:
-        return f"qualifies: {_listed(found, QualificationStatus.QUALIFIES)}"
+def _standing(cockpit: CockpitQualification) -> str:
+    if cockpit.status is QualificationStatus.QUALIFIES:
+        return f"qualifies: {_listed(cockpit, QualificationStatus.QUALIFIES)}"
     short = {
         QualificationStatus.DOES_NOT_QUALIFY: "does not qualify",
         QualificationStatus.INCOMPLETE: "is not complete",
     }
-    if found.fulfilled:
-        return f"passed what was asked for: {', '.join(found.axes)}"
-    return "; ".join(f"{text}: {axes}" for status, text in short.items() if (axes := _listed(found, status)))
+    if cockpit.fulfilled:
+        return f"passed what was asked for: {', '.join(cockpit.axes)}"
+    return "; ".join(f"{text}: {axes}" for status, text in short.items() if (axes := _listed(cockpit, status)))
 
 
-def _listed(found: CockpitQualification, status: QualificationStatus) -> str:
-    return ", ".join(axis for axis, one in found.axes.items() if one.status is status)
+def _listed(cockpit: CockpitQualification, status: QualificationStatus) -> str:
+    return ", ".join(axis for axis, qualification in cockpit.axes.items() if qualification.status is status)

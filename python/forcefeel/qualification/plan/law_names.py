@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from forcefeel.errors import InputError
-from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, ORIGINAL, Law
+from forcefeel.laws.law import NAMED_LAWS, ORIGINAL, Law, default_law
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.loader.loader import Loader
 
@@ -12,13 +12,13 @@ LAW_TEXTS = {ORIGINAL: "original loop"} | {name: f"{name} compensation" for name
 
 
 def named_laws(loader: Loader, names: Sequence[str] | None) -> dict[str, Law]:
-    """The laws, designed for a loader or read from their files, for its own setting; that of its drive where none is named.
+    """The laws, designed for a loader or read from their files, for its own setting; its default law where none is named.
 
     Raises:
         InputError: If a name is unknown or stands twice, or a law cannot be designed or read.
     """
     if names is None:
-        names = (DEFAULTS[loader.drive],)
+        names = (default_law(loader),)
     if not names or len(set(names)) < len(names) or not all(_is_law(name) for name in names):
         raise InputError(
             f"laws: expected different ones of {', '.join(NAMED_LAWS)} or files of laws, got "

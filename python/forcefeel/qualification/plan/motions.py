@@ -120,8 +120,8 @@ class Motions:
             record = self.forced(moved, force.over(duration_s), name)
             reached = max(-float(record.position.min()), 0.0), max(float(record.position.max()), 0.0)
             factors = [
-                min(SHORT * wanted / came, _MOST_FACTOR) if came > 0 else _MOST_FACTOR
-                for wanted, came in zip((-throw.low_rad, throw.high_rad), reached, strict=True)
+                min(SHORT * target / came, _MOST_FACTOR) if came > 0 else _MOST_FACTOR
+                for target, came in zip((-throw.low_rad, throw.high_rad), reached, strict=True)
             ]
             if all(abs(factor - 1) <= _NEAR for factor in factors):
                 break
@@ -130,8 +130,8 @@ class Motions:
 
     def _scenario(self, force: Force, duration_s: float, sample_s: float) -> Scenario:
         pressure = self.dynamic_pressure_pa
-        given = None if pressure is None else Schedule((0.0,), (pressure,))
-        return Scenario(force, duration_s, min(sample_s, _SAMPLE_S), sample_s, dynamic_pressure_pa=given)
+        schedule = None if pressure is None else Schedule((0.0,), (pressure,))
+        return Scenario(force, duration_s, min(sample_s, _SAMPLE_S), sample_s, dynamic_pressure_pa=schedule)
 
 
 def first_force(loader: Loader, throw: Throw) -> SweepForce:

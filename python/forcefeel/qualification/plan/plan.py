@@ -54,7 +54,7 @@ class RuleTestCase:
     @property
     def verified(self) -> bool:
         """Whether a person has held every tolerance that it is judged by against the document."""
-        return all(self.test.is_verified(one) for one in self.test.tolerances)
+        return all(self.test.is_verified(tolerance) for tolerance in self.test.tolerances)
 
     @property
     def demand(self) -> str:
@@ -90,11 +90,11 @@ class RulePlan:
         demands: dict[str, list[RuleTestCase]] = {}
         for trial in self.trials:
             demands.setdefault(trial.demand, []).append(trial)
-        found = [tuple(some) for some in demands.values() if not any(trial.key in evaluated for trial in some)]
-        asked = {trial.test.kind for trial in self.trials}
-        short = {some[0].test.kind for some in found}
-        spared = _RELEASES if _SWEEPS in asked - short else _SWEEPS if _RELEASES in asked else None
-        return tuple(some for some in found if some[0].test.kind != spared)
+        unmet = [tuple(some) for some in demands.values() if not any(trial.key in evaluated for trial in some)]
+        kinds = {trial.test.kind for trial in self.trials}
+        short = {some[0].test.kind for some in unmet}
+        spared = _RELEASES if _SWEEPS in kinds - short else _SWEEPS if _RELEASES in kinds else None
+        return tuple(some for some in unmet if some[0].test.kind != spared)
 
 
 def rule_plan(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] = ()) -> RulePlan:
@@ -134,35 +134,35 @@ def trials(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
     Raises:
         InputError: If the rule has none for that axis.
     """
-    found: list[RuleTestCase] = []
+    cases: list[RuleTestCase] = []
     if static := _test(rules, "static", axis):
-        found.append(RuleTestCase(STATIC, "Static sweep from stop to stop", static, sweep="slow"))
+        cases.append(RuleTestCase(STATIC, "Static sweep from stop to stop", static, sweep="slow"))
         if static.tolerance("surface"):
-            found.append(RuleTestCase(SURFACE, "Surface position over the control's position", static, sweep="slow"))
+            cases.append(RuleTestCase(SURFACE, "Surface position over the control's position", static, sweep="slow"))
     if freeplay := _test(rules, "freeplay", axis):
-        found.append(RuleTestCase(FREEPLAY, "Freeplay", freeplay, sweep="slow"))
+        cases.append(RuleTestCase(FREEPLAY, "Freeplay", freeplay, sweep="slow"))
     if release := _test(rules, _RELEASES, axis):
         for share in rules.release.deflection:
             for sign, side in SIGNS.items():
                 title = f"Release from {100 * share:g} % of the throw, {side}"
-                found.append(RuleTestCase(f"release-{100 * share:g}-{side}", title, release, share=sign * share))
+                cases.append(RuleTestCase(f"release-{100 * share:g}-{side}", title, release, share=sign * share))
     if dynamic := _test(rules, _SWEEPS, axis):
-        found.append(
+        cases.append(
             RuleTestCase("medium", "Alternate method: medium sweep against the slow one", dynamic, sweep="medium")
         )
-        found.append(RuleTestCase("fast", "Alternate method: fast sweep against the slow one", dynamic, sweep="fast"))
+        cases.append(RuleTestCase("fast", "Alternate method: fast sweep against the slow one", dynamic, sweep="fast"))
     if small := _test(rules, "small inputs", axis):
-        found.append(RuleTestCase(SMALL, "Small control inputs", small))
-    if not found:
+        cases.append(RuleTestCase(SMALL, "Small control inputs", small))
+    if not cases:
         known = ", ".join(sorted({test.axis for test in rules.tests}))
         raise InputError(f"axis: {rules.id} has tests for {known}, none for {axis}")
-    return tuple(found)
+    return tuple(cases)
 
 
 def _trials_by_hand(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
     """The tests of an axis that nothing is measured of."""
-    found = ((kind, _test(rules, kind, axis)) for kind in _BY_HAND)
-    return tuple(RuleTestCase(kind.replace(" ", "-"), test.name, test) for kind, test in found if test is not None)
+    tests = ((kind, _test(rules, kind, axis)) for kind in _BY_HAND)
+    return tuple(RuleTestCase(kind.replace(" ", "-"), test.name, test) for kind, test in tests if test is not None)
 
 
 def is_by_hand(trial: RuleTestCase) -> bool:

@@ -83,19 +83,19 @@ class Recognition:
         Raises:
             InputError: If a file cannot be read or measured, is of no test, or two are of one.
         """
-        found: dict[str, Given] = {}
-        for said, path in files:
+        records: dict[str, Given] = {}
+        for stated, path in files:
             record = read_record(path, between_s=times.get(path.stem, ALL), **names.arguments(path.stem))
-            key = said or self._test_of(record)
+            key = stated or self._test_of(record)
             if any(trial.key == key and trial.test.kind == "release" for trial in self.planned):
                 record = release_part(record)
-            if key in found:
+            if key in records:
                 raise InputError(
-                    f"{option}: {path} and {found[key].path} are both of the test {key}; say which is which with NAME=FILE, where "
-                    f"NAME is one of {', '.join(trial.key for trial in self.planned)}"
+                    f"{option}: {path} and {records[key].path} are both for the test {key}; expected one; "
+                    f"name each with NAME=FILE, where NAME is one of {', '.join(trial.key for trial in self.planned)}"
                 )
-            found[key] = Given(record, path)
-        return found
+            records[key] = Given(record, path)
+        return records
 
     def _test_of(self, record: Record) -> str:
         """The test that a record is of: a sweep goes to both sides with a force, a release to one."""
@@ -119,22 +119,22 @@ class Recognition:
             if record.position_unit == "rad"
             else sign * self.rules.release.deflection[1]
         )
-        same_side = [one for one in releases if one * sign > 0]
+        same_side = [share for share in releases if share * sign > 0]
         if not same_side:
             raise InputError(
                 f"{record.name}: is a {SIGNS[sign]} release, of which {self.rules.id} has none for this axis"
             )
-        return releases[min(same_side, key=lambda one: abs(one - share))].key
+        return releases[min(same_side, key=lambda candidate: abs(candidate - share))].key
 
 
-def check_cover(one: tuple[Record, ReleaseFeatures], other: tuple[Record, ReleaseFeatures]) -> None:
+def check_cover(first: tuple[Record, ReleaseFeatures], other: tuple[Record, ReleaseFeatures]) -> None:
     """Refuses two releases of which one ends while the other still moves.
 
     Raises:
         InputError: With the one that is too short, and the time at which it ends.
     """
-    for (short, its), (long, their) in ((one, other), (other, one)):
-        lasts = float(short.time_s[-1]) - its.release_s.value
+    for (short, features), (long, their) in ((first, other), (other, first)):
+        lasts = float(short.time_s[-1]) - features.release_s.value
         needed = their.settled_s - their.release_s.value
         if lasts < needed:
             raise InputError(

@@ -100,8 +100,8 @@ class Section:
     @property
     def missing(self) -> tuple[tuple[RuleTestCase, ...], ...]:
         """What a whole programme lacks: of each group one test will do."""
-        evaluated = {one.trial.key for one in self.results if one.outcome is not Outcome.NOT_EVALUATED}
-        undecided = ((one.trial,) for one in self.results if one.outcome is Outcome.TOO_CLOSE)
+        evaluated = {result.trial.key for result in self.results if result.outcome is not Outcome.NOT_EVALUATED}
+        undecided = ((result.trial,) for result in self.results if result.outcome is Outcome.TOO_CLOSE)
         return *undecided, *self.test_plan.missing(evaluated)
 
     @property
@@ -156,13 +156,13 @@ class Qualification:
 
     def __repr__(self) -> str:
         each = "; ".join(
-            f"{it.title} {it.status}, {it.count(Outcome.PASSED)} of {len(it.results)} tests passed"
-            for it in self.sections
+            f"{section.title} {section.status}, {section.count(Outcome.PASSED)} of {len(section.results)} tests passed"
+            for section in self.sections
         )
         return f"<Qualification of {self.loader.name!r}, {self.axis}, by {self.rules.id}: {each}>"
 
     def _repr_html_(self) -> str:
-        rows = ((it.title, it.status, *map(it.count, Outcome)) for it in self.sections)
+        rows = ((section.title, section.status, *map(section.count, Outcome)) for section in self.sections)
         return table_html(f"{self.loader.name}, {self.axis}, {self.rules.id}", ("", "status", *map(str, Outcome)), rows)
 
     @property

@@ -16,7 +16,7 @@ from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
 from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
-from forcefeel.qualification.plan.result import Qualification, Section
+from forcefeel.qualification.plan.result import Qualification, Result, Section
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
@@ -124,16 +124,16 @@ def qualify_loader(
         }
     remarks = {name: law.made_for_another(loader) for name, law in laws.items()}
     sections, total = [], len(benches) * len(test_plan.made)
-    for place, (name, bench) in enumerate(benches.items()):
-        results = []
+    for index, (name, bench) in enumerate(benches.items()):
+        results: list[Result] = []
         for test in test_plan.made:
-            progress(f"{name}, {test.key}", place * len(test_plan.made) + len(results), total)
+            progress(f"{name}, {test.key}", index * len(test_plan.made) + len(results), total)
             results.append(bench.result(test))
         sections.append(Section(name, bench.name, tuple(results), test_plan, remarks.get(name, "")))
     files = {
-        f"{kind} {key}": one
+        f"{kind} {key}": given
         for kind, those in (("record", records), ("reference", references))
-        for key, one in those.items()
+        for key, given in those.items()
     }
     return Qualification(
         loader,
@@ -157,14 +157,14 @@ def law_text(name: str) -> str:
 
 
 def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:
-    given = setup.laws
-    if isinstance(given, str):
-        raise InputError(f"laws: expected a list of names or laws by name, got {show(given)}")
-    if not isinstance(given, Mapping):
-        return named_laws(loader, given)
-    if not given:
+    laws = setup.laws
+    if isinstance(laws, str):
+        raise InputError(f"laws: expected a list of names or laws by name, got {show(laws)}")
+    if not isinstance(laws, Mapping):
+        return named_laws(loader, laws)
+    if not laws:
         raise InputError("laws: expected at least one")
-    return {name: Law.of(law, loader, name=name) for name, law in given.items()}
+    return {name: Law.of(law, loader, name=name) for name, law in laws.items()}
 
 
 def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:

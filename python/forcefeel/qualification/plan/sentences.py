@@ -34,38 +34,48 @@ def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> st
 
 
 @of_result
-def conclusions(found: Qualification) -> Conclusions:
+def conclusions(qualification: Qualification) -> Conclusions:
     """What to conclude of the whole: good if it qualifies, or passed what was asked for where only some tests were."""
-    if len(found.sections) == 1:
-        lines = reasons(found.sections[0], found)
+    if len(qualification.sections) == 1:
+        lines = reasons(qualification.sections[0], qualification)
     else:
-        lines = [" ".join([standing_text(one), *reasons(one, found)]) for one in found.sections]
-    remarks = [section.law_remark for section in found.sections if section.law_remark]
-    return Conclusions(found.fulfilled, _verdict(found), (*lines, *remarks, *caveats(found)))
+        lines = [
+            " ".join([standing_text(section), *reasons(section, qualification)]) for section in qualification.sections
+        ]
+    remarks = [section.law_remark for section in qualification.sections if section.law_remark]
+    return Conclusions(qualification.fulfilled, _verdict(qualification), (*lines, *remarks, *caveats(qualification)))
 
 
-def rule_text(found: Qualification) -> str:
+def rule_text(qualification: Qualification) -> str:
     """The rule, its edition, and whether somebody has held it against the document."""
-    rows = [trial.test.is_verified(one) for trial in found.test_plan.made for one in trial.test.tolerances]
+    rows = [
+        trial.test.is_verified(tolerance)
+        for trial in qualification.test_plan.made
+        for tolerance in trial.test.tolerances
+    ]
     unverified = "" if all(rows) else ", in part unverified" if any(rows) else ", unverified"
-    return f"{found.rules.title} ({found.rules.edition}{unverified})"
+    return f"{qualification.rules.title} ({qualification.rules.edition}{unverified})"
 
 
-def _verdict(found: Qualification) -> str:
-    rule = f"By {rule_text(found)}"
-    if len(found.sections) == 1:
-        (section,) = found.sections
+def _verdict(qualification: Qualification) -> str:
+    rule = f"By {rule_text(qualification)}"
+    if len(qualification.sections) == 1:
+        (section,) = qualification.sections
         return _sentence(f"{rule} {_standing(section)}")
-    good = [section.title for section in found.sections if section.fulfilled]
-    short = any(section.status is not QualificationStatus.QUALIFIES for section in found.sections if section.fulfilled)
+    good = [section.title for section in qualification.sections if section.fulfilled]
+    short = any(
+        section.status is not QualificationStatus.QUALIFIES for section in qualification.sections if section.fulfilled
+    )
     does = "passed what was asked for" if short else f"qualif{'y' if len(good) > 1 else 'ies'}"
-    number = f"{len(good)} of {len(found.sections)} laws" if good else f"none of {len(found.sections)} laws"
-    return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_asked(found)}")
+    number = (
+        f"{len(good)} of {len(qualification.sections)} laws" if good else f"none of {len(qualification.sections)} laws"
+    )
+    return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_asked(qualification)}")
 
 
-def _asked(found: Qualification | Section) -> str:
+def _asked(tested: Qualification | Section) -> str:
     """What alone was asked for."""
-    return f" (asked for: {', '.join(found.test_plan.named)})" if found.test_plan.named else ""
+    return f" (asked for: {', '.join(tested.test_plan.named)})" if tested.test_plan.named else ""
 
 
 def standing_text(section: Section) -> str:
@@ -88,7 +98,7 @@ def _standing(section: Section) -> str:
 
 def missing_text(section: Section) -> str:
     """What a whole programme lacks, by the reason; tests of which one would do with an *or* between them."""
-    results = {one.trial.key: one for one in section.results}
+    results = {result.trial.key: result for result in section.results}
     why: dict[str, list[str]] = {}
     for group in section.missing:
         reasons = dict.fromkeys(_why_missing(results.get(trial.key)) for trial in group)
@@ -106,7 +116,9 @@ def _why_missing(result: Result | None) -> str:
         return "not asked for"
     if result.outcome is Outcome.TOO_CLOSE:
         return str(Outcome.TOO_CLOSE)
-    return result.reason or next(one.reason for one in result.verdicts if one.outcome is Outcome.NOT_EVALUATED)
+    return result.reason or next(
+        verdict.reason for verdict in result.verdicts if verdict.outcome is Outcome.NOT_EVALUATED
+    )
 
 
 def outcome_counts(section: Section) -> str:
@@ -116,55 +128,65 @@ def outcome_counts(section: Section) -> str:
     return ", ".join(parts + [f"{number} {outcome}" for outcome in others if (number := section.count(outcome))])
 
 
-def reasons(section: Section, found: Qualification) -> list[str]:
+def reasons(section: Section, qualification: Qualification) -> list[str]:
     """Why a section does not qualify: the first release and the first sweep that are off."""
-    bad = [one for one in section.results if one.outcome in (Outcome.FAILED, Outcome.TOO_CLOSE)]
-    releases = [one for one in bad if one.trial.test.kind == "release"]
-    sweeps = [one for one in bad if one.trial.test.kind != "release"]
-    return [f"{one[0].trial.title}: {result_text(one[0], found)}" for one in (releases, sweeps) if one]
+    bad = [result for result in section.results if result.outcome in (Outcome.FAILED, Outcome.TOO_CLOSE)]
+    releases = [result for result in bad if result.trial.test.kind == "release"]
+    sweeps = [result for result in bad if result.trial.test.kind != "release"]
+    return [
+        f"{results[0].trial.title}: {result_text(results[0], qualification)}"
+        for results in (releases, sweeps)
+        if results
+    ]
 
 
-def result_text(result: Result, found: Qualification) -> str:
+def result_text(result: Result, qualification: Qualification) -> str:
     """What a test came to, in a sentence."""
-    system = found.system
+    system = qualification.system
     if result.reason:
         return _sentence(result.reason)
-    bad = [one for one in result.verdicts if one.outcome is Outcome.FAILED]
-    bad = bad or [one for one in result.verdicts if one.outcome is Outcome.TOO_CLOSE]
+    bad = [verdict for verdict in result.verdicts if verdict.outcome is Outcome.FAILED]
+    bad = bad or [verdict for verdict in result.verdicts if verdict.outcome is Outcome.TOO_CLOSE]
     if not bad:
-        missing = [one for one in result.verdicts if one.outcome is Outcome.NOT_EVALUATED]
+        missing = [verdict for verdict in result.verdicts if verdict.outcome is Outcome.NOT_EVALUATED]
         if missing:
             return _sentence(f"{missing[0].quantity} was not evaluated: {missing[0].reason}")
         return "All within tolerance; " + _closest(result, system)
     first = min(
-        bad, key=lambda one: (_ORDER.index(one.quantity) if one.quantity in _ORDER else len(_ORDER), _share(one))
+        bad,
+        key=lambda verdict: (
+            _ORDER.index(verdict.quantity) if verdict.quantity in _ORDER else len(_ORDER),
+            _share(verdict),
+        ),
     )
-    others = [one.quantity for one in bad if one is not first]
+    others = [verdict.quantity for verdict in bad if verdict is not first]
     close = first.outcome is Outcome.TOO_CLOSE
-    told = _sentence(f"{'too close to call: ' if close else ''}{_told(first, result, found)}")
+    text = _sentence(f"{'too close to call: ' if close else ''}{_told(first, result, qualification)}")
     if not others or close:
-        return told
-    return f"{told} Also out: {', '.join(others)}."
+        return text
+    return f"{text} Also out: {', '.join(others)}."
 
 
-def _told(verdict: Verdict, result: Result, found: Qualification) -> str:
+def _told(verdict: Verdict, result: Result, qualification: Qualification) -> str:
     """A quantity that is off."""
-    system, name = found.system, verdict.quantity
+    system, name = qualification.system, verdict.quantity
     if verdict.measured is None or verdict.reference is None or not isfinite(verdict.difference):
         return f"{name}: {verdict.reason}" if verdict.reason else f"{name} is not there"
-    mine, theirs, unit = verdict.measured.value, verdict.reference.value, verdict.unit
-    asked = "recorded" if recorded(found, "reference") else "programmed"
+    actual, expected, unit = verdict.measured.value, verdict.reference.value, verdict.unit
+    origin = "recorded" if recorded(qualification, "reference") else "programmed"
     if unit == "s":
-        off = f"{to_text(100 * abs(verdict.difference) / theirs, 2)} % {'long' if mine > theirs else 'short'}"
-        told = f"{name} is {off}, {quantity(mine, unit, system)} where {quantity(theirs, unit, system)} are {asked}"
+        off = f"{to_text(100 * abs(verdict.difference) / expected, 2)} % {'long' if actual > expected else 'short'}"
+        text = (
+            f"{name} is {off}, {quantity(actual, unit, system)} where {quantity(expected, unit, system)} are {origin}"
+        )
         frequencies = _frequencies(result)
         if frequencies is None:
-            return told
-        return f"{told}: the column moves at {frequencies[0]} Hz where {frequencies[1]} Hz are {asked}"
+            return text
+        return f"{text}: the column moves at {frequencies[0]} Hz where {frequencies[1]} Hz are {origin}"
     allowed = quantity(verdict.tolerance, unit, system)
     where = "" if verdict.at is None else f" at {quantity(verdict.at, _at_unit(result), system)}"
     return (
-        f"{name} is {quantity(mine, unit, system)}{where} where {quantity(theirs, unit, system)} are {asked}, "
+        f"{name} is {quantity(actual, unit, system)}{where} where {quantity(expected, unit, system)} are {origin}, "
         f"{allowed or '0'} of difference allowed"
     )
 
@@ -186,7 +208,7 @@ def _at_unit(result: Result) -> str:
 
 
 def _closest(result: Result, system: UnitSystem) -> str:
-    known = [one for one in result.verdicts if isfinite(one.margin) and one.tolerance > 0]
+    known = [verdict for verdict in result.verdicts if isfinite(verdict.margin) and verdict.tolerance > 0]
     if not known:
         return "nothing was compared by number."
     least = min(known, key=_share)
@@ -198,43 +220,52 @@ def _share(verdict: Verdict) -> float:
     return verdict.margin / verdict.tolerance if isfinite(verdict.margin) and verdict.tolerance > 0 else 0.0
 
 
-def caveats(found: Qualification) -> tuple[str, ...]:
+def caveats(qualification: Qualification) -> tuple[str, ...]:
     """What else a reader must know."""
-    small = "" if recorded(found, "record") else too_small_text(found.loader, found.system)
+    small = "" if recorded(qualification, "record") else too_small_text(qualification.loader, qualification.system)
     lines = [small] if small else []
-    by_hand = [trial for trial in found.test_plan.outside if is_by_hand(trial)]
-    if outside := [trial for trial in found.test_plan.outside if trial not in by_hand]:
-        tests = ", ".join(f"{trial.key} ({trial.test.number}; {why_outside(trial, found)})" for trial in outside)
+    by_hand = [trial for trial in qualification.test_plan.outside if is_by_hand(trial)]
+    if outside := [trial for trial in qualification.test_plan.outside if trial not in by_hand]:
+        tests = ", ".join(
+            f"{trial.key} ({trial.test.number}; {why_outside(trial, qualification)})" for trial in outside
+        )
         lines.append(
             f"Outside the programme of a simulated loader: {tests}. They are judged on records of the simulator."
         )
     if by_hand:
         tests = ", ".join(f"{trial.key} ({trial.test.number})" for trial in by_hand)
         lines.append(f"Not measured here, to be judged by hand on the simulator: {tests}.")
-    lines.append(f"Reference: {found.reference}.")
-    low, high = (quantity(end, "rad", found.system) for end in (found.throw.low_rad, found.throw.high_rad))
-    lines.append(f"Throw: {low} to {high}, {found.throw.source}.")
-    if unverified := unverified_tests(found):
+    lines.append(f"Reference: {qualification.reference}.")
+    low, high = (
+        quantity(end, "rad", qualification.system)
+        for end in (qualification.throw.low_rad, qualification.throw.high_rad)
+    )
+    lines.append(f"Throw: {low} to {high}, {qualification.throw.source}.")
+    if unverified := unverified_tests(qualification):
         lines.append(
-            f"Unverified: nobody has held {', '.join(unverified)} of {found.rules.title} against the document yet."
+            f"Unverified: nobody has held {', '.join(unverified)} of {qualification.rules.title} against the document yet."
         )
-    if found.omitted:
-        lines.append(f"Hands off: {', '.join(found.omitted)} of the loader were left out.")
+    if qualification.omitted:
+        lines.append(f"Hands off: {', '.join(qualification.omitted)} of the loader were left out.")
     return tuple(lines)
 
 
-def why_outside(trial: RuleTestCase, found: Qualification) -> str:
+def why_outside(trial: RuleTestCase, qualification: Qualification) -> str:
     """Why a test of the rule is outside the programme."""
-    return "judged by hand" if recorded(found, "record") else OF_THE_AIRCRAFT[trial.key]
+    return "judged by hand" if recorded(qualification, "record") else OF_THE_AIRCRAFT[trial.key]
 
 
-def unverified_tests(found: Qualification) -> list[str]:
+def unverified_tests(qualification: Qualification) -> list[str]:
     """Numbers of the tests with rows that are not verified, and the durations of the sweeps."""
-    made = found.test_plan.made
+    made = qualification.test_plan.made
     numbers = list(dict.fromkeys(f"test {trial.test.number}" for trial in made if not trial.verified))
     swept = any(trial.sweep for trial in made)
-    durations = ["the durations of the sweeps"] if swept and not all(one.verified for one in found.rules.sweeps) else []
-    release = [] if found.rules.release.verified else ["the shares of a release"]
+    durations = (
+        ["the durations of the sweeps"]
+        if swept and not all(sweep.verified for sweep in qualification.rules.sweeps)
+        else []
+    )
+    release = [] if qualification.rules.release.verified else ["the shares of a release"]
     return [*numbers, *durations, *release]
 
 
@@ -245,9 +276,9 @@ def figure_text(figure: Figure | None, system: UnitSystem) -> str:
     return to_text(UNITS[figure.unit].from_si(figure.value, system), 4)
 
 
-def recorded(found: Qualification, kind: str) -> bool:
+def recorded(qualification: Qualification, kind: str) -> bool:
     """Whether there were files of a ``record`` or a ``reference``."""
-    return any(name.startswith(kind) for name in found.files)
+    return any(name.startswith(kind) for name in qualification.files)
 
 
 def _sentence(text: str) -> str:

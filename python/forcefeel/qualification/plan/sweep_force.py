@@ -30,10 +30,10 @@ class SweepForce:
         """The force of a sweep that lasts ``duration_s``."""
         time = np.linspace(0.0, duration_s, max(_FEWEST_POINTS, round(_POINTS_EACH_SECOND * duration_s) + 1))
         part = 4 * time / duration_s
-        there = self.high_n * _eased(part)
+        out = self.high_n * _eased(part)
         across = (self.low_n - self.high_n) * _eased((part - 1) / 2)
         back = -self.low_n * _eased(part - 3)
-        return Recorded(time, there + across + back, "sweep")
+        return Recorded(time, out + across + back, "sweep")
 
     def scaled(self, low: float, high: float) -> "SweepForce":
         """Each side so many times as large."""

@@ -178,10 +178,10 @@ class Multisine:
     def _top(self, i: int, points: int) -> float:
         """The greatest height within half a point of point ``i``."""
         turn, phases, weights = 2 * np.pi * self._harmonics, self.phases_rad, self._weights
-        found = minimize_scalar(
+        minimum = minimize_scalar(
             lambda t: -abs(float(weights @ np.cos(turn * t + phases))),
             bounds=((i - 0.5) / points, (i + 0.5) / points),
             method="bounded",
             options={"xatol": 1e-4 / points},  # the height is then right to (1e-4 pi / 64)^2 / 2, 1e-11
         )
-        return float(-found.fun)
+        return float(-minimum.fun)

@@ -59,8 +59,8 @@ class Recorded:
         if self.time_s.ndim != 1 or self.time_s.shape != self.force_n.shape:
             came = f"shapes {self.time_s.shape} and {self.force_n.shape}"
             raise InputError(f"{self.name}: expected time_s and force_n to be rows of one length, got {came}")
-        if found := fault({"time": self.time_s, "force": self.force_n}, _UNITS):
-            row_at_fault, sentence = found
+        if problem := fault({"time": self.time_s, "force": self.force_n}, _UNITS):
+            row_at_fault, sentence = problem
             raise InputError(f"{self.name}: row {row_at_fault}, counted from 1: {sentence}")
 
     def from_zero(self) -> "Recorded":

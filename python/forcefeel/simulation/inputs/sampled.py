@@ -158,19 +158,19 @@ def frozen(start: NDArray[np.float64], end: NDArray[np.float64]) -> Sampled:
     return Sampled(start, end)
 
 
-def check_number(owner: str, name: str, given: object, bound: Bound) -> None:
+def check_number(owner: str, name: str, value: object, bound: Bound) -> None:
     """Refuses what is no number within ``bound``.
 
     Raises:
         InputError: Naming the owner, the argument, what was expected and what came.
     """
     try:
-        number = float(given) if isinstance(given, Real) and not isinstance(given, bool) else math.nan
+        number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:
         number = math.inf
     good = {"finite number": True, "number above 0": number > 0, "number of 0 or more": number >= 0}
     if not (math.isfinite(number) and good[bound]):
-        raise InputError(f"{owner}: expected {name} to be a {bound}, got {show(given)}")
+        raise InputError(f"{owner}: expected {name} to be a {bound}, got {show(value)}")
 
 
 def check_frequencies(owner: str, highest_hz: float, grid: Grid) -> None:
@@ -228,11 +228,11 @@ class Schedule:
 
     def __post_init__(self) -> None:
         for field in ("times_s", "values"):
-            given = getattr(self, field)
+            raw = getattr(self, field)
             try:
-                object.__setattr__(self, field, tuple(given))
+                object.__setattr__(self, field, tuple(raw))
             except TypeError as error:
-                raise InputError(f"{self.name}: expected {field} to be a row of numbers, got {show(given)}") from error
+                raise InputError(f"{self.name}: expected {field} to be a row of numbers, got {show(raw)}") from error
             row = getattr(self, field)
             if set(map(type, row)) <= {float} and np.isfinite(row).all():
                 continue  # all at once: a record has a hundred thousand

@@ -44,11 +44,11 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
         'run'
     """
     FOLDER.check(out)
-    found = columns(run, units)
-    heads = [f"{column.name} ({column.unit})" for column in found]
+    history = columns(run, units)
+    heads = [f"{column.name} ({column.unit})" for column in history]
     document = run_json(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
     contents = {
-        HISTORY: _csv(heads, found),
+        HISTORY: _csv(heads, history),
         NUMBERS: json_text(document),
         SIMULATION: simulation_page(run, units, law, command=command),
     }
@@ -56,11 +56,11 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
     return out / SIMULATION
 
 
-def _csv(heads: list[str], found: tuple[Column, ...]) -> str:
+def _csv(heads: list[str], history: tuple[Column, ...]) -> str:
     """The history with nine significant digits; its header as ``read_recorded`` asks for."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(heads)
-    rows = zip(*(column.values.tolist() for column in found), strict=True)
+    rows = zip(*(column.values.tolist() for column in history), strict=True)
     writer.writerows([f"{value:.9g}" for value in row] for row in rows)
     return text.getvalue()

@@ -49,10 +49,10 @@ def _pictures(run: Run, units: UnitSystem) -> dict[str, Picture]:
     ideal = None if diverged else ideal_angle(run)
     dotted = _IDEAL_ARM if has_arm(run.loader) else _IDEAL
     remarks = (_MOTION, "" if ideal is None else dotted, _DIVERGED if diverged else "")
-    found = [
+    pictures = [
         Picture.of("motion", "", " ".join(filter(None, remarks)), simulation_plots.motion(run, ideal, units)),
         Picture.of("demand", "", _DEMAND, simulation_plots.demand(run, units)),
     ]
     if simulation_plots.has_loop(run):
-        found.append(Picture.of("loop", "", _LOOP, simulation_plots.loop(run, units)))
-    return {picture.key: picture for picture in found}
+        pictures.append(Picture.of("loop", "", _LOOP, simulation_plots.loop(run, units)))
+    return {picture.key: picture for picture in pictures}

@@ -87,21 +87,24 @@ def motion(run: Run, ideal: NDArray[np.float64] | None, system: UnitSystem) -> g
 
 def demand(run: Run, system: UnitSystem) -> go.Figure:
     """What the drive gives as percent of what there is, over time: of a valve current, flow and pressure."""
-    asked = demanded(run.loader)
-    picture = make_subplots(rows=len(asked), cols=1, shared_xaxes=True, vertical_spacing=0.06)
-    for row, one in enumerate(asked, start=1):
-        share = 100 * _values(run, one.output) / run.loader[one.whole]
-        _curve(picture, run, row, one.title.lower(), share, _COLUMN, "%{y:.1f} %")
-        text = f"{one.title}, % of<br>{parameter_text(run.loader, one.whole, system)}"
+    quantities = demanded(run.loader)
+    picture = make_subplots(rows=len(quantities), cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    for row, quantity in enumerate(quantities, start=1):
+        share = 100 * _values(run, quantity.output) / run.loader[quantity.whole]
+        _curve(picture, run, row, quantity.title.lower(), share, _COLUMN, "%{y:.1f} %")
+        text = f"{quantity.title}, % of<br>{parameter_text(run.loader, quantity.whole, system)}"
         picture.update_yaxes(title_text=text, row=row, col=1)
-        full = "rating" if one.whole_name.startswith("the rated") else one.whole_name.split()[1]
-        bounds = [Level(100.0, full), Level(100 * run.loader[one.limit] / run.loader[one.whole], one.limit_name)]
-        _levels(picture, row, share, [Level(sign * one.at, one.name) for one in bounds for sign in (1, -1)])
+        full = "rating" if quantity.whole_name.startswith("the rated") else quantity.whole_name.split()[1]
+        bounds = [
+            Level(100.0, full),
+            Level(100 * run.loader[quantity.limit] / run.loader[quantity.whole], quantity.limit_name),
+        ]
+        _levels(picture, row, share, [Level(sign * bound.at, bound.name) for bound in bounds for sign in (1, -1)])
         if run.status is RunStatus.DIVERGED:
             _view(picture, row, np.clip(share, -_VIEW_PERCENT, _VIEW_PERCENT))
     frame(picture, 560, top=16)
     picture.update_layout(showlegend=False)
-    _time_axis(picture, run, rows=len(asked))
+    _time_axis(picture, run, rows=len(quantities))
     return picture
 
 
@@ -209,7 +212,9 @@ def _near(values: NDArray[np.float64], levels: Iterable[Level]) -> list[Level]:
     """Those that the curve comes near to."""
     low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
     return [
-        one for one in levels if isfinite(one.at) and (one.at * _NEAR <= high if one.at > 0 else one.at * _NEAR >= low)
+        level
+        for level in levels
+        if isfinite(level.at) and (level.at * _NEAR <= high if level.at > 0 else level.at * _NEAR >= low)
     ]
 
 

@@ -46,7 +46,7 @@ def effects(run: Run, system: UnitSystem) -> Table | None:
         for key in loader.given
     ]
     for name, curve in loader.curves.items():
-        x, y = (unit_text(shown) or "1" for shown in CURVES[name].units(system))
+        x, y = (unit_text(unit) or "1" for unit in CURVES[name].units(system))
         effect = words(_effect(f"feel: {CURVES[name].meaning}", CURVES[name].key))
         rows.append((effect, number(f"{len(curve.x)} points, {y} over {x}")))
     return Table((Cell("Effect"), Cell("Value", "number")), tuple(rows)) if rows else None
@@ -54,28 +54,28 @@ def effects(run: Run, system: UnitSystem) -> Table | None:
 
 def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
     """What was done to the loader, and by which law it was driven; ``whose`` says which of several loaders have the same."""
-    found, loader = run.scenario, run.loader
+    run_scenario, loader = run.scenario, run.loader
     rows = [
-        ("Pilot", input_text(found.force, system)),
-        ("Length of the run", f"{found.duration_s:.6g} s"),
+        ("Pilot", input_text(run_scenario.force, system)),
+        ("Length of the run", f"{run_scenario.duration_s:.6g} s"),
         ("Law", ", ".join(filter(None, (_LAWS.get(law, law), whose)))),
         ("Controller", _controller(run)),
         ("Solution", _METHODS[run.method]),
-        ("Samples", f"every {1000 * found.sample_s:.6g} ms"),
+        ("Samples", f"every {1000 * run_scenario.sample_s:.6g} ms"),
     ]
     if run.method == "stepped":
-        rows.insert(5, ("Longest step", f"{1000 * found.step_s:.6g} ms"))
+        rows.insert(5, ("Longest step", f"{1000 * run_scenario.step_s:.6g} ms"))
     schedules = (
-        ("Trim", found.trim_rad, ANGLE),
-        ("Dynamic pressure", found.dynamic_pressure_pa, PRESSURE),
-        ("Stick shaker on", found.shaker, PERCENT),
+        ("Trim", run_scenario.trim_rad, ANGLE),
+        ("Dynamic pressure", run_scenario.dynamic_pressure_pa, PRESSURE),
+        ("Stick shaker on", run_scenario.shaker, PERCENT),
     )
-    rows += [(name, _over_time(given, unit, system)) for name, given, unit in schedules if given is not None]
-    for change in found.feel_changes:
+    rows += [(name, _over_time(schedule, unit, system)) for name, schedule, unit in schedules if schedule is not None]
+    for change in run_scenario.feel_changes:
         values = ", ".join(f"{key} = {_changed(value)}" for key, value in change.changes.items())
         rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.fade_s:g} s: {values}"))
     if any(loader[f"{sensor}.noise"] for sensor in ("load_cell", "potentiometer", "column_sensor")):
-        rows.append(("Seed of the noise", str(found.seed)))
+        rows.append(("Seed of the noise", str(run_scenario.seed)))
     return Table((Cell("What"), Cell("How")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
@@ -86,12 +86,12 @@ def _controller(run: Run) -> str:
     return f"digital, period {1000 * period:.6g} ms, delay {1000 * delay:.6g} ms"
 
 
-def _over_time(given: Schedule, unit: Unit, system: UnitSystem) -> str:
-    shown = unit.shown(system)
-    values = [f"{to_text(unit.from_si(value, system))} {shown}" for value in given.values]
+def _over_time(schedule: Schedule, unit: Unit, system: UnitSystem) -> str:
+    unit_name = unit.shown(system)
+    values = [f"{to_text(unit.from_si(value, system))} {unit_name}" for value in schedule.values]
     if len(values) == 1:
         return values[0]
-    return ", ".join(f"{value} at {time:g} s" for time, value in zip(given.times_s, values, strict=True))
+    return ", ".join(f"{value} at {time:g} s" for time, value in zip(schedule.times_s, values, strict=True))
 
 
 def _changed(value: object) -> str:

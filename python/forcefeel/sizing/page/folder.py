@@ -17,11 +17,11 @@ FOLDER = OutputFolder("the sizing", (PAGE, RESULTS))
 """Checked before it is written."""
 
 
-def write_sizing(found: Sizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
+def write_sizing(sizing: Sizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
     """Writes ``results.json`` and ``size.html``, the page last; other files in the folder are left alone.
 
     Args:
-        found: The sizing.
+        sizing: The sizing.
         out: The folder; made if it is not there.
         units: The units of every number.
         replace: Whether the new files may take the place of others.
@@ -36,23 +36,23 @@ def write_sizing(found: Sizing, out: Path, units: UnitSystem, *, replace: bool =
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> found = ff.sizing.size_drive(ff.elevator())
-        >>> ff.sizing.write_sizing(found, Path("size"), ff.UnitSystem.US).name
+        >>> sizing = ff.sizing.size_drive(ff.elevator())
+        >>> ff.sizing.write_sizing(sizing, Path("size"), ff.UnitSystem.US).name
         'size.html'
     """
     FOLDER.check(out, replace=replace)
-    results = json_text(sizing_json(found, units))
-    FOLDER.write(out, {RESULTS: results, PAGE: sizing_page(found, units, command=command)})
+    results = json_text(sizing_json(sizing, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: sizing_page(sizing, units, command=command)})
     return out / PAGE
 
 
 def write_cockpit(
-    found: CockpitSizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+    cockpit: CockpitSizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
     r"""Writes ``results.json`` and ``size.html`` of a cockpit's drives, the page last.
 
     Args:
-        found: The sizing of each axis.
+        cockpit: The sizing of each axis.
         out: The folder; made if it is not there.
         units: The units of every number.
         replace: Whether the new files may take the place of others.
@@ -68,11 +68,11 @@ def write_cockpit(
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
-        >>> found = ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml"))
-        >>> ff.sizing.write_cockpit(found, Path("size"), ff.UnitSystem.US).name
+        >>> cockpit = ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml"))
+        >>> ff.sizing.write_cockpit(cockpit, Path("size"), ff.UnitSystem.US).name
         'size.html'
     """
     FOLDER.check(out, replace=replace)
-    results = json_text(cockpit_json(found, units))
-    FOLDER.write(out, {RESULTS: results, PAGE: cockpit_page(found, units, command=command)})
+    results = json_text(cockpit_json(cockpit, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: cockpit_page(cockpit, units, command=command)})
     return out / PAGE

@@ -13,44 +13,44 @@ from forcefeel.sizing.result import Sizing
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def sizing_page(found: Sizing, units: UnitSystem, *, command: str = "") -> str:
+def sizing_page(sizing: Sizing, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``."""
     return render(
         "sizing/page/size.html.j2",
         command=command,
-        loader=found.loader,
-        axis=found.plan.axis,
-        noun=noun(found),
+        loader=sizing.loader,
+        axis=sizing.plan.axis,
+        noun=noun(sizing),
         rule=RULE,
-        electric=isinstance(found.capability, MotorCapability),
-        conclusions=sizing_conclusions(found, units),
-        picture=drawing(sizing_plots.force_over_speed(found, units), "force-speed"),
-        asked=sizing_tables.asked(found, units),
-        sources=sizing_tables.sources(found),
-        angle=quantity_text(found.plan.release_rad, ANGLE, units, 3),
-        parameters=machine.parameters(found.loader, units),
+        electric=isinstance(sizing.capability, MotorCapability),
+        conclusions=sizing_conclusions(sizing, units),
+        picture=drawing(sizing_plots.force_over_speed(sizing, units), "force-speed"),
+        demands=sizing_tables.demands(sizing, units),
+        sources=sizing_tables.sources(sizing),
+        angle=quantity_text(sizing.plan.release_rad, ANGLE, units, 3),
+        parameters=machine.parameters(sizing.loader, units),
     )
 
 
-def cockpit_page(found: CockpitSizing, units: UnitSystem, *, command: str = "") -> str:
+def cockpit_page(cockpit: CockpitSizing, units: UnitSystem, *, command: str = "") -> str:
     """The page of a cockpit, numbers in ``units``."""
     parts = [
         (
             axis,
-            one,
-            noun(one),
-            sizing_conclusions(one, units),
-            drawing(sizing_plots.force_over_speed(one, units), f"force-speed-{axis}"),
-            sizing_tables.asked(one, units),
+            sizing,
+            noun(sizing),
+            sizing_conclusions(sizing, units),
+            drawing(sizing_plots.force_over_speed(sizing, units), f"force-speed-{axis}"),
+            sizing_tables.demands(sizing, units),
         )
-        for axis, one in found.axes.items()
+        for axis, sizing in cockpit.axes.items()
     ]
     return render(
         "sizing/page/cockpit.html.j2",
         command=command,
-        name=found.name,
-        conclusions=cockpit_conclusions(found, units),
-        axes=sizing_tables.axes(found, units),
+        name=cockpit.name,
+        conclusions=cockpit_conclusions(cockpit, units),
+        axes=sizing_tables.axes(cockpit, units),
         rule=RULE,
         parts=parts,
     )

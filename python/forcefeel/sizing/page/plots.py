@@ -14,42 +14,42 @@ _FEEL = ("diamond", "square")
 _RULE = ("circle", "circle-open", "triangle-up")
 
 
-def force_over_speed(found: Sizing, units: UnitSystem) -> go.Figure:
+def force_over_speed(sizing: Sizing, units: UnitSystem) -> go.Figure:
     """The drive's curves, the release as a curve, what is held as a mark at no speed."""
     picture = go.Figure()
-    for curve, look in zip(found.curves, _CURVES, strict=False):
+    for curve, look in zip(sizing.curves, _CURVES, strict=False):
         x, y = SPEED.from_si(1.0, units) * curve.speed_m_per_s, FORCE.from_si(1.0, units) * curve.force_n
         picture.add_scatter(x=x, y=y, mode="lines", name=curve.name, line=line(look), hovertemplate="%{y:.3~g}")
     feel, rule = iter(_FEEL), iter(_RULE)
-    for one in found.demands:
-        if one.duration is Duration.MOVING:
-            _path(picture, one, units)
+    for demand in sizing.demands:
+        if demand.duration is Duration.MOVING:
+            _path(picture, demand, units)
         else:
-            symbol, color = (next(feel), COMPLIANT) if one.programmed else (next(rule), IDEAL)
-            _mark(picture, one, units, symbol, color)
+            symbol, color = (next(feel), COMPLIANT) if demand.programmed else (next(rule), IDEAL)
+            _mark(picture, demand, units, symbol, color)
     frame(picture, 460, top=64, hover="closest")
     picture.update_xaxes(title_text=heading_text("Speed of the grip", SPEED, units), rangemode="tozero")
     picture.update_yaxes(title_text=heading_text("Force at the grip", FORCE, units), rangemode="tozero")
     return picture
 
 
-def _path(picture: go.Figure, one: DemandResult, units: UnitSystem) -> None:
+def _path(picture: go.Figure, demand: DemandResult, units: UnitSystem) -> None:
     picture.add_scatter(
-        x=SPEED.from_si(1.0, units) * one.path_speed_m_per_s,
-        y=FORCE.from_si(1.0, units) * one.path_force_n,
+        x=SPEED.from_si(1.0, units) * demand.path_speed_m_per_s,
+        y=FORCE.from_si(1.0, units) * demand.path_force_n,
         mode="lines",
-        name=one.name,
+        name=demand.name,
         line=line(LineStyle(COMPLIANT)),
         hovertemplate="%{x:.3~g}, %{y:.3~g}",
     )
 
 
-def _mark(picture: go.Figure, one: DemandResult, units: UnitSystem, symbol: str, color: str) -> None:
+def _mark(picture: go.Figure, demand: DemandResult, units: UnitSystem, symbol: str, color: str) -> None:
     picture.add_scatter(
         x=[0.0],
-        y=[FORCE.from_si(one.force_n, units)],
+        y=[FORCE.from_si(demand.force_n, units)],
         mode="markers",
-        name=one.name,
+        name=demand.name,
         marker={"symbol": symbol, "size": 11, "color": color, "line": {"width": 2, "color": color}},
         cliponaxis=False,
         hovertemplate="%{y:.3~g}",

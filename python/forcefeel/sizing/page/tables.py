@@ -8,33 +8,36 @@ from forcefeel.sizing.result import Sizing
 from forcefeel.units import UnitSystem
 
 
-def asked(found: Sizing, units: UnitSystem) -> Table:
+def demands(sizing: Sizing, units: UnitSystem) -> Table:
     """A row for each demand; what the drive does not give stands out."""
-    shown = columns(found, units)
+    shown_columns = columns(sizing, units)
     rows = tuple(
-        (words(one.name), *(number(prose_html(column.text(one)), bad=not one.available) for column in shown))
-        for one in found.demands
+        (
+            words(demand.name),
+            *(number(prose_html(column.text(demand)), bad=not demand.available) for column in shown_columns),
+        )
+        for demand in sizing.demands
     )
-    return Table(heads("Asked", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown)), rows)
+    return Table(heads("Asked", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown_columns)), rows)
 
 
-def sources(found: Sizing) -> Table:
+def sources(sizing: Sizing) -> Table:
     """Where each demand comes from."""
     rows = tuple(
         (
-            words(one.name),
-            words(prose_html(one.source if one.verified else f"{one.source}; not held against the document")),
+            words(demand.name),
+            words(prose_html(demand.source if demand.verified else f"{demand.source}; not held against the document")),
         )
-        for one in found.demands
+        for demand in sizing.demands
     )
     return Table((Cell("Asked"), Cell("By")), rows)
 
 
-def axes(found: CockpitSizing, units: UnitSystem) -> Table:
+def axes(cockpit: CockpitSizing, units: UnitSystem) -> Table:
     """A row for each axis; one whose drive is too small stands out."""
-    shown = axis_columns(units)
+    shown_columns = axis_columns(units)
     rows = tuple(
-        (words(axis), *(number(prose_html(column.text(one)), bad=not one.good) for column in shown))
-        for axis, one in found.axes.items()
+        (words(axis), *(number(prose_html(column.text(sizing)), bad=not sizing.good) for column in shown_columns))
+        for axis, sizing in cockpit.axes.items()
     )
-    return Table(heads("Axis", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown)), rows)
+    return Table(heads("Axis", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown_columns)), rows)

@@ -5,7 +5,7 @@
 use super::Electric;
 use crate::Scalar;
 use crate::column::ColumnMotion;
-use crate::drive::{Coupling, Drive};
+use crate::drive::{Contact, Coupling, Drive, Motion};
 use crate::effects::Effects;
 use crate::loader::System;
 use crate::parameters::Parameters;

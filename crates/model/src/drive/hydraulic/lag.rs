@@ -3,9 +3,9 @@
 use super::pressure::{Flow, PressureSensitivity, Side};
 use super::{FLOW, Hydraulic, Oil, PRESSURE};
 use crate::Scalar;
-use crate::drive::{Drive, Neighbors};
+use crate::drive::{Motion, Neighbors};
 use crate::effects::Effects;
-use crate::run::{Snapshot, State};
+use crate::run::{RunSnapshot, RunState};
 
 impl<S: Scalar> Hydraulic<S> {
     /// At the start of a step: makes good what the lag did in the last one, and shows pressure and flow behind their balance.
@@ -15,8 +15,8 @@ impl<S: Scalar> Hydraulic<S> {
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Side<S>,
-        state: &mut State<S, Oil<S>>,
-        now: &mut Snapshot<S, Flow<S>>,
+        state: &mut RunState<S, Oil<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) {
         let yielding = self.balance.yielding(effects, side, state.slow.plant[1], &now.balance);
         self.catch(effects, &yielding, state, now);
@@ -29,8 +29,8 @@ impl<S: Scalar> Hydraulic<S> {
         &self,
         effects: &Effects,
         yielding: &PressureSensitivity<S>,
-        state: &mut State<S, Oil<S>>,
-        now: &mut Snapshot<S, Flow<S>>,
+        state: &mut RunState<S, Oil<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) {
         let lagging = self.balance.lagging(yielding, now.balance.pressure - state.drive.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
@@ -54,8 +54,8 @@ impl<S: Scalar> Hydraulic<S> {
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         (side, yielding): (&Side<S>, &PressureSensitivity<S>),
-        state: &mut State<S, Oil<S>>,
-        now: &mut Snapshot<S, Flow<S>>,
+        state: &mut RunState<S, Oil<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) {
         let [z, q_i, q_i_rate, x_b, _] = state.slow.plant;
         // Up to here there was the force of before.

@@ -6,8 +6,8 @@ use super::pressure::{Flow, Side};
 use super::{Hydraulic, Oil};
 use crate::Scalar;
 use crate::contact::since_touch;
-use crate::drive::{Drive, Neighbors};
-use crate::run::{Shared, State, StepStart};
+use crate::drive::{Contact, Neighbors};
+use crate::run::{RunState, RunStepStart, Shared};
 
 impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
@@ -15,9 +15,9 @@ impl<S: Scalar> Hydraulic<S> {
         &self,
         neighbors: &Neighbors<'_, S>,
         shared: &Shared,
-        state: &mut State<S, Oil<S>>,
+        state: &mut RunState<S, Oil<S>>,
         start: &[S; 5],
-        begun: &StepStart<S, Flow<S>, Side<S>>,
+        begun: &RunStepStart<S, Flow<S>, Side<S>>,
     ) {
         let (effects, balance, h) = (&shared.effects, &self.balance, neighbors.step);
         let [z, q_i, _, x_b, w] = state.slow.plant;

@@ -75,7 +75,7 @@ function show(now) {
   state(now.ended ? "ended" : now.state, now.ended ? "lost" : now.state);
   const mine = now.holder === told.you;
   const free = now.holder === null;
-  by("holder").textContent = mine ? "You hold control." : free ? "Nobody holds control." : `Watcher ${now.holder} holds control.`;
+  by("holder").textContent = mine ? "You have control." : free ? "No client has control." : `Watcher ${now.holder} has control.`;
   by("take").hidden = told.role !== "control" || !(mine || free);
   by("take").textContent = mine ? "Give up" : "Take control";
   by("missed").textContent = now.missed.toLocaleString("en");
@@ -83,7 +83,7 @@ function show(now) {
   by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
   by("simulator").hidden = !now.host;
-  if (now.host) by("host").textContent = `${now.host.heard}; share in the feel ${text(now.host.share)}`;
+  if (now.host) by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
   feel.show(now);
   judged.progress(now.test);
   trips(now.trips, mine || free);

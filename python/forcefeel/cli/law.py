@@ -1,15 +1,15 @@
-"""``forcefeel compensate``: recursion (22), or with ``--method`` the design of one law, or of all and a choice."""
+"""``forcefeel law``: the design of one law, a comparison of all with a choice, or recursion (22)."""
 
 from dataclasses import dataclass, fields
 from math import degrees, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Group
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_option import LAW_NAMES
+from forcefeel.cli.law_option import LAW_NAMES, ROBUST, check_law_name
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, named_options, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
@@ -24,76 +24,86 @@ if TYPE_CHECKING:
     from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
 
-AUTO = "auto"
-_FOLDER = Path("forcefeel-compensate")
+AUTO, REPORT = "auto", "report"
+_FOLDER = Path("forcefeel-law")
 _NONE = "-"
 
 
-METHODS = Group("Methods", sort_key=10)
+LAWS = Group("Which law", sort_key=10)
+
+
+def _law_name(_: type, tokens: Any) -> str:
+    (token,) = tokens
+    name: str = token.value
+    return name if name in (AUTO, REPORT) else check_law_name(name, (AUTO, REPORT))
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions, OutputOptions):
-    """The options of ``forcefeel compensate``."""
+class LawOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel law``."""
 
-    method: Annotated[
+    law: Annotated[
         str | None,
         option(
-            f"auto tries all methods that the loader can run and chooses one; or the name of one: {LAW_NAMES}. In place of the "
-            "options of recursion (22).",
-            METHODS,
-            metavar="NAME",
+            f"auto compares all laws that the loader can run and chooses one; report computes gains by recursion (22) of the 1974 "
+            f"report; or one law by its name: {LAW_NAMES}.",
+            LAWS,
+            default="robust; report on an analog controller",
+            metavar="NAME|auto|report",
+            converter=_law_name,
         ),
     ] = None
-    envelope: Annotated[bool, option("With a method's name: try it over the envelope too, as auto does.", METHODS)] = (
-        False
-    )
+    envelope: Annotated[
+        bool, option("With the name of one law: score it over the envelope too, as auto does.", LAWS)
+    ] = False
     grid: Annotated[
         tuple[str, ...],
         option(
             "Settings of the envelope along an axis: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
-            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. May be given again.",
-            METHODS,
+            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. Repeatable.",
+            LAWS,
             metavar="AXIS=VALUES",
         ),
     ] = ()
     out: Annotated[
         Path | None,
-        option("With --method: folder for compensate.html and results.json.", OUTPUT, default=str(_FOLDER)),
+        option("Folder for law.html and results.json; --law report writes none.", OUTPUT, default=str(_FOLDER)),
     ] = None
     save_law: Annotated[
         Path | None,
         option(
-            "File (.json) for the law, which --law of other commands takes in a name's place: that of the loader's own "
-            "setting; with --envelope or --method auto those of the grid's settings too. Nothing is saved where none is found.",
+            "File (.json) for the law, which --law of other commands takes in place of a name: that of the loader's own setting; "
+            "with --envelope or --law auto those of the grid's settings too. If no law is found, no file is written.",
             OUTPUT,
             metavar="FILE.json",
         ),
     ] = None
 
-    def check(self) -> None:
-        """Refuses what does not go together.
+    def chosen(self, loader: "Loader") -> str:
+        """The value of ``--law``, or its default for a loader."""
+        return self.law or (ROBUST if loader["controller.period"] else REPORT)
+
+    def check(self, law: str) -> None:
+        """Refuses options that do not go together with ``law``.
 
         Raises:
-            InputError: If so.
+            InputError: If one is given.
         """
-        if self.method is None:
+        if law == REPORT:
             alone = {"replace"} if self.save_law is None else set()
             self._refuse(
-                {*alone, *_METHOD_ALONE, *(field.name for field in fields(ThreadOptions))},
-                "is for --method; add --method auto or the name of a method, or leave it out",
+                {*alone, *_SCORE_ALONE, *(field.name for field in fields(ThreadOptions))},
+                "does not go with --law report; leave it out, or name another law, such as --law auto",
             )
             return
         self._refuse(
             {field.name for field in fields(RecursionOptions)},
-            "is for recursion (22) alone; leave it out, or leave out --method",
+            "is for recursion (22) alone; add --law report, or leave it out",
         )
-        if self.method == AUTO and self.envelope:
-            raise InputError(
-                "--envelope: is for one method by its name; --method auto tries all over the envelope anyway"
-            )
-        if self.method != AUTO and not self.envelope:
-            self._refuse({"grid", "deviation"}, "is for the envelope; add --envelope, or take --method auto")
+        if law == AUTO and self.envelope:
+            raise InputError("--envelope: is for one law by its name; --law auto scores all over the envelope anyway")
+        if law != AUTO and not self.envelope:
+            self._refuse({"grid", "deviation"}, "is for the envelope; add --envelope, or --law auto")
 
     def _refuse(self, names: set[str], why: str) -> None:
         for field, name, _ in named_options(type(self)):
@@ -101,31 +111,33 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
                 raise InputError(f"{name}: {why}")
 
 
-_METHOD_ALONE = ("envelope", "grid", "rule", "deviation", "out")
+_SCORE_ALONE = ("envelope", "grid", "rule", "deviation", "out")
 
 
-def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOptions()) -> None:
-    """Compute the feedback gains by recursion (22) and close the loop with them; or try methods and choose one.
+def run(path: LoaderFile = None, /, *, options: LawOptions = LawOptions()) -> None:
+    """Design a law, or compare laws and choose one.
 
-    With --method auto every method is scored over the envelope, on the drive, on noise and on margins, and one is chosen.
+    With --law auto every law is scored over the envelope, on the drive, on noise and on margins, and one is chosen. With
+    --law report the gains come from recursion (22) of the 1974 report.
 
-    Exit status 1 if the compensated loader is unstable at the programmed setting, or no method is eligible.
+    Exit status 1 if the loop is unstable at the programmed setting, or no law is eligible.
 
-    Example: forcefeel compensate elevator-2khz --method auto --out methods
+    Example: forcefeel law elevator-2khz --law auto --out laws
     """
     from forcefeel.laws.law_file import check_law_file
 
     loader = options.loader(path)
     if options.save_law is not None:
         check_law_file(options.save_law, replace=options.replace)  # before the work, not after it
-    options.check()
-    if options.method is None:
+    law = options.chosen(loader)
+    options.check(law)
+    if law == REPORT:
         _recursion(loader, options)
     else:
-        _methods(loader, options, options.command_line(path))
+        _scored(loader, law, options, options.command_line(path))
 
 
-def _recursion(loader: "Loader", options: CompensateOptions) -> None:
+def _recursion(loader: "Loader", options: LawOptions) -> None:
     """Computes gains and closes the loop; gains that the recursion reached go to their file."""
     from forcefeel.cli import show
     from forcefeel.design.assessment import assess, peaks
@@ -151,8 +163,8 @@ def _recursion(loader: "Loader", options: CompensateOptions) -> None:
         raise SystemExit(BAD_ANSWER)
 
 
-def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None:
-    """Tries methods, or designs one, and writes the folder; the law goes to its file."""
+def _scored(loader: "Loader", law: str, options: LawOptions, command: str) -> None:
+    """Scores laws and writes the folder; the law goes to its file."""
     from forcefeel.choice import choose, score_laws
     from forcefeel.choice.as_json import choice_json
     from forcefeel.choice.page.folder import FOLDER, write_choice
@@ -160,12 +172,12 @@ def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None
     from forcefeel.sweep import text
 
     out, units = options.out or _FOLDER, options.units
-    names = None if options.method == AUTO else (options.method or "",)
+    names = None if law == AUTO else (law,)
     if names is not None:
         check_names(loader, names)
     grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
     FOLDER.check(out, replace=options.replace)  # before the work, not after it
-    with all_or_nothing("compensate", "releases", silent=options.json) as bar:
+    with all_or_nothing("law", "releases", silent=options.json) as bar:
         scored = score_laws(
             loader,
             names,
@@ -179,10 +191,10 @@ def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None
         choice = choose(scored) if names is None else None
         bar.describe("report")
         page = write_choice(scored, choice, out, units, replace=options.replace, command=command)
-        law = _law(loader, scored, choice) if options.save_law else None
-        if options.save_law and law:
-            law.save(options.save_law)
-    files = {"page": page, **({"law_file": options.save_law} if law else {})}
+        saved = _law(loader, scored, choice) if options.save_law else None
+        if options.save_law and saved:
+            saved.save(options.save_law)
+    files = {"page": page, **({"law_file": options.save_law} if saved else {})}
     answer(
         files,
         lambda: choice_json(scored, choice, units),
@@ -223,8 +235,8 @@ _MARGINS = ("gain", "phase deg", "delay ms")
 
 
 def _table(scored: "LawScores", choice: "Choice | None") -> Table:
-    table = Table(title="Methods, shares in %", title_justify="left", title_style="bold")
-    table.add_column("method", no_wrap=True)
+    table = Table(title="Laws, shares in %", title_justify="left", title_style="bold")
+    table.add_column("law", no_wrap=True)
     over = scored.scores[0].over is not None
     names = ["every case", "nominal", "stable"] if over else []
     names += ["release", *_MARGINS, "current"]
