@@ -129,7 +129,7 @@ def test_a_good_law_is_handed_over(commissioned, tmp_path):
     [
         (
             {"checked": Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))},
-            "less than the 95\N{NO-BREAK SPACE}%",
+            "less than the required 95\N{NO-BREAK SPACE}%",
         ),
         (
             {"tested": RuleTests(False, "a rule", "It does not.", {"fast": "failed"}, ("Too slow.",))},

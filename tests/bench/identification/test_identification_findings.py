@@ -162,7 +162,7 @@ def test_the_end_of_the_table_s_range_is_another_bound():
     text = said(found)[1]
     assert "ended at its lower bound" in text
     assert "fit a smaller value better" in text
-    assert "units and experiment of the data" in text
+    assert "units and the experiment of the data" in text
 
 
 def test_what_hangs_together_is_named_once():
@@ -173,7 +173,7 @@ def test_what_hangs_together_is_named_once():
         in said(found)[1]
     )
     falling = dataclasses.replace(found, correlation=found.correlation * (2 * np.eye(5) - 1))
-    assert "where one rises the other falls (correlation -0.97)" in said(falling)[1]
+    assert "when one rises, the other falls (correlation -0.97)" in said(falling)[1]
 
 
 def test_correlations_that_are_not_numbers_are_none():
@@ -272,7 +272,7 @@ def test_what_the_linear_model_leaves_out_is_said_of_responses():
     assert sentence not in said(dataclasses.replace(determined(), fitted=record_fitted()))[1]
     assert "leaves out" not in said(undetermined())[1]
     digital = dataclasses.replace(determined(), before=ff.digital_elevator())
-    assert "the sampled model about its rest, which leaves out what holds" in said(digital)[1]
+    assert "the sampled model about its rest, without friction" in said(digital)[1]
 
 
 def test_a_correlation_is_never_one():
