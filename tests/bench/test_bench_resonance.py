@@ -120,7 +120,7 @@ def test_where_nothing_can_be_read_a_sentence_says_why():
     assert beside.frequency_hz == beside.circle.frequency_hz
     coarse = np.arange(1.0, 40.0, 2.0)
     sharp = read_resonance(response(coarse, mode(coarse, 12.0, 0.05)))
-    assert f"lie within 3 dB of the peak at 11.86 Hz; expected {FEWEST_LINES} at least" in sharp.half_power.note
+    assert f"lie within 3 dB of the peak at 11.86 Hz; expected at least {FEWEST_LINES}" in sharp.half_power.note
     rng = np.random.default_rng(0)
     noise = rng.standard_normal(20) + 1j * rng.standard_normal(20)
     assert "of its radius off a circle; more than one mode, or noise; narrow the band" in fit_mode(FINE[:20], noise)
