@@ -130,7 +130,7 @@ FAULTS = {
     "lengths": (record(column_angle=ANGLE[:-1]), "expected column_angle at each of the times"),
     "short": (
         record({it: x[:99] for it, x in ANSWERS["multisine"].items()}, T[:99]),
-        "has 99 samples; expected 100 at least",
+        "has 99 samples; expected at least 100",
     ),
     "in ms": (record(time=1000 * T), r"^bench: time: has a median step of 1 s; .* is the time in ms\?"),
     "in s": (record(time=T / 1000), r"^bench: time: has a median step of 1e-06 s; .* is the time in s, not in ms\?"),
@@ -307,7 +307,7 @@ MISREADINGS = {
     "radians": (lambda r, phase: polar(r, np.radians(phase)), "in radians, read as degrees"),
     "degrees": (lambda r, phase: polar(r, np.degrees(np.unwrap(phase))), "in degrees, read as radians"),
     "polarity": (lambda r, phase: polar(r, phase + np.pi), "polarity seems reversed"),
-    "inverse": (lambda r, phase: polar(1 / r, -phase), "the inverse of what is said"),
+    "inverse": (lambda r, phase: polar(1 / r, -phase), "exchange from and to"),
     "ratio": (lambda r, phase: polar(10 ** (r / 20), phase), "a ratio, read as dB"),
 }
 UNITS = {

@@ -143,12 +143,12 @@ def test_equal_units_do_not_contradict_each_other(tmp_path):
 
 
 BAD_RESPONSES = {
-    "no experiment": (LINES, {"output": "potentiometer (V)"}, "does not say under which experiment"),
+    "no experiment": (LINES, {"output": "potentiometer (V)"}, "has no experiment"),
     "no output": ("# experiment: servo-open\n" + LINES, {}, "does not say which channel it leads to"),
     "contradiction": (
         TO_POTENTIOMETER + LINES,
         {"experiment": "servo-open"},
-        "says that it is of servo-closed test_signal, and",
+        "states servo-closed test_signal, but",
     ),
     "other output": (
         TO_POTENTIOMETER + LINES,
@@ -352,7 +352,7 @@ def test_matlab_files_that_are_not_read(tmp_path):
 BAD_RECORDS = {
     "no time": ({"test_signal (V)": U, "column angle (deg)": X}, {}, "has no column 'time'"),
     "no drive": ({"time (s)": T, "column angle (deg)": X}, {}, "has no column 'test_signal'"),
-    "nothing measured": ({"time (s)": T, "test_signal (V)": U, "tilt (deg)": X}, {}, "has nothing that was measured"),
+    "nothing measured": ({"time (s)": T, "test_signal (V)": U, "tilt (deg)": X}, {}, "has no measured channel"),
     "wrong unit": (
         {**RECORD, "column angle (deg)": X, "potentiometer (deg)": X},
         {},
@@ -389,7 +389,7 @@ def test_a_record_at_fault_is_refused(tmp_path, kind, columns, arguments, messag
 
 def test_a_hold_that_contradicts_the_file_is_refused(tmp_path):
     path = write_csv(tmp_path / "run.csv", RECORD, {"experiment": "servo-closed", "hold": "staircase"})
-    with pytest.raises(InputError, match="says 'hold: staircase' of itself, and the argument hold is 'straight'"):
+    with pytest.raises(InputError, match="states 'hold: staircase', but the argument hold is 'straight'"):
         read_bench_record(path, hold="straight")
 
 

@@ -256,7 +256,7 @@ BAD = {
         {"period_s": 0.9995},
         r"period_s: expected a whole number of steps of 0\.001 s, got 0\.9995 s",
     ),
-    "not a period": (GIVEN, {"period_s": 0.9}, r"test_signal does not repeat itself every 0\.9 s"),
+    "not a period": (GIVEN, {"period_s": 0.9}, r"test_signal does not repeat every 0\.9 s"),
     "infinite": (GIVEN, {"period_s": np.inf}, "period_s: expected a whole number of steps"),
     "none": (GIVEN, {"segments": 0}, "segments: expected a whole number above 0, got 0"),
     "a half": (GIVEN, {"segments": 1.5}, r"segments: expected a whole number above 0, got 1\.5"),
@@ -266,7 +266,7 @@ BAD = {
         {"segments": 50},
         "50 of 200 samples are too short",
     ),
-    "one line": (SINE, {}, "test_signal drives 1 lines; expected 3 at least"),
+    "one line": (SINE, {}, "test_signal drives 1 lines; expected at least 3"),
 }
 
 

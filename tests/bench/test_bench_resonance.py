@@ -120,10 +120,10 @@ def test_where_nothing_can_be_read_a_sentence_says_why():
     assert beside.frequency_hz == beside.circle.frequency_hz
     coarse = np.arange(1.0, 40.0, 2.0)
     sharp = read_resonance(response(coarse, mode(coarse, 12.0, 0.05)))
-    assert f"lie within 3 dB of the peak at 11.86 Hz; expected {FEWEST_LINES} at least" in sharp.half_power.note
+    assert f"lie within 3 dB of the peak at 11.86 Hz; expected at least {FEWEST_LINES}" in sharp.half_power.note
     rng = np.random.default_rng(0)
     noise = rng.standard_normal(20) + 1j * rng.standard_normal(20)
-    assert "of its radius off a circle; more than one mode, or noise; narrow the band" in fit_mode(FINE[:20], noise)
+    assert "of its radius off a circle: several modes, or noise; narrow the band" in fit_mode(FINE[:20], noise)
     top = FINE[(FINE > 11.9) & (FINE < 12.3)]
     assert "rad of a circle; measure at more frequencies about it" in fit_mode(top, mode(top, 12.0, 0.1, velocity=True))
     assert "3 lines are too few" in fit_mode(FINE[:3], noise[:3])
@@ -136,7 +136,7 @@ def test_what_it_holds_for_is_said():
     )
     by_signal = read_resonance(response(FINE, value, drive="test_signal")).note
     assert by_signal.endswith(
-        "test_signal is none, so that half power is off by the order of the damping ratio; the circle by less"
+        "test_signal is no force, so half power is off by the order of the damping ratio; the circle by less"
     )
     assert "velocity or a flow: the mobility" in read_resonance(response(FINE, value, "actuator_flow")).note
 

@@ -204,7 +204,7 @@ def test_a_machine_that_cannot_be_is_a_status_and_the_others_stand():
     assert found.reasons == {"column.static_friction is below column.coulomb_friction": int(cannot.sum())}
     summary = summarize(found)
     assert summary.spreads["final_angle_rad"].runs == int((~cannot).sum())
-    assert "cannot be, and were not run" in " ".join(sweep_conclusions(found, summary, UnitSystem.US).findings)
+    assert "are impossible and were not run" in " ".join(sweep_conclusions(found, summary, UnitSystem.US).findings)
     # The same machine alone is refused for the same reason.
     bad = int(np.argmax(cannot.values))
     with pytest.raises(InputError, match=r"column\.static_friction: expected at least column\.coulomb_friction"):

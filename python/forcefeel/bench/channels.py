@@ -65,7 +65,7 @@ def channel(text: str) -> str:
     """The channel that a header or an option names: ``column angle`` is ``column_angle``.
 
     Raises:
-        InputError: If there is none.
+        InputError: If the channel is unknown.
     """
     name = "_".join(text.strip().lower().split())
     if name not in CHANNELS:

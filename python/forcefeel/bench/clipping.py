@@ -36,7 +36,7 @@ class Clipped:
 
 
 def clipped(values: NDArray[np.float64], drive: NDArray[np.float64] | None = None) -> Clipped | None:
-    """The first clipped stretch of a measured signal; ``None`` if there is none.
+    """The first clipped stretch of a measured signal, or ``None``.
 
     Three samples or more at the largest or the smallest value, reached at speed. A signal at rest, one that was recorded in
     steps, and one that jumps with a drive that then keeps its value are not clipped.

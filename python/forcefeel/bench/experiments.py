@@ -76,7 +76,7 @@ class Experiment:
 
     Raises:
         InputError: When built, if the open servo or the open motor is released, or loop and drive belong to different kinds of
-        loader.
+            loader.
 
     Example:
         >>> import forcefeel as ff

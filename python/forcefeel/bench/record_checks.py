@@ -78,10 +78,9 @@ def check_record(
         units: Unit of each channel in messages, such as that of its file; SI if not given.
 
     Raises:
-        InputError: With the place, what is wrong, what was expected and the remedy: numbers that are not finite, times that do
-            not rise, a gap, fewer than 100 samples, a median step outside 10 microseconds to 0.2 s, a drive or a measured
-            channel that never moved, a channel that is clipped, a drive under which the loader does not begin at rest, a grip
-            that is never let go or not held before.
+        InputError: With the row, the fault, the expected value and the remedy. Faults are numbers that are not finite, times not
+            rising, a gap, fewer than 100 samples, a median step outside 10 microseconds to 0.2 s. Others are a drive or a channel
+            that never moves, a clipped channel, a loader not at rest at the start, a grip never released or not held before.
     """
     where = record.name if places is None else places[0].rsplit(": ", 1)[0]
     columns = {"time": record.time_s, **record.channels}

@@ -32,7 +32,7 @@ class Reading:
     Attributes:
         frequency_hz: Undamped natural frequency, Hz; ``None`` if it cannot be read.
         damping_ratio: Damping ratio; ``None`` likewise.
-        note: Details of the reading, or the reason why there is none.
+        note: Details of the reading, or the reason why it cannot be read.
     """
 
     frequency_hz: float | None
@@ -225,4 +225,4 @@ def _holds_for(response: Response, kind: Kind) -> str:
     reading = f"{response.output} is read as {quantities}: the {kind} of one mode by itself, driven by a force"
     if response.input == "pilot_force":
         return reading
-    return f"{reading}; {response.input} is none, so that half power is off by the order of the damping ratio; the circle by less"
+    return f"{reading}; {response.input} is no force, so half power is off by the order of the damping ratio; the circle by less"

@@ -56,9 +56,9 @@ def check_response(response: Response, places: Sequence[str] | None = None) -> N
         places: Where each line stands, after the header's place, for messages; its name and line numbers from 1 if not given.
 
     Raises:
-        InputError: Naming the first line at fault: fewer than three lines, rows of other lengths, numbers that are not finite,
-            frequencies that are not above zero or do not rise, no gain, a coherence outside 0 to 1 or one that is low
-            everywhere, a deviation that is not above zero.
+        InputError: With the first faulty line: fewer than three lines, rows of other lengths, numbers that are not finite,
+            frequencies not above zero or not rising. Also: no gain, a coherence outside 0 to 1 or low at all lines, a deviation not
+            above zero.
     """
     name, f = response.name, np.asarray(response.frequency_hz)
     rows = {"value": response.value, "coherence": response.coherence, "deviation": response.deviation}

@@ -24,7 +24,7 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
     """The experiment that a file or the argument states.
 
     Raises:
-        InputError: If neither does, they contradict each other, or it is none.
+        InputError: If neither does, they contradict each other, or the text names no experiment.
     """
     note = table.notes.get("experiment")
     in_file = None if note is None else _experiment(f"{table.path}: ", note)

@@ -1,4 +1,4 @@
-"""Setting a loader up: identified from its bench, a law chosen for what is known of it, checked and tested, step by step."""
+"""Commissioning of a loader step by step: identification, choice of the law, envelope, tests."""
 
 from forcefeel.public_names import public_names
 

@@ -1,4 +1,4 @@
-"""A commissioning for machines."""
+"""A commissioning as plain data for JSON."""
 
 from dataclasses import asdict
 from importlib.metadata import version
@@ -10,7 +10,7 @@ from forcefeel.loader.parameters import TABLE, unit
 
 
 def commission_json(commission: Commission) -> dict[str, Json]:
-    """What each step came to; numbers in the plan's units."""
+    """Results of each step; numbers in the plan's units."""
     units = commission.plan.units
     return {
         "forcefeel": version("forcefeel"),
@@ -44,5 +44,5 @@ def commission_json(commission: Commission) -> dict[str, Json]:
 
 
 def _numbers(checked: Checked) -> dict[str, object]:
-    """The result without its map, which the envelope's folder has."""
+    """The result without its map, which is in the envelope's folder."""
     return {name: value for name, value in asdict(checked).items() if name != "outcomes"}

@@ -1,4 +1,4 @@
-"""The third step: the law in the envelope of the identified loader, nominal, in every case and with all tolerances at once."""
+"""The third step: the law in the envelope of the identified loader, nominal, in every case and with joint tolerances."""
 
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import Checked, OutcomeMap
@@ -15,20 +15,20 @@ from forcefeel.loader.loader import Loader
 _SEED = 1974
 
 _EXACT = 1e-4
-"""Deviation, as a share of the value, up to which a parameter is as the file has it."""
+"""Largest deviation of an exactly known parameter, as a share of its value."""
 
 
 def check_law(
     loader: Loader, name: str, law: Law, plan: CommissionPlan, progress: Progress = lambda done, total: None
 ) -> tuple[Checked, Envelope]:
-    """What a law renders.
+    """Compute the share of settings that a law renders.
 
     Args:
         loader: The identified loader.
         name: The law's name.
         law: The law, with the settings of the grid.
-        plan: What is asked.
-        progress: Called with the releases that are done and all there are.
+        plan: The plan.
+        progress: Called with the number of finished releases and of all.
     """
     draws = Draws(plan.draws, seed=_SEED)
     toleranced = {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size > _EXACT}

@@ -1,4 +1,4 @@
-"""What a commissioning came to, in sentences."""
+"""Conclusions of a commissioning."""
 
 from dataclasses import dataclass
 
@@ -7,15 +7,15 @@ from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TES
 from forcefeel.conclusions import Conclusions, of_result, share_text
 
 GOOD_LAW, OTHER_LAW = "law.json", "law-rejected.json"
-"""Name of the law's file: one that may be handed over, and one that is there to be looked at."""
+"""File name of an accepted law, and of a rejected one."""
 
 _MOST = 3
-"""What-ifs that are named."""
+"""Number of named what-ifs."""
 
 
 @of_result
 def commission_conclusions(commission: Commission) -> Conclusions:
-    """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
+    """The verdict: identified parameters, law and tests; and changes that would render more."""
     lines = [
         *commission.identified.wanting,
         *(f"The next experiment: {sentence}" for sentence in commission.identified.advice),
@@ -54,21 +54,21 @@ def _verdict(commission: Commission) -> str:
     law, checked = commission.chosen.name, commission.checked
     renders = (
         f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
-        f"{share_text(checked.drawn)} on average of machines with all its tolerances at once"
+        f"{share_text(checked.drawn)} on average of machines with joint tolerances"
     )
-    shortfall = "" if commission.reaches else f", less than the {share_text(commission.plan.share)} that are asked for"
+    shortfall = "" if commission.reaches else f", less than the required {share_text(commission.plan.share)}"
     tests = "passes the rule's tests" if commission.tested.fulfilled else "does not pass the rule's tests"
     end = (
         ""
         if commission.good or not commission.identified.wanting
-        else " It is not to be handed over: something that it needs is not known."
+        else " The law is rejected: a required parameter is unknown."
     )
     joint = "and" if commission.tested.fulfilled is commission.reaches else "but"
     return f"{text}; {renders}{shortfall}, {joint} it {tests}.{end}"
 
 
 def _small(text: str) -> str:
-    """A sentence after a colon."""
+    """A sentence with a small first letter, for use after a colon."""
     first = text.partition(" ")[0]
     return text if first.isupper() or "." in first or not first[1:].islower() else text[:1].lower() + text[1:]
 
@@ -80,19 +80,15 @@ def _sorted(commission: Commission, state: str) -> str:
     named = f"{', '.join(keys[:-1])} and {keys[-1]}" if len(keys) > 1 else keys[0]
     if state == CARRIED:
         return (
-            f"Of {named} the records show only products or ratios with what is identified: the file's "
-            f"{'values stand' if len(keys) > 1 else 'value stands'}, and the others' estimates make the same machine with "
+            f"The records determine {named} only in products or ratios with identified parameters: the file's "
+            f"{'values are' if len(keys) > 1 else 'value is'} kept, and the other estimates are consistent with "
             f"{'them' if len(keys) > 1 else 'it'}."
         )
     if state == AT_END:
-        return (
-            f"The file's value of {named} is the last of its range, and the records hold it there: it counts as known."
-        )
+        return f"The file's value of {named} is the end of its range, and the estimate ends there: it counts as known."
     if state == NOTHING:
-        return (
-            f"The records show nothing of {named}, which is within its standard errors of none: the machine has none."
-        )
-    return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
+        return f"The estimate of {named} is zero within its standard errors: the machine has none."
+    return f"The records hardly depend on {named}: the file's value and tolerance are kept for the envelope."
 
 
 def _envelope(commission: Commission) -> str:
@@ -100,26 +96,26 @@ def _envelope(commission: Commission) -> str:
     if checked is None:
         return ""
     return (
-        f"Over {checked.settings} settings, equal steps in proportion counting the same: {share_text(checked.passes)} nominally, "
+        f"Over {checked.settings} settings, weighted equally per ratio step: {share_text(checked.passes)} nominally, "
         f"{share_text(checked.every_case)} in every case, pilots' arms included; {_drawn(checked)}."
     )
 
 
 def _drawn(checked: Checked) -> str:
-    """What the machines with all tolerances at once render."""
+    """Share rendered by the worst machine with joint tolerances."""
     least = share_text(checked.drawn_least)
     if checked.machines == 1:
-        return f"the one machine with all tolerances at once renders {least}"
-    return f"of {checked.machines} machines with all tolerances at once the worst renders {least}"
+        return f"the one machine with joint tolerances renders {least}"
+    return f"of {checked.machines} machines with joint tolerances the worst renders {least}"
 
 
 def _more(commission: Commission) -> list[str]:
-    """What would make it pass more."""
+    """Changes of the machine that would render more."""
     if commission.checked is None or commission.reaches:
         return []
     if not commission.checked.what_ifs:
         return [
-            "Nothing of what was tried of the hardware (friction, sensors, controller, limits of the drive) would render more."
+            "No tried change of the hardware (friction, sensors, controller, limits of the drive) would render more."
         ]
     most = sorted(commission.checked.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
     parts = [f"{what_if.change}: {share_text(what_if.passes)}" for what_if in most]
@@ -128,33 +124,33 @@ def _more(commission: Commission) -> list[str]:
     )
     required = share_text(commission.plan.share)
     least = (
-        f"What asks least of the machine and reaches {required}: {sufficient.change}, {share_text(sufficient.passes)}."
+        f"The smallest sufficient change for {required}: {sufficient.change}, {share_text(sufficient.passes)}."
         if sufficient
         else f"None of them alone reaches {required}."
     )
     return [
-        f"What would make it pass more, one thing at a time, a law made for it, run to the end: {'; '.join(parts)}.",
+        f"Single changes that would render more, each with its own law: {'; '.join(parts)}.",
         least,
     ]
 
 
 def _handed(commission: Commission) -> str:
     if commission.law is None:
-        return "No law is handed over."
+        return "There is no law."
     if commission.good:
-        return f"Handed over: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
-    return f"No law is handed over as good; the one that comes nearest is in {OTHER_LAW}, to be looked at."
+        return f"Results: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
+    return f"No law meets the requirements; the best candidate is in {OTHER_LAW}."
 
 
 @dataclass(frozen=True)
 class Row:
-    """One step at a glance.
+    """Summary of one step.
 
     Attributes:
-        title: Which step.
-        result: What it came to.
+        title: The step.
+        result: Its result.
         good: Yes or no.
-        page: Its page, within the whole folder; empty if it has none.
+        page: Its page, within the whole folder; empty without one.
     """
 
     title: str
@@ -165,9 +161,9 @@ class Row:
 
 @of_result
 def glance(commission: Commission) -> tuple[Row, ...]:
-    """Each step in a line."""
+    """A row for each step."""
     rows = (
-        [Row("bench, simulated", "a record of the machine that is simulated", "yes", f"{BENCH}/bench.csv")]
+        [Row("bench, simulated", "a record of the simulated machine", "yes", f"{BENCH}/bench.csv")]
         if BENCH in commission.folders
         else []
     )

@@ -1,4 +1,4 @@
-"""The fits of the first step: each leaves out what the one before it did not determine."""
+"""Fits of the first step: each omits the parameters that the previous one did not determine."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,23 +15,23 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 
 _ROUNDS = 4
-"""Most fits: after each, what it does not determine is left out."""
+"""Most fits."""
 
 _ROUNDING = 1e-6
-"""Of an estimate, relative to where its search began."""
+"""Relative difference between an estimate and its start that counts as zero."""
 
 _NEGLIGIBLE = 0.01
-"""Of the friction where its search begins, the spring's pull at a degree: it holds the column within a hundredth of one."""
+"""Negligible friction, as a share of its start, the spring's force at 1 deg: it holds the column within 0.01 deg."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """What became of the parameters of a loader.
+    """Status of the parameters of a loader after the fits.
 
     Attributes:
         identification: The last fit.
         without: Parameters without a value, by their state.
-        friction_open: Whether the data leave the column's dry friction open.
+        friction_open: Whether the data leave the column's dry friction undetermined.
     """
 
     identification: Identification
@@ -46,19 +46,19 @@ def fit_what_is_seen(
     plan: CommissionPlan,
     progress: Callable[[str], None],
 ) -> Fits:
-    """Fits all that the data see of a loader, until what is left is determined.
+    """Fit all observable parameters of a loader, without those that stay undetermined.
 
     Args:
-        loader: As its file has it.
+        loader: The loader of the file.
         data: Records and responses.
-        law: Of the bench, where the records are of the whole loader.
-        plan: What is asked.
-        progress: Told what is being done.
+        law: Law of the bench, if the records are of the whole loader.
+        plan: The plan.
+        progress: Called with the current task.
 
     Raises:
-        InputError: If the data are not what they are said to be.
+        InputError: If the data contradict their labels.
     """
-    progress("what the data see")
+    progress("observable parameters")
     start = with_friction(loader)
     observed = seen_by(start, data, candidates(start), law)
     keys, friction_open = list(observed.fitted), DRY not in observed.fitted
@@ -72,7 +72,7 @@ def fit_what_is_seen(
         try:
             identification = identify(start, data, keys, law=law, starts=plan.starts)
         except InputError as error:
-            # A breakaway that the data do not determine stays where the search began, and may lie below the dry friction.
+            # An undetermined breakaway keeps its start value, and may lie below the dry friction.
             if BREAKAWAY not in keys or BREAKAWAY not in str(error):
                 raise
             keys, start = _left_out(BREAKAWAY, keys, start)
@@ -81,7 +81,7 @@ def fit_what_is_seen(
         none = [key for key, estimate in status.items() if key in (DRY, BREAKAWAY) and _is_none(estimate)]
         weak = [key for key, estimate in status.items() if _is_open(estimate)]
         if BREAKAWAY in weak:
-            weak = [BREAKAWAY]  # the jumps that it makes leave others open too, which are determined without it
+            weak = [BREAKAWAY]  # its jumps leave others undetermined too, which are determined without it
         at_end = [key for key, estimate in status.items() if _at_end(estimate, loader[key])]
         if not (none or weak or at_end) or len(none) + len(weak) + len(at_end) == len(keys):
             break
@@ -97,7 +97,7 @@ def fit_what_is_seen(
 
 
 def _left_out(key: str, keys: Sequence[str], loader: Loader) -> tuple[list[str], Loader]:
-    """What is fitted without a parameter, and the loader: a friction is none then, and none has no breakaway force."""
+    """The fitted keys and the loader without a parameter; without friction there is no breakaway force."""
     out = (DRY, BREAKAWAY) if key == DRY else (key,)
     rest = [key for key in keys if key not in out]
     if key not in (DRY, BREAKAWAY):
@@ -107,16 +107,16 @@ def _left_out(key: str, keys: Sequence[str], loader: Loader) -> tuple[list[str],
 
 
 def _is_none(estimate: Estimate) -> bool:
-    """Whether a friction is none: all of its 95 % interval is next to nothing, or it is itself but for rounding."""
+    """Whether a friction is absent: its 95 % interval, or the estimate itself, is negligible."""
     return estimate.high < _NEGLIGIBLE * estimate.unknown.scale or estimate.value < _ROUNDING * estimate.unknown.scale
 
 
 def _is_open(estimate: Estimate) -> bool:
-    """Whether the data do not determine a parameter: of a friction, whether it may be none and may be more."""
+    """Whether the data leave a parameter undetermined; for a friction, between absent and present."""
     dry = estimate.unknown.key in (DRY, BREAKAWAY)
     return estimate.status is Status.UNDETERMINED or (dry and estimate.low <= 0 and not _is_none(estimate))
 
 
 def _at_end(estimate: Estimate, stated: float) -> bool:
-    """Whether an estimate ended at the end of its range, where the file's value stands."""
+    """Whether an estimate ended at the end of its range, at the file's value."""
     return estimate.status is Status.AT_BOUND and bool(stated) and abs(estimate.value / stated - 1) < _ROUNDING

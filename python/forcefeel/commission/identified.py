@@ -1,4 +1,4 @@
-"""The first step: the loader from what the records see of it."""
+"""The first step: identification of the loader from records."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -29,24 +29,24 @@ from forcefeel.loader.sensors import GRIP_SENSOR, sample_variance, sensors_of, w
 
 _FRICTION_OPEN = (
     "The data do not determine the dry friction of the column: they are frequency responses, or it hardly breaks away "
-    "in them, or never turns round. A law that does not know of it takes it for a hand that pulls."
+    "in them, or never reverses. A law without this friction mistakes it for a pull of the hand."
 )
 
 _RECORD_FRICTION = (
     "Record the loader in time through many reversals, such as a multisine of a minute (excite) or a slow sweep of force both "
-    "ways (experiment: sweep), and give that beside these data; or state column.coulomb_friction in the loader file and name "
-    "with --fit what else is to be identified."
+    "ways (experiment: sweep), and add it to these data; or state column.coulomb_friction in the loader file and name the "
+    "parameters to identify with --fit."
 )
 
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedLoader:
-    """What the first step hands on.
+    """Result of the first step.
 
     Attributes:
-        outcome: In numbers and sentences.
+        outcome: Numbers and sentences.
         identification: The last fit.
-        loader: The loader; ``None`` where the data do not do.
+        loader: The loader; ``None`` if the data are insufficient.
     """
 
     outcome: Identified
@@ -60,26 +60,26 @@ def identify_loader(
     plan: CommissionPlan,
     progress: Callable[[str], None] = lambda _: None,
 ) -> IdentifiedLoader:
-    """Finds what of a loader the data determine, and the loader with it.
+    """Identify the parameters of a loader that the data determine.
 
     Args:
-        loader: As its file has it.
+        loader: The loader of the file.
         data: Records and responses.
-        plan: What is asked.
-        progress: Told what is being done.
+        plan: The plan.
+        progress: Called with the current task.
 
     Raises:
-        InputError: If data are not of this loader, or not what they are said to be.
+        InputError: If data are not of this loader, or contradict their labels.
     """
     check_bench(loader, data)
     requested = parameter_keys(tuple(plan.fit), loader.drive) if plan.fit else ()
-    bare = without_grip_sensor(loader)  # the machine is the same, and no law on a bench uses what is yet to be tried
+    bare = without_grip_sensor(loader)  # no law on a bench uses a sensor that is not yet identified
     if not plan.own_instruments:
         data = [
             without_lag(measurement, loader) if isinstance(measurement, BenchRecord) else measurement
             for measurement in data
         ]
-    # The bench ran under the law of the file, which knows of no friction that is only a place to begin from.
+    # The bench ran under the law of the file, without the start value of the friction.
     law = Law.of(None, bare) if loader.drive == ELECTRIC else None
     if requested:
         progress(f"fit of {len(requested)} parameters")
@@ -114,7 +114,7 @@ def identify_loader(
 
 
 def _completed(identified: Loader, loader: Loader, fits: Fits) -> Loader:
-    """The loader of a fit, with the tolerances of its file where its value stands and none where the estimates carry them."""
+    """The loader of a fit, with the file's tolerances of unchanged values, and none for values within other estimates."""
     carried = [*fits.without.get(CARRIED, ()), *fits.without.get(AT_END, ())]
     known = {*fits.identification.keys, *carried, *((DRY, BREAKAWAY) if fits.without.get(NOTHING) else ())}
     unchanged = [key for key in loader.tolerances if key not in known and identified[key] == loader[key]]
@@ -125,14 +125,14 @@ def _completed(identified: Loader, loader: Loader, fits: Fits) -> Loader:
 
 
 def _with_grip_sensor(loader: Loader, grip: GripSensorEstimate) -> Loader:
-    """The loader with what its grip's sensor showed, as sure as that is."""
+    """The loader with the identified rows of its grip sensor and their tolerances."""
     bare = loader.with_tolerances(dict.fromkeys(key for key in grip.rows if key in loader.tolerances))
     completed = bare.replace({key: value for key, (value, _) in grip.rows.items()}, si=True)
     return completed.with_tolerances({key: normal_about(key, *row) for key, row in grip.rows.items()})
 
 
 def _beside_the_fit(grip: GripSensorEstimate) -> tuple[str, ...]:
-    """What is identified of the grip's sensor, which no motion of the loader shows."""
+    """A remark on the identified rows of the grip sensor."""
     return (f"{GRIP_FORCE} determines {' and '.join(grip.rows)} beside them.",) if grip.rows else ()
 
 
@@ -162,7 +162,7 @@ def _parameters(loader: Loader, fits: Fits, grip: GripSensorEstimate) -> tuple[I
 
 
 def _missed(identification: Identification, plan: CommissionPlan) -> tuple[str, ...]:
-    """What the fitted model misses beyond noise: its parameters are off by more than their tolerances say."""
+    """A sentence if the model errs beyond noise, so that parameters may be off by more than their tolerances."""
     missed = [fitted for fitted in identification.fitted if beyond_noise(fitted)]
     if not missed:
         return ()
@@ -176,7 +176,7 @@ def _missed(identification: Identification, plan: CommissionPlan) -> tuple[str, 
 
 
 def _noise_wanting(loader: Loader, identification: Identification, at_grip: float | None) -> tuple[str, ...]:
-    """Sensors whose noise is declared as zero, with what the records show; a law for them is made for sensors that nobody has."""
+    """A sentence for each sensor with a declared noise of zero, with its measured noise."""
     measured = {
         SENSOR_OF[fitted.channel]: runs_on_and_jumps(fitted.measured.real - fitted.modelled.real)[1]
         for fitted in identification.fitted

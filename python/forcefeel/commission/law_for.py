@@ -1,8 +1,8 @@
-"""The second step: the law that renders most of the envelope of the identified loader, as well as it is known.
+"""The second step: the law that renders the largest share of settings of the identified loader.
 
-Tried are all designs that are not ruled out at the loader's own setting. Of those that render the share that is asked for, one that
-passes the rule's tests goes first. A parameter known to better than ``SIZED`` makes no case of its own here, where laws are
-compared; it does in the step that checks the one that is taken.
+All designs eligible at the loader's own setting are compared. Of those that render the required share, a law that passes the rule's
+tests is preferred. A parameter known to better than ``SIZED`` has no case in this comparison, but in the step that checks the
+chosen law.
 """
 
 from collections.abc import Callable
@@ -25,18 +25,18 @@ from forcefeel.loader.loader import Loader
 from forcefeel.threads import threads_or_cores
 
 SIZED = 0.005
-"""Deviation, as a share of the value, from which on a parameter makes a case."""
+"""Least deviation of a parameter with a case of its own, as a share of the value."""
 
 
 def choose_law(
     loader: Loader, plan: CommissionPlan, progress: Callable[[str], None] = lambda _: None
 ) -> tuple[LawChosen, LawScores, Choice]:
-    """Scores the laws and takes one by the rule of ``choose``, those first that render the asked share.
+    """Score the laws and choose one by ``choose``, preferring those that render the required share.
 
     Args:
         loader: The identified loader.
-        plan: What is asked.
-        progress: Told what is being done.
+        plan: The plan.
+        progress: Called with the current task.
     """
     threads = threads_or_cores(plan.threads)
     digital = [name for name in names_for(loader) if name not in NAMED_DESIGNS]
@@ -69,7 +69,7 @@ def choose_law(
 def _passing(
     scored: LawScores, plan: CommissionPlan, progress: Callable[[str], None]
 ) -> tuple[Choice, tuple[str, ...]]:
-    """The first choice that passes the rule's tests, of those that render the share; the first of all where none does."""
+    """The first choice that renders the share and passes the rule's tests; otherwise the first choice."""
     first = choice = _choice(scored, plan.share)
     failed: list[str] = []
     remaining = scored
@@ -88,7 +88,7 @@ def _passing(
 
 
 def _choice(scored: LawScores, share: float) -> Choice:
-    """By the usual reserve, if what it leaves renders the share; else by that of a loader that is measured."""
+    """The choice with the usual reserve if it renders the share, else with the reserve of a measured loader."""
     preferred = choose(scored, share)
     if preferred.chosen and _passes(scored, preferred) >= share:
         return preferred
@@ -109,5 +109,5 @@ def _passes(scored: LawScores, choice: Choice) -> float:
 
 
 def _sizing(loader: Loader) -> dict[str, Deviation]:
-    """The deviations that make a case."""
+    """Deviations with a case of their own."""
     return {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size >= SIZED}

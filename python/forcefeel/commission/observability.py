@@ -1,13 +1,12 @@
-"""Which parameters of a loader a set of records sees, before anything is fitted.
+"""Observable parameters of a loader by a set of records, before any fit.
 
 ``s_j`` derivative of all samples by parameter j, in shares of its value, over 1 % of each channel's r.m.s. (points,)
 
-Parameters are taken one after the other, what a law needs most first. One is fitted if what of ``s_j`` no parameter before it
-can do too, ``r_j = s_j - S (S^+ s_j)``, would tell it: white noise of 1 % leaves a standard error of ``1 / |r_j|``. Where ``s_j``
-is large and ``r_j`` is not, its share in the data is another's: with the value of the file, the other one's estimate makes the
-same machine.
+Parameters are taken in order of importance to a law. One is fitted if the part of ``s_j`` independent of the earlier ones,
+``r_j = s_j - S (S^+ s_j)``, determines it: white noise of 1 % gives a standard error of ``1 / |r_j|``. If ``s_j`` is large and
+``r_j`` is not, its effect is equivalent to that of others: with its file value, their estimates describe the same machine.
 
-Friction is seen where a motion turns round alone: one way it is a constant force, as an offset or another parameter makes it.
+Friction is observable only if the motion reverses: in one direction it is a constant force, like an offset.
 """
 
 from collections.abc import Sequence
@@ -31,10 +30,10 @@ from forcefeel.loader.parameters import ELECTRIC
 DRY, BREAKAWAY = "column.coulomb_friction", "column.static_friction"
 
 _LAST = ("actuator.area", "actuator.bulk_modulus", "column.base_arm", "column.grip_arm")
-"""Rows whose share in the data others carry where they can: measured by tape, or by the maker."""
+"""Rows known by measurement or data sheet, fitted last."""
 
 _MOTOR_FRICTION = ("motor.coulomb_friction", "motor.viscous_friction", "motor.cogging_torque")
-"""Of a motor, fitted where the file states them."""
+"""Frictions of a motor, fitted if the file states them."""
 
 _LEAST_SEEN = 4.0
 """|r_j|: 95 % of an estimate's errors within half of its value, beyond which an identification gives no number."""
@@ -54,13 +53,13 @@ _BREAKAWAY_SHARE = 1.2
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What records see.
+class Observability:
+    """Parameters by observability.
 
     Attributes:
         fitted: Rows to be fitted.
-        carried: Rows whose share in the data the fitted ones carry.
-        unseen: Rows that hardly show.
+        carried: Rows with an effect equivalent to that of the fitted ones.
+        unseen: Rows with hardly any effect.
     """
 
     fitted: tuple[str, ...]
@@ -69,11 +68,10 @@ class Seen:
 
 
 def with_friction(loader: Loader) -> Loader:
-    """The loader with a dry friction to begin from; tolerances that only bound a search are left out.
+    """The loader with a start value of dry friction, without tolerances that only bound a search.
 
-    A search ends at a small friction from a large one: from a small one it sees no column break away. Only a file that knows its
-    friction, by a normal tolerance, says where to begin. A parameter's estimate carries the share of others that cannot be told
-    from it, and may so lie beyond its own tolerance.
+    A search converges to a small friction from a large one, but not the reverse. A file with a normal tolerance of friction defines
+    the start. An estimate includes the effect of inseparable parameters, and may exceed its own tolerance.
     """
     bounds = [key for key, tolerance in loader.tolerances.items() if tolerance.deviation is None]
     bare = loader.with_tolerances(dict.fromkeys(bounds))
@@ -85,7 +83,7 @@ def with_friction(loader: Loader) -> Loader:
 
 
 def candidates(loader: Loader) -> tuple[str, ...]:
-    """What may be fitted of a loader with friction, what a law needs most first."""
+    """Candidate parameters of a loader with friction, in order of importance to a law."""
     elsewhere = ("load_cell", "potentiometer", DRY, BREAKAWAY)
     plant = [key for key in deviations_of(loader) if loader[key] and not key.startswith(elsewhere)]
     more = [key for key in _MOTOR_FRICTION if loader.drive == ELECTRIC and loader[key]]
@@ -95,8 +93,8 @@ def candidates(loader: Loader) -> tuple[str, ...]:
 
 def seen_by(
     loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: Law | None = None
-) -> Seen:
-    """Sorts parameters by what the data see of them at the file's values, the bench under a law."""
+) -> Observability:
+    """Sort parameters by observability at the file's values."""
     slopes = sensitivities(loader, data, keys, law)
     one_way = not any(turns_round(measurement) for measurement in data if isinstance(measurement, BenchRecord))
     sorted_keys: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
@@ -114,11 +112,11 @@ def seen_by(
             basis.append(residual / norm)
         else:
             sorted_keys["carried"].append(key)
-    return Seen(*(tuple(sorted_keys[name]) for name in ("fitted", "carried", "unseen")))
+    return Observability(*(tuple(sorted_keys[name]) for name in ("fitted", "carried", "unseen")))
 
 
 def turns_round(record: BenchRecord) -> bool:
-    """Whether what moves in a record goes both ways, or the record does not show it."""
+    """Whether the motion in a record reverses, or is not recorded."""
     displacements = [record.channels[name] for name in _DISPLACEMENTS if name in record.channels]
     return not displacements or any(
         _less_way(displacement) > _WAY_BACK * np.ptp(displacement) for displacement in displacements
@@ -126,7 +124,7 @@ def turns_round(record: BenchRecord) -> bool:
 
 
 def _less_way(x: NDArray[np.float64]) -> float:
-    """The longest way up or the longest way down, whichever is less."""
+    """The lesser of the longest rise and the longest fall."""
     up, down = (np.max(sign * x - np.minimum.accumulate(sign * x)) for sign in (1, -1))
     return float(min(up, down))
 
@@ -134,7 +132,7 @@ def _less_way(x: NDArray[np.float64]) -> float:
 def sensitivities(
     loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: Law | None = None
 ) -> NDArray[np.float64]:
-    """Derivative of all points by each parameter in shares of its value, over 1 % of what each should be, (keys, points)."""
+    """Derivative of all points by each parameter in shares of its value, over 1 % of the expected size, (keys, points)."""
     values = np.array([loader[key] for key in keys])
     rows = []
     for measurement in data:

@@ -1,4 +1,4 @@
-"""What is asked of a commissioning."""
+"""Plan of a commissioning."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,25 +11,25 @@ from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.units import UnitSystem, show
 
 SHARE = 0.95
-"""Share of the settings that a law is to render where nothing else is asked for."""
+"""Default required share of the settings."""
 
 
 @dataclass(frozen=True)
 class CommissionPlan:
-    """How a loader is set up.
+    """Plan of a commissioning.
 
     Attributes:
-        share: Share of the settings, spaced in proportion, that the law is to render: of the identified loader, and on average of
-            machines drawn from all of its tolerances at once.
-        fit: What to identify, rows or symbols; whatever the data determine if there are none.
-        starts: Places at which the identification's search begins.
-        rule: Edition of the rule whose tests are made.
-        grid: Settings that are tried, as ``find_envelope`` takes them.
-        draws: Machines drawn from all tolerances at once.
-        own_instruments: Whether the records come from the bench's own fast instruments, and not through the loader's sensors, whose
-            lag is then taken out of them.
-        units: Of every page.
-        threads: How many; all cores if not given.
+        share: Required share of the settings, spaced in proportion: for the identified loader, and on average of machines with
+            joint tolerances.
+        fit: Rows or symbols to identify; default, all that the data determine.
+        starts: Number of starts of the identification.
+        rule: Edition of the rule of the tests.
+        grid: Settings, as for ``find_envelope``.
+        draws: Number of machines with joint tolerances.
+        own_instruments: Whether the records come from the bench's own fast instruments; otherwise the lag of the loader's sensors
+            is removed.
+        units: Units of the pages.
+        threads: Number of threads; default, all cores.
 
     Raises:
         InputError: If a number is out of its range.

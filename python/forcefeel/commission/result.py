@@ -1,4 +1,4 @@
-"""What a commissioning came to, step by step; each step's outcome goes to a file and comes back from it."""
+"""Results of a commissioning by step; each is stored in a file and read back."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from forcefeel.loader.loader import Loader
 
 IDENTIFIED, CARRIED, UNSEEN = "identified", "within the others", "not seen"
 AT_END, NOTHING = "at the end of its range", "none"
-"""What became of a parameter."""
+"""Status of a parameter."""
 
 
 @dataclass(frozen=True)
@@ -18,12 +18,12 @@ class IdentifiedParameter:
 
     Attributes:
         key: Its row.
-        before: What the file says, SI units.
-        value: What holds from here on.
-        error: Standard error as a share of the value; 0 where it is not identified.
-        state: ``IDENTIFIED``; ``CARRIED`` of one whose share in the data the identified ones carry; ``AT_END`` of one whose value
-            in the file is the last that its row allows, and that the data would have there or beyond; ``NOTHING`` of a friction
-            that is within its errors of none; ``UNSEEN`` of one that keeps the file's value and tolerance.
+        before: Value of the file, SI units.
+        value: Value used from here on.
+        error: Standard error as a share of the value; 0 if not identified.
+        state: ``IDENTIFIED``; ``CARRIED``, equivalent to identified ones; ``AT_END``, at the end of its range
+            in the file and in the data; ``NOTHING``, a friction of zero within its errors; ``UNSEEN``, with the file's value and
+            tolerance.
     """
 
     key: str
@@ -58,17 +58,17 @@ class Curve:
 
 @dataclass(frozen=True)
 class Identified:
-    """What the data determine.
+    """Result of the identification.
 
     Attributes:
-        good: Whether a loader file was written that a law may be designed for.
-        verdict: In a sentence.
-        findings: More.
+        good: Whether a loader file was written, for the design of a law.
+        verdict: Verdict in a sentence.
+        findings: Further findings.
         parameters: Each parameter of the plant.
-        wanting: What is needed and not determined or not stated, a sentence each; empty if nothing.
-        advice: The next experiment, a sentence each.
-        noticed: What else the records show, a sentence each: nothing that forbids a law.
-        curve: The data beside the identified model; ``None`` if there is no model.
+        wanting: Missing information, a sentence each.
+        advice: Further experiments, a sentence each.
+        noticed: Remarks without consequence for the law, a sentence each.
+        curve: The data with the identified model; ``None`` without a model.
     """
 
     good: bool
@@ -86,9 +86,9 @@ class LawChosen:
     """The law.
 
     Attributes:
-        name: Which design; empty if none is eligible.
-        verdict: Why, in a sentence.
-        findings: Why not the others.
+        name: The design; empty if no law is eligible.
+        verdict: Reason of the choice, in a sentence.
+        findings: Reasons against the others.
     """
 
     name: str
@@ -98,10 +98,10 @@ class LawChosen:
 
 @dataclass(frozen=True)
 class WhatIf:
-    """What another machine would render, under the law of the same design made for it.
+    """Share rendered by a changed machine, under its own law of the same design.
 
     Attributes:
-        change: What is otherwise.
+        change: The change.
         passes: Share of the settings, spaced in proportion, nominal.
     """
 
@@ -131,14 +131,14 @@ class Checked:
     """The law in the envelope.
 
     Attributes:
-        settings: How many settings.
+        settings: Number of settings.
         passes: Share of them, spaced in proportion, that the identified loader renders.
         every_case: The same in every case: each parameter at its tolerance's ends, each arm.
-        machines: How many machines were drawn from all tolerances at once.
-        drawn: Share of the settings that one of them renders, on average.
-        drawn_least: That of the worst of them.
-        findings: What fails, and in which case.
-        what_ifs: What would render more, what asks least of the machine first; empty where the asked share is reached.
+        machines: Number of machines with joint tolerances.
+        drawn: Mean share of the settings that they render.
+        drawn_least: Share of the worst of them.
+        findings: Failures by case.
+        what_ifs: Changes that would render more, the smallest first; empty if the required share is reached.
         outcomes: The map of the settings.
     """
 
@@ -158,12 +158,12 @@ class RuleTests:
     """The rule's tests.
 
     Attributes:
-        fulfilled: Whether all that the rule asks of a loader pass.
+        fulfilled: Whether all required tests pass.
         rule: The rule and its edition.
-        verdict: What they came to.
-        outcomes: Of each test by its name.
-        reasons: Why not, of a release and of a sweep.
-        findings: What else a reader must know.
+        verdict: Verdict in a sentence.
+        outcomes: Outcome of each test by name.
+        reasons: Reasons of failure, of a release and of a sweep.
+        findings: Further findings.
     """
 
     fulfilled: bool
@@ -176,19 +176,19 @@ class RuleTests:
 
 @dataclass(frozen=True, eq=False)
 class Commission:
-    """A loader that was set up, or how far it came.
+    """Result of a commissioning, complete or up to its last step.
 
     Attributes:
-        plan: What was asked.
-        before: The loader as its file has it.
-        identified: What the data determine.
-        loader: The loader as identified; ``None`` where the data do not do.
-        chosen: The law and why; ``None`` where no loader is.
-        law: The law itself, for the loader's own setting and those of the grid; ``None`` where none is eligible.
-        checked: What it renders; ``None`` where there is none.
-        tested: What the rule's tests came to.
-        folders: Folder of each step that was made, within the whole one.
-        resumed: Steps that an earlier run had done.
+        plan: The plan.
+        before: The loader of the file.
+        identified: Result of the identification.
+        loader: The identified loader; ``None`` if the data are insufficient.
+        chosen: The choice of the law; ``None`` without a loader.
+        law: The law, for the loader's own setting and those of the grid; ``None`` if no law is eligible.
+        checked: Result of the envelope; ``None`` without a law.
+        tested: Result of the rule's tests.
+        folders: Folder of each finished step, within the whole one.
+        resumed: Steps from an earlier run.
 
     Example:
         >>> import forcefeel as ff
@@ -211,11 +211,11 @@ class Commission:
 
     @property
     def reaches(self) -> bool:
-        """Whether the law renders the share that was asked for, nominally and with all tolerances at once."""
+        """Whether the law renders the required share, nominally and with joint tolerances."""
         return self.checked is not None and min(self.checked.passes, self.checked.drawn) >= self.plan.share
 
     @property
     def good(self) -> bool:
-        """Whether the law may be handed over: all that is needed is determined, it reaches the share and passes the tests."""
+        """Whether the law is accepted: the identification is complete, and the law reaches the share and passes the tests."""
         determined = self.identified.good and not self.identified.wanting
         return determined and self.reaches and self.tested is not None and self.tested.fulfilled

@@ -1,4 +1,4 @@
-"""Sets a loader up, step by step; each step's folder stays."""
+"""Commissioning of a loader step by step, with a folder for each step."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -32,12 +32,12 @@ from forcefeel.qualification.plan.result import Qualification
 from forcefeel.units import UnitSystem
 
 LOADER, LAW_FILE_NAME = "loader.toml", "law.json"
-"""Files of the first and the second step, from which the next ones begin."""
+"""Files of the first and second step, inputs of the next ones."""
 
 RECORD = "bench.csv"
 
 Progress = Callable[[str, str], None]
-"""Called with a step and what is being done in it."""
+"""Called with a step and its current task."""
 
 
 def _nothing(*_: object) -> None:
@@ -46,7 +46,7 @@ def _nothing(*_: object) -> None:
 
 @dataclass(frozen=True)
 class StepWriters:
-    """What is done with the result of each step, beside it the step's folder; by default nothing.
+    """Writers of the result of each step into its folder; default, none.
 
     Attributes:
         identification: The last fit.
@@ -78,27 +78,25 @@ def commission_loader(  # noqa: PLR0913  what the command takes
     progress: Progress = lambda step, what: None,
     writers: StepWriters | None = None,
 ) -> Commission:
-    """Sets a loader up: identifies it, chooses the law for what is known of it, checks that and makes the tests of the rule.
+    """Commission a loader: identify it, choose a law, compute its envelope and run the tests of the rule.
 
-    Each step has a folder within ``out``, with the file that the next step begins from. Called again with the same, it takes up
-    where it was.
+    Each step has a folder within ``out``, with the input file of the next step. Run again with the same inputs to resume.
 
     Args:
-        loader: The loader as its file has it.
-        data: Records and responses of its bench; none where ``bench`` is given.
-        out: The folder; made if it is not there.
-        plan: What is asked.
-        bench: A machine that is simulated in place of a bench.
-        bench_time: How long, how fast and with which noise it is recorded.
-        progress: Told what is being done.
-        writers: What writes the results of the steps, such as their pages.
+        loader: The loader of the file.
+        data: Records and responses of its bench; empty with ``bench``.
+        out: The folder; created if missing.
+        plan: The plan.
+        bench: A machine to simulate in place of a bench.
+        bench_time: Length, rate and seed of its record.
+        progress: Called with the current task.
+        writers: Writers of the results, such as pages.
 
     Returns:
-        What each step came to; ``good`` where the law may be handed over. ``write_commission`` writes the page, the loader file and
-        the law.
+        The result of each step; ``good`` if the law is accepted. ``write_commission`` writes the page, the loader file and the law.
 
     Raises:
-        InputError: If the data are not of this loader or not what they are said to be, or there are none.
+        InputError: If the data are missing, not of this loader, or contradict their labels.
 
     Example:
         >>> import forcefeel as ff

@@ -1,4 +1,4 @@
-"""What the lag of the loader's sensors took from a record, given back.
+"""Removal of the lag of the loader's sensors from a record.
 
 A sensor of bandwidth w shows f of what is, x:  ``f' = w (x - f)``,  so  ``x = f + f' / w``.
 
@@ -24,15 +24,15 @@ SENSOR_OF = {
     "load_cell_force": "load_cell",
     GRIP_FORCE: GRIP_SENSOR,
 }
-"""Which of the loader's sensors measures a channel; the other channels are of the bench's own instruments."""
+"""Sensor of the loader by channel; other channels are of the bench's own instruments."""
 
 _SLOWEST = 0.1
-"""Bandwidth of a sensor in the rate of its record, below which noise would grow more than it is worth: what is left of the lag is
-then the bench's."""
+"""Least bandwidth of the inverse filter relative to the rate of the record, to limit the noise; the remaining lag is attributed
+to the bench."""
 
 
 def without_lag(record: BenchRecord, loader: Loader) -> BenchRecord:
-    """The record as it was before the sensors' lags; a release, whose time of letting go is fitted, stays as it is."""
+    """The record without the sensors' lags; a release, with its fitted time, is unchanged."""
     if record.experiment.drive is Drive.RELEASE:
         return record
     channels = dict(record.channels)

@@ -1,4 +1,4 @@
-"""Records of a simulated machine, as a bench would make them of a real one: ``--simulate-bench TRUTH.toml``."""
+"""Records of a simulated machine in place of a bench: ``--simulate-bench TRUTH.toml``."""
 
 import io
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
         ELECTRIC: ("column_angle", "drive_position", "load_cell_force", "motor_current"),
     }
 )
-"""What is recorded, by drive: what the laws' sensors measure, and what the drive's amplifier and manifold show."""
+"""Recorded channels by drive: those of the laws' sensors, of the amplifier and of the manifold."""
 
 _FIT = MappingProxyType(
     {
@@ -45,7 +45,7 @@ _FIT = MappingProxyType(
         ELECTRIC: ("motor.torque_constant", "motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia"),
     }
 )
-"""What the signal is designed for; the rest shows in it too."""
+"""Parameters of the design of the signal; it reveals the others too."""
 
 _EXPERIMENT = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
 
@@ -53,7 +53,7 @@ _INSTRUMENT = 0.003
 """Noise of the bench's own instruments, pressure and current, in the channel's r.m.s."""
 
 _FINER = 8
-"""Pieces of the time between two samples in which a sensor's lag is followed."""
+"""Substeps of a sample for a sensor's lag."""
 
 _TO_HZ = 60.0
 """Highest line: the link's resonance and the valve's lag lie below."""
@@ -61,7 +61,7 @@ _TO_HZ = 60.0
 
 @dataclass(frozen=True)
 class BenchTime:
-    """How long a simulated bench records, and how.
+    """Length, rate and seed of a simulated record.
 
     Attributes:
         time_s: Length of the record.
@@ -75,7 +75,7 @@ class BenchTime:
 
 
 def bench_signal(loader: Loader, bench_time: BenchTime) -> Excitation:
-    """The signal for the bench of a loader as its file has it, within the limits of its drive.
+    """The bench signal for the loader of a file, within the limits of its drive.
 
     Raises:
         InputError: If the time is too short.
@@ -87,7 +87,7 @@ def bench_signal(loader: Loader, bench_time: BenchTime) -> Excitation:
 
 
 def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | None = None) -> list[BenchRecord]:
-    """What a bench records of a machine under the signal that is designed for its loader file.
+    """Simulate the record of a machine under the signal designed for its loader file.
 
     The signal knows the file alone, the record the machine: its sensors' lag, noise and steps;
     pressure and current with 0.3 % of noise.
@@ -120,8 +120,8 @@ def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | Non
     blank = dict.fromkeys(MEASURED[loader.drive], np.zeros_like(signal.signal))
     drive = {str(experiment.drive): signal.signal}
     asked_of = BenchRecord("bench", experiment, signal.time_s, {**drive, **blank})
-    # The law on the bench is that of the file: nobody knows a better one yet.
-    # No law uses a sensor at the grip that is yet to be tried.
+    # The law on the bench is that of the file, the only one known at this point.
+    # No law uses a sensor at the grip before its identification.
     law = Law.of(None, without_grip_sensor(loader)) if loader.drive == ELECTRIC else None
     run = RecordRun(asked_of, machine := without_grip_sensor(truth), law)
     exact = dict(zip(run.channels, run.at(machine.si_values, ()).value, strict=True))
@@ -141,7 +141,7 @@ def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | Non
 def _shown(
     truth: Loader, channel: str, values: NDArray[np.float64], rate_hz: float, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """What a sensor shows of a channel: behind its lag, with noise and in steps."""
+    """Reading of a sensor: with lag, noise and resolution."""
     normal = random.standard_normal(len(values))
     if channel not in SENSOR_OF:
         return values + _INSTRUMENT * float(values.std()) * normal

@@ -1,4 +1,4 @@
-"""The steps, their folders, and which of them an interrupted run had done: ``steps.json``.
+"""Steps, their folders, and the finished steps of an interrupted run: ``steps.json``.
 
 A step is done if what it was made from is what it would be made from now, by the SHA-256 of both, and all files that it wrote are
 there as it wrote them. Its outcome is then read, and not computed again.
@@ -17,12 +17,12 @@ from pydantic import TypeAdapter, ValidationError
 from forcefeel.files import write_whole
 
 BENCH, IDENTIFICATION, LAW, ENVELOPE, TESTS = "0-bench", "1-identification", "2-law", "3-envelope", "4-tests"
-"""Folder of each step; the first where a machine is simulated."""
+"""Folder of each step; the first with a simulated machine."""
 
 STEPS = (IDENTIFICATION, LAW, ENVELOPE, TESTS)
 
 STATE = "steps.json"
-"""Which steps are done."""
+"""File of the finished steps."""
 
 Outcome = TypeVar("Outcome")
 
@@ -49,7 +49,7 @@ class State:
 
     @classmethod
     def of(cls, out: Path) -> "State":
-        """The state that a folder holds; none where the file is not there or is none."""
+        """The state of a folder; empty without a valid file."""
         try:
             read = json.loads((out / STATE).read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -57,7 +57,7 @@ class State:
         return cls(out, read if isinstance(read, dict) else {})
 
     def step(self, name: str, inputs: str, kind: type[Outcome], make: Callable[[Path], Outcome]) -> Outcome:
-        """The outcome of a step: that of an earlier run where it is whole, else made now and noted.
+        """The outcome of a step, from a complete earlier run or made now and stored.
 
         Args:
             name: The step, and its folder.
@@ -76,7 +76,7 @@ class State:
                 self.resumed.append(name)
                 return outcome
         outcome = make(self.out / name)
-        self.done = {key: entry for key, entry in self.done.items() if key < name}  # what follows was made from another
+        self.done = {key: entry for key, entry in self.done.items() if key < name}  # later steps are outdated
         dumped = adapter.dump_python(outcome, mode="json")
         self.done[name] = {"inputs": inputs, "files": self._files(name), "outcome": dumped}
         write_whole(self.out / STATE, json.dumps(self.done, indent=1) + "\n")

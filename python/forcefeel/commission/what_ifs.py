@@ -1,4 +1,4 @@
-"""What would make a law render more: the machine with one thing changed, and a law made for that.
+"""Changes that would render more: the machine with a single change, and a law for it.
 
 In the order of what a change asks of the machine: something measured better, a part of the electronics exchanged, a part of the
 mechanics, a part added that moves with the grip. Each is released over the settings to its end, nominal and hands off.
@@ -24,20 +24,20 @@ from forcefeel.loader.sensors import SENSORS, has_grip_sensor
 from forcefeel.loader.tolerances import Distribution, Tolerance
 
 _GAIN = 0.01
-"""Share from which on a change is worth a word."""
+"""Least gain in share of a reported change."""
 
 _EXACT = 1e-6
-"""Of a friction that is known exactly."""
+"""Tolerance of an exactly known friction."""
 
 _BITS = 23
-"""Of the finest encoder that is to be had."""
+"""Bits of a very fine encoder."""
 
 _GRIP_SHARE = 2e-4
 """Noise and steps of a force sensor at the grip, in the pilot's force: 0.02 lb of 100 lb."""
 
 
 def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tuple[WhatIf, ...]:
-    """What other machines would render with a law made for them, those that render more; what asks least first.
+    """Changed machines that would render more with their own law, the smallest change first.
 
     Args:
         loader: The machine, with the tolerance of its friction, which the law learns within.
@@ -58,7 +58,7 @@ def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tup
 
 
 def _others(loader: Loader, name: str) -> Iterator[tuple[str, str, Loader]]:
-    """What is changed, the law, and the machine."""
+    """The change, the law and the machine."""
     # The law follows how well the rest is known.
     reduced = _without_tolerances(loader, {BREAKAWAY})
     if reduced[DRY]:
@@ -103,7 +103,7 @@ def _electronics(loader: Loader) -> dict[str, dict[str, float | None]]:
 
 
 def _rubbing(loader: Loader, share: float) -> Loader:
-    """The machine with a share of its dry friction, which is known to the same share of itself."""
+    """The machine with a share of its dry friction, of the same relative tolerance."""
     tolerance = loader.tolerances.get(DRY)
     bare = _without_tolerances(loader, {DRY, BREAKAWAY})
     if not share:

@@ -1,4 +1,4 @@
-"""A sweep for machines: its summary as plain data, every number with its unit."""
+"""A sweep as plain data for JSON: its summary, with units."""
 
 from importlib.metadata import version
 from math import isfinite
@@ -16,7 +16,7 @@ from forcefeel.units import UnitSystem
 
 
 def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict[str, Json]:
-    """What the runs say together, and of which sweep."""
+    """Summary of the runs, and the plan of the sweep."""
     sweep = result.sweep
     return {
         "forcefeel": version("forcefeel"),
@@ -51,14 +51,14 @@ def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict
 
 
 def whose_law(sweep: Sweep) -> str:
-    """Which machines have the same law."""
+    """Assignment of laws to machines."""
     if sweep.redesigned:
         return "designed anew for each setting of the feel"
     return "by each machine's own parameters" if sweep.nominal_law.numbers is None else "one for all machines"
 
 
 def _without_unknown(share: Json) -> Json:
-    """Without the interval where the runs are no random sample."""
+    """The share without the interval if the runs are no random sample."""
     if not isinstance(share, dict):
         return share
     return {
@@ -85,7 +85,7 @@ def _spread(spread: Spread, units: UnitSystem) -> dict[str, Json]:
 
 
 def _correlations(summary: Summary) -> dict[str, Json]:
-    """Each measure's, where it has any."""
+    """Correlations of each measure that has any."""
     table = summary.correlations
     return {
         str(name): {

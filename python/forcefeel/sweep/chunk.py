@@ -1,4 +1,4 @@
-"""A piece of a sweep, computed: the same numbers wherever that happens."""
+"""Computation of a chunk of a sweep, with the same numbers on any machine."""
 
 from collections.abc import Iterable, Sequence
 
@@ -21,7 +21,7 @@ def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np
         threads: How many threads; all cores if not given.
 
     Returns:
-        A row for each run, in the order of ``outcome.measures_of`` the drive; not numbers for a machine that cannot be.
+        A row for each run, in the order of ``outcome.measures_of`` the drive; not numbers for an impossible machine.
     """
     data = histories(sweep, runs, (), threads)
     measures = measures_of(sweep.loader.drive)
@@ -40,13 +40,13 @@ def nominal(sweep: Sweep) -> NDArray[np.float64]:
 def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | None = None) -> xr.Dataset:
     """Some runs of a sweep with the histories of some outputs, as ``simulate_batch`` gives them.
 
-    Machines that cannot be are left out.
+    Impossible machines are omitted.
     """
     values = sweep.values(runs)
     failed = np.zeros(len(runs), dtype=bool)
     for which in impossible(values).values():
         failed |= which
-    # Something must run in their place, so that the noise of the others stays theirs.
+    # Other machines run in their place, so that the noise of each run stays the same.
     values[failed] = sweep.loader.si_values
     law = sweep.law_of(values)
     data = simulate_batch(sweep.loader, sweep.scenario, values, law, keep=keep, first_run=runs.start, threads=threads)

@@ -1,4 +1,4 @@
-"""The chunks of a sweep on a Dask cluster. Chunks are told by their index, so that none counts twice whoever computes it."""
+"""The chunks of a sweep on a Dask cluster. Each chunk has an index, so that none counts twice."""
 
 import asyncio
 import contextlib
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 CONNECT_S = 5.0
-"""How long a scheduler, and then its first worker, may take to answer."""
+"""Timeout of the scheduler, and then of its first worker, s."""
 
 ALONE_S = 30.0
-"""How long a scheduler may be without any worker."""
+"""Timeout of a scheduler without workers, s."""
 
 _POLL_S, _LOOK_S = 0.05, 2.0
 
 
 def compute(sweep: Sweep, chunks: Sequence[int], address: str) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Computes chunks on a cluster, each on one thread of a worker; what a worker had that dies is given to another.
+    """Compute chunks on a cluster, each on one thread of a worker; those of a lost worker go to another.
 
     Args:
         sweep: The sweep.
@@ -40,8 +40,8 @@ def compute(sweep: Sweep, chunks: Sequence[int], address: str) -> Iterator[tuple
         Index and measures of each chunk as it is done.
 
     Raises:
-        InputError: If Dask is not installed, the scheduler cannot be reached or is lost, it has no workers, or a worker has no
-            forcefeel or one that gives other numbers.
+        InputError: If Dask is not installed, the scheduler cannot be reached or is lost, it has no workers, or a worker lacks
+            forcefeel or computes other numbers.
     """
     with _client(address) as client:
         expected, name = nominal(sweep), uuid.uuid4().hex
@@ -103,14 +103,14 @@ def _client(address: str) -> "Iterator[Client]":
 
 
 def _check_workers(client: "Client", address: str) -> None:
-    """Refuses a cluster without workers, or with one that has another forcefeel or none."""
+    """Refuse a cluster without workers, or with a worker that has another forcefeel or none."""
     try:
         client.wait_for_workers(1, timeout=CONNECT_S)
     except TimeoutError as error:
         raise InputError(
-            f"--scheduler: {address} has no workers; start some on the machines that are to compute: dask worker {address}"
+            f"--scheduler: {address} has no workers; start some on the computing machines: dask worker {address}"
         ) from error
-    # Asked by a function of the standard library: one of this package would end a worker that has it not.
+    # A function of the standard library: one of this package would stop a worker without it.
     for worker, worker_version in client.run(version, "forcefeel", on_error="return").items():
         if isinstance(worker_version, PackageNotFoundError):
             raise InputError(f"--scheduler: the worker {worker} has no forcefeel; install {version('forcefeel')} there")
@@ -169,7 +169,7 @@ def _result(future: "Future", address: str) -> NDArray[np.float64]:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what Dask logs of connections: it is said in a line where it matters."""
+    """Silence Dask's logs of connections; errors report them."""
     logger = logging.getLogger("distributed.client")
     before = logger.level
     logger.setLevel(logging.CRITICAL)

@@ -1,4 +1,4 @@
-"""What to conclude from a sweep, in words."""
+"""Conclusions of a sweep."""
 
 from math import isfinite
 
@@ -14,30 +14,30 @@ from forcefeel.sweep.summary import Spread, Summary, measure_name
 from forcefeel.units import Unit, UnitSystem, to_text
 
 _DEMAND = 2
-"""Measures of the motion that the findings go through."""
+"""Measures of the motion in the findings."""
 
 _LISTED = 3
-"""Parameters that a sentence names."""
+"""Number of named parameters in a sentence."""
 
 _WEAK = 0.1
-"""Rank correlation that a sentence leaves out: the parameter accounts for a hundredth of the spread."""
+"""Rank correlation that is not mentioned: the parameter accounts for a hundredth of the spread."""
 
 _WHY_NONE = {
     "overshoot": "the column ends where it began, meets a stop, or the run ends before the overshoot is known",
     "period_s": "the column does not swing for a whole period, or meets a stop",
     "settling_time_s": "the column still moves in the end",
 }
-"""Why a run that did not diverge may be without a measure."""
+"""Reasons why a run that did not diverge has no measure."""
 
 _NOTHING = 1e-9
-"""What a measure in SI units is less than if it is zero but for rounding."""
+"""Largest measure in SI units that counts as zero."""
 
 _FEW = 1e-6
-"""Spread, as a share of the value, that is none."""
+"""Spread, as a share of the value, that counts as zero."""
 
 
 def main_measures(result: SweepResult, summary: Summary) -> tuple[str, ...]:
-    """The measures that mean something under the sweep's input and differ between its runs, the most telling first."""
+    """The relevant measures under the sweep's input that differ between its runs, the most important first."""
     force = result.sweep.scenario.force
     if goes_to_a_place(force):
         motion: tuple[str, ...] = ("overshoot", "final_angle_rad", "settling_time_s", "period_s")
@@ -72,12 +72,12 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
 
 
 def value_with_unit(measured_in: Unit, value: float, units: UnitSystem) -> str:
-    """A measure's SI value as people read it."""
+    """A measure's SI value with its display unit."""
     return f"{number_of(measured_in, value, units)} {measured_in.shown(units)}".rstrip()
 
 
 def number_of(measured_in: Unit, value: float, units: UnitSystem) -> str:
-    """A measure's SI value in the unit that people read, a dash where there is none; rounding errors are zero."""
+    """A measure's SI value in its display unit, a dash without a value; rounding errors are zero."""
     if not isfinite(value):
         return "–"
     number = measured_in.from_si(value, units) if abs(value) > _NOTHING else 0.0
@@ -130,7 +130,7 @@ class _Words:
         return f"{sentence}, {share_text(diverged.share)} diverge" if diverged.runs else sentence
 
     def ended(self) -> str:
-        """How many moved on or diverged, and how sure that is."""
+        """Shares of moving and diverged runs, with confidence."""
         total, time = self._result.sweep.total, to_text(self._result.sweep.scenario.duration_s)
         sentences = []
         moving, diverged = (self._summary.share(str(status)) for status in (RunStatus.MOVING, RunStatus.DIVERGED))
@@ -153,7 +153,7 @@ class _Words:
         return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % sure)"
 
     def spread(self, name: str) -> str:
-        """How a measure is spread, and what makes it differ."""
+        """Spread of a measure and its main influences."""
         spread = self._summary.spreads[name]
         nominal = value_with_unit(spread.unit, spread.nominal, self._units) if isfinite(spread.nominal) else "none"
         middle = self._range(name, spread.quantile(0.05), spread.quantile(0.95))
@@ -165,13 +165,13 @@ class _Words:
         return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
     def _none(self, name: str) -> str:
-        """How many runs that did not diverge have no such measure, and why."""
+        """Number of runs that did not diverge without this measure, and the reason."""
         ended = sum(self._summary.share(str(status)).runs for status in (RunStatus.SETTLED, RunStatus.MOVING))
         none = ended - self._summary.spreads[name].runs
         return f" {none:,} have none: {_WHY_NONE[name]}." if none and name in _WHY_NONE else ""
 
     def extremes(self, name: str) -> str:
-        """Where on the grid a measure is smallest and largest."""
+        """Settings with the smallest and the largest measure."""
         over = self._result.map(name)
         if not np.isfinite(over.values).any():
             return ""
@@ -189,7 +189,7 @@ class _Words:
         return f"{capital(measure_name(name))}{statistic}: {', '.join(places)}."
 
     def demand(self) -> str:
-        """How far the drive is used at most."""
+        """Largest use of the drive."""
         loader = self._result.sweep.loader
         parts = [
             f"{to_text(100 * spread.highest / loader[row.whole], 3)} % of {row.whole_name}"
@@ -200,12 +200,12 @@ class _Words:
         return f"At most {used} used; the ratings are the nominal ones." if parts else ""
 
     def impossible(self) -> str:
-        """Which machines cannot be."""
+        """Impossible machines."""
         if not self._summary.share(IMPOSSIBLE).runs:
             return ""
         reasons = ", ".join(f"in {count:,} {sentence}" for sentence, count in self._result.reasons.items())
         count = self._summary.share(IMPOSSIBLE).runs
-        return f"{count:,} {self._noun} cannot be, and were not run: {reasons}. Bounds that do not overlap avoid it."
+        return f"{count:,} {self._noun} are impossible and were not run: {reasons}. To avoid this, use bounds that do not overlap."
 
     def _range(self, name: str, low: float, high: float) -> str:
         measured_in = self._summary.spreads[name].unit

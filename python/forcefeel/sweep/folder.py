@@ -1,4 +1,4 @@
-"""A sweep's folder: ``plan.json`` first, then each finished chunk, whole; at the end ``runs.nc``, and the chunks go."""
+"""A sweep's folder: ``plan.json`` first, then each finished chunk; at the end ``runs.nc`` in place of the chunks."""
 
 import contextlib
 import io
@@ -26,7 +26,7 @@ PLAN, CHUNKS, RUNS = "plan.json", "chunks", "runs.nc"
 """Names in the folder."""
 
 REPORT = ("sweep.html", "summary.json", "envelope.csv")
-"""What the report adds to it."""
+"""Files of the report."""
 
 _OWN = re.compile(r"\.?\d{5,}\.npy(\.\w{8})?")
 """Name of a chunk, or of one that was being written when a run was killed."""
@@ -43,8 +43,8 @@ class Folder:
     """The folder of one sweep.
 
     Attributes:
-        path: Where.
-        sweep: The sweep that it holds, or will.
+        path: Its path.
+        sweep: Its sweep.
     """
 
     path: Path
@@ -52,19 +52,19 @@ class Folder:
 
     @cached_property
     def plan(self) -> dict[str, Any]:
-        """What ``plan.json`` holds of this sweep."""
+        """Contents of ``plan.json`` for this sweep."""
         document = identity(self.sweep)
         return {"sweep": digest(document), **document}
 
     def open(self, *, resume: bool, replace: bool) -> None:
-        """Makes the folder ready for the sweep: new, or with what is finished of this very one.
+        """Prepare the folder for the sweep: new, or with the finished chunks of this sweep.
 
         Args:
-            resume: Go on with what is there.
-            replace: Begin anew: the sweep that is there goes.
+            resume: Continue with the stored chunks.
+            replace: Remove the stored sweep and begin anew.
 
         Raises:
-            InputError: If the folder cannot be made or written, or holds a sweep that is not to go on or another one.
+            InputError: If the folder cannot be made or written, or holds another sweep, or this one without ``resume``.
         """
         make_folder(self.path, "a folder for the sweep")
         for name in (PLAN, RUNS, *REPORT):
@@ -83,7 +83,7 @@ class Folder:
         (self.path / CHUNKS).mkdir(exist_ok=True)
 
     def _check(self, stored: Mapping[str, Any], *, resume: bool) -> None:
-        """Refuses a folder whose plan is another one, or this one if it is not to go on."""
+        """Refuse a folder with another plan, or with this plan without ``resume``."""
         if stored.get("sweep") != self.plan["sweep"]:
             changes = differences(stored, self.plan)
             more = f", and {len(changes) - _SHOWN} more" if len(changes) > _SHOWN else ""
@@ -98,7 +98,7 @@ class Folder:
             raise InputError(f"{self.path}: holds {contents}; --resume to {go_on}, --replace to begin anew")
 
     def _check_empty(self) -> None:
-        """Refuses a folder without a plan that holds files of the names that a sweep writes: they may be somebody's."""
+        """Refuse a folder without a plan but with files of the names of a sweep, which may be of other origin."""
         self._check_chunks()
         existing = [name for name in (RUNS, *REPORT) if (self.path / name).exists()]
         if existing:
@@ -108,7 +108,7 @@ class Folder:
             )
 
     def _stored_plan(self) -> dict[str, Any] | None:
-        """The plan in the folder; nothing if there is none."""
+        """The plan in the folder, or ``None``."""
         path = self.path / PLAN
         try:
             stored = json.loads(path.read_text(encoding="utf-8"))
@@ -121,21 +121,21 @@ class Folder:
         return stored
 
     def _clear(self) -> None:
-        """Removes a sweep but for its plan, which is what says that the chunks that are left are of a sweep."""
+        """Remove a sweep except its plan, which identifies the remaining chunks."""
         from forcefeel.page.script import SCRIPT  # noqa: PLC0415  Plotly
 
         self._check_chunks()
         try:
             for name in (RUNS, *REPORT):
                 (self.path / name).unlink(missing_ok=True)
-            if not any(self.path.glob("*.html")):  # other pages draw with it too
+            if not any(self.path.glob("*.html")):  # other pages use it too
                 (self.path / SCRIPT).unlink(missing_ok=True)
             self._drop_chunks()
         except OSError as error:
             raise InputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from error
 
     def _check_chunks(self) -> None:
-        """Refuses a folder of chunks that no sweep made: it is never removed."""
+        """Refuse a folder of chunks of other origin, which is never removed."""
         chunks = self.path / CHUNKS
         if not chunks.exists():
             return
@@ -151,7 +151,7 @@ class Folder:
         raise InputError(f"{chunks}: {why}; move it away, or name another folder")
 
     def _drop_chunks(self) -> None:
-        """Removes the chunks, and their folder if nothing else is in it."""
+        """Remove the chunks, and their folder if empty."""
         chunks = self.path / CHUNKS
         if not chunks.exists():
             return
@@ -169,13 +169,13 @@ class Folder:
         return tuple(measures_of(self.sweep.loader.drive))
 
     def keep(self, index: int, measured: NDArray[np.float64]) -> None:
-        """Writes a finished chunk, whole."""
+        """Write a finished chunk, whole."""
         data = io.BytesIO()
         np.save(data, measured)
         write_whole(self._chunk(index), data.getvalue())
 
     def kept(self) -> dict[int, NDArray[np.float64]]:
-        """The finished chunks by their index; one that is damaged is not finished."""
+        """The finished chunks by index, without damaged ones."""
         if self.finished:
             return self._all_kept()
         chunks = {}
@@ -189,7 +189,7 @@ class Folder:
         return chunks
 
     def _all_kept(self) -> dict[int, NDArray[np.float64]]:
-        """The chunks of a sweep that is done, from its results."""
+        """The chunks of a finished sweep, from its results."""
         folder = self.path / RUNS
         try:
             with xr.open_dataset(io.BytesIO(folder.read_bytes()), engine="scipy") as stored:
@@ -204,15 +204,15 @@ class Folder:
 
     @property
     def finished(self) -> bool:
-        """Whether the results of all runs are there."""
+        """Whether the results of all runs exist."""
         return (self.path / RUNS).exists()
 
     def kept_runs(self) -> int:
-        """How many runs are finished."""
+        """Number of finished runs."""
         return sum(map(len, self.kept().values()))
 
     def finish(self, runs: xr.Dataset) -> None:
-        """Writes the results; the chunks, which are all in them, go."""
+        """Write the results and remove the chunks."""
         write_whole(self.path / RUNS, bytes(runs.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT")))
-        with contextlib.suppress(OSError):  # the results are there
+        with contextlib.suppress(OSError):  # the results exist
             self._drop_chunks()

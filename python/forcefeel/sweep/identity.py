@@ -1,4 +1,4 @@
-"""What makes a sweep this sweep and no other, as plain data: ``plan.json``."""
+"""Identity of a sweep as plain data: ``plan.json``."""
 
 import hashlib
 import json
@@ -21,7 +21,7 @@ FORMAT = 3
 """Version of the plan and of the chunks beside it; a new one where either changes."""
 
 _NOMINAL, _DERIVED = "nominal.", ("sweep",)
-"""Where the plan holds what follows from the rest."""
+"""Section of the plan that follows from the rest."""
 
 _LONG = 64
 """Numbers of a row that is written out; a longer one is told by its hash."""
@@ -30,8 +30,8 @@ _LONG = 64
 def identity(sweep: Sweep) -> dict[str, Any]:
     """The sweep as plain data, every number in SI units and to the last bit.
 
-    ``nominal`` is what the engine gives for the nominal loader: another engine, or a processor on which it gives other
-    numbers, makes another sweep.
+    ``nominal`` is the result of the engine for the nominal loader: an engine or a processor with other numbers makes another
+    sweep.
     """
     loader = sweep.loader
     document = {
@@ -55,12 +55,12 @@ def identity(sweep: Sweep) -> dict[str, Any]:
 
 
 def digest(document: Mapping[str, Any]) -> str:
-    """A name for a plan that no other has."""
+    """Unique name of a plan."""
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def differences(stored: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """What of two plans differs: ``runs.total: 1000 there, 500 here``."""
+    """Differences of two plans: ``runs.total: 1000 there, 500 here``."""
     old_leaves, new_leaves = dict(_leaves(stored)), dict(_leaves(new))
     keys = [
         key
@@ -83,7 +83,7 @@ def _leaves(document: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _exact(value: Any) -> Any:
-    """``value`` as JSON can hold it, nothing lost."""
+    """``value`` as JSON without loss."""
     match value:
         case GainLaw():
             return gain_law_json(value)

@@ -1,4 +1,4 @@
-"""Which machines of a sweep can be: a loader's rows ask something of one another, and draws need not heed it."""
+"""Possible machines of a sweep: independent draws may violate relations between the rows of a loader."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,9 @@ _ROUNDING = 1e-9
 
 
 def impossible(values: NDArray[np.float64]) -> dict[str, NDArray[np.bool_]]:
-    """What is wrong with which machines: a sentence, and for each row of ``values`` (SI) whether it holds.
+    """Violated relations: a sentence, and for each row of ``values`` (SI) whether it applies.
 
-    The same relations that a loader file must keep: a lower stop below the upper one, static friction no smaller than
-    Coulomb's.
+    The relations of a loader file: a lower stop below the upper one, static friction no smaller than Coulomb's.
     """
     ruled_out: dict[str, NDArray[np.bool_]] = {}
     for low_key, high_key in BELOW:

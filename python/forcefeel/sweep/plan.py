@@ -1,4 +1,4 @@
-"""What is swept: a loader, a scenario, what varies and how often. From it alone follow the values of every run."""
+"""Plan of a sweep: loader, scenario, varied parameters and number of runs. It determines the values of every run."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,21 +26,21 @@ from forcefeel.sweep import text
 from forcefeel.units import show
 
 MOST_RUNS = 10_000_000
-"""Most runs of a sweep: their measures take a gigabyte and a half."""
+"""Largest number of runs: their measures take 1.5 GB."""
 
 MONTE_CARLO_RUNS = 10_000
-"""Runs of a sweep over tolerances that does not say how many: a share of 1 % is then known to a fifth of it."""
+"""Default number of runs over tolerances: a share of 1 % is then known to a fifth of it."""
 
 _CHUNK_STEPS = 30_000_000
 """Steps of the engine in a chunk, about a second of work for a core."""
 
 _CHUNKS, _LANES = 16, 16
-"""Pieces that even a short sweep has, so that it shows progress; runs side by side."""
+"""Least number of chunks, for progress; runs in parallel lanes."""
 
 _MOST_AXES = 2
 
 _GEOMETRY = ("linkage.ratio", "column.base_arm")
-"""From which the engine works out the torque that the load cell tells the feel, for gains that differ from run to run."""
+"""Rows that the engine needs for the torque input of the feel if gains differ between runs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Sweep:
 
     Attributes:
         loader: The nominal loader; its tolerances say how the machines differ.
-        scenario: What is done to each.
+        scenario: Scenario of each run.
         law: One law for all; not given, each has the original position loop of its own parameters. With
             ``DesignSettings`` the gains are designed anew for each setting I, B, G that the sweep gives the feel, by these
             settings and for the nominal machine: whatever else varies meets the law of its feel.
@@ -115,7 +115,7 @@ class Sweep:
         self._check_scenario()
 
     def _check_varied(self) -> None:
-        """Refuses a sweep in which nothing varies, and one that is too long."""
+        """Refuse a sweep without variation, or with too many runs."""
         if not self.varied and not self.axes:
             raise InputError(
                 f"nothing varies: {self.loader.name} has no tolerances; add a section [tolerances] to the loader file, or "
@@ -129,7 +129,7 @@ class Sweep:
             raise InputError(f"runs: expected {expected}; take fewer at each point")
 
     def _check_design(self) -> None:
-        """Refuses to design the law anew where it would come out the same, or not fit the machine's geometry."""
+        """Refuse redesign if the law would not change, or would not fit the machine's geometry."""
         if not isinstance(self.law, DesignSettings):
             return
         changed = {*self.axes, *self.varied}
@@ -144,7 +144,7 @@ class Sweep:
                 f"law: designed for each setting it takes {geometry[0]} from each machine, where the nominal one is meant; "
                 f"keep that as it is, such as --vary {geometry[0]}=none"
             )
-        self.law_of(self.loader.si_values[np.newaxis])  # a design that cannot be is refused now
+        self.law_of(self.loader.si_values[np.newaxis])  # an impossible design is refused now
 
     def _check_scenario(self) -> None:
         if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
@@ -154,7 +154,7 @@ class Sweep:
         object.__setattr__(self, "steps", len(Steps.of(self.scenario, self.loader).inputs))
 
     def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
-        # A law's file need not be where the pieces are computed.
+        # A law's file may be missing where the chunks are computed.
         law = self._one_law if isinstance(self.law, str | Path) else self.law
         arguments = (self.loader, self.scenario, law, self.runs, self.seed)
         return Sweep, (*arguments, dict(self.vary), dict(self.axes))
@@ -171,7 +171,7 @@ class Sweep:
 
     @cached_property
     def _one_law(self) -> Law:
-        """Of all machines: designed or read once, not for each piece."""
+        """The law of all machines, designed or read once."""
         return Law.of(self.law, self.loader)
 
     @property
@@ -186,7 +186,7 @@ class Sweep:
 
     @property
     def machines(self) -> int:
-        """Runs at each point of the grid, or in all where there is none."""
+        """Runs at each point of the grid, or all runs without a grid."""
         return 1 if not self.varied else self.runs or MONTE_CARLO_RUNS
 
     @property
@@ -201,13 +201,13 @@ class Sweep:
 
     @cached_property
     def chunks(self) -> tuple[range, ...]:
-        """The runs in pieces, which are computed and kept whole."""
+        """The runs in chunks, each computed and stored whole."""
         size = max(_LANES, min(_CHUNK_STEPS // self.steps, -(-self.total // _CHUNKS)))
         size = -(-size // _LANES) * _LANES
         return tuple(range(first, min(first + size, self.total)) for first in range(0, self.total, size))
 
     def drawn(self, runs: range) -> dict[str, NDArray[np.float64]]:
-        """The SI values of what varies, in some runs: of the grid's parameters, then of those with a tolerance."""
+        """The varied SI values in some runs: grid parameters, then those with a tolerance."""
         columns: dict[str, NDArray[np.float64]] = {}
         points = np.arange(runs.start, runs.stop) // self.machines
         for (key, values), places in zip(self.axes.items(), _unravel(points, self.shape), strict=True):
@@ -226,7 +226,7 @@ class Sweep:
         return rows
 
     def _of_machines(self, draw: Callable[[int, int], NDArray[np.float64]], runs: range) -> NDArray[np.float64]:
-        """What ``draw(first, count)`` gives for the machines of some runs: the same ones at each point."""
+        """The result of ``draw(first, count)`` for the machines of some runs, the same at each point."""
         if len(runs) >= self.machines:
             return draw(0, self.machines)[np.arange(runs.start, runs.stop) % self.machines]
         first = runs.start % self.machines
@@ -262,13 +262,13 @@ def _axis(key: str, spec: str | Sequence[float]) -> tuple[float, ...]:
 
 
 def _without_effect(loader: Loader, axes: Mapping[str, tuple[float, ...]]) -> list[str]:
-    """A line for each parameter of a grid that does nothing without another."""
+    """A line for each parameter of a grid without effect on its own."""
     values = {key: loader[key] for key in TABLE} | {key: axis[-1] for key, axis in axes.items()}
     return [f"grid: {line}" for key, line in without_effect(values).items() if key in axes]
 
 
 def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
-    """The loader's tolerances, changed as asked."""
+    """The loader's tolerances with the requested changes."""
     try:
         tolerances = {
             key: text.tolerance(key, tolerance) if isinstance(tolerance, str) else tolerance

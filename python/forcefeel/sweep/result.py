@@ -1,4 +1,4 @@
-"""What comes of a sweep: every run, and what they say together."""
+"""Result of a sweep: every run, and maps over the grid."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -18,13 +18,13 @@ from forcefeel.sweep.members import impossible
 from forcefeel.sweep.plan import Sweep
 
 IMPOSSIBLE = "impossible"
-"""Status of a run whose machine cannot be: its values do not go together."""
+"""Status of a run with an impossible machine: its values contradict each other."""
 
 STATUSES = (*map(str, RunStatus), IMPOSSIBLE)
-"""How a run of a sweep can end."""
+"""Possible ends of a run of a sweep."""
 
 ENVELOPE_RUNS = 400
-"""Runs whose histories make the band of the column's angle over time."""
+"""Number of runs in the band of the column's angle over time."""
 
 BANDS = {"lowest": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "highest": 1.0}
 """The edges of the band, as shares of the runs below."""
@@ -37,9 +37,9 @@ class SweepResult:
     """Every run of a sweep.
 
     Attributes:
-        sweep: What was swept.
-        runs: Over ``run``: the measures, ``status`` (settled, moving, diverged or impossible), and as coordinates the values of
-            what varied, by ``part.name``; SI units, named in ``units``.
+        sweep: The sweep.
+        runs: Over ``run``: the measures, ``status`` (settled, moving, diverged or impossible), and as coordinates the varied
+            values, by ``part.name``; SI units, named in ``units``.
 
     Example:
         >>> import forcefeel as ff
@@ -62,7 +62,7 @@ class SweepResult:
 
     @property
     def _counts(self) -> Iterator[tuple[str, int]]:
-        """How many runs ended how."""
+        """Number of runs by status."""
         return zip(*np.unique(self.runs["status"].values, return_counts=True), strict=True)
 
     @classmethod
@@ -70,7 +70,7 @@ class SweepResult:
         """The result from the measures of all runs, a row each."""
         measures = measures_of(sweep.loader.drive).items()
         data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(measures)}
-        failed = np.isnan(measured[:, -1])  # a run that took place diverged at some time, or at infinity
+        failed = np.isnan(measured[:, -1])  # a run with a time of divergence, perhaps infinite, took place
         status = np.where(failed, IMPOSSIBLE, statuses(measured))
         coordinates = {
             key: ("run", values, {"units": TABLE[key].unit_si, "long_name": TABLE[key].meaning})
@@ -94,7 +94,7 @@ class SweepResult:
     def envelope(self) -> xr.Dataset:
         """The column's angle over time: edges of the band of the first 400 runs that did not diverge, and the nominal.
 
-        The machines are random, so the first ones are a fair sample. With a grid it is that of its first point.
+        The machines are random, so the first ones are a fair sample. With a grid they are those of its first point.
         """
         first = range(min(ENVELOPE_RUNS, self.sweep.machines))
         runs = histories(self.sweep, first, [_ANGLE])
@@ -111,7 +111,7 @@ class SweepResult:
 
     @cached_property
     def reasons(self) -> Mapping[str, int]:
-        """Why machines cannot be, and how many."""
+        """Number of impossible machines by reason."""
         counts: Counter[str] = Counter()
         for runs in self.sweep.chunks:  # all at once may not fit in memory
             counts.update(
@@ -124,7 +124,7 @@ class SweepResult:
 
         Args:
             measure: Name of a measure.
-            share: Which quantile of the machines at each point that did not diverge; the median if not given.
+            share: Quantile of the machines at each point that did not diverge; default, the median.
 
         Returns:
             Over the parameters of the grid; not a number where every machine diverged.

@@ -1,4 +1,4 @@
-"""A sweep, carried out: here on threads or on a cluster, in pieces that are kept as they finish."""
+"""Run of a sweep on local threads or on a cluster, in chunks that are stored as they finish."""
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
@@ -15,7 +15,7 @@ from forcefeel.sweep.result import SweepResult
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
-"""Is told how many runs are done, of how many."""
+"""Called with the number of finished runs and of all."""
 
 
 def run_sweep(
@@ -28,25 +28,25 @@ def run_sweep(
     replace: bool = False,
     progress: Progress | None = None,
 ) -> SweepResult:
-    """Carries out a sweep.
+    """Run a sweep.
 
-    Its numbers depend on the sweep alone: not on threads, workers, or how often it was interrupted.
+    Its numbers depend only on the sweep, not on threads, workers or interruptions.
 
     Args:
-        sweep: What to sweep.
-        folder: Where to keep finished pieces as it goes, and ``runs.nc`` at the end. Not given, nothing is kept.
-        scheduler: Address of a Dask scheduler whose workers compute, such as ``tcp://host:8786``.
-        threads: How many threads compute here; all cores if not given.
-        resume: Go on with the finished pieces of this very sweep in ``folder``; begin it if there are none.
-        replace: Let this sweep take the place of one in ``folder``.
-        progress: Is told how many runs are done, of how many, first those that were kept.
+        sweep: The sweep.
+        folder: Folder for finished chunks, and ``runs.nc`` at the end; default, none.
+        scheduler: Address of a Dask scheduler, such as ``tcp://host:8786``.
+        threads: Number of local threads; default, all cores.
+        resume: Continue with the finished chunks of this sweep in ``folder``, if any.
+        replace: Replace the sweep in ``folder``.
+        progress: Called with the number of finished runs and of all, first with the stored ones.
 
     Returns:
         Every run; one that failed is a status.
 
     Raises:
-        InputError: If the folder cannot be used or holds another sweep, or the cluster fails; what is finished stays.
-        KeyboardInterrupt: As it comes; what is finished stays in the folder.
+        InputError: If the folder cannot be used or holds another sweep, or the cluster fails; finished chunks stay.
+        KeyboardInterrupt: On interruption; finished chunks stay in the folder.
 
     Example:
         >>> import forcefeel as ff
@@ -56,10 +56,10 @@ def run_sweep(
     """
     expect("sweep", sweep, Sweep, "a Sweep, which says of which loader and scenario")
     if threads is not None and scheduler is not None:
-        raise InputError("threads: are for runs on this machine, and a cluster has its own; leave them out")
+        raise InputError("threads: apply to local runs only, and a cluster has its own; leave them out")
     threads = threads_or_cores(threads)
     if folder is None and (resume or replace):
-        raise InputError("resume, replace: are about a folder, and there is none; name it")
+        raise InputError("resume, replace: require a folder; name it")
     store = None if folder is None else Folder(Path(folder), sweep)
     if store is not None:
         store.open(resume=resume, replace=replace)

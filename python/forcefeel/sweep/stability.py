@@ -18,7 +18,7 @@ from forcefeel.threads import cores, threads_or_cores
 from forcefeel.units import show
 
 MOST_POINTS = 2_000_000
-"""Points above which no map is made: some ten seconds on one core."""
+"""Largest number of points of a map: some ten seconds on one core."""
 
 _AT_A_TIME = 16_384
 """Points whose poles are in memory together."""
@@ -38,11 +38,11 @@ def stability_batch(
     leaves no other. Loops so close to the axis that it does leave one are judged by their computed poles.
 
     Args:
-        loader: What the loops have in common. Its optional rows have no part in the linear model.
+        loader: The common loader. Its optional rows have no part in the linear model.
         varied: SI values of the rows ``part.name`` that differ, one for each loop.
         law: One law for all, or state-feedback gains c_1 .. c_7 (loops, 7). Not given, each loop has the original
             position loop, eq. (13), of its own parameters.
-        threads: How many; all cores if not given. The verdicts do not depend on it.
+        threads: Number of threads, without effect on the verdicts; default, all cores.
 
     Returns:
         Over ``loop``, with ``varied`` as coordinates: ``stable``, and ``proved``, whether the signs decided. A loop whose matrix

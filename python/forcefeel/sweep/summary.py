@@ -1,4 +1,4 @@
-"""What the runs of a sweep say together: how they ended, how their measures spread, what makes them differ."""
+"""Summary of the runs of a sweep: status, spread of the measures, correlations."""
 
 import math
 from dataclasses import dataclass
@@ -21,20 +21,20 @@ QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 """Shares of the runs below each value of a spread."""
 
 _NAMES = {"settling_time_s": "settling time"}
-"""Of measures whose common name is a sentence's beginning."""
+"""Names of measures with another common name."""
 
 FEWEST = 3
-"""Runs below which nothing is said of a correlation."""
+"""Least number of runs for a correlation."""
 
 
 @dataclass(frozen=True)
 class Share:
-    """How many runs ended in one way.
+    """Number of runs of one status.
 
     Attributes:
-        status: How.
-        runs: How many.
-        share: As a share of all.
+        status: The status.
+        runs: Number of runs.
+        share: Share of all runs.
         low, high: Between these lies the share of all machines that tolerances allow, with a confidence of 95 %: Wilson's
             interval. Of a grid, whose runs are no random sample, not a number.
     """
@@ -48,15 +48,15 @@ class Share:
 
 @dataclass(frozen=True)
 class Spread:
-    """How a measure is spread over the runs that did not diverge.
+    """Spread of a measure over the runs that did not diverge.
 
     Attributes:
         measure: Name of the measure, in SI units as all numbers here.
         nominal: Its value for the nominal loader.
-        runs: How many runs have it.
-        lowest, highest: Over these.
-        quantiles: At the shares ``QUANTILES``.
-        unit: In which people read it.
+        runs: Number of runs that have it.
+        lowest, highest: Extremes over these.
+        quantiles: Quantiles at the shares ``QUANTILES``.
+        unit: Display unit.
     """
 
     measure: str
@@ -74,15 +74,15 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """What the runs say together.
+    """Summary of the runs.
 
     Attributes:
-        shares: How they ended, every way in the order of ``STATUSES``.
-        spreads: How their measures are spread, by measure.
+        shares: Share of each status, in the order of ``STATUSES``.
+        spreads: Spread by measure.
         correlations: Spearman's rank correlation of each ``measure`` with each ``parameter`` that varied: +1 or -1 where the
             measure only rises or only falls with the parameter, 0 where it knows nothing of it. Not a number where the
             measure is the same for all.
-        chance: Size that a correlation of what has nothing to do with each other stays below in 95 of 100 sweeps.
+        chance: Bound of the correlation of independent quantities in 95 of 100 sweeps.
 
     Example:
         >>> import forcefeel as ff
@@ -97,11 +97,11 @@ class Summary:
     chance: float
 
     def share(self, status: str) -> Share:
-        """How many ended with ``status``."""
+        """The share of ``status``."""
         return next(share for share in self.shares if share.status == status)
 
     def ranking(self, measure: str) -> list[tuple[str, float]]:
-        """The parameters that ``measure`` depends on beyond chance, the most important first, with their correlation."""
+        """The parameters with a significant correlation with ``measure``, the strongest first, with their correlation."""
         row = self.correlations.sel(measure=measure)
         influences = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
         return sorted(
@@ -111,7 +111,7 @@ class Summary:
 
 
 def summarize(result: SweepResult) -> Summary:
-    """Sums up the runs of a sweep.
+    """Summarize the runs of a sweep.
 
     Example:
         >>> import forcefeel as ff
@@ -122,7 +122,7 @@ def summarize(result: SweepResult) -> Summary:
     runs = result.runs
     drive = result.sweep.loader.drive
     spread = [name for name in measures_of(drive) if name != "diverged_at_s"]
-    measured = {name: runs[name].values for name in spread}  # not a number where the run diverged or cannot be
+    measured = {name: runs[name].values for name in spread}  # not a number for diverged and impossible runs
     counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}
     random = bool(result.sweep.varied) and not result.sweep.axes
     return Summary(
@@ -147,7 +147,7 @@ def measure_unit(measure: str, drive: str) -> Unit:
 
 
 def measure_name(measure: str) -> str:
-    """What a measure is called."""
+    """Name of a measure."""
     return _NAMES.get(measure) or NAMES[measure].partition(" (")[0]
 
 
@@ -167,7 +167,7 @@ def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in:
 
 
 def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:
-    """Spearman's rank correlations, of the runs that have the measure."""
+    """Spearman's rank correlations over the runs that have the measure."""
     ranks: dict[bytes, NDArray[np.float64]] = {}
     table = np.full((len(measured), len(parameters)), np.nan)
     columns = np.array(list(parameters.values()))

@@ -1,10 +1,10 @@
-"""What a sweep varies, as text: ``part.name=tolerance`` and ``part.name=grid``.
+"""Varied parameters of a sweep as text: ``part.name=tolerance`` and ``part.name=grid``.
 
 ==================================================  ===================================================================
 ``20 %``                                            uniform within 20 % to either side of the loader's value
 ``1 lb..5 lb``, ``1..5 lb``, ``-10 %..20 %``        uniform between these
-``{ normal = "5 %", low = "-9 %", high = "9 %" }``  any other that a loader file can state, as it states it
-``none``                                            the loader's value, whatever its file says of tolerances
+``{ normal = "5 %", low = "-9 %", high = "9 %" }``  any tolerance in the form of a loader file
+``none``                                            the loader's value, without its tolerance
 ``288..28800 lb in/rad:40:log``                     a grid: from, to, how many values; ``log`` for even steps in proportion
 ==================================================  ===================================================================
 """
@@ -22,17 +22,17 @@ from forcefeel.simulation.engine import SHARED
 from forcefeel.units import parse, show
 
 MOST_STEPS = 10_000
-"""Most values of a grid along one parameter."""
+"""Largest number of values of a grid along one parameter."""
 
 _LOG, _NONE = "log", "none"
 _NUMBER = re.compile(r"[-+0-9.eE]*")
 
 
 def assignment(text: str, example: str) -> tuple[str, str]:
-    """``part.name=what`` in two.
+    """Key and value of ``part.name=value``.
 
     Raises:
-        InputError: If it is not of that form.
+        InputError: If the text is not of that form.
     """
     key, value = (part.strip() for part in text.partition("=")[::2])
     if not (key and value):
@@ -41,7 +41,7 @@ def assignment(text: str, example: str) -> tuple[str, str]:
 
 
 def assignments(option: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
-    """All that an option says that may be given again, by key.
+    """All values of a repeatable option, by key.
 
     Raises:
         InputError: If one is not of the form of ``example``, or a key stands twice.
@@ -59,7 +59,7 @@ def assignments(option: str, texts: Sequence[str] | None, example: str) -> dict[
 
 
 def check_key(key: str) -> None:
-    """Refuses what no sweep can vary.
+    """Refuse a parameter that no sweep can vary.
 
     Raises:
         InputError: If ``key`` is no row of the parameter table, is a switch, or is shared by all runs.
@@ -71,7 +71,7 @@ def check_key(key: str) -> None:
 
 
 def tolerance(key: str, text: str) -> str | dict[str, Any] | None:
-    """A tolerance as ``Loader.with_tolerances`` takes it.
+    """A tolerance for ``Loader.with_tolerances``.
 
     Raises:
         InputError: If a table is not written as TOML writes it.
@@ -115,7 +115,7 @@ def grid(key: str, text: str) -> tuple[float, ...]:
 
 
 def check_in_range(key: str, value: float) -> None:
-    """Refuses a value (SI) out of the row's range.
+    """Refuse a value (SI) out of the row's range.
 
     Raises:
         InputError: If so.
@@ -129,7 +129,7 @@ def check_in_range(key: str, value: float) -> None:
 
 
 def _ends(span: str) -> tuple[str, str]:
-    """Both ends with their unit; the first may leave it to the last."""
+    """Both ends with their unit; the first end may take that of the last."""
     low, high = (part.strip() for part in span.partition("..")[::2])
     unit = _NUMBER.sub("", high, count=1).strip() if _NUMBER.fullmatch(low) and low else ""
     return f"{low} {unit}".strip(), high

@@ -12,13 +12,13 @@ from forcefeel.tables.table import Columns, LocatedColumns, Places, Table
 from forcefeel.units import parse, show
 
 Times = tuple[float, float]
-"""First and last time of a part of a record, s, by the record's own time; endless where nothing is cut."""
+"""First and last time of a part of a record, s, by the record's own time; infinite without a cut."""
 
 ALL: Times = (-inf, inf)
 
 
 def take_between(table: Table, located: LocatedColumns, between_s: Times) -> Columns:
-    """The numbers of the columns that were found, between two times; ``time`` is one of them.
+    """The numbers of the located columns, between two times; ``time`` is one of them.
 
     Raises:
         InputError: If there is nothing between them, or the file breaks off before the second.
@@ -53,14 +53,14 @@ def take_between(table: Table, located: LocatedColumns, between_s: Times) -> Col
 def times_by_stem(
     starts: Sequence[str] | None, ends: Sequence[str] | None, stems: Sequence[str]
 ) -> Mapping[str, Times]:
-    """What ``--from`` and ``--until``, each ``[STEM=]TIME``, say of each file, by its stem.
+    """Times of ``--from`` and ``--until``, each ``[STEM=]TIME``, for each file, by its stem.
 
     Raises:
-        InputError: If one is no time, or no file is given.
+        InputError: If one is no time, or there is no file.
     """
     for option, texts in (("--from", starts), ("--until", ends)):
         if texts and not stems:
-            raise InputError(f"{option}: cuts a record, and no file is given; leave it out")
+            raise InputError(f"{option}: requires a data file; add one or remove this option")
     first, last = (
         {stem: _seconds(option, text) for stem, text in by_stem(option, texts, stems).items()}
         for option, texts in (("--from", starts), ("--until", ends))

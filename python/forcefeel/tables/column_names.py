@@ -1,4 +1,4 @@
-"""What options say of files, for one by its stem or for all: ``--column``, ``--unit`` and their like."""
+"""Options for files, for one by its stem or for all: ``--column``, ``--unit`` and similar."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ class Arguments(TypedDict):
 
 @dataclass(frozen=True)
 class ColumnNames:
-    """What ``--column`` and ``--unit`` say of each file, by its stem.
+    """Column names and units by ``--column`` and ``--unit`` for each file, by its stem.
 
     Attributes:
         columns: The file's own name of each column.
@@ -32,23 +32,23 @@ class ColumnNames:
         """The options as given, for files of these stems.
 
         Raises:
-            InputError: If one is bad, or there is no file that it could be of.
+            InputError: If one is invalid, or there is no file.
         """
         for option, texts in (("--column", columns), ("--unit", units)):
             if texts and not stems:
-                raise InputError(f"{option}: is about a file's columns, and no file is given; leave it out")
+                raise InputError(f"{option}: requires a data file; add one or remove this option")
         return cls(names_by_stem("--column", columns, stems), names_by_stem("--unit", units, stems))
 
     def arguments(self, stem: str) -> Arguments:
-        """What is said of the file of that stem."""
+        """Arguments of the reader for the file of that stem."""
         return {"columns": self.columns.get(stem, {}), "units": self.units.get(stem, {})}
 
 
 def by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]) -> dict[str, str]:
-    """What ``[STEM=]TEXT`` says of each file; what names a file goes before what holds for all.
+    """The text of ``[STEM=]TEXT`` for each file; a text for one file precedes one for all.
 
     Raises:
-        InputError: If a stem is none of the files', nothing is said, or one file is spoken of twice.
+        InputError: If a stem matches no file, the text is empty, or a file has two.
     """
     named: dict[str, str] = {}
     for text in texts or ():
@@ -63,10 +63,10 @@ def by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]) -> d
 
 
 def names_by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]) -> dict[str, dict[str, str]]:
-    """What ``[STEM:]name=value`` says of each file, by name; what names a file goes before what holds for all.
+    """The values of ``[STEM:]name=value`` for each file, by name; a value for one file precedes one for all.
 
     Raises:
-        InputError: If one is not of this form, a stem is none of the files', or a name stands twice.
+        InputError: If one is not of this form, a stem matches no file, or a name stands twice.
     """
     named: dict[str, dict[str, str]] = {}
     for text in texts or ():
@@ -85,13 +85,13 @@ def names_by_stem(option: str, texts: Sequence[str] | None, stems: Sequence[str]
 
 
 def _split(option: str, text: str, mark: str, stems: Sequence[str]) -> tuple[str, str]:
-    """Stem and what is said; the stem is empty where none is given."""
+    """Stem and text; the stem is empty if not given."""
     for stem in sorted(stems, key=len, reverse=True):
         if text.startswith(stem + mark):
             return stem, text.removeprefix(stem + mark).strip()
     before, separator, _ = text.partition(mark)
     if separator and "=" not in before:
         raise InputError(
-            f"{option}: {show(before)} is none of the files; expected one of {', '.join(stems)} before '{mark}', or nothing for all"
+            f"{option}: {show(before)} matches no file; expected one of {', '.join(stems)} before '{mark}', or nothing for all"
         )
     return "", text.strip()

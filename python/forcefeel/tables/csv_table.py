@@ -1,4 +1,4 @@
-"""Tables from CSV files in UTF-8, read row by row: only the numbers that are asked for are kept."""
+"""Tables from CSV files in UTF-8, read row by row; only requested columns are kept."""
 
 import csv
 import hashlib
@@ -19,15 +19,15 @@ _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
 def read_csv(path: Path, data: bytes, example: str) -> Table:
-    """The table in a CSV file; lines that begin with ``#`` above the header are what it says of itself.
+    """The table in a CSV file; lines that begin with ``#`` above the header are its notes.
 
     Args:
-        path: Where it was, for messages.
-        data: What is in it.
+        path: Its path, for messages.
+        data: Its contents.
         example: A good header, for messages.
 
     Raises:
-        InputError: If it is no text, is empty, or is parted by something else than commas.
+        InputError: If it is no text, is empty, or is not separated by commas.
     """
     notes: dict[str, str] = {}
     header, line = next(_rows(path, data, example, notes), ([], 1))
@@ -43,7 +43,7 @@ def read_csv(path: Path, data: bytes, example: str) -> Table:
 
 
 def csv_rows(path: Path, lines: Iterable[str], example: str) -> Iterator[tuple[list[str], int]]:
-    """The rows that are not empty, each with the line it ends on.
+    """The rows that are not empty, each with its last line.
 
     Raises:
         InputError: If the text is no CSV.
@@ -57,7 +57,7 @@ def csv_rows(path: Path, lines: Iterable[str], example: str) -> Iterator[tuple[l
 
 
 def text_lines(path: Path, data: bytes) -> Iterator[str]:
-    """The lines of a text; a byte order mark, which some editors write, is no part of it.
+    """The lines of a text, without a byte order mark.
 
     Raises:
         InputError: If it is not UTF-8.
@@ -79,7 +79,7 @@ def _rows(path: Path, data: bytes, example: str, notes: dict[str, str]) -> Itera
 
 
 def _without_notes(path: Path, lines: Iterator[str], notes: dict[str, str]) -> Iterator[str]:
-    """The lines, those of notes above the header left empty, so that the others keep their numbers."""
+    """The lines, with notes above the header emptied, so that line numbers stay."""
     for number, line in enumerate(lines, start=1):
         bare = line.strip()
         if bare and not bare.startswith("#"):
@@ -95,14 +95,14 @@ def _without_notes(path: Path, lines: Iterator[str], notes: dict[str, str]) -> I
 
 
 def _check_commas(where: str, header: str) -> None:
-    """Refuses a header that is parted by something else, as some programs write it where the comma is the decimal point."""
+    """Refuse a header with another separator, as written where the comma is the decimal point."""
     for mark, words in ((";", "semicolons"), ("\t", "tabs")):
         if mark in header and "," not in header:
             raise InputError(f"{where}: is parted by {words}; use commas, and points in numbers")
 
 
 def _columns(path: Path, rows: Iterator[tuple[list[str], int]], located: LocatedColumns) -> Columns:
-    """The numbers of the columns that were found, from the rows below the header."""
+    """The numbers of the located columns, from the rows below the header."""
     header, line = next(rows)
     numbers, lines = {name: array("d") for name in located}, array("q", [line])
     targets = [(name, i, scale, numbers[name].append) for name, (i, _, scale, _) in located.items()]

@@ -1,4 +1,4 @@
-"""What is wrong with the numbers of signals over time, whatever they are of."""
+"""Faults of the numbers of signals over time."""
 
 from collections.abc import Mapping
 
@@ -8,27 +8,27 @@ from numpy.typing import NDArray
 from forcefeel.errors import InputError
 
 GAP = 5.0
-"""A step of more than so many times the median step is a gap in a recording."""
+"""Ratio of a step to the median step above which it is a gap."""
 
 LARGEST = 1e15
-"""Of any SI unit. No sensor gives more, and powers of sums over a record stay within what a number can hold."""
+"""Largest value in any SI unit, above that of sensors, so that powers of sums over a record do not overflow."""
 
 _ROUNDING = 1e-6
-"""Of a step; times in decimals are off by 3e-16 of the time, which is so little for a billion steps."""
+"""Tolerance as a share of a step; decimal times have an error of 3e-16, which allows a billion steps."""
 _SHORTEST_STEP_S = 10e-6
-"""Median step that anything is recorded at: a hundredth of a usual controller's period."""
+"""Shortest median step of a record: a hundredth of a usual controller's period."""
 
 
 _CUT = "cut the recording there"
 
 
 def in_file(sentence: str) -> str:
-    """What is wrong with a row of a file of which a part can be read, with the argument that does."""
+    """A fault of a row, with the argument that reads only a part of the file."""
     return f"{sentence}, by the argument between_s" if sentence.endswith(_CUT) else sentence
 
 
 def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> tuple[int, str] | None:
-    """The first row at fault, counted from 1, and what is wrong with it; ``time`` is one of the columns."""
+    """The first faulty row, counted from 1, and its fault; ``time`` is one of the columns."""
     time = columns["time"]
     if len(time) < 2:
         return len(time), f"expected two rows of numbers at least, got {len(time)}; record for longer"
@@ -58,7 +58,7 @@ def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) 
 
 
 def check_step(time_s: NDArray[np.float64], where: str, longest_s: float) -> None:
-    """Refuses a time that is most likely in another unit than is said: nothing is recorded so fast or so slowly.
+    """Refuse a time that is most likely in another unit than stated.
 
     Args:
         time_s: Rising times, s.
@@ -66,7 +66,7 @@ def check_step(time_s: NDArray[np.float64], where: str, longest_s: float) -> Non
         longest_s: Longest median step of such a record, s.
 
     Raises:
-        InputError: With the median step and how to say the unit.
+        InputError: With the median step and the remedy.
     """
     step = float(np.median(np.diff(time_s)))
     if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= longest_s * (1 + _ROUNDING):

@@ -1,4 +1,4 @@
-"""What the columns of a table are called and what they are measured in."""
+"""Names and units of the columns of a table."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -10,11 +10,11 @@ from forcefeel.tables.table import Located, LocatedColumns, Table
 from forcefeel.units import factor, show
 
 DECIBEL = "dB"
-"""Of a gain: no unit that multiplies, so that no factor belongs to it."""
+"""Unit of a gain in dB, without a conversion factor."""
 
 _LONGEST_UNIT = 40
 _ROUNDING = 1e-12
-"""Relative; equal units that are defined by other products differ by some roundings."""
+"""Relative difference of equal units, due to rounding of their definitions."""
 # Names are in small letters, where these units are not.
 _SUFFIXES = {
     unit.lower(): unit
@@ -35,7 +35,7 @@ def heading(cell: str, known: Collection[str]) -> Heading:
 
     Args:
         cell: The header's cell.
-        known: Names that are looked for; a suffix is a unit only after one of them.
+        known: Accepted names; a suffix is a unit only after one of them.
     """
     cell = cell.strip()
     for opening, closing in ("()", "[]"):
@@ -52,7 +52,7 @@ def heading(cell: str, known: Collection[str]) -> Heading:
 
 
 def suffix_unit(suffix: str) -> str:
-    """The unit that a suffix stands for: ``deg``, ``in3_per_s`` is ``in^3/s``; empty if it is none."""
+    """The unit of a suffix: ``deg``, ``in3_per_s`` is ``in^3/s``; empty without one."""
     text = re.sub(r"(?<=[a-z])([2-9])(?![0-9])", r"^\1", suffix.lower().replace("_per_", "/").replace("_", " "))
     over, _, under = text.partition("/")
     unit = "/".join(_SUFFIXES.get(part, part) for part in (over, under) if part)
@@ -82,17 +82,17 @@ def locate(
     own: Mapping[str, str],
     also: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Located]:
-    """Which columns of a table those that are wanted are; one that is missing is left out.
+    """Locate columns of a table by standard name; missing columns are omitted.
 
     Args:
         table: The table.
-        columns: Units by name in which a column may be, SI; ``""`` for a number, ``DECIBEL`` for a gain.
-        units: Units by name, wanted or the file's own, where the header has none; as of ``by_standard_name``.
-        own: The file's own name of a wanted column; as of ``by_standard_name``.
-        also: Second names of wanted columns, with the name that they are wanted by.
+        columns: Accepted units by standard name, SI; ``""`` for a number, ``DECIBEL`` for a gain.
+        units: Units by standard name or the file's own, if the header has none; see ``by_standard_name``.
+        own: The file's own name of a column by standard name; see ``by_standard_name``.
+        also: Standard name by second name.
 
     Raises:
-        InputError: If one stands twice, has no unit, one that does not measure it, or another than ``units`` says.
+        InputError: If a column stands twice, has no unit, a wrong unit, or another than ``units`` states.
     """
     cells = [heading(cell, (*columns, *also)) for cell in table.header]
     located: dict[str, Located] = {}
@@ -119,10 +119,10 @@ def locate(
 
 
 def need(table: Table, located: LocatedColumns, names: Collection[str], example: str) -> None:
-    """Refuses a table without one of ``names``.
+    """Refuse a table without one of ``names``.
 
     Raises:
-        InputError: With what the table has and a good header.
+        InputError: With the header of the table and a valid one.
     """
     for name in names:
         if name not in located:
@@ -133,7 +133,7 @@ def need(table: Table, located: LocatedColumns, names: Collection[str], example:
 
 
 def columns_called(table: Table, name: str) -> list[tuple[int, str]]:
-    """Where the columns stand that the file calls ``name``, perhaps with a unit, and their units there."""
+    """Positions and units of the columns that the file names ``name``, with or without a unit."""
     cells = [heading(cell, (_name(name),)) for cell in table.header]
     written = [" ".join(cell.split()) == " ".join(name.split()) for cell in table.header]
     return [(i, cell.unit) for i, cell in enumerate(cells) if cell.name == _name(name) or written[i]]
@@ -146,10 +146,10 @@ def by_standard_name(
     allowed: Collection[str],
     also: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, str]:
-    """What the argument ``columns`` or ``units`` gives, by the names that are wanted; ``also`` as of ``locate``.
+    """The argument ``columns`` or ``units`` by standard names; ``also`` as in ``locate``.
 
     Raises:
-        InputError: If a key names nothing, or two of them one column.
+        InputError: If a key is unknown, or two keys name one column.
     """
     by_name: dict[str, str] = {}
     for name, value in assigned.items():

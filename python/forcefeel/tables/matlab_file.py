@@ -1,7 +1,7 @@
-"""MATLAB's files of Level 5 (versions 5 to 7) and Level 4, read with nothing in them trusted.
+"""Safe reader of MATLAB files of Level 5 (versions 5 to 7) and Level 4.
 
-A reader in C is ended by a damaged file, and the program with it; here every tag is held against the bytes that there are. Numbers,
-lines of text and the fields of a structure are read; cells, sparse matrices, objects and functions are passed over.
+A damaged file can crash a reader in C; here every tag is checked against the available bytes. Numbers, lines of text and the fields
+of a structure are read; cells, sparse matrices, objects and functions are skipped.
 
 Source: MathWorks, MAT-File Format, R2014a: Level 5 in chapter 1, Level 4 in its appendix.
 """
@@ -22,7 +22,7 @@ Variables = list[tuple[str, Variable]]
 """By name, in the file's order; a structure's fields stand for themselves."""
 
 MOST_INFLATED = 4 * MOST_BYTES
-"""Most that the compressed variables of a file may hold, bytes."""
+"""Largest size of the decompressed variables of a file, bytes."""
 
 _HEADER = 128
 _NAME, _DIMENSIONS, _MATRIX, _COMPRESSED = (1, 2, 16), (5, 6), 14, 15
@@ -45,7 +45,7 @@ class NewerFormatError(ValueError):
 
 
 class DamagedError(ValueError):
-    """What is wrong with a file."""
+    """A fault of a file."""
 
 
 def read_variables(data: bytes) -> Variables:
@@ -120,7 +120,7 @@ def _elements(data: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
 
 
 def _matrix(data: memoryview, order: str, *, fields: bool) -> tuple[str, Variable | Variables | None]:
-    """Name and value of an array; no value of a kind that is passed over. ``fields``: it may be a structure of arrays."""
+    """Name and value of an array; no value for a skipped kind. ``fields``: it may be a structure of arrays."""
     parts = _elements(data, order)
     flags = _integers(_next(parts, "flags", (6,))[1], f"{order}u4")
     kind = flags[0] & 0xFF if flags else 0
@@ -168,7 +168,7 @@ def _shaped(data: memoryview, dtype: np.dtype[np.generic], shape: Sequence[int])
 
 
 def _complex(real: NDArray[np.generic], imaginary: NDArray[np.generic]) -> NDArray[np.generic]:
-    with np.errstate(all="ignore"):  # of a damaged file anything may come
+    with np.errstate(all="ignore"):  # a damaged file may hold any value
         return np.asarray(real + np.multiply(1j, imaginary))
 
 
@@ -180,7 +180,7 @@ def _text(kind: int, data: memoryview, order: str) -> str:
 
 
 def _fields(parts: Iterator[tuple[int, memoryview]], order: str) -> Variables:
-    """The fields of one structure; what is a structure in it is passed over."""
+    """The fields of one structure; nested structures are skipped."""
     lengths = _integers(_next(parts, "the length of field names", (5,))[1], f"{order}i4")
     names = bytes(_next(parts, "field names", _NAME)[1])
     if len(lengths) != 1 or lengths[0] < 1 or len(names) % lengths[0]:

@@ -1,4 +1,4 @@
-"""Tables from MATLAB files: variables of one length are the columns, lines of text say what the file is."""
+"""Tables from MATLAB files: variables of one length are the columns, lines of text the notes."""
 
 import hashlib
 from pathlib import Path
@@ -13,8 +13,8 @@ def read_matlab(path: Path, data: bytes, example: str) -> Table:
     """The table in a MATLAB file up to version 7.
 
     Args:
-        path: Where it was, for messages.
-        data: What is in it.
+        path: Its path, for messages.
+        data: Its contents.
         example: A good CSV header, for messages.
 
     Raises:

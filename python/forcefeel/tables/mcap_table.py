@@ -12,23 +12,22 @@ from forcefeel.errors import InputError
 from forcefeel.tables.table import Columns, LocatedColumns, Table, check_size, columns_of
 
 SIMULATED = "simulated"
-"""What a record calls the machine of a loop that simulates it."""
+"""Name of a simulated machine in a record."""
 
 _ACTIVE = _core.live_states().index("active")
 _PISTON = {"drive_position_m": "piston_position_m"}
-"""What the end of a valve's drive is called on a bench."""
+"""Bench name of the end of a valve's drive."""
 
 
 def read_mcap(path: Path, data: bytes, example: str) -> Table:
-    """The table in a record of a live run: its rows in which the law drives, on the time of its machine.
+    """The table in a live record: rows while the law drives, on the time of its machine.
 
-    A simulated machine goes on by a period a cycle, so that beats of the clock that the loop missed are no time to it; to a real
-    machine they are. Columns without a number, such as a pilot's force that nothing measured, and those of a force sensor that is
-    not there are left out.
+    A simulated machine advances by a period per cycle, so missed periods do not count; for a real machine they do. Columns without
+    numbers, such as an unmeasured pilot's force, and those of an absent force sensor are omitted.
 
     Args:
-        path: Where it was, for messages.
-        data: What is in it.
+        path: Its path, for messages.
+        data: Its contents.
         example: A good CSV header, for messages.
 
     Raises:
@@ -80,7 +79,7 @@ def _driven(path: Path, columns: dict[str, NDArray[np.float64]]) -> NDArray[np.b
     """The rows in which the law drives.
 
     Raises:
-        InputError: If there is none.
+        InputError: If the law drives in no row.
     """
     state = columns.get("state")
     if state is None or "grip_force_n" not in columns:

@@ -1,4 +1,4 @@
-"""Tables from Parquet files; what they say of themselves stands in the metadata of the schema."""
+"""Tables from Parquet files; their notes stand in the metadata of the schema."""
 
 import hashlib
 from collections.abc import Iterator
@@ -13,8 +13,8 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
     """The table in a Parquet file.
 
     Args:
-        path: Where it was, for messages.
-        data: What is in it.
+        path: Its path, for messages.
+        data: Its contents.
         example: A good CSV header, for messages.
 
     Raises:

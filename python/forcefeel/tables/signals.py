@@ -1,4 +1,4 @@
-"""Signals over time from a table: the columns that a reader wants, in SI units, and without a fault."""
+"""Checked signals over time from a table, in SI units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,12 +12,12 @@ from forcefeel.tables.table import Columns, Table
 
 @dataclass(frozen=True)
 class Signals:
-    """What a reader wants of a table.
+    """Columns that a reader accepts.
 
     Attributes:
-        accepted: SI units in which each column may be, by name; ``time`` is one of them.
-        needed: Names without which there is nothing to read.
-        also: Second names of columns, with the name that they are wanted by.
+        accepted: Accepted SI units of each column, by name; ``time`` is one of them.
+        needed: Required names.
+        also: Standard name by second name.
         example: A good CSV header, for messages.
         cuts: Whether the reader's argument ``between_s`` reads a part of a record.
     """
@@ -37,10 +37,10 @@ class Signals:
             table: The table.
             columns: The file's own names of them.
             units: Units where the header has none, by these names or the file's own.
-            between_s: Times between which they are read.
+            between_s: First and last time to read.
 
         Raises:
-            InputError: If one that is needed is missing, one is not what it should be, or a row is at fault.
+            InputError: If a required column is missing, a column is invalid, or a row is faulty.
         """
         where = str(table.path)
         columns = by_standard_name(where, "columns", columns or {}, self.accepted, self.also)

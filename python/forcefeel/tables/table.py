@@ -1,4 +1,4 @@
-"""A table in a file: its header, its notes, and the numbers of the columns that are asked for."""
+"""A table in a file: header, notes, and the numbers of requested columns."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from forcefeel.errors import InputError
 
 
 class Located(NamedTuple):
-    """A column that was found: its place, the SI unit that it is read in, how many one of the file's units are, that unit."""
+    """A located column: position, SI unit, SI value of one unit of the file, and that unit."""
 
     position: int
     si: str
@@ -21,10 +21,10 @@ class Located(NamedTuple):
 
 
 LocatedColumns = Mapping[str, Located]
-"""Which column of a header each is, its SI unit and the SI value of one of its units."""
+"""Located columns by standard name."""
 
 NOTES = ("experiment", "from", "to", "hold")
-"""What a file can say of itself."""
+"""Keys of the notes of a file."""
 
 MOST_BYTES = 2**30
 """Largest file of data, and record of a live run."""
@@ -33,15 +33,15 @@ MOST_ROWS = 10_000_000
 """Rows of a table: 2.7 hours at 1 kHz."""
 
 _TIMES = {"M": "dates", "m": "durations"}
-"""Kinds of NumPy's types that are no numbers, and turn into some all the same."""
+"""NumPy kinds that convert to numbers but are not numbers."""
 
 
 @dataclass(frozen=True)
 class Places(Sequence[str]):
-    """Where each row of a table stands, for messages; the header's place is the first.
+    """Location of each row of a table, for messages; the header's is the first.
 
     Attributes:
-        before: What stands before the number of a row.
+        before: Text before the number of a row.
         numbers: Line or row of each.
     """
 
@@ -63,7 +63,7 @@ class Places(Sequence[str]):
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """What was read: values in SI units by name, each one's SI unit, where each row stands, and each one's unit in the file."""
+    """Columns read: values in SI units by name, their SI units, location of the rows, and their units in the file."""
 
     values: dict[str, NDArray[np.float64]]
     units: dict[str, str]
@@ -72,7 +72,7 @@ class Columns:
 
     @classmethod
     def read(cls, values: dict[str, NDArray[np.float64]], located: LocatedColumns, places: Sequence[str]) -> "Columns":
-        """The values of columns that were found."""
+        """Columns with the units of their location."""
         return cls(
             values,
             {name: column.si for name, column in located.items()},
@@ -83,17 +83,17 @@ class Columns:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A file of columns whose header has been read, and not yet its numbers.
+    """A file of columns after reading its header only.
 
     Attributes:
         path: The file.
-        header: The columns as the file names them.
-        where: Where the header stands, for messages.
-        notes: What the file says of itself, by one of ``NOTES``.
+        header: Column names of the file.
+        where: Location of the header, for messages.
+        notes: Notes of the file, by one of ``NOTES``.
         data_hash: SHA-256 of the file, in hexadecimal.
-        take: Reads the numbers of columns that were found, in SI units.
-        run: What the record of a live run says of it, such as its law; empty of other files.
-        broken: Why the file breaks off; empty if it does not.
+        take: Reads the numbers of located columns, in SI units.
+        run: Properties of a live record, such as its law; empty for other files.
+        broken: Reason of a truncated file; empty if complete.
     """
 
     path: Path
@@ -107,10 +107,10 @@ class Table:
 
 
 def check_size(where: str, columns: int, rows: int = 0) -> None:
-    """Refuses a table of too many columns or rows.
+    """Refuse a table of too many columns or rows.
 
     Raises:
-        InputError: With the most there may be.
+        InputError: With the limit.
     """
     for count, limit, noun in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
         if count > limit:
@@ -123,7 +123,7 @@ def columns_of(path: Path, arrays: Mapping[str, Any], located: LocatedColumns, r
     Raises:
         InputError: If one is not of numbers, has more dimensions than one, another length, or too many rows.
     """
-    with np.errstate(all="ignore"):  # what is not finite is said with its row
+    with np.errstate(all="ignore"):  # numbers that are not finite are reported with their row
         values = {name: _numbers(path, name, arrays[name]) * scale for name, (_, _, scale, _) in located.items()}
     lengths = {name: len(column) for name, column in values.items()}
     if len(set(lengths.values())) > 1:
@@ -136,7 +136,7 @@ def columns_of(path: Path, arrays: Mapping[str, Any], located: LocatedColumns, r
 
 
 def _numbers(path: Path, name: str, raw: Any) -> NDArray[np.float64]:
-    """A column as numbers; a sample that is missing is not a number."""
+    """A column as numbers, not-a-number for missing samples."""
     try:
         column = np.asarray(raw)
         if np.iscomplexobj(column):

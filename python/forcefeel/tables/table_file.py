@@ -14,7 +14,7 @@ from forcefeel.units import show
 _READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab, ".mcap": read_mcap}
 
 ENDINGS = tuple(_READERS)
-"""Endings of files that are read."""
+"""Endings of readable files."""
 
 
 def open_table(path: str | Path, example: str) -> Table:

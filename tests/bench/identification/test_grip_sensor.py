@@ -17,7 +17,7 @@ from forcefeel.commission.plan import CommissionPlan
 RATE_HZ, SAMPLES, PERIOD_S = 1000.0, 4000, 5e-4
 TRUE = {GAIN: 1.06, MASS: 0.4, OFFSET: -0.7}
 NOISE_N, STEP_N = 0.05, 0.02
-BESIDE = "is neither the hand's recorded force nor what moves the mass"
+BESIDE = "is neither the hand's recorded force nor that of the mass"
 SURE = 4.0
 """Standard errors; the noise has one seed."""
 NOISE_WITHIN = 0.2
@@ -93,20 +93,20 @@ def test_a_measured_hand_tells_the_gain(loader):
         assert abs(value - TRUE[key]) < SURE * deviation + WITHIN * abs(TRUE[key])
     in_pounds = in_place_of(pulled, pulled.channels["grip_force"] / bench_machine.LBF)
     (wrong, *_) = find_grip_sensor(loader, [in_pounds], None).wrong
-    assert "shows 0.24 times as much of the hand's force as the file promises: look at its unit" in wrong
+    assert "shows 0.24 times as much of the hand's force as the file predicts: check its unit" in wrong
 
 
 @pytest.mark.parametrize(
     ("seen", "sentence"),
     [
-        (lambda shown: noise(3), "shows nothing of what moves the mass"),
-        (lambda shown: noise(16), "shows nothing of what moves the mass"),  # by chance 3.7 deviations of nothing
+        (lambda shown: noise(3), "shows nothing of the force of the mass"),
+        (lambda shown: noise(16), "shows nothing of the force of the mass"),  # by chance 3.7 deviations of nothing
         (lambda shown: np.where(np.arange(SAMPLES) % 1000 < 200, TRUE[OFFSET], shown), BESIDE),
         (lambda shown: np.clip(shown, -0.2 * np.ptp(shown), 0.2 * np.ptp(shown)) + noise(4), BESIDE),
         (lambda shown: np.full(SAMPLES, 1.5), "shows 0.337 lb from the first sample to the last"),
         (lambda shown: -shown, "with the wrong sign"),
-        (lambda shown: shown / bench_machine.LBF**2, "0.071 times as much of what moves the mass"),
-        (lambda shown: np.clip(shown, -0.5 * np.ptp(shown), 0.2 * np.ptp(shown)), "is cut off at"),
+        (lambda shown: shown / bench_machine.LBF**2, "0.071 times as much of the force of the mass"),
+        (lambda shown: np.clip(shown, -0.5 * np.ptp(shown), 0.2 * np.ptp(shown)), "is clipped at"),
     ],
     ids=[
         "sees-nothing",

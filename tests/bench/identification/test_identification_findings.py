@@ -161,19 +161,19 @@ def test_the_end_of_the_table_s_range_is_another_bound():
     found = dataclasses.replace(determined(), estimates=(at_end,), correlation=np.eye(1), ends=ends((at_end,)))
     text = said(found)[1]
     assert "ended at its lower bound" in text
-    assert "ask for a smaller value" in text
-    assert "units and experiment of the data" in text
+    assert "fit a smaller value better" in text
+    assert "units and the experiment of the data" in text
 
 
 def test_what_hangs_together_is_named_once():
     found = determined()
     assert strong_pairs(found) == [("linkage.stiffness", "linkage.damping", 0.97)]
     assert (
-        "linkage.stiffness and linkage.damping hang together: where one rises the other rises (correlation 0.97)"
+        "linkage.stiffness and linkage.damping are correlated: when one rises, the other rises (correlation 0.97)"
         in said(found)[1]
     )
     falling = dataclasses.replace(found, correlation=found.correlation * (2 * np.eye(5) - 1))
-    assert "where one rises the other falls (correlation -0.97)" in said(falling)[1]
+    assert "when one rises, the other falls (correlation -0.97)" in said(falling)[1]
 
 
 def test_correlations_that_are_not_numbers_are_none():
@@ -184,8 +184,8 @@ def test_a_prior_that_carries_weight_is_said():
     text = said(determined())[1]
     # From the data alone 6 %, with the prior 1.98 0.011 / 1.11.
     assert (
-        "valve.current_gain depends on the loader file's prior: from the data alone its 95 % interval would be "
-        "±6.0 % instead of ±2.0 %" in text
+        "valve.current_gain depends on the loader file's prior: "
+        "from the data alone its 95 % interval would be ±6.0 % instead of ±2.0 %" in text
     )
     assert "linkage.stiffness leans" not in text
 
@@ -203,14 +203,14 @@ def test_the_link_is_needed_or_not():
 
 def test_starts_that_agree_and_that_do_not():
     found = determined()
-    assert "All 3 starts of the search ended in the same place." in said(found)[1]
+    assert "All 3 starts of the search ended at the same optimum." in said(found)[1]
     astray = dataclasses.replace(found, ends=ends(found.estimates, (True, False, True)))
-    assert "2 of 3 starts of the search ended in the same, best place" in said(astray)[1]
+    assert "2 of 3 starts of the search ended at the best optimum" in said(astray)[1]
     assert "leaves 1.5 times as much" in said(astray)[1]
     rival = dataclasses.replace(
         astray, ends=(*found.ends[:1], dataclasses.replace(astray.ends[1], cost=found.ends[0].cost + 0.03))
     )
-    assert "another place explains the data about as well" in said(rival)[1]
+    assert "another optimum explains the data about as well" in said(rival)[1]
     assert "Both starts of" in said(dataclasses.replace(found, ends=found.ends[:2]))[1]
     once = dataclasses.replace(found, ends=found.ends[:1])
     assert "started once" in said(once)[1]
@@ -260,19 +260,19 @@ def test_what_hangs_together_is_not_sure_where_the_model_misses():
     )
     verdict = said(dataclasses.replace(found, fitted=(bad,)))[0].verdict
     assert (
-        "But the model misses more than noise, and the data hardly tell linkage.stiffness from linkage.damping"
+        "But the model misses more than noise, and linkage.stiffness and linkage.damping are hardly separable"
         in verdict
     )
     assert "(correlation beyond 0.999)" in verdict
 
 
 def test_what_the_linear_model_leaves_out_is_said_of_responses():
-    sentence = "which leaves out column.viscous_friction; a record is compared with all of it in play"
+    sentence = "without column.viscous_friction; records are compared with all of them"
     assert sentence in said(determined())[1]
     assert sentence not in said(dataclasses.replace(determined(), fitted=record_fitted()))[1]
     assert "leaves out" not in said(undetermined())[1]
     digital = dataclasses.replace(determined(), before=ff.digital_elevator())
-    assert "the sampled model about its rest, which leaves out what holds" in said(digital)[1]
+    assert "the sampled model about its rest, without friction" in said(digital)[1]
 
 
 def test_a_correlation_is_never_one():

@@ -19,7 +19,7 @@ def check_excitation_file(path: Path, *, replace: bool) -> None:
 
     Raises:
         InputError: If the path is a folder, or a file without ``replace``; if the name does not end in .csv or its folder is
-        missing.
+            missing.
     """
     if path.suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a name that ends in .csv, as an identification reads it")

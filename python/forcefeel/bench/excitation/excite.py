@@ -52,7 +52,7 @@ def excite(
         loader: The loader, with the best known values.
         fit: Parameters by symbol or key: ``"k,c,J,C_i"``.
         experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``. Default ``"servo-closed"`` for a
-        valve, ``"loader command_current"`` for a motor.
+            valve, ``"loader command_current"`` for a motor.
         plan: Kind, length, band, noise and limits.
         law: The law of the whole loader; default, the original loop, or ``robust`` for a motor.
         progress: Called with the name of each step as it begins.
@@ -62,7 +62,7 @@ def excite(
 
     Raises:
         InputError: If a parameter is unknown or has no effect in this experiment, the time is too short or the rate too low for
-        the band, or the loader cannot hold the limits.
+            the band, or the loader cannot hold the limits.
         NotSeparableError: If no excitation of this experiment separates the parameters.
 
     Source: G. C. Goodwin and R. L. Payne, Dynamic System Identification, 1977, ch. 6; M. B. Zarrop, Optimal Experiment Design for

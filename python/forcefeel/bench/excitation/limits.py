@@ -83,7 +83,7 @@ def limits_of(loader: Loader, drive: Drive, stated: Mapping[str, float]) -> tupl
 
     Raises:
         InputError: If a name is unknown, a value is not above 0 or exceeds a limit of the loader itself, or a limit of a motor is
-        not stated.
+            not stated.
     """
     kinds = {**KINDS[loader.drive], "drive": str(drive)}
     if unknown := [name for name in stated if name not in kinds]:

@@ -54,7 +54,7 @@ class ExcitationPlan:
         rate_hz: Samples per second, above 0.
         from_hz: Lowest frequency; default one cycle per period, 4 Hz for an open motor.
         to_hz: Highest frequency; default, the lowest of the valve's natural frequency or the current loop's bandwidth, a quarter
-        of the rate, and a quarter of the controller's rate.
+            of the rate, and a quarter of the controller's rate.
         measured: Recorded channels, of ``bench.channels.OUTPUTS``; default ``MEASURED``.
         noise_share: White noise of each measured channel, as a share of its r.m.s. under even lines that reach the limits.
         noise: The same in SI units for channels of known noise.

@@ -69,5 +69,5 @@ def _check_current(loader: Loader, record: BenchRecord) -> None:
                 raise InputError(
                     f"{record.name}: {name} is at current_loop.current_limit, {limit:.4g} A, in "
                     f"{np.count_nonzero(limited)} samples from {record.time_s[int(np.argmax(limited))]:.4g} s; "
-                    "expected one below; drive less, or correct the limit in the loader file"
+                    "expected a current below it; drive less, or correct the limit in the loader file"
                 )

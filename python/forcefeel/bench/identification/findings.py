@@ -1,4 +1,4 @@
-"""What an identification says, in sentences."""
+"""Conclusions of an identification."""
 
 import math
 from collections.abc import Sequence
@@ -15,32 +15,32 @@ from forcefeel.loader.tolerances import Distribution
 from forcefeel.units import UnitSystem, to_text
 
 STRONG = 0.9
-"""Correlation from which on two estimates hang together."""
+"""Least correlation of two correlated estimates."""
 
 ONE_DIRECTION = 0.99
-"""Correlation from which on what the model misses is magnified sevenfold and more in both: ``1 / sqrt(1 - r^2)``."""
+"""Correlation at which an error of the model is magnified sevenfold in both: ``1 / sqrt(1 - r^2)``."""
 
 _MOST_NAMED = 4
-"""Parameters or data that sentences name; the tables have all."""
+"""Number of parameters or data in a sentence; the tables have all."""
 
 _SAME_LEFT = 1.05
-"""What one place leaves over what another does, below which the data hardly tell one from the other."""
+"""Largest ratio of residuals of two ends that the data hardly distinguish."""
 
 _FAR = 700.0
-"""A larger difference of logarithms has no exponential."""
+"""Largest difference of logarithms with an exponential."""
 
 _PRIOR_COUNTS = 1.2
-"""The interval from the data alone over that with the prior, from which on the prior is worth a word."""
+"""Ratio of the interval from the data alone to that with the prior, above which the prior is mentioned."""
 
 _NEARLY_ONE = 0.9995
 
 _LEAST_PROBABILITY = 1e-16
-"""A smaller one is not worth its digits."""
+"""Smallest probability written with digits."""
 
 
 @of_result
 def identification_conclusions(identification: Identification, units: UnitSystem) -> Conclusions:
-    """The conclusions, with numbers in ``units``; ``good`` where the data determine all and the model explains them."""
+    """The conclusions, with numbers in ``units``; ``ok`` if the data determine all and the model explains them."""
     lines = (
         *(group.sentence for group in identification.inseparable),
         *(advice.sentence for advice in identification.advice),
@@ -77,7 +77,7 @@ def _verdict(identification: Identification, units: UnitSystem) -> str:
             for text in (estimated(estimate, estimate.value, units), error(estimate, units))
         )
         if bound:
-            return f"{estimate.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
+            return f"{estimate.unknown.key} ended at its bound, {value}, which the data do not support. No loader file is written."
         return f"{estimate.unknown.key} is determined: {value} with a standard error of {deviation}."
     shares = [estimate for estimate in identification.estimates if estimate.value and not estimate.unknown.is_phase]
     ordered = sorted(shares or identification.estimates, key=relative_error)
@@ -89,7 +89,7 @@ def _verdict(identification: Identification, units: UnitSystem) -> str:
 
 
 def _doubt(identification: Identification) -> str:
-    """A sentence more where the standard errors do not say how wrong the estimates can be."""
+    """A further sentence if the estimates can be off by more than their standard errors."""
     bad = sorted((fitted for fitted in identification.fitted if unexplained(fitted) > UNEXPLAINED), key=unexplained)
     if bad:
         pronoun = "it" if len(identification.estimates) == 1 else "them"
@@ -97,8 +97,8 @@ def _doubt(identification: Identification) -> str:
         unwritten = " No loader file is written." if identification.determined and identification.within_bounds else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
-            f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
-            "responses has not."
+            f"machine under this experiment.{unwritten} Look at its plot; a fit of records includes friction and limits, a fit "
+            "of responses does not."
         )
     missed = list(filter(beyond_noise, identification.fitted))
     if not identification.determined or not missed:
@@ -107,19 +107,19 @@ def _doubt(identification: Identification) -> str:
     if loose:
         first, second, size = loose[0]
         return (
-            f" But the model misses more than noise, and the data hardly tell {first} from {second} (correlation "
-            f"{correlation_text(size)}): what it misses can move both by far more than their standard errors say."
+            f" But the model misses more than noise, and {first} and {second} are hardly separable (correlation "
+            f"{correlation_text(size)}): its error can move both by far more than their standard errors."
         )
     return f" But the model misses more of {first_two(missed)} than noise, so the estimates can be off by more than these errors."
 
 
 def first_two(missed: Sequence[Fitted]) -> str:
-    """What is missed, two of them by name."""
+    """The data with model errors, two of them by name."""
     return " and ".join([*map(title_of, missed[:2]), *(["others"] if len(missed) > 2 else [])])
 
 
 def _moved(identification: Identification, units: UnitSystem) -> list[str]:
-    """Who left the file's value, and how far; who did not."""
+    """Parameters off the file's value, and those that agree with it."""
     determined = _with(identification, Status.DETERMINED)
     moved = sorted(
         (estimate for estimate in determined if differs(estimate)), key=lambda estimate: -abs(change(estimate))
@@ -157,19 +157,19 @@ def _one_moved(estimate: Estimate, units: UnitSystem) -> str:
 
 
 def _at_bound(identification: Identification, units: UnitSystem) -> list[str]:
-    """Who would go farther, and what to do about it."""
+    """Parameters at a bound, with remedies."""
     lines = []
     for estimate in _with(identification, Status.AT_BOUND):
         unknown, limits = estimate.unknown, limits_si(TABLE[estimate.unknown.key])
         k = int(abs(estimate.value - unknown.high) < abs(estimate.value - unknown.low))
         bound, end, direction = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
         value = _with_unit(estimate, estimated(estimate, bound, units), units)
-        remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may be so far off its file."
+        remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may deviate so far."
         others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in identification.keys]
         if others and identification.before[others[0]] == bound:
             remedy = f"The bound is {others[0]}: fit both, or leave {unknown.key} out."
         elif unknown.tolerance is None or bound == limits[k]:
-            remedy = "The bound is the end of what is accepted: look whether units and experiment of the data are what they say."
+            remedy = "The bound is the end of the accepted range: check the units and the experiment of the data."
         lines.append(
             f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(estimate))}): "
             f"the data fit a {direction} value better. {remedy}"
@@ -178,14 +178,14 @@ def _at_bound(identification: Identification, units: UnitSystem) -> list[str]:
 
 
 def _correlated(identification: Identification) -> list[str]:
-    """The strongest pairs."""
+    """The most correlated pairs."""
     pairs = strong_pairs(identification)
     lines = []
     for first, second, size in pairs[:_MOST_NAMED]:
         verb = "rises" if size > 0 else "falls"
         lines.append(
-            f"{first} and {second} hang together: where one rises the other {verb} (correlation {correlation_text(size)}), so the "
-            "data know a combination of them better than each."
+            f"{first} and {second} are correlated: when one rises, the other {verb} (correlation {correlation_text(size)}). The "
+            "data determine a combination better than each."
         )
     if len(pairs) > _MOST_NAMED:
         lines.append(f"{len(pairs) - _MOST_NAMED} more pairs are correlated beyond {STRONG:g}; the map has them.")
@@ -193,12 +193,12 @@ def _correlated(identification: Identification) -> list[str]:
 
 
 def correlation_text(size: float) -> str:
-    """Three digits; one that would be rounded to 1 is not 1."""
+    """Three digits, without rounding to 1."""
     return to_text(size, 3) if abs(size) < _NEARLY_ONE else f"beyond {math.copysign(0.999, size)}"
 
 
 def strong_pairs(identification: Identification) -> list[tuple[str, str, float]]:
-    """Determined parameters whose estimates hang together, the strongest first, and their correlation."""
+    """Pairs of determined parameters with correlated estimates, the strongest first, and their correlation."""
     determined = [
         k for k, estimate in enumerate(identification.estimates) if estimate.status is not Status.UNDETERMINED
     ]
@@ -211,7 +211,7 @@ def strong_pairs(identification: Identification) -> list[tuple[str, str, float]]
 
 
 def _priors(identification: Identification) -> list[str]:
-    """Estimates to which the file's tolerance adds much."""
+    """Estimates that depend on the file's tolerance."""
     leaning = [
         estimate
         for estimate in identification.estimates
@@ -241,7 +241,7 @@ def _rigid(test: RigidTest) -> str:
 
 
 def probability_text(test: RigidTest) -> str:
-    """``p = 0.03``, or that it is too small for digits."""
+    """``p = 0.03``, or an upper bound for a very small one."""
     if test.probability < _LEAST_PROBABILITY:
         return f"p < {_LEAST_PROBABILITY:.0e}"
     return f"p = {to_text(test.probability, 2)}"
@@ -250,46 +250,46 @@ def probability_text(test: RigidTest) -> str:
 def _starts(identification: Identification) -> str:
     count, same = len(identification.ends), sum(end.same for end in identification.ends)
     if count <= 1:
-        return "The search started once, at the file's values: whether there is a better place was not tried; see --starts."
+        return "The search started once, at the file's values; to look for a better optimum, use --starts."
     if same == count:
-        return f"{_all(count)} starts of the search ended in the same place."
+        return f"{_all(count)} starts of the search ended at the same optimum."
     other = min(worse(identification, end) for end in identification.ends if not end.same)
-    text = f"{same} of {count} starts of the search ended in the same, best place"
+    text = f"{same} of {count} starts of the search ended at the best optimum"
     if other < _SAME_LEFT:
-        return f"{text}; another place explains the data about as well, so do not trust this one before a further experiment."
-    return f"{text}; the others in worse ones, the next best of which leaves {to_text(other, 3)} times as much."
+        return f"{text}; another optimum explains the data about as well, so do not rely on this one without a further experiment."
+    return f"{text}; the next best optimum leaves {to_text(other, 3)} times as much."
 
 
 def worse(identification: Identification, end: Ended) -> float:
-    """How many times as much a place leaves of the data as the best one: the exponential of what their costs differ by."""
+    """Residual at an end relative to the best one: the exponential of the difference of their costs."""
     return math.exp(min(end.cost - min(other.cost for other in identification.ends), _FAR))
 
 
 def _left(identification: Identification, units: UnitSystem) -> list[str]:
-    """What the model does not explain, beside what the data say of their noise."""
+    """Residuals of the model, with the stated noise."""
     lines = [text for fitted in identification.fitted if (text := model_error(fitted, units))]
     named = [f"{title_of(fitted)}: {size_text(fitted, fitted.residual_rms, units)}" for fitted in identification.fitted]
     if named:
         more = f"; {len(named) - _MOST_NAMED} more are in the table" if len(named) > _MOST_NAMED else ""
-        lines.append(f"What is left after the fit (root mean square): {'; '.join(named[:_MOST_NAMED])}{more}.")
+        lines.append(f"Residuals of the fit (root mean square): {'; '.join(named[:_MOST_NAMED])}{more}.")
     return lines
 
 
 def _left_out(identification: Identification) -> str:
-    """What responses do not show of the loader."""
+    """Effects that responses do not include."""
     rows = beyond_linear(identification.before)
     if not rows or not any(isinstance(fitted.data, Response) for fitted in identification.fitted):
         return ""
     if identification.before["controller.period"]:
         return (
-            "Responses are compared with the sampled model about its rest, which leaves out what holds, touches, limits or rounds; "
-            "a record is compared with all of it in play."
+            "Responses are compared with the sampled model about its rest, without friction, stops, limits and resolution; "
+            "records are compared with all of them."
         )
-    return f"Responses are compared with the linear model, which leaves out {rows}; a record is compared with all of it in play."
+    return f"Responses are compared with the linear model, without {rows}; records are compared with all of them."
 
 
 def change(estimate: Estimate) -> float:
-    """How far the estimate lies from the file's value, as a share of it."""
+    """Change from the file's value, as a share of it."""
     return (estimate.value - estimate.unknown.nominal) / estimate.unknown.scale
 
 

@@ -75,7 +75,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
 
     Raises:
         InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data contradict their stated
-        experiment or channels, or the model diverges at every start.
+            experiment or channels, or the model diverges at every start.
 
     Example:
         >>> import forcefeel as ff

@@ -92,8 +92,8 @@ def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law
     if not has_grip_sensor(loader):
         moving = any(np.ptp(record.channels[GRIP_FORCE]) > 0 for record in records)
         sentence = (
-            f"The records hold {GRIP_FORCE}, but the loader file has no grip_sensor: the channel is ignored. "
-            "State grip_sensor.gain, 1 if calibrated, for a law that uses the sensor."
+            f"The records hold {GRIP_FORCE}, but the loader file has no grip_sensor: the channel is ignored. State "
+            "grip_sensor.gain, 1 if calibrated, for a law that uses the sensor."
         )
         return GripSensorEstimate(notes=(sentence,) * moving)
     used = [record for record in records if record.experiment.drive is not Drive.RELEASE]
@@ -200,20 +200,17 @@ class _SensorRecord:
             )
         if clipping := clipped(self.measured, None):
             return (
-                f"{self.name}: {GRIP_FORCE} is cut off at "
-                f"{value_text(TABLE[OFFSET], float(self.measured[clipping.begin]), 3)}: expected the whole swing; "
-                "take a larger range, or drive less"
+                f"{self.name}: {GRIP_FORCE} is clipped at {value_text(TABLE[OFFSET], float(self.measured[clipping.begin]), 3)}; "
+                "expected the whole swing; take a larger range, or drive less"
             )
         return ""
 
     def _contradicts(self, key: str, value: float, deviation: float) -> str:
         """Message if the reading is absent, of opposite sign or of another size than predicted by the file."""
-        cause = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
+        cause = "the hand's force" if key == GAIN else "the force of the mass outboard of it"
         promised = self.loader[GAIN] * (1.0 if key == GAIN else max(self.loader[MASS], _LEAST_MASS))
         if value < -_CLEAR * deviation:
-            return (
-                f"{self.name}: {GRIP_FORCE} shows {cause} with the wrong sign: turn the polarity of sensor or channel"
-            )
+            return f"{self.name}: {GRIP_FORCE} shows {cause} with the wrong sign: reverse the polarity of the sensor or channel"
         # Noise alone exceeds two deviations once in twenty times, so a value far below the prediction counts as zero too.
         low = not _is_determined(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
         if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
@@ -225,8 +222,8 @@ class _SensorRecord:
         stated = key == GAIN or self.loader[MASS] > 0
         if stated and _is_determined(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
             return (
-                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {cause} as the file "
-                f"promises: look at its unit, at {GAIN} and {MASS} in the file, and whether it is that sensor's signal"
+                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {cause} as the file predicts: check "
+                f"its unit, {GAIN} and {MASS} in the file, and that it is that sensor's signal"
             )
         return ""
 
@@ -237,17 +234,17 @@ class _SensorRecord:
         if missed <= max(UNEXPLAINED * moves, _NOISIER * self.declared):
             return []
         return [
-            f"{self.name}: {missed / moves:.0%} of what {GRIP_FORCE} shows is neither the hand's recorded force nor what moves the "
-            f"mass outboard of it, {value_text(TABLE[OFFSET], missed, 2)} r.m.s.: it is cut off, drops out, drifts, is another "
-            "signal, or a hand was on the grip"
+            f"{self.name}: {missed / moves:.0%} of {GRIP_FORCE} is neither the hand's recorded force nor that of the mass "
+            f"outboard of it, {value_text(TABLE[OFFSET], missed, 2)} r.m.s.: the signal is clipped, drops out, drifts or is "
+            "another one, or a hand was on the grip"
         ]
 
     def _notes(self, residual_rms: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
         lines = []
         if self.loader[f"{GRIP_SENSOR}.noise"] and residual_rms > _NOISIER * self.declared:
             lines.append(
-                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off its "
-                f"prediction, but the file states {value_text(TABLE[OFFSET], self.declared, 2)}: correct its noise in the file."
+                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off its prediction, but the "
+                f"file states {value_text(TABLE[OFFSET], self.declared, 2)}: correct its noise in the file."
             )
         if GAIN not in rows and MASS not in rows:
             lines.append(

@@ -37,7 +37,7 @@ class Estimate:
         low, high: Its 95 % interval, by Student's t.
         share: Half the 95 % interval from the data alone, without prior, as a share of the value's size.
         status: Whether the data determine it. Otherwise the value is an arbitrary end of the search, not to be reported, and the
-        other numbers are infinite.
+            other numbers are infinite.
 
     Example:
         >>> import forcefeel as ff
@@ -174,7 +174,7 @@ class Identification:
         rigid: Test of the link; ``None`` if not possible, with the reason in ``notes``.
         notes: Remarks, a sentence each.
         loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` if a
-        parameter is undetermined or ended at its bound, or the model does not explain the data.
+            parameter is undetermined or ended at its bound, or the model does not explain the data.
 
     Example:
         >>> import forcefeel as ff

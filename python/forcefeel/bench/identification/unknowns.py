@@ -100,7 +100,7 @@ def parameter_keys(spec: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[s
         drive: Of the loader, whose rows the symbols are.
 
     Raises:
-        InputError: If there is none, one is unknown or stands twice.
+        InputError: If the text is empty, or a name is unknown or stands twice.
     """
     names = [name.strip() for name in (spec.split(",") if isinstance(spec, str) else spec)]
     names = [name for name in names if name]

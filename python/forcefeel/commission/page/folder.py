@@ -1,4 +1,4 @@
-"""The whole folder of a commissioning: its page, the loader file and the law beside the steps' folders."""
+"""The folder of a commissioning: page, loader file and law, next to the steps' folders."""
 
 import json
 from collections.abc import Sequence
@@ -15,16 +15,16 @@ from forcefeel.json_values import json_text
 from forcefeel.page.folder import OutputFolder
 
 PAGE, RESULTS, LOADER = "commission.html", "results.json", "loader.toml"
-"""Names in the folder, beside those of the law."""
+"""Names in the folder, besides those of the law."""
 
 FOLDER = OutputFolder("the commissioning", (PAGE, RESULTS, LOADER, GOOD_LAW, OTHER_LAW))
-"""Checked before the work, written after it."""
+"""Files checked before the work and written after it."""
 
 _STEPS = (IDENTIFICATION, LAW, ENVELOPE, TESTS)
 
 
 def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequence[Path] = ()) -> None:
-    """Refuses what would fail halfway. A folder of the same command, whole or interrupted, is taken up again.
+    """Refuse an unusable folder before the work. A folder of the same command, complete or interrupted, is resumed.
 
     Args:
         out: The folder.
@@ -56,14 +56,14 @@ def _asked(out: Path) -> str | None:
 
 
 def write_commission(commission: Commission, out: str | Path, *, command: str = "") -> Path:
-    """Writes ``loader.toml``, the law, ``results.json`` and ``commission.html``, the page last.
+    """Write ``loader.toml``, the law, ``results.json`` and ``commission.html``, the page last.
 
-    The law is ``law.json`` if it may be handed over, else ``law-rejected.json``; one of an earlier run goes.
+    The law is ``law.json`` if it is accepted, else ``law-rejected.json``; that of an earlier run is removed.
 
     Args:
         commission: The commissioning result.
-        out: The folder that it was made in.
-        command: The command that asked for it, to stand on the page.
+        out: The folder of the run.
+        command: The command, for the page.
 
     Returns:
         The path of the page.

@@ -14,7 +14,7 @@ from forcefeel.units import UnitSystem
 
 
 def steps(rows: Sequence[Row]) -> Table:
-    """Each step, what it came to, and where it can be looked into."""
+    """Each step with its result and page."""
     cells = [
         (
             words(Markup('<a href="{}">{}</a>').format(row.page, capital(row.title))),
@@ -27,7 +27,7 @@ def steps(rows: Sequence[Row]) -> Table:
 
 
 def estimates(commission: Commission, units: UnitSystem) -> Table:
-    """Each parameter: the file's value, what holds now, how sure."""
+    """Each parameter: the file's value, the current value and its accuracy."""
     rows = []
     for parameter in commission.identified.parameters:
         row = unit(TABLE[parameter.key])
@@ -45,7 +45,7 @@ def estimates(commission: Commission, units: UnitSystem) -> Table:
 
 
 def shares(checked: Checked, required: float) -> Table:
-    """What the law renders."""
+    """Shares that the law renders."""
     rows = (
         ("Identified loader", checked.passes, True),
         (f"{checked.machines} machines, all tolerances at once, on average", checked.drawn, True),
@@ -61,7 +61,7 @@ def shares(checked: Checked, required: float) -> Table:
 
 
 def what_ifs(checked: Checked) -> Table:
-    """What would render more."""
+    """Changes that would render more."""
     now = (words("As it is"), number(share_text(checked.passes)))
     rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in checked.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))

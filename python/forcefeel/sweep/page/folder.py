@@ -1,4 +1,4 @@
-"""What the report adds to a sweep's folder: its page, its summary and the band of responses, whole or not at all."""
+"""Report of a sweep in its folder: page, summary and band of responses, whole or not at all."""
 
 import csv
 import io
@@ -17,26 +17,26 @@ PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
 """Names in the folder."""
 
 FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
-"""What the report writes."""
+"""Files of the report."""
 
 RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,), plots=False)
-"""What the runs leave."""
+"""Files of the runs."""
 
 
 def write_sweep(
     result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original", *, command: str = ""
 ) -> Path:
-    """Writes ``sweep.html``, ``summary.json`` and, of a sweep without grid, ``envelope.csv``.
+    """Write ``sweep.html``, ``summary.json`` and, for a sweep without grid, ``envelope.csv``.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are kept.
 
     Args:
         result: The sweep.
-        summary: What its runs say together.
-        out: The folder; made if it is not there.
+        summary: Its summary.
+        out: The folder; created if missing.
         units: The units of every number.
-        law: What the law that drove the servos is called.
-        command: The command that asked for it, to stand on the page.
+        law: Name of the law.
+        command: The command, for the page.
 
     Returns:
         The path of the page.

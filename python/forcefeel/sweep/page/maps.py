@@ -1,4 +1,4 @@
-"""The plots of a sweep over a grid: lines over one setting, maps over two."""
+"""Plots of a sweep over a grid: lines over one setting, maps over two."""
 
 import math
 from collections.abc import Callable
@@ -21,28 +21,28 @@ from forcefeel.units import UnitSystem
 
 _GONE = "#D9DEE4"
 _EVEN = 1e-6
-"""Relative; steps that are the same but for rounding."""
+"""Relative tolerance of equal steps, for rounding."""
 
 _STABLE_SCALE = [[0.0, "#B3261E"], [0.4999, "#F6D9CF"], [0.5, "#E3F1EC"], [1.0, "#00664B"]]
 _DAMPING_VIEW = 0.3
-"""Damping ratio, to either side, at which the colours of the stability map end."""
+"""Damping ratio, to either side, at the ends of the colors of the stability map."""
 
 _SQUARE = 400
 
 _FINE_DECADES = 1.2
-"""Decades of a logarithmic axis up to which 2 and 5 are labelled too, and not only marked."""
+"""Decades of a logarithmic axis up to which 2 and 5 are labeled too, and not only marked."""
 
 _FAR = 0.5
-"""Extremes farther beyond the middle nine of ten, as a share of its width, are beyond the ends of the colours."""
+"""Extremes farther beyond the middle nine of ten, as a share of its width, are beyond the ends of the colors."""
 
 
 def measure_map(
     result: SweepResult, measure: str, stability: xr.DataArray | None, system: UnitSystem
 ) -> tuple[go.Figure, str]:
-    """A measure over both settings; grey where every run diverged, with the linear boundary of stability.
+    """A measure over both settings; gray where every run diverged, with the linear boundary of stability.
 
     Returns:
-        The plot, and a remark if values lie beyond the ends of its colours.
+        The plot, and a remark if values lie beyond the ends of its colors.
     """
     measured_in = measure_unit(measure, result.sweep.loader.drive)
     z = result.map(measure).values.T * measured_in.from_si(1.0, system)
@@ -53,7 +53,7 @@ def measure_map(
     if stability is not None:
         _boundary(picture, result, stability, system, "#FFFFFF")
     _nominal(picture, result, system)
-    remark = "The colours end before the extremes; point at the map for the values." if cut else ""
+    remark = "The colors end before the extremes; point at the map for the values." if cut else ""
     return _framed(picture, result, system), remark
 
 
@@ -67,7 +67,7 @@ def share_map(result: SweepResult, system: UnitSystem) -> go.Figure:
 
 
 def status_map(result: SweepResult, system: UnitSystem) -> go.Figure:
-    """How the run at each point ended."""
+    """Status of the run at each point."""
     names, hues = list(STATUS_COLORS), list(STATUS_COLORS.values())
     share = np.stack([result.share_map(name).values.T for name in names])
     z = share.argmax(axis=0).astype(float)
@@ -127,7 +127,7 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
 
 
 def status_lines(result: SweepResult, system: UnitSystem) -> go.Figure:
-    """How the runs end over one setting, as shares one upon another."""
+    """Stacked shares of the status over one setting."""
     (key,) = result.sweep.axes
     x = _axis(result, key, system)
     picture = go.Figure()
@@ -151,7 +151,7 @@ def status_lines(result: SweepResult, system: UnitSystem) -> go.Figure:
 
 
 STATUS_COLORS = {"settled": "#009E73", "moving": "#E0A100", "diverged": "#B3261E", "impossible": "#8A939E"}
-"""Colour of each way to end."""
+"""Color of each status."""
 
 
 def _map(result: SweepResult, z: NDArray[np.float64], system: UnitSystem, hover: str, **style: Any) -> go.Figure:
@@ -192,7 +192,7 @@ def _boundary(picture: go.Figure, result: SweepResult, stability: xr.DataArray, 
 
 
 def _nominal(picture: go.Figure, result: SweepResult, system: UnitSystem) -> None:
-    """A mark where the loader's own setting is, if it is in view."""
+    """A mark at the loader's own setting, if in view."""
     loader, axes = result.sweep.loader, result.sweep.axes
     if all(min(values) <= loader[key] <= max(values) for key, values in axes.items()):
         x, y = (unit(TABLE[key]).from_si(loader[key], system) for key in axes)
@@ -249,7 +249,7 @@ def _edges(points: NDArray[np.float64], log: bool) -> NDArray[np.float64]:
 
 
 def _limits(z: NDArray[np.float64]) -> tuple[float, float, bool]:
-    """The ends of the colours, and whether values lie beyond."""
+    """The ends of the colors, and whether values lie beyond."""
     finite = z[np.isfinite(z)]
     if not len(finite):
         return 0.0, 1.0, False

@@ -1,4 +1,4 @@
-"""The page of a sweep: the template filled with plots, tables and words."""
+"""The page of a sweep: the template with plots, tables and text."""
 
 from dataclasses import replace
 
@@ -21,10 +21,10 @@ from forcefeel.sweep.summary import Spread, Summary
 from forcefeel.units import UnitSystem
 
 _TORNADOS = 4
-"""Measures of which it is drawn what they go with."""
+"""Number of measures with a plot of correlations."""
 
 _SLICED = 2
-"""Measures that are drawn over the parameter that matters most for them."""
+"""Number of measures drawn over their most important parameter."""
 
 _MAPPED = 5
 
@@ -36,10 +36,10 @@ def sweep_page(
 
     Args:
         result: The sweep.
-        summary: What its runs say together.
+        summary: Its summary.
         units: The units of every number.
-        law: What the law that drove the servos is called.
-        command: The command that asked for it.
+        law: Name of the law.
+        command: The command.
     """
     sweep = result.sweep
     nominal = simulate(sweep.loader, sweep.scenario, sweep.nominal_law)
@@ -69,7 +69,7 @@ def sweep_page(
 
 
 def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
-    """The band of responses; nothing if every run of the sample diverged."""
+    """The band of responses; ``None`` if every run of the sample diverged."""
     count = int(result.envelope.attrs["runs"])
     if not count:
         return None
@@ -150,7 +150,7 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
 
 
 def _middle(spread: Spread, units: UnitSystem) -> str:
-    """Where nine of ten runs lie, and the nominal loader."""
+    """Range of nine of ten runs, and the nominal loader."""
     low, high, nominal = (
         number_of(spread.unit, value, units) for value in (spread.quantile(0.05), spread.quantile(0.95), spread.nominal)
     )

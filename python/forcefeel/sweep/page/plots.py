@@ -1,4 +1,4 @@
-"""The plots of a Monte Carlo sweep: the band of responses, how measures are spread, and what they depend on."""
+"""Plots of a Monte Carlo sweep: band of responses, distributions and correlations of the measures."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -35,7 +35,7 @@ _IDEAL = LineStyle(IDEAL, "dot", 2.0)
 
 
 def color(law: str) -> str:
-    """The colour of a law: the one that its curves have in the design report."""
+    """The color of a law, as in the design report."""
     return COMPLIANT if law == "original" else COMPENSATED
 
 
@@ -45,8 +45,8 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
     Args:
         result: The sweep.
         nominal: Column angle of the nominal loader at the samples, rad.
-        ideal: The same of the ideal feel, if it says something.
-        hue: Colour of the band.
+        ideal: The same of the ideal feel, if relevant.
+        hue: Color of the band.
     """
     envelope = result.envelope
     time = envelope["time_s"].values
@@ -77,12 +77,12 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
 
 @dataclass(frozen=True)
 class Fill:
-    """How a band looks.
+    """Style of a band.
 
     Attributes:
         name: In the legend.
-        color: Its colour.
-        hover: What is said of a value at its edges, as a template of Plotly.
+        color: Its color.
+        hover: Plotly template of the hover text at its edges.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Fill:
 
 
 def filled(picture: go.Figure, x: NDArray[np.float64], edges: dict[str, NDArray[np.float64]], fill: Fill) -> None:
-    """Adds a band between two edges, which have names; the lower one first."""
+    """Add a band between two named edges, the lower first."""
     fills: dict[str, dict[str, Any]] = {"none": {"showlegend": False}, "tonexty": {"fillcolor": fill.color}}
     for (edge, y), (mode, style) in zip(edges.items(), fills.items(), strict=True):
         picture.add_scatter(
@@ -108,10 +108,10 @@ def filled(picture: go.Figure, x: NDArray[np.float64], edges: dict[str, NDArray[
 
 
 def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, hue: str) -> tuple[go.Figure, int]:
-    """How a measure is spread: share of the runs over its value, the middle nine of ten full, median and nominal marked.
+    """Distribution of a measure: share of the runs over its value, the middle nine of ten full, median and nominal marked.
 
     Returns:
-        The plot, and how many runs are farther out than it shows.
+        The plot, and the number of runs outside its range.
     """
     measured_in = spread.unit
     scale = measured_in.from_si(1.0, system)
@@ -160,7 +160,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
 
 
 def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
-    """What a measure goes with: rank correlations, the largest on top, and the size that is chance."""
+    """Rank correlations of a measure, the largest on top, and the range of chance."""
     row = summary.correlations.sel(measure=measure)
     ranking = [
         (str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True) if np.isfinite(rho)

@@ -1,4 +1,4 @@
-"""The tables of a sweep: how runs ended, how measures are spread, what they go with, what was varied."""
+"""Tables of a sweep: status, spread and correlations of the measures, varied parameters."""
 
 from math import isfinite
 
@@ -22,12 +22,12 @@ _MEANINGS = {
     "settled": "the last swing is within 5 % of the whole",
     "moving": "still swings, or drifts, at the end of the run",
     "diverged": "left every bound: unstable",
-    "impossible": "values that do not go together; not run",
+    "impossible": "values contradict each other; not run",
 }
 
 
 def statuses(summary: Summary) -> Table:
-    """How the runs ended; of a random sample with how sure that is."""
+    """Status of the runs, with confidence intervals of a random sample."""
     shares = [share for share in summary.shares if share.runs or share.status != IMPOSSIBLE]
     sure = any(isfinite(share.low) for share in shares)
     rows = []
@@ -53,7 +53,7 @@ def spreads(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> 
 
 
 def correlations(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> Table:
-    """Rank correlations: the stronger, the darker the cell; what is chance is pale."""
+    """Rank correlations: the stronger, the darker the cell; those within chance are pale."""
     table = summary.correlations.sel(measure=list(measures))
     strength = np.nan_to_num(np.abs(table.values)).max(axis=0)
     order = np.argsort(-strength, kind="stable")
@@ -79,7 +79,7 @@ def _correlation(rho: float, chance: float) -> Cell:
 
 
 def tolerances(result: SweepResult, system: UnitSystem) -> Table:
-    """What was drawn, from which distribution between which bounds, and who said so."""
+    """Drawn parameters: distribution, bounds and source."""
     rows = []
     for key, tolerance in result.sweep.varied.items():
         rows.append(
@@ -114,7 +114,7 @@ def grid(result: SweepResult, system: UnitSystem) -> Table:
 
 
 def _span(result: SweepResult, key: str, ends: tuple[float, float], system: UnitSystem) -> tuple[Cell, ...]:
-    """A parameter, the loader's value, from where to where it is varied, the unit."""
+    """A parameter, the loader's value, its range, the unit."""
     measured_in = unit(TABLE[key])
     values = (
         number_text(measured_in.from_si(value, system)) if isfinite(value) else "none"

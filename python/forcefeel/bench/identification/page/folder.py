@@ -17,7 +17,7 @@ PAGE, RESULTS, LOADER, RESPONSES = "identification.html", "results.json", "loade
 """Names in the folder."""
 
 FOLDER = OutputFolder("the identification", (PAGE, RESULTS, LOADER), (RESPONSES,))
-"""Checked before the work, written after it."""
+"""Files checked before the work and written after it."""
 
 _NAME = re.compile(r"[^\w.-]+")
 
@@ -33,28 +33,27 @@ def write_identification(  # noqa: PLR0913  keywords of what is asked
     replace: bool = False,
     command: str = "",
 ) -> Path:
-    """Writes ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
+    """Write ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
 
-    ``loader.toml`` is written only where every parameter is determined and the model explains the data; one that an earlier
-    identification left there goes. Other
-    files in the folder are left alone.
+    ``loader.toml`` is written only if every parameter is determined and the model explains the data; an earlier one is removed.
+    Other files in the folder are kept.
 
     Args:
         identification: The identification.
-        out: The folder; made if it is not there.
+        out: The folder; created if missing.
         units: The units of every number.
-        settings: How it was made, to be said on the page; nothing is said of it if not given.
-        estimated: Responses that were estimated from records; a file each in ``responses``.
-        inputs: Files that the identification was made from; none of them is overwritten.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        settings: Settings of the fit, for the page.
+        estimated: Responses estimated from records; a file each in ``responses``.
+        inputs: Input files, which are not overwritten.
+        replace: Whether to replace existing files.
+        command: The command, for the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or one of ``inputs`` under such a
-            name, or cannot be written.
+        InputError: If ``out`` is a file or cannot be written, holds files of these names without ``replace``, or one of ``inputs``
+            has such a name.
 
     Example:
         >>> import forcefeel as ff

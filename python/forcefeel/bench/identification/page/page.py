@@ -1,4 +1,4 @@
-"""The page of an identification: the template filled with plots, tables and words."""
+"""The page of an identification: the template with plots, tables and text."""
 
 from collections.abc import Sequence
 
@@ -32,9 +32,9 @@ def identification_page(
     Args:
         identification: The identification.
         units: Units of the numbers.
-        settings: How it was made; nothing is said of it if not given.
-        estimated: Files beside the page that hold responses estimated from records.
-        command: The command that asked for it.
+        settings: Settings of the fit.
+        estimated: Files with responses estimated from records.
+        command: The command.
     """
     responses = [fitted for fitted in identification.fitted if isinstance(fitted.data, Response)]
     return render(
@@ -74,7 +74,7 @@ def identification_page(
 
 
 def _estimates(identification: Identification) -> Markup:
-    """The plot of the estimates; nothing where there is none to draw."""
+    """The plot of the estimates; empty without determined ones."""
     if all(estimate.status is Status.UNDETERMINED for estimate in identification.estimates):
         return Markup("")
     return drawing(identification_plots.estimates(identification), "estimates-plot")

@@ -1,4 +1,4 @@
-"""The plots of an identification: where the estimates lie, responses and records beside the model."""
+"""Plots of an identification: estimates, and responses and records with the model."""
 
 import math
 
@@ -18,10 +18,10 @@ from forcefeel.page.typography import split_symbol, unit_text
 from forcefeel.units import UnitSystem
 
 MOST_POINTS = 2000
-"""Most points of a drawn curve; of a longer one the lowest and the highest of each stretch are drawn."""
+"""Most points of a drawn curve; a longer one is reduced to the extremes of each stretch."""
 
 MOST_SWINGS, SHOWN_SWINGS = 100, 40
-"""Crossings of its mean up to which a channel is drawn whole, and how many are drawn of one that has more."""
+"""Most crossings of the mean of a channel drawn whole, and the number drawn otherwise."""
 
 _NORMAL_95 = 1.96
 _MEASURED, _FITTED, _BEFORE = (
@@ -36,17 +36,17 @@ _DB = 20 / math.log(10)
 _TICKS = [mantissa * 10.0**power for power in range(-3, 4) for mantissa in (1, 2, 5)]
 _SPARSE = [10.0**power for power in range(-3, 4)]
 _WIDE_DECADES = 3.0
-"""From so many decades on only powers of ten are labelled, so that a phone has room."""
+"""Number of decades above which only powers of ten are labeled, for small screens."""
 
 _ROOM, _LEAST_LEFT = 1.15, 1e-6
-"""View over the largest error, and the least error in percent: data without noise leave nothing."""
+"""Ratio of the axis range to the largest error, and the least error in percent, for data without noise."""
 
 _ROW_PX = 46
 _LOST, _VEIL = "#B3261E", "rgba(255,255,255,0.8)"
 
 
 def estimates(identification: Identification) -> go.Figure:
-    """Estimates with their 95 % intervals as percent of the file's value, and what the file's tolerances allow."""
+    """Estimates with their 95 % intervals in percent of the file's value, and the file's tolerances."""
     picture = go.Figure()
     bounded = [estimate for estimate in identification.estimates if estimate.unknown.tolerance]
     determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
@@ -95,7 +95,7 @@ def estimates(identification: Identification) -> go.Figure:
 
 
 def response(fitted: Fitted, data: Response, units: UnitSystem) -> go.Figure:
-    """Gain, phase and what is left over frequency: measured, the file's model, the fitted one; coherence where it is known."""
+    """Gain, phase and residual over frequency: measured, the file's model, the fitted one; coherence if known."""
     coherent = data.coherence is not None
     heights = [0.36, 0.28, 0.22, 0.14] if coherent else [0.42, 0.32, 0.26]
     rows = len(heights)
@@ -122,7 +122,7 @@ def response(fitted: Fitted, data: Response, units: UnitSystem) -> go.Figure:
 
 
 def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
-    """A channel over time, measured and modelled, and what is left of it."""
+    """A channel over time, measured and modeled, and its residual."""
     picture = make_subplots(rows=2, cols=1, vertical_spacing=0.14, row_heights=[0.66, 0.34])
     quantity = channel_unit(fitted.channel)
     scale, unit = quantity.from_si(1.0, units), unit_text(quantity.shown(units))
@@ -160,7 +160,7 @@ def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
 
 
 def phases(part: Fitted) -> dict[str, NDArray[np.float64]]:
-    """Phases in deg without jumps: the fitted model's unwound along the lines, the measured ones within half a turn of it."""
+    """Unwrapped phases in deg: the fitted model's along the lines, the measured ones within half a turn of it."""
     values = _values(part)
     fitted = np.unwrap(np.angle(values["fitted"]))
     before = np.unwrap(np.angle(values["the file's model"]))
@@ -174,7 +174,7 @@ def phases(part: Fitted) -> dict[str, NDArray[np.float64]]:
 
 
 def stretch(measured: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Which samples the overlay shows: all, or where a channel swings too often to be seen, some swings about what is left most."""
+    """Samples of the overlay: all, or for a channel with many swings, some about the largest residual."""
     count, swings = len(measured), int(np.count_nonzero(np.diff(np.signbit(measured - np.mean(measured)))))
     if swings <= MOST_SWINGS:
         return np.arange(count)
@@ -219,7 +219,7 @@ def _overlay(
 
 
 def _left_of_response(picture: go.Figure, fitted: Fitted, data: Response) -> None:
-    """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and where 95 % of the noise lies."""
+    """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and the band of 95 % of the noise."""
     error = 100 * np.log(np.asarray(fitted.measured, dtype=np.complex128) / fitted.modelled)
     limit = 100 * _NORMAL_95 * _noise(fitted, data)
     picture.add_scatter(
@@ -245,13 +245,13 @@ def _left_of_response(picture: go.Figure, fitted: Fitted, data: Response) -> Non
             row=3,
             col=1,
         )
-    # The points are what is to be seen; lines of a wide band may leave the panel.
+    # The axis fits the points; lines of a wide band may leave the panel.
     view = _ROOM * max(float(np.abs(error.real).max()), float(np.abs(error.imag).max()), _LEAST_LEFT)
     picture.update_yaxes(title_text="Residual, %", range=[-view, view], row=3, col=1, **ZERO)
 
 
 def _noise(fitted: Fitted, data: Response) -> NDArray[np.float64]:
-    """Standard deviation of each line as the fit found it: the same share of what the data state for each, or of all."""
+    """Estimated standard deviation of each line, in proportion to the stated one if there is any."""
     if data.deviation is None or len(data.deviation) != len(fitted.at):
         return np.full(len(fitted.at), fitted.noise)
     return fitted.noise / float(np.sqrt(np.mean(data.deviation**2))) * data.deviation
@@ -281,7 +281,7 @@ def _line(
 
 
 def _error(data: Response, scale: float) -> NDArray[np.float64] | None:
-    """95 % bars of the points, where their deviation is known."""
+    """95 % bars of the points, if their deviation is known."""
     return None if data.deviation is None else _NORMAL_95 * scale * data.deviation
 
 

@@ -1,4 +1,4 @@
-"""The tables of an identification: estimates, correlations, what is left of the data, what cannot be told apart."""
+"""Tables of an identification: estimates, correlations, residuals, inseparable parameters."""
 
 import math
 from collections.abc import Sequence
@@ -29,14 +29,14 @@ from forcefeel.units import UnitSystem, to_text
 _MINUS = "\N{MINUS SIGN}"
 _WHITE, _AGAINST, _TOGETHER = (255, 255, 255), (240, 140, 60), (86, 160, 211)
 _SHOWN = 0.005
-"""A smaller correlation is none to two digits."""
+"""Smallest correlation that is not zero to two digits."""
 
 _HASH = 12
-"""Characters of a hash that are enough to know a file by."""
+"""Displayed characters of a hash."""
 
 
 def estimates(identification: Identification, units: UnitSystem) -> Table:
-    """Every parameter: the file's value, the estimate, how sure it is."""
+    """Every parameter: the file's value, the estimate and its accuracy."""
     numbers = ("Unit", "File", "Estimate", "Change", "Standard error", "of the value", "95 % interval")
     head = (Cell("Parameter"), *(Cell(text, "number") for text in numbers), Cell("Status"))
     return Table(head, tuple(_estimate(estimate, units) for estimate in identification.estimates))
@@ -82,7 +82,7 @@ def _correlation(value: float) -> Cell:
 
 
 def inseparable(group: Inseparable) -> Table:
-    """How parameters that cannot be told apart move together, the largest 1."""
+    """Direction of inseparable parameters, the largest 1."""
     rows = [
         (words(parameter_name(key)), number_cell(number_text(weight, 2)))
         for key, weight in zip(group.keys, group.weights, strict=True)
@@ -91,7 +91,7 @@ def inseparable(group: Inseparable) -> Table:
 
 
 def advice(identification: Identification) -> Table:
-    """Half the 95 % interval of each parameter with the data as they are, and with each experiment that is advised."""
+    """Half the 95 % interval of each parameter with these data, and with each advised experiment."""
     head = heads("Parameter", "These data", *(f"Experiment {k}" for k in range(1, len(identification.advice) + 1)))
     rows = []
     for estimate in identification.estimates:
@@ -107,12 +107,12 @@ def rigid(test: RigidTest) -> Table:
     """The two models of the link side by side."""
     rows = (
         (
-            words("Relative error that is left, root mean square"),
+            words("Residual relative error, root mean square"),
             *map(_percent_cell, (test.rigid_rms, test.compliant_rms)),
         ),
         (words("F and its degrees of freedom"), number_cell(_statistic(test)), number_cell(NONE)),
         (
-            words("Probability, were the link rigid"),
+            words("Probability if the link is rigid"),
             number_cell(probability_text(test).removeprefix("p ").removeprefix("= ")),
             number_cell(NONE),
         ),
@@ -126,7 +126,7 @@ def rigid(test: RigidTest) -> Table:
 
 
 def data(identification: Identification, units: UnitSystem) -> Table:
-    """Every set of data: what it is, and what the fit leaves of it."""
+    """Every data set, with the residual of the fit."""
     head = (
         *(Cell(text, "words") for text in ("Data", "Experiment", "What")),
         *(Cell(text, "number") for text in ("Points", "Span", "Residual, r.m.s.", "Noise")),
@@ -156,7 +156,7 @@ def _data(fitted: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
 
 
 def ends(identification: Identification, units: UnitSystem) -> Table:
-    """Where each start of the search ended; of a parameter that is not determined there is nothing to show."""
+    """End of each start of the search, without undetermined parameters."""
     determined = [
         (k, estimate)
         for k, estimate in enumerate(identification.estimates)
@@ -170,24 +170,24 @@ def ends(identification: Identification, units: UnitSystem) -> Table:
         rows.append(
             (Cell(str(k)), *values, number_cell(relative_cost), words("yes" if end.same else "no", bad=not end.same))
         )
-    numbers = (*names, "What it leaves, of the best")
-    return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("The same place")), tuple(rows))
+    numbers = (*names, "Residual, of the best")
+    return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("Same optimum")), tuple(rows))
 
 
 def settings(fit_settings: FitSettings) -> Table:
-    """How the fit was made."""
+    """Settings of the fit."""
     rows = (
         ("Loss of large residuals", fit_settings.loss),
         ("Starts of the search", str(fit_settings.starts)),
         ("Normal tolerances of the file as priors", "yes" if fit_settings.priors else "no"),
-        ("Records turned into frequency responses first", "yes" if fit_settings.as_responses else "no"),
+        ("Records converted into frequency responses first", "yes" if fit_settings.as_responses else "no"),
         ("Law of the whole loader", fit_settings.law),
     )
     return Table((Cell("Setting"), Cell("Value")), tuple((words(name), Cell(value)) for name, value in rows))
 
 
 def glance(identification: Identification) -> Sequence[tuple[str, str]]:
-    """The few numbers to see first: what they are, and they."""
+    """Names and values of the key numbers."""
     determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
     same = sum(end.same for end in identification.ends)
     errors = [relative_error(estimate) for estimate in determined if estimate.value and not estimate.unknown.is_phase]
@@ -195,7 +195,7 @@ def glance(identification: Identification) -> Sequence[tuple[str, str]]:
         ("parameters determined", f"{len(determined)} of {len(identification.estimates)}"),
         ("largest standard error", _share(max(errors)) if errors else NONE),
         ("points of data", f"{sum(len(fitted.at) for fitted in identification.fitted):,}"),
-        ("starts that ended in the same place", f"{same} of {len(identification.ends)}"),
+        ("starts that ended at the best optimum", f"{same} of {len(identification.ends)}"),
     )
 
 
@@ -217,14 +217,14 @@ def _share(share: float) -> str:
 
 
 def _half(share: float) -> str:
-    """Half an interval in percent; one of the value's own size or more says nothing."""
+    """Half an interval in percent; without a number from the size of the value on."""
     if math.isnan(share):
         return NONE
     return f"±{percent(share)}" if share < _SAYS_NOTHING else "nothing"
 
 
 _SAYS_NOTHING = 10.0
-"""Half an interval, of the value: so wide that a number for it would only confuse."""
+"""Half an interval relative to the value from which on no number is shown."""
 
 
 def _quantity(text: str) -> str:
