@@ -169,7 +169,7 @@ def test_the_words_name_the_choice_and_every_other_method(scored):
     choice = choose(scored)
     said = choice_conclusions(scored, choice, UnitSystem.US)
     assert said.ok
-    assert said.verdict.startswith(f"Take {choice.chosen}. ")
+    assert said.verdict.startswith(f"Use {choice.chosen}. ")
     for score in scored.scores:
         assert any(score.name in line.lower() for line in (said.verdict, *said.findings))
     # Whether a law qualifies is what `qualify` finds by the whole programme; a choice does not claim it.

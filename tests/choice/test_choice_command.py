@@ -47,7 +47,7 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     assert (status, err) == (0, "")
     stored = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
     assert tuple(stored["laws"]) == names
-    assert f"Take {stored['chosen']}." in out
+    assert f"Use {stored['chosen']}." in out
     text = re.sub(
         r"<(script|style).*?</\1>", "", (tmp_path / "found" / PAGE).read_text(encoding="utf-8"), flags=re.DOTALL
     )
@@ -58,7 +58,7 @@ def test_none_is_eligible(run):
     grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
     status, out, _ = run("--method", "auto", *grid)
     assert status == 1
-    assert "None of the 3 methods is eligible" in out
+    assert "None of the 3 laws is eligible" in out
     assert "elevator-2khz" in out
 
 

@@ -204,7 +204,7 @@ def test_a_machine_that_cannot_be_is_a_status_and_the_others_stand():
     assert found.reasons == {"column.static_friction is below column.coulomb_friction": int(cannot.sum())}
     summary = summarize(found)
     assert summary.spreads["final_angle_rad"].runs == int((~cannot).sum())
-    assert "cannot be, and were not run" in " ".join(sweep_conclusions(found, summary, UnitSystem.US).findings)
+    assert "are impossible and were not run" in " ".join(sweep_conclusions(found, summary, UnitSystem.US).findings)
     # The same machine alone is refused for the same reason.
     bad = int(np.argmax(cannot.values))
     with pytest.raises(InputError, match=r"column\.static_friction: expected at least column\.coulomb_friction"):
@@ -286,7 +286,7 @@ def test_conclusions_name_what_matters(result):
     found = sweep_conclusions(result, summary, UnitSystem.US)
     assert "of 1,500 loaders" in found.verdict or "All 1,500 loaders" in found.verdict
     assert "overshoot" in found.verdict
-    assert "matters most for it" in found.verdict
+    assert "has the largest effect on it" in found.verdict
     assert not any(len(word) > 40 for word in " ".join(found.findings).split())
 
 

@@ -109,7 +109,7 @@ def test_what_diverged_or_cannot_be_is_said(pages, results):
     said = words(pages["unstable"])
     status = results["unstable"].runs["status"].values
     assert {"diverged", "impossible"} <= set(status)
-    assert f"{(status == 'impossible').sum()} loaders cannot be, and were not run" in said
+    assert f"{(status == 'impossible').sum()} loaders are impossible and were not run" in said
     assert 'class="verdict bad"' in pages["unstable"].read_text(encoding="utf-8")
     assert "values that do not go together; not run" in said
     assert "this sweep" in said

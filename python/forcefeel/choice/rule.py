@@ -129,13 +129,14 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
         )
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
         found.append(
-            f"the loop's gain may only go from {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} of its own"
+            f"the stable range of the loop gain is only {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} times "
+            "its value"
         )
     if margins.phase_rad < reserve.phase_rad:
         found.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
     if period_s and margins.delay_s < LEAST_PERIODS * period_s:
         found.append(
-            f"it bears {to_text(1e3 * margins.delay_s, 3)} ms more delay, less than a period of {to_text(1e3 * period_s, 3)} ms"
+            f"its delay margin is {to_text(1e3 * margins.delay_s, 3)} ms, less than a period of {to_text(1e3 * period_s, 3)} ms"
         )
     return found
 
@@ -160,15 +161,15 @@ def _reaching(able: list[Score], least: float) -> list[Score]:
 
 def _why(best: Score, eligible: int) -> str:
     if best.over is None:
-        return f"{capital(best.name)} is stable with the margins that are asked for."
+        return f"{capital(best.name)} is stable with the required margins."
     shares = best.over.shares
     what = (
         f"{capital(best.name)} renders {share_text(shares.worst_case_share)} of the settings in every case and "
         f"{share_text(shares.nominal_share)} with the nominal plant"
     )
     if eligible == 1:
-        return f"{what}; no other method is eligible."
-    return f"{what}: the best of the {eligible} methods that are eligible."
+        return f"{what}; no other law is eligible."
+    return f"{what}: the best of the {eligible} eligible laws."
 
 
 def _behind(score: Score, best: Score, least: float) -> str:
@@ -177,8 +178,9 @@ def _behind(score: Score, best: Score, least: float) -> str:
     mine, its = _share(score, "nominal_share"), _share(best, "nominal_share")
     if mine < min(least, its):
         return (
-            f"{name} is eligible and renders {share_text(mine)} with the nominal plant, less than the {share_text(least)} that are "
-            f"asked for and the {share_text(its)} of {best.name}."
+            f"{name} is eligible and renders {share_text(mine)} with the nominal plant, less than the required "
+            f"{share_text(least)} and "
+            f"the {share_text(its)} of {best.name}."
         )
     for key, where in (("worst_case_share", "in every case"), ("nominal_share", "with the nominal plant")):
         mine, its = _share(score, key), _share(best, key)
@@ -189,7 +191,7 @@ def _behind(score: Score, best: Score, least: float) -> str:
             )
     if _noise(best) < _noise(score) < inf:
         return f"{name} is eligible and renders about as much as {best.name}, with more noise at the grip."
-    return f"{name} is eligible and renders about as much as {best.name}, which is as good by the rule and stands before it."
+    return f"{name} is eligible and renders about as much as {best.name}, which is listed before it."
 
 
 def _better(score: Score, best: Score) -> str:

@@ -1,13 +1,13 @@
-"""What a commissioning came to, in sentences."""
+"""Conclusions from a commissioning, in sentences."""
 
 from dataclasses import dataclass
 
 from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Checked, Commission
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
-from forcefeel.conclusions import Conclusions, of_result, share_text
+from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 
 GOOD_LAW, OTHER_LAW = "law.json", "law-rejected.json"
-"""Name of the law's file: one that may be handed over, and one that is there to be looked at."""
+"""Name of the law's file: one that meets the requirements, and the best candidate of those that do not."""
 
 _MOST = 3
 """What-ifs that are named."""
@@ -15,7 +15,7 @@ _MOST = 3
 
 @of_result
 def commission_conclusions(found: Commission) -> Conclusions:
-    """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
+    """The result in a sentence or two, and the remedies if it falls short."""
     lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
     lines += found.identified.noticed
     if found.loader is not None:
@@ -33,7 +33,7 @@ def commission_conclusions(found: Commission) -> Conclusions:
 def _verdict(found: Commission) -> str:
     name = found.before.name
     if found.loader is None:
-        return f"{name} is not set up: {_small(found.identified.verdict)}"
+        return f"{name} is not commissioned: {_small(found.identified.verdict)}"
     known = [one for one in found.identified.parameters if one.state == IDENTIFIED]
     counted = f"{len(known)} parameter of {name} is" if len(known) == 1 else f"{len(known)} parameters of {name} are"
     said = f"{counted} identified"
@@ -42,14 +42,14 @@ def _verdict(found: Commission) -> str:
     law, checked = found.chosen.name, found.checked
     renders = (
         f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
-        f"{share_text(checked.drawn)} on average of machines with all its tolerances at once"
+        f"{share_text(checked.drawn)} on average over machines with all its tolerances at once"
     )
-    asked = "" if found.reaches else f", less than the {share_text(found.plan.share)} that are asked for"
+    asked = "" if found.reaches else f", below the required {share_text(found.plan.share)}"
     tests = "passes the rule's tests" if found.tested.fulfilled else "does not pass the rule's tests"
     end = (
         ""
         if found.good or not found.identified.wanting
-        else " It is not to be handed over: something that it needs is not known."
+        else " Do not use it: the data leave a required parameter open."
     )
     joint = "and" if found.tested.fulfilled is found.reaches else "but"
     return f"{said}; {renders}{asked}, {joint} it {tests}.{end}"
@@ -68,19 +68,18 @@ def _sorted(found: Commission, state: str) -> str:
     named = f"{', '.join(keys[:-1])} and {keys[-1]}" if len(keys) > 1 else keys[0]
     if state == CARRIED:
         return (
-            f"Of {named} the records show only products or ratios with what is identified: the file's "
-            f"{'values stand' if len(keys) > 1 else 'value stands'}, and the others' estimates make the same machine with "
-            f"{'them' if len(keys) > 1 else 'it'}."
+            f"The records determine {named} only in products or ratios with other parameters: the file's "
+            f"{'values are' if len(keys) > 1 else 'value is'} kept, and the estimates of the others compensate for "
+            f"{'their' if len(keys) > 1 else 'its'} error."
         )
     if state == AT_END:
         return (
-            f"The file's value of {named} is the last of its range, and the records hold it there: it counts as known."
+            f"{capital(named)} {'are' if len(keys) > 1 else 'is'} at the end of the valid range by the file and by the records, "
+            "and counts as known."
         )
     if state == NOTHING:
-        return (
-            f"The records show nothing of {named}, which is within its standard errors of none: the machine has none."
-        )
-    return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
+        return f"The records show no {named}: the estimate is zero within its standard error, and the loader gets zero."
+    return f"The records hardly show {named}: value and tolerance of the file are kept and count in the envelope."
 
 
 def _envelope(found: Commission) -> str:
@@ -88,7 +87,7 @@ def _envelope(found: Commission) -> str:
     if one is None:
         return ""
     return (
-        f"Over {one.settings} settings, equal steps in proportion counting the same: {share_text(one.passes)} nominally, "
+        f"Share of {one.settings} settings, weighted by equal logarithmic steps: {share_text(one.passes)} nominally, "
         f"{share_text(one.every_case)} in every case, pilots' arms included; {_drawn(one)}."
     )
 
@@ -106,30 +105,28 @@ def _more(found: Commission) -> list[str]:
     if found.checked is None or found.reaches:
         return []
     if not found.checked.what_ifs:
-        return [
-            "Nothing of what was tried of the hardware (friction, sensors, controller, limits of the drive) would render more."
-        ]
+        return ["No tested hardware change (friction, sensors, controller, limits of the drive) increases the share."]
     most = sorted(found.checked.what_ifs, key=lambda one: -one.passes)[:_MOST]
     parts = [f"{one.change}: {share_text(one.passes)}" for one in most]
     enough = next((one for one in found.checked.what_ifs if one.passes >= found.plan.share), None)
     asked = share_text(found.plan.share)
     least = (
-        f"What asks least of the machine and reaches {asked}: {enough.change}, {share_text(enough.passes)}."
+        f"The smallest change that reaches {asked}: {enough.change}, {share_text(enough.passes)}."
         if enough
-        else f"None of them alone reaches {asked}."
+        else f"No single change reaches {asked}."
     )
     return [
-        f"What would make it pass more, one thing at a time, a law made for it, run to the end: {'; '.join(parts)}.",
+        f"Hardware changes, one at a time, each with a law designed for it: {'; '.join(parts)}.",
         least,
     ]
 
 
 def _handed(found: Commission) -> str:
     if found.law is None:
-        return "No law is handed over."
+        return "There is no law."
     if found.good:
-        return f"Handed over: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
-    return f"No law is handed over as good; the one that comes nearest is in {OTHER_LAW}, to be looked at."
+        return f"Results: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
+    return f"No law meets the requirements; the best candidate is in {OTHER_LAW}."
 
 
 @dataclass(frozen=True)
@@ -153,7 +150,7 @@ class Row:
 def glance(found: Commission) -> tuple[Row, ...]:
     """Each step in a line."""
     rows = (
-        [Row("bench, simulated", "a record of the machine that is simulated", "yes", f"{BENCH}/bench.csv")]
+        [Row("bench, simulated", "record of the simulated machine", "yes", f"{BENCH}/bench.csv")]
         if BENCH in found.folders
         else []
     )
@@ -163,7 +160,7 @@ def glance(found: Commission) -> tuple[Row, ...]:
         if determined
         else "no loader"
     )
-    wanting = f"; {len(found.identified.wanting)} wanting" if found.identified.wanting else ""
+    wanting = f"; {len(found.identified.wanting)} missing" if found.identified.wanting else ""
     rows.append(
         Row("identification", what + wanting, _yes(found.identified.good), f"{IDENTIFICATION}/identification.html")
     )

@@ -56,8 +56,9 @@ def choose_law(
     lesser: tuple[str, ...] = ()
     if choice.chosen and (short := obstacles(_score(scored, choice), period)):
         lesser = (
-            f"{capital(choice.chosen)} has less in reserve than is usual: {'; '.join(short)}. No design with more renders the "
-            "share that is asked for, and for a loader that is measured 3.5 dB and 25 deg will do.",
+            f"{capital(choice.chosen)} has smaller margins than the default: {'; '.join(short)}. No law with larger margins "
+            "renders "
+            "the required share; 3.5 dB and 25 deg are enough for a measured loader.",
         )
     said = choice_conclusions(scored, choice, plan.units)
     remarks = tuple(one.sentence for one in choice.remarks if one.name != choice.chosen)
@@ -79,7 +80,7 @@ def _passing(
             others = tuple(one for one in first.remarks if one.name != choice.chosen)
             return Choice(choice.chosen, (choice.remarks[0], *others)), tuple(failed)
         why = f": {tested.reasons[0]}" if tested.reasons else "."
-        failed.append(f"{capital(choice.chosen)} renders the share and does not pass the rule's tests{why}")
+        failed.append(f"{capital(choice.chosen)} renders the required share but fails the rule's tests{why}")
         left = replace(left, scores=tuple(one for one in left.scores if one.name != choice.chosen))
         choice = _choice(left, plan.share)
     return first, tuple(failed)

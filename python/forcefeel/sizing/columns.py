@@ -60,16 +60,16 @@ def columns(found: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ...
             *at_grip,
             Column("pressure", needs("pressure_pa", PRESSURE)),
             Column("flow", needs("flow_m3_per_s", FLOW)),
-            Column("of the largest", lambda one: _share(one.of_peak)),
+            Column("of the limit", lambda one: _share(one.of_peak)),
         )
     return (
         *at_grip,
         Column("torque", needs("torque_n_m", TORQUE)),
         Column("current", needs("current_a", MOTOR_CURRENT), detail=True),
         Column("voltage", needs("voltage_v", VOLTAGE), detail=True),
-        Column("of the peak", lambda one: _share(one.of_peak)),
-        Column("of the continuous", lambda one: _share(one.of_continuous)),
-        Column("winding in the end", needs("winding_degc", TEMPERATURE), detail=True),
+        Column("of the peak limit", lambda one: _share(one.of_peak)),
+        Column("of the continuous limit", lambda one: _share(one.of_continuous)),
+        Column("final winding temperature", needs("winding_degc", TEMPERATURE), detail=True),
         Column("can be held", _held),
     )
 
@@ -79,8 +79,8 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     return (
         Column("loader", lambda one: one.loader.name),
         Column("drive", lambda one: one.loader.drive, detail=True),
-        Column("gives, short", lambda one: text(one.capability.peak_force_n, FORCE, units)),
-        Column("gives, for ever", lambda one: _force(_for_ever(one), units)),
+        Column("peak limit", lambda one: text(one.capability.peak_force_n, FORCE, units)),
+        Column("continuous limit", lambda one: _force(_continuous(one), units)),
         Column("feel, of the peak", lambda one: _share(_most(one, programmed=True, duration=None))),
         Column("rule, short", lambda one: _share(_most(one, programmed=False, duration=Duration.SHORT))),
         Column("rule, long", lambda one: _share(_most(one, programmed=False, duration=Duration.LONG))),
@@ -88,7 +88,7 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     )
 
 
-def _for_ever(found: Sizing) -> float:
+def _continuous(found: Sizing) -> float:
     capability = found.capability
     return capability.continuous_force_n if isinstance(capability, MotorCapability) else capability.peak_force_n
 
@@ -119,5 +119,5 @@ def _share(share: float) -> str:
 def _held(one: DemandResult) -> str:
     needs = one.needs
     if not isinstance(needs, MotorNeeds) or one.of_peak > 1 or isnan(needs.derates_after_s):
-        return "not" if one.of_peak > 1 else NONE
-    return "for ever" if isinf(needs.derates_after_s) else time_text(needs.derates_after_s)
+        return "no" if one.of_peak > 1 else NONE
+    return "continuously" if isinf(needs.derates_after_s) else time_text(needs.derates_after_s)

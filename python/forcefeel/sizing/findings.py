@@ -1,4 +1,4 @@
-"""What an engineer should conclude from the sizing of a drive, in sentences."""
+"""Conclusions from the sizing of a drive, in sentences."""
 
 from collections.abc import Iterator
 from math import ceil, floor, isfinite, isnan, log10
@@ -76,16 +76,19 @@ def _verdict(found: Sizing, units: UnitSystem) -> str:
     if lacking:
         worst = max(lacking, key=lambda one: one.of_peak)
         share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
-        return f"The {noun(found)} is too small for the programmed feel: {_what(worst, units)}, takes {share} what it gives."
+        return (
+            f"The {noun(found)} is too small for the programmed feel: {_what(worst, units)}, takes {share} its limit."
+        )
     known = [one for one in programmed if not isnan(one.of_peak)]
     if not known:
         return (
-            "How much the motor gives is not known: the loader file gives neither its largest current nor its voltage."
+            "The limit of the motor is unknown: state current_loop.current_limit or current_loop.voltage_limit in the "
+            "loader file."
         )
     worst = max(known, key=lambda one: one.of_peak)
     return (
-        f"The {noun(found)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} of "
-        f"what it gives{' for a short time' if isinstance(found.capability, MotorCapability) else ''}."
+        f"The {noun(found)} is large enough for the programmed feel: the largest demand, {_what(worst, units)}, is "
+        f"{share_text(worst.of_peak)} of its {'peak ' if isinstance(found.capability, MotorCapability) else ''}limit."
     )
 
 
@@ -119,8 +122,9 @@ def _remedy(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
         long = one.duration is Duration.LONG
         torque = capability.continuous_torque_n_m if long else capability.peak_torque_n_m
         sentence = (
-            f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
-            f"{'for ever' if long else 'for a short time'}. What would do: a motor of that torque"
+            f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor; its {'continuous' if long else 'peak'} "
+            "limit is "
+            f"{text(torque, TORQUE, units)}. Remedy: a motor of that torque"
         )
         if isnan(remedy.travel_m):
             return f"{sentence}."
@@ -135,10 +139,10 @@ def _remedy(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
     if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(capability, MotorCapability):
         return ""
     return (
-        f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
-        f"{text(capability.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
+        f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the limit of the valve is "
+        f"{text(capability.peak_pressure_pa, PRESSURE, units)}. Remedy: that pressure of the supply and "
         f"the relief, or an actuator.area of {enough(remedy.area_m2, AREA, units)} in place of "
-        f"{text(loader['actuator.area'], AREA, units)}, which takes as much more flow."
+        f"{text(loader['actuator.area'], AREA, units)}, with proportionally more flow."
     )
 
 
@@ -155,31 +159,32 @@ def _too_fast(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
         there = " and ".join(
             f"{to_text(limit, 3)} {unit}" for limit, unit in zip(limits, "VA", strict=True) if isfinite(limit)
         )
-        return f"{what}, takes {volts} V and {amperes} A; there is {there}."
+        return f"{what}, takes {volts} V and {amperes} A; the limit is {there}."
     fastest = text(found.capability.fastest_m_per_s, SPEED, units)
-    return f"{what}, is beyond the valve's flow at that load; without a load it moves the grip at {fastest}."
+    return f"{what}, is beyond the valve's flow at that load; without load the grip moves at {fastest}."
 
 
 def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
     capability = found.capability
     if not isinstance(capability, MotorCapability):
         yield (
-            f"At the grip the valve gives {text(capability.peak_force_n, FORCE, units)} standing still, for as long as one likes, "
-            f"and {text(capability.fastest_m_per_s, SPEED, units)} without a load. The give of oil and link is left out."
+            f"Limits of the valve at the grip: {text(capability.peak_force_n, FORCE, units)} continuously at rest, "
+            f"{text(capability.fastest_m_per_s, SPEED, units)} without load. The compliance of oil and link is neglected."
         )
         return
     if not isfinite(capability.peak_force_n):
         return
-    for_ever = (
-        f"{text(capability.continuous_force_n, FORCE, units)} ({text(capability.continuous_torque_n_m, TORQUE, units)}) for ever"
+    continuous = (
+        f"{text(capability.continuous_force_n, FORCE, units)} ({text(capability.continuous_torque_n_m, TORQUE, units)}) "
+        "continuously"
         if not isnan(capability.continuous_force_n)
-        else "for ever an unknown force"
+        else "an unknown force continuously"
     )
-    speed = f"; without a load it moves it at {text(capability.fastest_m_per_s, SPEED, units)}"
+    speed = f", {text(capability.fastest_m_per_s, SPEED, units)} without load"
     yield (
-        f"At the grip the motor gives {text(capability.peak_force_n, FORCE, units)} "
+        f"Limits of the motor at the grip: {text(capability.peak_force_n, FORCE, units)} "
         f"({text(capability.peak_torque_n_m, TORQUE, units)}) for a short time, "
-        f"and {for_ever}{speed if isfinite(capability.fastest_m_per_s) else ''}. Cogging is left out."
+        f"{continuous}{speed if isfinite(capability.fastest_m_per_s) else ''}. Cogging is neglected."
     )
 
 
@@ -187,8 +192,9 @@ def _relief(found: Sizing) -> Iterator[str]:
     for one in found.demands:
         if one.law and one.of_peak > one.of_motion:
             yield (
-                f"The {one.name} takes {share_text(one.of_peak)} in the engine under {one.law}, with the force that is held before "
-                f"and the relief of the link as the hand lets go; the motion by itself takes {share_text(one.of_motion)}."
+                f"The {one.name} takes {share_text(one.of_peak)} in simulation under {one.law}, including the holding force "
+                "before it "
+                f"and the unloading of the link; the motion alone takes {share_text(one.of_motion)}."
             )
 
 
@@ -202,10 +208,11 @@ def _rule(found: Sizing) -> str:
         for one in rows
         if isnan(one.of_continuous if one.duration is Duration.LONG else one.of_peak)
     ]
-    says = f"all but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "all"
-    says += f"; of {' and '.join(unknown)} it is not known" if unknown else ""
-    unread = "" if all(one.verified for one in rows) else " Nobody has held its table here against the document."
-    return f"Of the forces of {RULE} in {found.plan.axis} the {noun(found)} gives {says}.{unread}"
+    forces = f"every force but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "every force"
+    forces = f"{forces} of {RULE} in {found.plan.axis}"
+    forces += f"; {' and '.join(unknown)} {'are' if len(unknown) > 1 else 'is'} unknown" if unknown else ""
+    unread = "" if all(one.verified for one in rows) else " The table of forces is not verified against the document."
+    return f"The {noun(found)} can make {forces}.{unread}"
 
 
 def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
@@ -218,11 +225,11 @@ def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
             return
         held = _what(one, units)
         if needs.winding_degc <= limit:
-            yield f"Held for ever, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
+            yield f"Held continuously, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
         elif not isnan(needs.derates_after_s):
             yield (
                 f"Held for {time_text(needs.derates_after_s)} from cold, {held}, brings the winding to "
-                f"{text(limit, TEMPERATURE, units)}, where the current begins to be taken back."
+                f"{text(limit, TEMPERATURE, units)}, where derating of the current begins."
             )
 
 
@@ -232,16 +239,16 @@ def _mass(found: Sizing, units: UnitSystem) -> str:
     share = share_text(found.added_mass_kg / found.column_mass_kg)
     return (
         f"The rotor adds {text(found.added_mass_kg, MASS, units)} at the grip, J (F/T)², {share} of the column's own "
-        f"{text(found.column_mass_kg, MASS, units)}; the law has to hide it."
+        f"{text(found.column_mass_kg, MASS, units)}; the law must compensate for it."
     )
 
 
 def _unknown(found: Sizing) -> Iterator[str]:
     heat = [row for row in found.missing if row.startswith("thermal.")]
     if heat:
-        yield f"The continuous torque is not known: {', '.join(heat)} of the loader file give it."
+        yield f"The continuous torque is unknown: state {', '.join(heat)} in the loader file."
     for row in found.missing:
         if row in heat:
             continue
         what = "torque" if "current" in row.partition(".")[2] else "speed"
-        yield f"No end of the {what} is known: {row} of the loader file gives it."
+        yield f"The limit of the {what} is unknown: state {row} in the loader file."

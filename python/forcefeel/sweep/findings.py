@@ -1,4 +1,4 @@
-"""What to conclude from a sweep, in words."""
+"""Conclusions from a sweep, in sentences."""
 
 from math import isfinite
 
@@ -25,7 +25,7 @@ _WEAK = 0.1
 _WHY_NONE = {
     "overshoot": "the column ends where it began, meets a stop, or the run ends before the overshoot is known",
     "period_s": "the column does not swing for a whole period, or meets a stop",
-    "settling_time_s": "the column still moves in the end",
+    "settling_time_s": "the column still moves at the end",
 }
 """Why a run that did not diverge may be without a measure."""
 
@@ -104,11 +104,11 @@ class _Words:
             low, high = (
                 (spread.lowest, spread.highest) if self._grid else (spread.quantile(0.05), spread.quantile(0.95))
             )
-            share = "" if self._grid else " (5 to 95 % of them)"
+            share = "" if self._grid else " (5th to 95th percentile)"
             parts.append(f"{measure_name(measures[0])} {self._range(measures[0], low, high)}{share}")
             ranking = self._summary.ranking(measures[0])
             if ranking and not self._grid:
-                parts.append(f"{ranking[0][0]} matters most for it")
+                parts.append(f"{ranking[0][0]} has the largest effect on it")
         return f"{'; '.join(parts)}."
 
     def _settling(self) -> str:
@@ -137,14 +137,14 @@ class _Words:
         elif isfinite(diverged.high):
             limit = to_text(100 * diverged.high, 2)
             sentences.append(
-                f"None of {total:,} diverges, so fewer than {limit} % of all loaders within these tolerances do (95 % sure)."
+                f"None of {total:,} diverges: below {limit} % of all loaders within these tolerances (95 % confidence)."
             )
         return " ".join(sentences)
 
     def _sure(self, low: float, high: float) -> str:
         if not isfinite(low):
             return ""
-        return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % sure)"
+        return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % confidence)"
 
     def spread(self, name: str) -> str:
         """How a measure is spread, and what makes it differ."""
@@ -154,8 +154,8 @@ class _Words:
         whole = self._range(name, found.lowest, found.highest)
         ranking = [one for one in self._summary.ranking(name) if abs(one[1]) >= _WEAK][:_LISTED]
         of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
-        goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
-        spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
+        goes = f" It is correlated with {of.replace('(', '(rank correlation ', 1)}." if of else ""
+        spans = f"nominal {nominal}; {middle} for 90 % of the runs, {whole} for all"
         return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
     def _none(self, name: str) -> str:
@@ -189,7 +189,7 @@ class _Words:
             if row.peak and (found := self._summary.spreads[row.peak]).runs
         ]
         used = f"{', '.join(parts[:-1])} and {parts[-1]} are" if len(parts) > 1 else f"{''.join(parts)} is"
-        return f"At most {used} used; the ratings are the nominal ones." if parts else ""
+        return f"At most {used} used, by nominal ratings." if parts else ""
 
     def impossible(self) -> str:
         """Which machines cannot be."""
@@ -197,7 +197,7 @@ class _Words:
             return ""
         reasons = ", ".join(f"in {count:,} {sentence}" for sentence, count in self._result.reasons.items())
         count = self._summary.share(IMPOSSIBLE).runs
-        return f"{count:,} {self._noun} cannot be, and were not run: {reasons}. Bounds that do not overlap avoid it."
+        return f"{count:,} {self._noun} are impossible and were not run: {reasons}. To avoid this, use bounds that do not overlap."
 
     def _range(self, name: str, low: float, high: float) -> str:
         measured_in = self._summary.spreads[name].unit

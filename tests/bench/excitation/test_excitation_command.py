@@ -45,7 +45,7 @@ def test_what_a_user_sees(run, tmp_path):
         "two thirds of supply pressure times piston area",
         "All determined; the least well is c (linkage.damping)",
         "binds:",
-        "20 % of the power is spread over all lines",
+        "20 % of the power is spread evenly over all lines",
         "file: excite.csv",
     ):
         assert words in plain, words

@@ -1,4 +1,4 @@
-"""What an identification says, in sentences."""
+"""Conclusions from an identification, in sentences."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from forcefeel.loader.tolerances import Distribution
 from forcefeel.units import UnitSystem, to_text
 
 STRONG = 0.9
-"""Correlation from which on two estimates hang together."""
+"""Correlation from which on two estimates count as correlated."""
 
 ONE_DIRECTION = 0.99
 """Correlation from which on what the model misses is magnified sevenfold and more in both: ``1 / sqrt(1 - r^2)``."""
@@ -72,7 +72,7 @@ def _verdict(found: Identification, units: UnitSystem) -> str:
         (one,) = found.estimates
         value, deviation = (_with_unit(one, it, units) for it in (estimated(one, one.value, units), error(one, units)))
         if bound:
-            return f"{one.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
+            return f"{one.unknown.key} ended at its bound, {value}: the data do not determine it. No loader file is written."
         return f"{one.unknown.key} is determined: {value} with a standard error of {deviation}."
     shares = [it for it in found.estimates if it.value and not it.unknown.is_phase]
     ordered = sorted(shares or found.estimates, key=relative_error)
@@ -92,8 +92,8 @@ def _doubt(found: Identification) -> str:
         unwritten = " No loader file is written." if found.determined and found.within_bounds else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
-            f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
-            "responses has not."
+            f"machine under this experiment.{unwritten} See its plot. A fit of records includes friction and limits; a fit of "
+            "responses does not."
         )
     missed = list(filter(beyond_noise, found.fitted))
     if not found.determined or not missed:
@@ -102,8 +102,8 @@ def _doubt(found: Identification) -> str:
     if loose:
         first, second, size = loose[0]
         return (
-            f" But the model misses more than noise, and the data hardly tell {first} from {second} (correlation "
-            f"{correlation_text(size)}): what it misses can move both by far more than their standard errors say."
+            f" But the model misses more than noise, and the data hardly separate {first} from {second} (correlation "
+            f"{correlation_text(size)}): both errors can be far larger than the standard errors."
         )
     return f" But the model misses more of {first_two(missed)} than noise, so the estimates can be off by more than these errors."
 
@@ -121,7 +121,7 @@ def _moved(found: Identification, units: UnitSystem) -> list[str]:
     if len(moved) > _MOST_NAMED:
         rest = moved[_MOST_NAMED:]
         lines.append(
-            f"{_named(rest)} moved too, by at most {_part(max(abs(change(it)) for it in rest))}; the table has them."
+            f"{_named(rest)} changed too, by at most {_part(max(abs(change(it)) for it in rest))}; see the table."
         )
     same = [it for it in known if not differs(it)]
     if same:
@@ -155,14 +155,14 @@ def _at_bound(found: Identification, units: UnitSystem) -> list[str]:
         k = int(abs(one.value - unknown.high) < abs(one.value - unknown.low))
         bound, end, way = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
         value = _with_unit(one, estimated(one, bound, units), units)
-        remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may be so far off its file."
+        remedy = "The bound is the file's tolerance: widen or remove it if the machine may deviate that far."
         others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in found.keys]
         if others and found.before[others[0]] == bound:
             remedy = f"The bound is {others[0]}: fit both, or leave {unknown.key} out."
         elif unknown.tolerance is None or bound == limits[k]:
-            remedy = "The bound is the end of what is accepted: look whether units and experiment of the data are what they say."
+            remedy = "The bound is the end of the valid range: check the units and the experiment of the data."
         lines.append(
-            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(one))}): the data ask for a {way} value. {remedy}"
+            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(one))}): the data require a {way} value. {remedy}"
         )
     return lines
 
@@ -174,11 +174,11 @@ def _correlated(found: Identification) -> list[str]:
     for first, second, size in pairs[:_MOST_NAMED]:
         way = "rises" if size > 0 else "falls"
         lines.append(
-            f"{first} and {second} hang together: where one rises the other {way} (correlation {correlation_text(size)}), so the "
-            "data know a combination of them better than each."
+            f"{first} and {second} are correlated: when one rises the other {way} (correlation {correlation_text(size)}). The "
+            "data determine a combination of them better than each."
         )
     if len(pairs) > _MOST_NAMED:
-        lines.append(f"{len(pairs) - _MOST_NAMED} more pairs are correlated beyond {STRONG:g}; the map has them.")
+        lines.append(f"{len(pairs) - _MOST_NAMED} more pairs are correlated beyond {STRONG:g}; see the map.")
     return lines
 
 
@@ -206,7 +206,7 @@ def _priors(found: Identification) -> list[str]:
         if it.status is not Status.UNDETERMINED and it.unknown.prior and it.share > _PRIOR_COUNTS * _half(it)
     ]
     return [
-        f"{it.unknown.key} leans on the file's tolerance: from the data alone its 95 % interval would be ±{percent(it.share)} in "
+        f"{it.unknown.key} depends on the loader file's prior: from the data alone its 95 % interval is ±{percent(it.share)} in "
         f"place of ±{percent(_half(it))}."
         for it in leaning[:_MOST_NAMED]
     ]
@@ -236,14 +236,14 @@ def probability_text(test: RigidTest) -> str:
 def _starts(found: Identification) -> str:
     count, same = len(found.ends), sum(end.same for end in found.ends)
     if count <= 1:
-        return "The search started once, at the file's values: whether there is a better place was not tried; see --starts."
+        return "The search started only once, at the file's values; for a search of other minima see --starts."
     if same == count:
-        return f"{_all(count)} starts of the search ended in the same place."
+        return f"{_all(count)} starts of the search ended in the same minimum."
     other = min(worse(found, end) for end in found.ends if not end.same)
-    text = f"{same} of {count} starts of the search ended in the same, best place"
+    text = f"{same} of {count} starts of the search ended in the same, best minimum"
     if other < _SAME_LEFT:
-        return f"{text}; another place explains the data about as well, so do not trust this one before a further experiment."
-    return f"{text}; the others in worse ones, the next best of which leaves {to_text(other, 3)} times as much."
+        return f"{text}; another minimum explains the data about as well, so make a further experiment before you rely on this one."
+    return f"{text}; the others ended in worse ones, the next best with {to_text(other, 3)} times the residual."
 
 
 def worse(found: Identification, end: Ended) -> float:
@@ -257,7 +257,7 @@ def _left(found: Identification, units: UnitSystem) -> list[str]:
     named = [f"{title_of(one)}: {size_text(one, one.residual_rms, units)}" for one in found.fitted]
     if named:
         more = f"; {len(named) - _MOST_NAMED} more are in the table" if len(named) > _MOST_NAMED else ""
-        lines.append(f"What is left after the fit (root mean square): {'; '.join(named[:_MOST_NAMED])}{more}.")
+        lines.append(f"Residual of the fit (r.m.s.): {'; '.join(named[:_MOST_NAMED])}{more}.")
     return lines
 
 
@@ -268,10 +268,11 @@ def _left_out(found: Identification) -> str:
         return ""
     if found.before["controller.period"]:
         return (
-            "Responses are compared with the sampled model about its rest, which leaves out what holds, touches, limits or rounds; "
-            "a record is compared with all of it in play."
+            "Responses are compared with the sampled linear model, which neglects friction, stops, limits and rounding; "
+            "records are "
+            "compared with the full model."
         )
-    return f"Responses are compared with the linear model, which leaves out {rows}; a record is compared with all of it in play."
+    return f"Responses are compared with the linear model, which neglects {rows}; records are compared with the full model."
 
 
 def change(one: Estimate) -> float:

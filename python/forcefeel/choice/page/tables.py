@@ -28,14 +28,14 @@ def shares(scored: LawScores, choice: Choice | None) -> Table:
         most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
         rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
-    head = heads("Method", "Passes in every case", "Passes", "Stable in every case", "Stable")
+    head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable")
     return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
 
 
 def laws(scored: LawScores) -> Table:
     """What each method is."""
     rows = tuple((words(capital(score.name)), words(prose_html(score.summary))) for score in scored.scores)
-    return Table((Cell("Method"), Cell("What it is")), rows)
+    return Table((Cell("Law"), Cell("Description")), rows)
 
 
 def margins(scored: LawScores) -> Table:
@@ -46,7 +46,7 @@ def margins(scored: LawScores) -> Table:
         if score.over is not None:
             rows.append((words(""), *_margins(score.over.margins, "least")))
     head = (
-        "Method",
+        "Law",
         "At",
         "Gain may fall to",
         "Gain may grow",
@@ -93,7 +93,7 @@ def demands(scored: LawScores, system: UnitSystem) -> Table:
             rows.append((words(""), Cell("largest"), *_demand(score.over.demand), *empty))
     noise = ("Noise, angle, 0.001 deg", heading_text("Noise, on a hand", FORCE, system)) if scored.sampled else ()
     head = (*(f"Peak {name}" for name in demand_shares(scored.scores[0].own.demand)), *noise)
-    return Table((Cell("Method"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
+    return Table((Cell("Law"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
 
 
 def _demand(one: AnyDemand) -> tuple[Cell, ...]:
@@ -123,7 +123,7 @@ def poles(score: Score) -> Table:
 def _mode(mode: Mode) -> tuple[Cell, ...]:
     swings = mode.imaginary_per_s > 0
     return (
-        words("swings" if swings else "decays" if mode.real_per_s < 0 else "grows", bad=mode.real_per_s >= 0),
+        words("oscillates" if swings else "decays" if mode.real_per_s < 0 else "grows", bad=mode.real_per_s >= 0),
         number(number_text(HERTZ.from_si(mode.frequency_rad_per_s, UnitSystem.SI), 3)),
         number(number_text(mode.damping_ratio, 3) if swings else NONE),
         number(number_text(mode.real_per_s, 3)),

@@ -48,19 +48,19 @@ def shares(checked: Checked, asked: float) -> Table:
     """What the law renders."""
     rows = (
         ("Identified loader", checked.passes, True),
-        (f"{checked.machines} machines, all tolerances at once, on average", checked.drawn, True),
-        ("The worst of these", checked.drawn_least, False),
-        ("In every case, one thing off, or an arm at the grip", checked.every_case, False),
+        (f"Average of {checked.machines} machines, all tolerances at once", checked.drawn, True),
+        ("Worst of these", checked.drawn_least, False),
+        ("Every case: one parameter off, or an arm at the grip", checked.every_case, False),
     )
     return Table(
-        heads("Where", "Settings rendered"),
+        heads("Machine", "Settings rendered"),
         tuple((words(name), number(share_text(it), bad=judged and it < asked)) for name, it, judged in rows),
     )
 
 
 def what_ifs(checked: Checked) -> Table:
     """What would render more."""
-    now = (words("As it is"), number(share_text(checked.passes)))
+    now = (words("As identified"), number(share_text(checked.passes)))
     rows = ((words(capital(one.change)), number(share_text(one.passes))) for one in checked.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))
 

@@ -128,7 +128,7 @@ def failures(found: Envelope) -> Table:
         (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in shown.values()))
         for kind in kinds
     ]
-    return Table(heads("What fails first", *(capital(name) for name in shown)), tuple(rows))
+    return Table(heads("First failure", *(capital(name) for name in shown)), tuple(rows))
 
 
 def cases(found: Envelope) -> Table:

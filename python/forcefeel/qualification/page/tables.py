@@ -52,7 +52,7 @@ def summary(found: Qualification) -> Table:
         came = (_linked(section, results.get(trial.key)) for section, results in by_section)
         rows.append((words(trial.title), *came, _number(trial)))
     for trial in found.test_plan.outside:
-        reason = f"outside the programme: {why_outside(trial, found)}"
+        reason = f"cannot be simulated: {why_outside(trial, found)}"
         rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
     total = (words("All"), *(coloured(section.status) for section in found.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")
@@ -96,7 +96,7 @@ def axes(found: CockpitQualification) -> Table:
 
 def _linked(section: Section, result: Result | None, axis: str = "") -> Cell:
     if result is None:
-        return Cell("not asked for", "", _NONE)
+        return Cell("not requested", "", _NONE)
     link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial, axis), str(result.outcome))
     return Cell(link, "", _BACKGROUNDS[result.outcome])
 
@@ -156,7 +156,7 @@ def conditions(found: Qualification) -> Table:
     rows = [
         ("Rule", f"{rules.title}, edition {rules.edition}, {rules.category}"),
         ("Axis", found.axis),
-        ("Rows held against the document", f"all but {unverified}" if unverified else "all"),
+        ("Rows verified against the document", f"all but {unverified}" if unverified else "all"),
         (
             "Releases",
             f"from {least:g} to {most:g} % of the throw, both directions; residual band {100 * rules.release.residual_band:g} %",
@@ -164,13 +164,13 @@ def conditions(found: Qualification) -> Table:
         ("Sweeps", f"to {100 * SHORT:g} % of the throw and back: {sweeps}"),
         ("Throw", f"from {low} to {high}: {found.throw.source}"),
         ("Reference", found.reference),
-        ("Conditions the rule asks for", "; ".join(asked)),
-        ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
+        ("Required conditions", "; ".join(asked)),
+        ("Tested condition", f"the one feel {feel}; repeat the tests for the feel of each required flight condition"),
     ]
     if found.omitted:
-        rows.append(("Left out of the loader", ", ".join(found.omitted)))
+        rows.append(("Omitted rows of the loader", ", ".join(found.omitted)))
     rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
-    return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
+    return Table((Cell("Item"), Cell("Value")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
 def provenance(*found: Qualification) -> Table:
@@ -185,4 +185,4 @@ def provenance(*found: Qualification) -> Table:
         for name, given in one.files.items():
             if given.path is not None:
                 rows.append((name, f"{given.path.name}, SHA-256 {given.sha256}"))
-    return Table((Cell("What"), Cell("Which")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")
+    return Table((Cell("Item"), Cell("Value")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")

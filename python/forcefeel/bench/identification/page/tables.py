@@ -125,7 +125,7 @@ def rigid(test: RigidTest) -> Table:
 def data(found: Identification, units: UnitSystem) -> Table:
     """Every set of data: what it is, and what the fit leaves of it."""
     head = (
-        *(Cell(text, "words") for text in ("Data", "Experiment", "What")),
+        *(Cell(text, "words") for text in ("Data", "Experiment", "Content")),
         *(Cell(text, "number") for text in ("Points", "Span", "Residual, r.m.s.", "Noise")),
         Cell("SHA-256"),
     )
@@ -161,7 +161,7 @@ def ends(found: Identification, units: UnitSystem) -> Table:
         values = [number_cell(_sign(estimated(one, float(end.end[i]), units))) for i, one in shown]
         left = number_text(worse(found, end), 4)
         rows.append((Cell(str(k)), *values, number_cell(left), words("yes" if end.same else "no", bad=not end.same)))
-    numbers = (*names, "What it leaves, of the best")
+    numbers = (*names, "Residual, relative to the best")
     return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("The same place")), tuple(rows))
 
 
