@@ -45,7 +45,7 @@ def test_they_are_a_kind_of_failure_of_their_own(found):
     assert found.failure_shares("robust")[Failure.DRIVE] == count / 16
     assert found.failure_shares("robust")[Failure.UNSTABLE] == 0
     said = envelope_conclusions(found, ff.UnitSystem.SI).findings[0]
-    assert said.startswith(f"{count} of 16 settings are forbidden by the motor's torque, whatever the law")
+    assert said.startswith(f"No law renders {count} of 16 settings because of the motor's torque")
     assert "Remedy: a motor of" in said
     assert envelope_json(found, ff.UnitSystem.SI)["forbidden"] == {"the motor's torque": count}
 

@@ -177,7 +177,7 @@ def test_it_is_counted_apart_everywhere():
     assert told.verdict.startswith(
         f"Of the {12 - count} programmed feels that the valve's flow allows, of 12, released from 10 deg"
     )
-    assert told.findings[0].startswith(f"{count} of 12 settings are forbidden by the valve's flow, whatever the law")
+    assert told.findings[0].startswith(f"No law renders {count} of 12 settings because of the valve's flow")
     kept = envelope_json(found, ff.UnitSystem.US)
     assert kept["forbidden"] == {"the valve's flow": count}
     own, small = kept["laws"]["robust"]["nominal_by_release_angle"]

@@ -90,11 +90,11 @@ def test_the_elevator_fails_with_words_and_files(run, tmp_path):
     status, out, err = run("--law", "published")
     told = " ".join(out.split())
     assert (status, err) == (1, "")
-    assert "the published compensation does not qualify: 1 of 7 tests passed, 6 failed." in told
+    assert "law published does not qualify: 1 of 7 tests passed, 6 failed." in told
     assert "Tests that cannot be simulated: surface (2.a.1.a; a control loader has no surface)" in told
-    assert "P0 is 59 % long" in told
-    assert "where 1.97 Hz are programmed" in told
-    assert "Unverified: nobody has held the durations of the sweeps" in told
+    assert "P0 is 59 % too long" in told
+    assert "1.97 Hz programmed" in told
+    assert "Not verified against the document: the durations of the sweeps" in told
     assert out.splitlines()[-1] == "page: forcefeel-qualification/qualification.html"
     assert _files(tmp_path / "forcefeel-qualification") == WRITTEN
 

@@ -58,7 +58,7 @@ def test_a_motor_that_cannot_hold_the_programmed_force_is_named_with_what_would(
     would = ff.sizing.size_drive(loader.replace({"transmission.travel": f"{travel} cm"}))
     assert 1 - SHOWN <= would.demands[0].of_peak <= 1
     torque = ff.sizing.size_drive(loader).demands[0].remedy.torque_n_m
-    assert f"takes {torque:.1f} N m at the motor, its peak limit is 6.58 N m" in said
+    assert f"takes {torque:.1f} N m at the motor; its peak limit is 6.58 N m" in said
 
 
 def test_what_would_do_does_with_the_digits_that_are_shown(run):

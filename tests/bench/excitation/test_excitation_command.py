@@ -43,8 +43,8 @@ def test_what_a_user_sees(run, tmp_path):
         "6108 lb/in",
         "80 % of the valve's rating",
         "two thirds of supply pressure times piston area",
-        "All determined; the least well is c (linkage.damping)",
-        "binds:",
+        "All parameters are determined; the largest standard error is",
+        "The active limit is the ",
         "20 % of the power is spread evenly over all lines",
         "file: excite.csv",
     ):
