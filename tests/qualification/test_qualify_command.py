@@ -227,7 +227,7 @@ def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
     assert status == 1
     assert found["reference"] == "recorded aircraft"
     words = {test["key"]: test["summary"] for test in found["sections"][0]["tests"]}
-    assert "where 1.97 Hz are recorded" in words["release-25-positive"]
+    assert "1.97 Hz recorded" in words["release-25-positive"]
     assert run("--replace", *asked, "--record", "aircraft.csv")[0] == 0
 
 
