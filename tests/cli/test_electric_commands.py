@@ -56,7 +56,7 @@ def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path
     status, out, _ = call(LOADER, "--method", "robust", "--save-law", "law.json")
     assert status == 0
     assert "% of the current and" in out
-    assert "% of the voltage that there is" in " ".join(out.split())
+    assert "% of the voltage available" in " ".join(out.split())
     found = json.loads((tmp_path / "forcefeel-compensate" / "results.json").read_text(encoding="utf-8"))
     assert '"demand": {"current"' in json.dumps(found)
     assert '"pressure"' not in json.dumps(found)

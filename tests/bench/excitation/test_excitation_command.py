@@ -154,7 +154,7 @@ def test_what_cannot_be_told_apart_is_exit_1_and_nothing_is_written(run, tmp_pat
 def test_what_is_not_determined_is_exit_1(run, tmp_path):
     status, out, _ = run("elevator", "--fit", "c", *SHORT, "--noise", "100000 %")
     assert status == 1
-    assert "c (linkage.damping): not determined" in " ".join(out.split())
+    assert "Not determined: c (linkage.damping)" in " ".join(out.split())
     assert len(list(tmp_path.iterdir())) == 1
 
 
