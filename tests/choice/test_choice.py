@@ -129,9 +129,9 @@ def test_the_worst_case_comes_first_then_the_nominal_share_then_noise():
         ({"own_stable": False}, "unstable at the loader's own setting"),
         ({"stable": 0.95}, "stable at only 95 %"),
         ({"margins": replace(GOOD, gain_up=1.9)}, "to 1.9"),
-        ({"margins": replace(GOOD, gain_down=0.6)}, "from 0.6"),
+        ({"margins": replace(GOOD, gain_down=0.6)}, "only 0.6 to"),
         ({"margins": replace(GOOD, phase_rad=np.radians(29))}, "29 deg"),
-        ({"margins": replace(GOOD, delay_s=4e-4)}, "0.4 ms more delay, less than a period of 0.5 ms"),
+        ({"margins": replace(GOOD, delay_s=4e-4)}, "delay margin is 0.4 ms, less than a period of 0.5 ms"),
     ],
 )
 def test_who_is_not_eligible_is_not_chosen_and_is_told_why(wrong, why):

@@ -174,9 +174,8 @@ def test_it_is_counted_apart_everywhere():
     assert allowed.settings == 12 - count
     assert allowed.nominal_share * allowed.settings == pytest.approx(found.shares("robust").nominal_share * 12)
     told = envelope_conclusions(found, ff.UnitSystem.US)
-    assert told.verdict.startswith(
-        f"Of the {12 - count} programmed feels that the valve's flow allows, of 12, released from 10 deg"
-    )
+    feels = f"of the {12 - count} of 12 programmed feels that the valve's flow allows, released from 10 deg."
+    assert told.verdict.endswith(feels)
     assert told.findings[0].startswith(f"No law renders {count} of 12 settings because of the valve's flow")
     kept = envelope_json(found, ff.UnitSystem.US)
     assert kept["forbidden"] == {"the valve's flow": count}

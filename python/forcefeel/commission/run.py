@@ -201,7 +201,8 @@ class _Work:
 
     def identify(self, folder: Path, loader: Loader, data: Sequence[Response | BenchRecord]) -> Identified:
         identified = identify_loader(loader, data, self.plan, lambda part: self.progress(IDENTIFICATION, part))
-        _keep(folder / LOADER, identified.loader and identified.loader.to_toml(self.plan.units))
+        loader_file = None if identified.loader is None else identified.loader.to_toml(self.plan.units)
+        _keep(folder / LOADER, loader_file)
         self.writers.identification(identified.found, folder)
         return identified.outcome
 

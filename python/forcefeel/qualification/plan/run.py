@@ -16,7 +16,7 @@ from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
 from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
-from forcefeel.qualification.plan.result import Qualification, Section
+from forcefeel.qualification.plan.result import Qualification, Result, Section
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
@@ -125,7 +125,7 @@ def qualify_loader(
     remarks = {name: law.made_for_another(loader) for name, law in laws.items()}
     sections, total = [], len(benches) * len(test_plan.made)
     for place, (name, bench) in enumerate(benches.items()):
-        results = []
+        results: list[Result] = []
         for test in test_plan.made:
             progress(f"{name}, {test.key}", place * len(test_plan.made) + len(results), total)
             results.append(bench.result(test))
