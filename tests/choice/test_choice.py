@@ -129,9 +129,9 @@ def test_the_worst_case_comes_first_then_the_nominal_share_then_noise():
         ({"own_stable": False}, "unstable at the loader's own setting"),
         ({"stable": 0.95}, "stable at only 95 %"),
         ({"margins": replace(GOOD, gain_up=1.9)}, "to 1.9"),
-        ({"margins": replace(GOOD, gain_down=0.6)}, "from 0.6"),
+        ({"margins": replace(GOOD, gain_down=0.6)}, "only 0.6 to"),
         ({"margins": replace(GOOD, phase_rad=np.radians(29))}, "29 deg"),
-        ({"margins": replace(GOOD, delay_s=4e-4)}, "delay margin is 0.4 ms, less than the period of 0.5 ms"),
+        ({"margins": replace(GOOD, delay_s=4e-4)}, "delay margin is 0.4 ms, less than a period of 0.5 ms"),
     ],
 )
 def test_who_is_not_eligible_is_not_chosen_and_is_told_why(wrong, why):
@@ -169,7 +169,7 @@ def test_the_words_name_the_choice_and_every_other_method(scored):
     choice = choose(scored)
     said = choice_conclusions(scored, choice, UnitSystem.US)
     assert said.ok
-    assert said.verdict.startswith(f"Take {choice.chosen}. ")
+    assert said.verdict.startswith(f"Use {choice.chosen}. ")
     for score in scored.scores:
         assert any(score.name in line.lower() for line in (said.verdict, *said.findings))
     # Whether a law qualifies is what `qualify` finds by the whole programme; a choice does not claim it.

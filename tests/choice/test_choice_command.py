@@ -48,7 +48,7 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     assert (status, err) == (0, "")
     stored = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
     assert tuple(stored["laws"]) == names
-    assert f"Take {stored['chosen']}." in out
+    assert f"Use {stored['chosen']}." in out
     text = re.sub(
         r"<(script|style).*?</\1>", "", (tmp_path / "found" / PAGE).read_text(encoding="utf-8"), flags=re.DOTALL
     )

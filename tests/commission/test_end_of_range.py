@@ -23,9 +23,7 @@ def test_it_counts_as_known_where_the_records_hold_it_there():
     low, high = found.loader.tolerances["linkage.ratio"].ends
     assert 0.9999 < low < high == 1.0
     said = commission_conclusions(Commission(plan, wheel, found.outcome, found.loader)).findings
-    sentence = (
-        "The file's value of linkage.ratio is the last of its range, and the records hold it there: it counts as known."
-    )
+    sentence = "linkage.ratio is at the end of the valid range by the file and by the records, and counts as known."
     assert sentence in said
 
 

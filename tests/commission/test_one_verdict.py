@@ -44,7 +44,7 @@ def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
     assert "leave out --fit" in wanting
     (row,) = (one for one in glance(commission) if one.title == "identification")
     assert row.good == "no"
-    assert row.result.endswith("1 wanting")
+    assert row.result.endswith("1 missing")
     assert wanting in commission_conclusions(commission).findings
     assert not identification_conclusions(found.identification, UnitSystem.US).ok
     assert "than noise, so parameters can be off" in commission_page(commission)

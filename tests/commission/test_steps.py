@@ -129,13 +129,13 @@ def test_a_good_law_is_handed_over(commissioned, tmp_path):
     [
         (
             {"checked": Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))},
-            "less than the required 95\N{NO-BREAK SPACE}%",
+            "below the required 95\N{NO-BREAK SPACE}%",
         ),
         (
             {"tested": RuleTests(False, "a rule", "It does not.", {"fast": "failed"}, ("Too slow.",))},
             "does not pass the rule",
         ),
-        ({"identified": Identified(False, "One.", (), (INERTIA,), ("Noise is zero.",))}, "The law is rejected"),
+        ({"identified": Identified(False, "One.", (), (INERTIA,), ("Noise is zero.",))}, "Do not use it"),
     ],
 )
 def test_a_law_that_is_not_good_is_not_handed_over_as_if_it_were(commissioned, tmp_path, change, said):

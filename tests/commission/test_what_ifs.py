@@ -51,7 +51,7 @@ def test_less_friction_is_known_to_the_same_share(rubbing):
     ("ifs", "least"),
     [
         ((WhatIf("faster", 0.91), WhatIf("half", 0.96), WhatIf("none", 1.0)), "reaches 95 %: half, 96 %"),
-        ((WhatIf("faster", 0.91),), "None of them alone reaches 95 %"),
+        ((WhatIf("faster", 0.91),), "No single change reaches 95 %"),
     ],
 )
 def test_what_asks_least_and_reaches_the_share_is_named(ifs, least):

@@ -45,7 +45,11 @@ def test_the_best_law_leads(designed):
     [
         ({"best": None}, "No law is eligible for this loader. By The Rule the report's law does not qualify", False),
         ({"best": REPORT}, "The report's law is the best for this loader. By The Rule it does not qualify", True),
-        ({"best": None, "impossible": "no pressure"}, "The laws cannot be tried on this loader: no pressure.", False),
+        (
+            {"best": None, "impossible": "no pressure"},
+            "The laws cannot be compared on this loader: no pressure.",
+            False,
+        ),
     ],
 )
 def test_verdicts(designed, changes, verdict, good):

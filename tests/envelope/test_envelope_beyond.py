@@ -45,8 +45,8 @@ def test_they_are_a_kind_of_failure_of_their_own(found):
     assert found.failure_shares("robust")[Failure.DRIVE] == count / 16
     assert found.failure_shares("robust")[Failure.UNSTABLE] == 0
     said = envelope_conclusions(found, ff.UnitSystem.SI).findings[0]
-    assert said.startswith(f"No law renders {count} of 16 settings because of the motor's torque: ")
-    assert "What would do: a motor of" in said
+    assert said.startswith(f"No law renders {count} of 16 settings because of the motor's torque")
+    assert "Remedy: a motor of" in said
     assert envelope_json(found, ff.UnitSystem.SI)["forbidden"] == {"the motor's torque": count}
 
 
@@ -66,11 +66,13 @@ def test_other_commands_name_what_would_hold_the_programmed_force(monkeypatch, c
     status, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", *more)
     findings = json.loads(out)["conclusions"]["findings"]
     (said,) = (line for line in findings if line.startswith("The motor is too small for the programmed feel"))
-    assert "What would do: a motor of that torque, or a transmission.travel of" in said
+    assert "Remedy: a motor of that torque, or a transmission.travel of" in said
     assert status in {0, 1}
 
 
 def test_a_run_at_the_limit_of_current_leads_to_what_would(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "simulate")
     _, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", "--duration", "0.5 s")
-    assert any("and what would, forcefeel size tells." in line for line in json.loads(out)["conclusions"]["findings"])
+    assert any(
+        "To check holding force, run forcefeel size." in line for line in json.loads(out)["conclusions"]["findings"]
+    )

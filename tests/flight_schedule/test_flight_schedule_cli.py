@@ -38,7 +38,7 @@ GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")
 def test_a_schedule_that_is_stable(run, tmp_path):
     status, out, err = run(*GOOD, "--out", "found")
     assert (status, err) == (0, "")
-    assert "Stable wherever it was checked: at 2 knots, at 1 place between" in out.replace("\n", " ")
+    assert "checked loops are stable: at 2 knots, at 1 place between" in out.replace("\n", " ")
     assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, GAINS, "plotly.min.js"}
 
 

@@ -155,7 +155,7 @@ def test_sentences_use_the_words_as_they_are_meant():
     for keys in ("surface", "release-25-positive or release-50-positive", "small-inputs"):
         assert keys in missing
     assert "static" not in missing
-    assert "medium and fast would do instead of the releases" in missing
+    assert "medium and fast can replace the releases" in missing
 
 
 def _found():

@@ -128,8 +128,8 @@ def test_the_elevator_does_not_qualify_and_why(elevator):
     frequency = 1 / told["published"]["release-25-positive"].measured.features.cycles[1].value
     assert frequency == pytest.approx(1.58, abs=THREE_DIGITS_HZ)
     words = result_text(told["published"]["release-25-positive"], elevator)
-    assert "P0 is 59 % long" in words
-    assert "the column moves at 1.58 Hz where 1.97 Hz are programmed" in words
+    assert "P0 is 59 % too long" in words
+    assert "frequency 1.58 Hz, 1.97 Hz programmed" in words
     # At rest the original loop takes 1 / 0.6 of the programmed force, as the report's step shows.
     static = {name: results["static"] for name, results in told.items()}
     assert static["original"].outcome is Outcome.FAILED
@@ -275,7 +275,7 @@ def test_a_difference_at_the_limit_is_too_close_to_call_and_does_not_qualify():
     found = qualify_loader(ff.elevator(), QualificationSetup(records={"release-25-positive": record}))
     result = _by(found.sections[0].results)["release-25-positive"]
     assert result.outcome is Outcome.TOO_CLOSE
-    assert result_text(result, found).startswith("Too close to call: P0 is 9.9 % long")
+    assert result_text(result, found).startswith("Too close to call: P0 is 9.9 % too long")
     assert (found.status, found.fulfilled) == (QualificationStatus.INCOMPLETE, False)
     assert "release-25-positive (too close to call)" in conclusions(found).verdict
 

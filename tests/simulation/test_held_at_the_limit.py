@@ -167,7 +167,7 @@ def test_a_column_that_hangs_says_where_and_what_holds_it():
     assert run.measures.final_angle_rad > loader["column.stop_high"]
     text = verdict(run)
     assert "Settled" not in text
-    assert text.startswith("The column hangs at 13.1 deg on the upper end stop while its feel stands at 6.8")
+    assert text.startswith("The column hangs at 13.1 deg on the upper end stop while its feel is at 6.8")
     assert "with the current at its limit of 8 A" in text
 
 

@@ -237,18 +237,18 @@ def test_findings():
     def told(*given, **named):
         return " ".join(ff.simulation.run_conclusions(_run(*given, **named), UnitSystem.US).findings)
 
-    assert "10.8 deg, 60 % of the 18 deg that the spring G alone allows" in told()
+    assert "10.8 deg, 60 % of 18 deg, where the spring G alone balances" in told()
     assert "I, B and G alone give 1.97 Hz damped, 2.01 Hz undamped." in told()
-    assert "the springs of G and arm allow" in told({"pilot.arm_stiffness": "0.3 lb/in"})
+    assert "the springs of G and the arm balance this force" in told({"pilot.arm_stiffness": "0.3 lb/in"})
     firm = dict(zip(ARM_ROWS, ARMS[Arm.FIRM], strict=True))
     assert "The pilot's arm is the firm one, whose numbers are unverified." in told(firm)
     assert "unverified" not in told(dict(zip(ARM_ROWS, ARMS[Arm.LOOSE], strict=True)))
     assert "never reached the amplifier's limit of 10 mA" in told({"amplifier.current_limit": "10 mA"})
     changed = told(force=ff.Step(50 * LB, 0.1), duration_s=2.0, trim_rad=ff.simulation.Schedule((0.0,), (0.01,)))
-    assert "It swings at" in changed
+    assert "It oscillates at" in changed
     assert "alone" not in changed  # G about zero is not what is programmed
-    assert "leave out" not in told({"valve.orifice": True})
-    assert "Gains are designed on the linear models, which leave out valve.orifice;" in told(
+    assert "neglect" not in told({"valve.orifice": True})
+    assert "The gains are designed on the linear models, which neglect valve.orifice;" in told(
         {"valve.orifice": True}, compensated=True
     )
     sweep = told({"column.stop_high": "20 deg"}, StopToStop(10 * LB, 2.0))

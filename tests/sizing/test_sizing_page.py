@@ -48,6 +48,9 @@ def test_the_picture_has_the_drive_and_all_that_is_asked(page):
         assert page.evaluate("() => document.querySelectorAll('.plotly-graph-div').length") == 2
         return
     names = page.evaluate("() => document.getElementById('force-speed').data.map(one => one.name)")
-    curves = {"motor": ["the motor gives for a short time", "the motor gives for ever"], "valve": ["the valve gives"]}
+    curves = {
+        "motor": ["limit of the motor for a short time", "limit of the motor continuously"],
+        "valve": ["limit of the valve"],
+    }
     asked = ff.sizing.size_drive(LOADERS[page.called]).demands
     assert names == [*curves[page.called], *(one.name for one in asked)]

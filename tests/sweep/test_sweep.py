@@ -286,7 +286,7 @@ def test_conclusions_name_what_matters(result):
     found = sweep_conclusions(result, summary, UnitSystem.US)
     assert "of 1,500 loaders" in found.verdict or "All 1,500 loaders" in found.verdict
     assert "overshoot" in found.verdict
-    assert "matters most for it" in found.verdict
+    assert "has the largest effect on it" in found.verdict
     assert not any(len(word) > 40 for word in " ".join(found.findings).split())
 
 

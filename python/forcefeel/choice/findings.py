@@ -1,4 +1,4 @@
-"""What an engineer should conclude from laws that were tried, in words."""
+"""Conclusions from a comparison of laws, in sentences."""
 
 from math import degrees, inf, isfinite
 
@@ -18,13 +18,13 @@ from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 @of_result
 def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> Conclusions:
-    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a law is eligible."""
+    """The choice, its reasons, and its limits; ``ok`` if a law is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
         among = f"None of the {len(scored.scores)} laws is eligible for {scored.plan.loader.name}."
         return Conclusions(False, among, (*_too_small(scored, units), *lines, *_caveats(scored)))
     best = next(score for score in scored.scores if score.name == choice.chosen)
-    verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
+    verdict = f"Use {best.name}. {choice.remarks[0].sentence}"
     return Conclusions(
         True, verdict, (*_about(scored, best, units), *_too_small(scored, units), *lines, *_caveats(scored))
     )
@@ -38,7 +38,7 @@ def _too_small(scored: LawScores, units: UnitSystem) -> tuple[str, ...]:
 
 @of_result
 def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
-    """What one law does; ``good`` where it is stable at the loader's own setting."""
+    """Conclusions on one law; ``ok`` if it is stable at the loader's own setting."""
     score = scored.scores[0]
     own, name = score.own, capital(score.name)
     where = "at the loader's own setting"
@@ -52,7 +52,7 @@ def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
     )
     lines = [*_about(scored, score, units)]
     if wrong := obstacles(score, scored.plan.loader["controller.period"]):
-        lines.append(f"It would not be eligible under --law auto: {'; '.join(wrong)}.")
+        lines.append(f"It is not eligible in a comparison: {'; '.join(wrong)}.")
     return Conclusions(
         True, f"{name} is stable {where} and {outcome}.", (*_too_small(scored, units), *lines, *_caveats(scored))
     )
@@ -60,33 +60,33 @@ def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
 
 def margins_text(margins: LoopMargins) -> str:
     """The margins as part of a sentence."""
-    up = "grow without end" if margins.gain_up == inf else f"grow {to_text(margins.gain_up, 3)} times"
-    down = "fall to nothing" if margins.gain_down == 0 else f"fall to {share_text(margins.gain_down)}"
-    delay = "any delay" if margins.delay_s == inf else f"{to_text(1e3 * margins.delay_s, 3)} ms more delay"
-    lag = "any lag" if margins.phase_rad == inf else f"{to_text(degrees(margins.phase_rad), 3)} deg of lag or lead"
-    return f"its gain may {up} or {down}, and it bears {lag} and {delay}"
+    up = "without limit" if margins.gain_up == inf else f"{to_text(margins.gain_up, 3)} times"
+    down = "0" if margins.gain_down == 0 else share_text(margins.gain_down)
+    delay = "without limit" if margins.delay_s == inf else f"{to_text(1e3 * margins.delay_s, 3)} ms"
+    phase = "without limit" if margins.phase_rad == inf else f"{to_text(degrees(margins.phase_rad), 3)} deg"
+    return f"gain up {up}, gain down to {down}, phase {phase}, delay {delay}"
 
 
 def _about(scored: LawScores, score: Score, units: UnitSystem) -> list[str]:
     own = score.own
-    lines = [f"At the loader's own setting the loop has room: {margins_text(own.margins)} (one of them at a time)."]
+    lines = [f"Margins at the loader's own setting, each by itself: {margins_text(own.margins)}."]
     if score.over is not None:
         lines += _elsewhere(score.over)
     lines += _rendered(scored, score)
     *most, last = (f"{share_text(share)} of the {name}" for name, share in demand_shares(own.demand).items())
     lines.append(
-        f"Its release from {to_text(ANGLE.from_si(scored.plan.release_rad, units), 3)} deg takes {', '.join(most)} and {last} that "
-        "there is."
+        f"Peak demand of the release from {to_text(ANGLE.from_si(scored.plan.release_rad, units), 3)} deg: {', '.join(most)} and "
+        f"{last} available."
     )
     return lines if own.noise is None else [*lines, _noise(own.noise, units)]
 
 
 def _noise(noise: Noise, units: UnitSystem) -> str:
     angle = to_text(1e3 * degrees(noise.angle_rad), 2)
-    hand = f"a hand that holds it ({HOLDING.name} arm)"
+    hand = f"a holding hand ({HOLDING.name} arm)"
     force = f"{to_text(FORCE.from_si(noise.force_n, units), 2)} {FORCE.shown(units)} on {hand}"
     return (
-        f"Noise of the sensors moves the column by {angle} thousandths of a degree r.m.s., hands off; "
+        f"Sensor noise moves the column by {angle} thousandths of a degree r.m.s., hands off; "
         f"{force if isfinite(noise.force_n) else f'with {hand} the loop is unstable'}."
     )
 
@@ -94,15 +94,15 @@ def _noise(noise: Noise, units: UnitSystem) -> str:
 def _elsewhere(over: OverEnvelope) -> list[str]:
     lines = []
     if over.margins.disk == 0:
-        lines.append("At one of the grid's corners it is unstable.")
+        lines.append("The loop is unstable at a corner of the grid.")
     else:
-        lines.append(f"The least over the grid's corners: {margins_text(over.margins)}.")
+        lines.append(f"Smallest margins over the corners of the grid: {margins_text(over.margins)}.")
     if over.worst_case is not None:
         lines.append(
-            f"Most is lost with {over.worst_case.case}: {share_text(over.worst_case.lost)} of what passes nominally."
+            f"The largest loss comes from {over.worst_case.case}: {share_text(over.worst_case.lost)} of the nominal passes."
         )
     if over.demand.current >= 1:
-        lines.append("At some settings its releases take all the current that there is.")
+        lines.append("At some settings the releases reach the current limit.")
     return lines
 
 
@@ -117,8 +117,9 @@ def _rendered(scored: LawScores, score: Score) -> list[str]:
     mode = feel_mode(near, frequency, ratio)
     texts = [to_text(HERTZ.from_si(omega, UnitSystem.SI), 3) for omega in (mode.frequency_rad_per_s, frequency)]
     return [
-        f"The column swings at {texts[0]} Hz with a damping ratio of {to_text(mode.damping_ratio, 3)}; {texts[1]} Hz and "
-        f"{to_text(ratio, 3)} are programmed."
+        f"The column oscillates at {texts[0]} Hz with a damping ratio of {to_text(mode.damping_ratio, 3)}; programmed: "
+        f"{texts[1]} Hz "
+        f"and {to_text(ratio, 3)}."
     ]
 
 
@@ -134,8 +135,8 @@ def _caveats(scored: LawScores) -> tuple[str, ...]:
     lines = []
     if not scored.sampled:
         lines.append(
-            "The loader is analog and can only take the report's laws. Those that were made since need a digital controller: "
-            "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
+            "The loader is analog and can only use the report's laws. The newer laws need a digital controller: "
+            "set controller.period and controller.delay, for example 0.5 ms each, or use the built-in loader elevator-2khz."
         )
     laws = [score.own.law for score in scored.scores]
     lines += [law.made_for_another(plan.given) for law in laws if law.made_for_another(plan.loader)]
@@ -149,5 +150,5 @@ def _caveats(scored: LawScores) -> tuple[str, ...]:
     if unverified:
         lines.append(f"Not verified against a source: {', '.join(unverified)}.")
     if plan.omitted:
-        lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.omitted)}.")
+        lines.append(f"Omitted, because only I, B and G are programmed: {', '.join(plan.omitted)}.")
     return tuple(filter(None, lines))

@@ -128,13 +128,14 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
         )
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
         sentences.append(
-            f"the loop's gain may only go from {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} of its own"
+            f"the stable range of the loop gain is only {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} times "
+            "its value"
         )
     if margins.phase_rad < reserve.phase_rad:
         sentences.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
     if period_s and margins.delay_s < LEAST_PERIODS * period_s:
         sentences.append(
-            f"its delay margin is {to_text(1e3 * margins.delay_s, 3)} ms, less than the period of {to_text(1e3 * period_s, 3)} ms"
+            f"its delay margin is {to_text(1e3 * margins.delay_s, 3)} ms, less than a period of {to_text(1e3 * period_s, 3)} ms"
         )
     return sentences
 
@@ -167,7 +168,7 @@ def _why(best: Score, eligible: int) -> str:
     )
     if eligible == 1:
         return f"{what}; no other law is eligible."
-    return f"{what}: the best of {eligible} eligible laws."
+    return f"{what}: the best of the {eligible} eligible laws."
 
 
 def _behind(score: Score, best: Score, least: float) -> str:
@@ -177,7 +178,8 @@ def _behind(score: Score, best: Score, least: float) -> str:
     if share < min(least, best_share):
         return (
             f"{name} is eligible and renders {share_text(share)} with the nominal plant, less than the required "
-            f"{share_text(least)} and the {share_text(best_share)} of {best.name}."
+            f"{share_text(least)} and "
+            f"the {share_text(best_share)} of {best.name}."
         )
     for key, where in (("worst_case_share", "in every case"), ("nominal_share", "with the nominal plant")):
         share, best_share = _share(score, key), _share(best, key)
@@ -188,7 +190,7 @@ def _behind(score: Score, best: Score, least: float) -> str:
             )
     if _noise(best) < _noise(score) < inf:
         return f"{name} is eligible and renders about as much as {best.name}, with more noise at the grip."
-    return f"{name} is eligible and equal to {best.name} by the rule, which comes first in the list."
+    return f"{name} is eligible and renders about as much as {best.name}, which is listed before it."
 
 
 def _better(score: Score, best: Score) -> str:

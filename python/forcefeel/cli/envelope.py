@@ -145,7 +145,7 @@ def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
     table = Table("axis", "loader", "drive", "law", "from", title=title, title_justify="left", title_style="bold")
     for name in SHARES:
         table.add_column(name, justify="right")
-    table.add_column("most is lost with")
+    table.add_column("largest loss from")
     for row in found.rows:
         table.add_row(
             row.axis,

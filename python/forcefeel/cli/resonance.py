@@ -25,11 +25,10 @@ if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
 
 _HOLDS_FOR = {
-    "hydraulic": "k and c are those of a column that swings on the link while the piston is held, as the 1974 report took it. On a "
-    "bench the piston gives way; forcefeel identify fits the whole servo instead, and says how sure each number is.",
-    "electric": "k and c are those of a column that swings on the link while the rotor is held, by its brake say. A rotor that is "
-    "not held turns, and the resonance is higher; forcefeel identify fits motor, link and column together, and says how sure each "
-    "number is.",
+    "hydraulic": "k and c assume a column that oscillates on the link with the piston held, as in the 1974 report. On a bench the "
+    "piston moves; forcefeel identify fits the whole servo instead and gives standard errors.",
+    "electric": "k and c assume a column that oscillates on the link with the rotor held, for example by its brake. A free rotor "
+    "turns, and the resonance is higher; forcefeel identify fits motor, link and column together and gives standard errors.",
 }
 """What the reading of the link holds for, by the loader's drive."""
 

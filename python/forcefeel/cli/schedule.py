@@ -1,5 +1,6 @@
 """``forcefeel schedule``."""
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -83,6 +84,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
 def _show(console: Terminal, found: "ScheduleCheck") -> None:
     from forcefeel.flight_schedule.findings import schedule_conclusions
 
+    console.show(_releases(found))
     table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
     for name in ("loops", "unstable", "pole nearest to the edge"):
         table.add_column(name, justify="right")
@@ -90,3 +92,22 @@ def _show(console: Terminal, found: "ScheduleCheck") -> None:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
     console.show(table)
     console.conclude(schedule_conclusions(found))
+
+
+def _releases(check: "ScheduleCheck") -> Table:
+    """The releases at the knots and between them."""
+    table = Table("place", title="Releases, nominal plant", title_justify="left", title_style="bold")
+    for name in ("releases", "within tolerance", "knot missing"):
+        table.add_column(name, justify="right")
+    table.add_column("failures")
+    for knot, name in ((True, "at the knots"), (False, "between the knots")):
+        releases = [release for release in check.releases if release.knot is knot]
+        failures = Counter(str(release.outcome) for release in releases if not release.passes)
+        table.add_row(
+            name,
+            f"{len(releases):,}",
+            f"{sum(release.passes for release in releases):,}",
+            f"{sum(release.lost for release in releases):,}",
+            ", ".join(f"{outcome} {count:,}" for outcome, count in failures.most_common()) or "none",
+        )
+    return table

@@ -89,7 +89,7 @@ def compensation(
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
     residual = (
-        f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}"
+        f"residual of eqs. (22) at these gains over an infinite horizon: {found.riccati_residual:.1e}"
         if isfinite(found.riccati_residual)
         else "residual of eqs. (22): none, because a state does not decay under these gains"
     )

@@ -98,8 +98,8 @@ def _show(console: Terminal, found: "Sizing", units: UnitSystem) -> None:
     from forcefeel.sizing.columns import columns
     from forcefeel.sizing.findings import sizing_conclusions
 
-    title = f"{found.loader.name}, {found.plan.axis}: asked at the grip"
-    _show_table(console, ("asked", title), columns(found, units), ((one.name, one) for one in found.demands))
+    title = f"{found.loader.name}, {found.plan.axis}: demand at the grip"
+    _show_table(console, ("demand", title), columns(found, units), ((one.name, one) for one in found.demands))
     console.conclude(sizing_conclusions(found, units))
 
 

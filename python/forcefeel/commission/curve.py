@@ -12,6 +12,9 @@ from forcefeel.commission.result import Curve
 _MOST_POINTS = 600
 """Points of a curve, at most: it lies in ``steps.json`` and on a page."""
 
+_SWINGS = 6
+"""Crossings of the mean before and after the middle of what is shown of a record."""
+
 _FIRST = ("column_angle", "load_cell_force")
 """Channels that are preferred: those that the pilot feels."""
 
@@ -25,7 +28,7 @@ def curve_of(fitted: Sequence[Fitted]) -> Curve:
     rank = {name: index for index, name in enumerate(_FIRST)}
     best = min(fitted, key=lambda data: (isinstance(data.data, Response), rank.get(data.channel, len(rank))))
     response = isinstance(best.data, Response)
-    index = _extremes(np.real(best.measured))
+    index = np.arange(len(best.at)) if response else _stretch(best)
     return Curve(
         data=best.data.name,
         channel=best.channel,
@@ -44,12 +47,13 @@ def _parts(values: NDArray[np.complex128] | NDArray[np.float64], *, response: bo
     return (tuple(np.real(values).tolist()),)
 
 
-def _extremes(values: NDArray[np.float64]) -> NDArray[np.intp]:
-    """All samples up to the limit; else the lowest and the highest of each stretch."""
-    if len(values) <= _MOST_POINTS:
-        return np.arange(len(values))
-    stretches = np.array_split(np.arange(len(values)), _MOST_POINTS // 2)
-    ends = [
-        stretch[position] for stretch in stretches for position in (values[stretch].argmin(), values[stretch].argmax())
-    ]
-    return np.unique(np.array(ends))
+def _stretch(record: Fitted) -> NDArray[np.intp]:
+    """A few swings about the time where identification changes the model most, thinned to the limit."""
+    measured = np.real(record.measured)
+    swings = np.flatnonzero(np.diff(np.sign(measured - measured.mean())))
+    begin, end = 0, len(measured)
+    if len(swings) > 2 * _SWINGS:
+        largest = int(np.abs(np.real(record.modelled) - np.real(record.before)).argmax())
+        first = int(np.clip(np.searchsorted(swings, largest) - _SWINGS, 0, len(swings) - 2 * _SWINGS))
+        begin, end = int(swings[first]), int(swings[first + 2 * _SWINGS - 1])
+    return np.arange(begin, end, max(1, -(-(end - begin) // _MOST_POINTS)))

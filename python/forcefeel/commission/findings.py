@@ -1,13 +1,13 @@
-"""Conclusions of a commissioning."""
+"""Conclusions from a commissioning, in sentences."""
 
 from dataclasses import dataclass
 
 from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Checked, Commission
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
-from forcefeel.conclusions import Conclusions, of_result, share_text
+from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 
 GOOD_LAW, OTHER_LAW = "law.json", "law-rejected.json"
-"""File name of an accepted law, and of a rejected one."""
+"""Name of the law's file: one that meets the requirements, and the best candidate of those that do not."""
 
 _MOST = 3
 """Number of named what-ifs."""
@@ -15,10 +15,10 @@ _MOST = 3
 
 @of_result
 def commission_conclusions(commission: Commission) -> Conclusions:
-    """The verdict: identified parameters, law and tests; and changes that would render more."""
+    """The result in a sentence or two, and the remedies if it falls short."""
     lines = [
         *commission.identified.wanting,
-        *(f"The next experiment: {sentence}" for sentence in commission.identified.advice),
+        *(f"The next experiment: {parameter}" for parameter in commission.identified.advice),
     ]
     lines += commission.identified.noticed
     if commission.loader is not None:
@@ -36,7 +36,7 @@ def commission_conclusions(commission: Commission) -> Conclusions:
 def _verdict(commission: Commission) -> str:
     name = commission.before.name
     if commission.loader is None:
-        return f"{name} is not set up: {_small(commission.identified.verdict)}"
+        return f"{name} is not commissioned: {_small(commission.identified.verdict)}"
     identified = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
     counted = (
         f"{len(identified)} parameter of {name} is"
@@ -54,14 +54,14 @@ def _verdict(commission: Commission) -> str:
     law, checked = commission.chosen.name, commission.checked
     renders = (
         f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
-        f"{share_text(checked.drawn)} on average of machines with joint tolerances"
+        f"{share_text(checked.drawn)} on average over machines with all its tolerances at once"
     )
-    shortfall = "" if commission.reaches else f", less than the required {share_text(commission.plan.share)}"
+    shortfall = "" if commission.reaches else f", below the required {share_text(commission.plan.share)}"
     tests = "passes the rule's tests" if commission.tested.fulfilled else "does not pass the rule's tests"
     end = (
         ""
         if commission.good or not commission.identified.wanting
-        else " The law is rejected: a required parameter is unknown."
+        else " Do not use it: the data leave a required parameter open."
     )
     joint = "and" if commission.tested.fulfilled is commission.reaches else "but"
     return f"{text}; {renders}{shortfall}, {joint} it {tests}.{end}"
@@ -80,15 +80,18 @@ def _sorted(commission: Commission, state: str) -> str:
     named = f"{', '.join(keys[:-1])} and {keys[-1]}" if len(keys) > 1 else keys[0]
     if state == CARRIED:
         return (
-            f"The records determine {named} only in products or ratios with identified parameters: the file's "
-            f"{'values are' if len(keys) > 1 else 'value is'} kept, and the other estimates are consistent with "
-            f"{'them' if len(keys) > 1 else 'it'}."
+            f"The records determine {named} only in products or ratios with other parameters: the file's "
+            f"{'values are' if len(keys) > 1 else 'value is'} kept, and the estimates of the others compensate for "
+            f"{'their' if len(keys) > 1 else 'its'} error."
         )
     if state == AT_END:
-        return f"The file's value of {named} is the end of its range, and the estimate ends there: it counts as known."
+        return (
+            f"{capital(named)} {'are' if len(keys) > 1 else 'is'} at the end of the valid range by the file and by the records, "
+            "and counts as known."
+        )
     if state == NOTHING:
-        return f"The estimate of {named} is zero within its standard errors: the machine has none."
-    return f"The records hardly depend on {named}: the file's value and tolerance are kept for the envelope."
+        return f"The records show no {named}: the estimate is zero within its standard error, and the loader gets zero."
+    return f"The records hardly show {named}: value and tolerance of the file are kept and count in the envelope."
 
 
 def _envelope(commission: Commission) -> str:
@@ -96,7 +99,7 @@ def _envelope(commission: Commission) -> str:
     if checked is None:
         return ""
     return (
-        f"Over {checked.settings} settings, weighted equally per ratio step: {share_text(checked.passes)} nominally, "
+        f"Share of {checked.settings} settings, weighted by equal logarithmic steps: {share_text(checked.passes)} nominally, "
         f"{share_text(checked.every_case)} in every case, pilots' arms included; {_drawn(checked)}."
     )
 
@@ -114,9 +117,7 @@ def _more(commission: Commission) -> list[str]:
     if commission.checked is None or commission.reaches:
         return []
     if not commission.checked.what_ifs:
-        return [
-            "No tried change of the hardware (friction, sensors, controller, limits of the drive) would render more."
-        ]
+        return ["No tested hardware change (friction, sensors, controller, limits of the drive) increases the share."]
     most = sorted(commission.checked.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
     parts = [f"{what_if.change}: {share_text(what_if.passes)}" for what_if in most]
     sufficient = next(
@@ -124,12 +125,12 @@ def _more(commission: Commission) -> list[str]:
     )
     required = share_text(commission.plan.share)
     least = (
-        f"The smallest sufficient change for {required}: {sufficient.change}, {share_text(sufficient.passes)}."
+        f"The smallest change that reaches {required}: {sufficient.change}, {share_text(sufficient.passes)}."
         if sufficient
-        else f"None of them alone reaches {required}."
+        else f"No single change reaches {required}."
     )
     return [
-        f"Single changes that would render more, each with its own law: {'; '.join(parts)}.",
+        f"Hardware changes, one at a time, each with a law designed for it: {'; '.join(parts)}.",
         least,
     ]
 
@@ -163,7 +164,7 @@ class Row:
 def glance(commission: Commission) -> tuple[Row, ...]:
     """A row for each step."""
     rows = (
-        [Row("bench, simulated", "a record of the simulated machine", "yes", f"{BENCH}/bench.csv")]
+        [Row("bench, simulated", "record of the simulated machine", "yes", f"{BENCH}/bench.csv")]
         if BENCH in commission.folders
         else []
     )
@@ -174,7 +175,7 @@ def glance(commission: Commission) -> tuple[Row, ...]:
         if determined
         else "no loader"
     )
-    wanting = f"; {len(commission.identified.wanting)} wanting" if commission.identified.wanting else ""
+    wanting = f"; {len(commission.identified.wanting)} missing" if commission.identified.wanting else ""
     rows.append(
         Row("identification", what + wanting, _yes(commission.identified.good), f"{IDENTIFICATION}/identification.html")
     )

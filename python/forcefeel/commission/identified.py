@@ -28,14 +28,13 @@ from forcefeel.loader.parameters import ELECTRIC, TABLE, value_text
 from forcefeel.loader.sensors import GRIP_SENSOR, sample_variance, sensors_of, without_grip_sensor
 
 _FRICTION_OPEN = (
-    "The data do not determine the dry friction of the column: they are frequency responses, or it hardly breaks away "
-    "in them, or never reverses. A law without this friction mistakes it for a pull of the hand."
+    "The data do not determine the dry friction of the column: they are frequency responses, or the column hardly breaks away "
+    "or never reverses in them. A law without it mistakes friction for a hand."
 )
 
 _RECORD_FRICTION = (
-    "Record the loader in time through many reversals, such as a multisine of a minute (excite) or a slow sweep of force both "
-    "ways (experiment: sweep), and add it to these data; or state column.coulomb_friction in the loader file and name the "
-    "parameters to identify with --fit."
+    "Add a record with many reversals, such as a multisine of a minute (excite) or a slow sweep of force both ways (experiment: "
+    "sweep); or state column.coulomb_friction in the loader file and name the other parameters with --fit."
 )
 
 

@@ -58,8 +58,9 @@ def choose_law(
     lesser: tuple[str, ...] = ()
     if choice.chosen and (short := obstacles(_score(scored, choice), period)):
         lesser = (
-            f"{capital(choice.chosen)} has less in reserve than is usual: {'; '.join(short)}. No design with more renders the "
-            "share that is asked for, and for a loader that is measured 3.5 dB and 25 deg will do.",
+            f"{capital(choice.chosen)} has smaller margins than the default: {'; '.join(short)}. No law with larger margins "
+            "renders "
+            "the required share; 3.5 dB and 25 deg are enough for a measured loader.",
         )
     conclusions = choice_conclusions(scored, choice, plan.units)
     remarks = tuple(remark.sentence for remark in choice.remarks if remark.name != choice.chosen)
@@ -81,7 +82,7 @@ def _passing(
             others = tuple(remark for remark in first.remarks if remark.name != choice.chosen)
             return Choice(choice.chosen, (choice.remarks[0], *others)), tuple(failed)
         why = f": {tested.reasons[0]}" if tested.reasons else "."
-        failed.append(f"{capital(choice.chosen)} renders the share and does not pass the rule's tests{why}")
+        failed.append(f"{capital(choice.chosen)} renders the required share but fails the rule's tests{why}")
         remaining = replace(remaining, scores=tuple(score for score in remaining.scores if score.name != choice.chosen))
         choice = _choice(remaining, plan.share)
     return first, tuple(failed)

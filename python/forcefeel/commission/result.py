@@ -35,7 +35,7 @@ class IdentifiedParameter:
 
 @dataclass(frozen=True)
 class Curve:
-    """One channel of the bench data beside the models, SI units; of a long record the extremes of each stretch.
+    """One channel of the bench data beside the models, SI units; of a long record a stretch.
 
     Attributes:
         data: Name of the record or the response.

@@ -203,7 +203,8 @@ class _Work:
 
     def identify(self, folder: Path, loader: Loader, data: Sequence[Response | BenchRecord]) -> Identified:
         identified = identify_loader(loader, data, self.plan, lambda part: self.progress(IDENTIFICATION, part))
-        _keep(folder / LOADER, None if identified.loader is None else identified.loader.to_toml(self.plan.units))
+        loader_file = None if identified.loader is None else identified.loader.to_toml(self.plan.units)
+        _keep(folder / LOADER, loader_file)
         self.writers.identification(identified.identification, folder)
         return identified.outcome
 

@@ -1,4 +1,4 @@
-"""What an engineer should conclude from a design, in words."""
+"""Conclusions from a design, in sentences."""
 
 import numpy as np
 
@@ -65,15 +65,14 @@ def _analog(design: Design) -> str:
     if design.loader["controller.period"]:
         return ""
     return (
-        "The loader is analog and can only take the report's laws. Those that were made since need a digital controller: forcefeel"
-        " design elevator-2khz shows the best of them; controller.period and controller.delay, for example 0.5 ms each, give"
-        " this loader one."
+        "The loader is analog and can only use the report's laws. The newer laws need a digital controller: set controller.period"
+        " and controller.delay, for example 0.5 ms each. forcefeel design elevator-2khz shows such a loader."
     )
 
 
 def _verdict(design: Design) -> str:
     if not design.compensation.reached:
-        return f"There is no compensation to judge: recursion (22) {design.compensation.note}."
+        return f"There are no gains to evaluate: recursion (22) {design.compensation.note}."
     assessment = design.configuration("compensated").programmed.assessment
     return rendering("The compensated loader", assessment, design.feel_frequency_rad_per_s)
 
@@ -82,7 +81,7 @@ def _compliance(design: Design) -> str:
     compliant = design.servo(Linkage.COMPLIANT)
     swinging = [mode for mode in compliant.closed_modes if mode.imaginary_per_s > 0]
     if not swinging:
-        return "The linkage is compliant, but nothing swings on it: every mode of the servo is real."
+        return "The linkage is compliant, but no mode of the servo oscillates: every one is real."
     mode = least_damped(swinging)
     rigid = design.servo(Linkage.RIGID)
     if any(
@@ -90,12 +89,12 @@ def _compliance(design: Design) -> str:
         for rigid_mode in rigid.closed_modes
     ):
         return (
-            f"The linkage is as good as rigid: the servo's least damped mode, at {hertz(mode.frequency_rad_per_s)} with a"
-            f" damping ratio of {to_text(mode.damping_ratio, 2)}, is there with a rigid link too."
+            f"The linkage is nearly rigid: the servo's least damped mode, at {hertz(mode.frequency_rad_per_s)} with a"
+            f" damping ratio of {to_text(mode.damping_ratio, 2)}, exists with a rigid link too."
         )
     peak = compliant.column_resonance
     return (
-        f"The linkage is not rigid: with the position loop closed the column swings on it at"
+        f"The linkage is not rigid: with the position loop closed the column oscillates on it at"
         f" {hertz(mode.frequency_rad_per_s)} with a damping ratio of {to_text(mode.damping_ratio, 2)}"
         + (f", and its response to the command peaks at {hertz(peak.frequency_rad_per_s)}." if peak else ".")
     )
@@ -105,20 +104,19 @@ def _original(design: Design, units: UnitSystem) -> str:
     rigid, compliant = design.configuration("rigid"), design.configuration("compliant")
     return (
         f"The original loop is {settling(compliant.programmed.assessment)}. With a rigid link {_reach(rigid, units)};"
-        f" with the real one {_reach(compliant, units)}."
+        f" with the compliant link {_reach(compliant, units)}."
     )
 
 
 def _compensated(design: Design) -> str:
     assessment = design.configuration("compensated").programmed.assessment
     if not assessment.stable:
-        return "With the designed gains the loop is unstable, so there is no response to judge."
+        return "With the designed gains the loop is unstable, so its response is not evaluated."
     return (
-        f"With the designed gains it is {settling(assessment)}, and moves at {hertz(assessment.frequency_rad_per_s)} with a damping"
-        f" ratio of {to_text(assessment.damping_ratio, 2)} where {hertz(design.feel_frequency_rad_per_s)} and"
-        f" {to_text(design.feel_damping_ratio, 2)} are programmed. Over two seconds after the step it deviates from the ideal"
-        f" by {percent(assessment.tracking_error)} of the final deflection (root mean square)."
-        + _inertia_remark(design, assessment)
+        f"With the designed gains the loop is {settling(assessment)}. Frequency: {hertz(assessment.frequency_rad_per_s)},"
+        f" {hertz(design.feel_frequency_rad_per_s)} programmed; damping ratio: {to_text(assessment.damping_ratio, 2)},"
+        f" {to_text(design.feel_damping_ratio, 2)} programmed. Over two seconds after the step the r.m.s. deviation from the ideal"
+        f" is {percent(assessment.tracking_error)} of the final deflection." + _inertia_remark(design, assessment)
     )
 
 
@@ -130,7 +128,7 @@ def _inertia_remark(design: Design, assessment: Assessment) -> str:
     if abs(assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > FREQUENCY_TOLERANCE / 2:
         return ""  # something else is at work as well
     return (
-        f" The column's own inertia J adds to the programmed I: that alone lowers the frequency to"
+        f" The column's own inertia J adds to the programmed I, which lowers the frequency to"
         f" {hertz(design.feel_frequency_rad_per_s * predicted)}."
     )
 
@@ -139,16 +137,16 @@ def _low_stiffness(design: Design, units: UnitSystem) -> str:
     compliant, compensated = design.configuration("compliant"), design.configuration("compensated")
     before, after = compliant.boundary.stiffness_n_m_per_rad, compensated.boundary.stiffness_n_m_per_rad
     if after == 0 and before == 0:
-        return f"Low stiffness is no danger, with or without the compensation: {compensated.boundary.note}."
+        return f"Low stiffness does not destabilize the loop, with or without the law: {compensated.boundary.note}."
     if after == 0:
-        return f"The compensation removes the instability at low stiffness: {compensated.boundary.note}."
+        return f"The law removes the instability at low stiffness: {compensated.boundary.note}."
     if not np.isfinite(after) or not np.isfinite(before) or before == 0:
         return f"Stability from G_max downwards: original loop {compliant.boundary.note}; compensated {compensated.boundary.note}."
     direction = "down" if after < before else "up"
     ratio = to_text(max(before / after, after / before), 2)
     return (
-        f"The compensation moves the boundary of stability {direction} by a factor of {ratio}, to {_edge(compensated, units)};"
-        f" it does not remove it, because the load cell still drives the feel computer and eq. (19) leaves that loop out."
+        f"The law moves the boundary of stability {direction} by a factor of {ratio}, to {_edge(compensated, units)}. The boundary"
+        f" remains, because the load cell still drives the feel computer and eq. (19) neglects that loop."
     )
 
 
@@ -158,7 +156,7 @@ def _valve(design: Design) -> str:
         return "Current and flow are not evaluated, because the loop is unstable."
     within = peaks.current_share <= 1 and peaks.flow_share <= 1
     return (
-        f"The step of pilot force asks for {percent(peaks.current_share)} of the rated current and"
+        f"The step of pilot force takes {percent(peaks.current_share)} of the rated current and"
         f" {percent(peaks.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
     )
 
@@ -167,15 +165,15 @@ def _paths(design: Design) -> str:
     compensated = design.configuration("compensated")
     full = compensated.programmed.assessment
     if not full.stable:
-        return "Dropping feedback paths is not judged, because the full set is unstable."
+        return "Dropped feedback paths are not evaluated, because the full set is unstable."
     most = droppable(design.dropped, full, compensated.boundary)
     if most is None:
         return (
             f"No feedback path can be dropped without a visible loss (more than {percent(VISIBLE_LOSS)} of deflection)."
         )
     return (
-        f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal goes from"
-        f" {percent(full.tracking_error)} to {percent(most.assessment.tracking_error)}, and stability stays."
+        f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal changes from"
+        f" {percent(full.tracking_error)} to {percent(most.assessment.tracking_error)}, and the loop stays stable."
     )
 
 
@@ -203,10 +201,10 @@ def _sensitivity(design: Design) -> str:
 def _reach(configuration: Configuration, units: UnitSystem) -> str:
     value = configuration.boundary.stiffness_n_m_per_rad
     if value == 0:
-        return "no G is too low for it"
+        return "the loop is stable at every low G"
     if not np.isfinite(value):
-        return "it is unstable at G_max already"
-    return f"G may fall to {_edge(configuration, units)}"
+        return "the loop is unstable even at G_max"
+    return f"the smallest stable G is {_edge(configuration, units)}"
 
 
 def _edge(configuration: Configuration, units: UnitSystem) -> str:

@@ -89,7 +89,7 @@ def _hand(design: MotorDesign) -> Figure:
     at = FREQUENCIES_HZ[_BELOW_NYQUIST / (2 * loader["controller.period"]) > FREQUENCIES_HZ]
     curves = {name: _frequency(model, 0, "column_angle_rad", 1 / per_force, at) for name, model in models.items()}
     curves[under(design.law)] = _spectrum(at, law_response(loader, design.law, at) / per_force)
-    return Figure(HAND, "What the hand feels: column's angle per pilot force", Kind.FREQUENCY, curves)
+    return Figure(HAND, "Compliance at the grip: column's angle per pilot force", Kind.FREQUENCY, curves)
 
 
 def _force(loader: Loader) -> Figure:

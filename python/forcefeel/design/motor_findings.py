@@ -1,4 +1,4 @@
-"""What an engineer should conclude from the design of an electric loader, in words."""
+"""Conclusions from the design of an electric loader, in sentences."""
 
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 MILLISECONDS = Unit("s", "ms", "ms", "s")
 
 NO_REPORT = (
-    "The report's own law, recursion (22) with its gains, dropped paths and sensitivities, is made for a valve and is no part of "
-    "this."
+    "The report's own law, recursion (22) with its gains, dropped paths and sensitivities, is for a valve and does "
+    "not apply."
 )
 
 
@@ -58,10 +58,10 @@ def law_text(design: "MotorDesign") -> str:
     if not assessment.stable:
         return ""
     return (
-        f"Linear, under {design.law}, it is {settling(assessment)}, moves at {hertz(assessment.frequency_rad_per_s)} with a "
-        f"damping ratio of {to_text(assessment.damping_ratio, 2)}, and deviates from the ideal by "
-        f"{percent(assessment.tracking_error)} of the deflection over two seconds (root mean square). At its command it bears "
-        f"{to_text(margins.gain_up, 3)} times the gain and {_milliseconds(margins.delay_s)} more delay."
+        f"Linear model under {design.law}: {settling(assessment)}; frequency "
+        f"{hertz(assessment.frequency_rad_per_s)}, damping ratio {to_text(assessment.damping_ratio, 2)}; r.m.s. "
+        f"deviation from the ideal over two seconds {percent(assessment.tracking_error)} of the "
+        f"deflection. Margins at the command: gain {to_text(margins.gain_up, 3)} times, delay {_milliseconds(margins.delay_s)}."
     )
 
 
@@ -79,30 +79,29 @@ def inertia_text(analysis: MotorAnalysis, units: UnitSystem) -> str:
     )
     unit_name = INERTIA.shown(units)
     moves = (
-        f" It moves at {hertz(loop.frequency_rad_per_s)} with a damping ratio of {to_text(loop.damping_ratio, 2)}, where "
-        f"{hertz(analysis.feel_frequency_rad_per_s)} and {to_text(analysis.feel_damping_ratio, 2)} are programmed, and "
-        f"{_static(loop)}."
+        f" Frequency: {hertz(loop.frequency_rad_per_s)}, {hertz(analysis.feel_frequency_rad_per_s)} programmed; damping ratio: "
+        f"{to_text(loop.damping_ratio, 2)}, {to_text(analysis.feel_damping_ratio, 2)} programmed. It {_static(loop)}."
         if loop.stable
         else " It is unstable at the programmed setting."
     )
     return (
-        f"By current alone, the motor making the feel's spring and damper, the hand moves rotor ({rotor}) and column ({column}): "
-        f"{felt} {unit_name}, where I = {programmed} {unit_name} is programmed.{moves}"
+        f"With current control alone the motor makes only the feel's spring and damper. The inertia at the grip is that of rotor "
+        f"({rotor}) and column ({column}): {felt} {unit_name}, I = {programmed} {unit_name} programmed.{moves}"
     )
 
 
 def _static(assessment: Assessment) -> str:
-    return f"settles {percent(assessment.static_error, signed=True)} off, as the link is in series with G"
+    return f"settles with an error of {percent(assessment.static_error, signed=True)}, because the link is in series with G"
 
 
 def _link(analysis: MotorAnalysis) -> str:
     swing, column, loop = (analysis.mode(name) for name in (ON_THE_LINK, COLUMN_ON_LINK, CURRENT_LOOP))
-    how = "swing" if swing.imaginary_per_s > 0 else "creep"
+    how = "oscillate" if swing.imaginary_per_s > 0 else "creep"
     return (
-        f"On the link rotor and column {how} against one another at {hertz(swing.frequency_rad_per_s)} with a damping ratio of "
-        f"{to_text(swing.damping_ratio, 2)}, the column by itself at {hertz(column.frequency_rad_per_s)} while the motor is held. "
-        f"The current loop, {hertz(loop.frequency_rad_per_s)}, is "
-        f"{to_text(loop.frequency_rad_per_s / swing.frequency_rad_per_s, 2)} times as fast."
+        f"Rotor and column {how} against each other on the link at {hertz(swing.frequency_rad_per_s)} with a damping ratio of "
+        f"{to_text(swing.damping_ratio, 2)}; with the motor locked, the column alone at {hertz(column.frequency_rad_per_s)}. "
+        f"The bandwidth of the current loop, {hertz(loop.frequency_rad_per_s)}, is "
+        f"{to_text(loop.frequency_rad_per_s / swing.frequency_rad_per_s, 2)} times as high."
     )
 
 
@@ -121,11 +120,11 @@ def delay_text(analysis: MotorAnalysis) -> str:
     if not isfinite(borne):
         return ""
     phase = to_text(ANGLE.from_si(margins.phase_margin_rad, UnitSystem.SI), 3)
-    text = f"The loop by current alone has a phase margin of {phase} deg and bears {_milliseconds(borne)} of delay"
+    text = f"With current control alone the phase margin is {phase} deg and the delay margin {_milliseconds(borne)}"
     if not loader["controller.period"]:
         return f"{text}."
     period, delay = (_milliseconds(loader[f"controller.{name}"]) for name in ("period", "delay"))
-    return f"{text}; the controller has {period} of period and {delay} of delay."
+    return f"{text}; the controller has a period of {period} and a delay of {delay}."
 
 
 def boundary_text(analysis: MotorAnalysis, units: UnitSystem) -> str:
@@ -133,18 +132,19 @@ def boundary_text(analysis: MotorAnalysis, units: UnitSystem) -> str:
     rigid, compliant = (analysis.configuration(name).boundary for name in ("rigid", "compliant"))
     stiffness = compliant.stiffness_n_m_per_rad
     if stiffness == 0:
-        return f"By current alone the loader is {compliant.note} the feel."
+        return f"With current control alone the loader is {compliant.note} the feel."
     if stiffness == inf:
-        return f"By current alone no stiffness is too much: {compliant.note}."
+        return f"With current control alone every stiffness is stable: {compliant.note}."
     largest, highest = ROTARY_STIFFNESS.from_si(stiffness, units), analysis.loader["feel.maximum_stiffness"]
     with_rigid = rigid.stiffness_n_m_per_rad / highest
     other = (
-        f"; with a rigid link to {to_text(with_rigid, 2)} times"
+        f"; with a rigid link {to_text(with_rigid, 2)} times"
         if isfinite(with_rigid) and with_rigid > 0
-        else f"; with a rigid link it is {rigid.note}"
+        else f"; with a rigid link the loader is {rigid.note}"
     )
     return (
-        f"By current alone under this controller G may grow to {to_text(largest, 3)} {ROTARY_STIFFNESS.shown(units)}, "
+        f"With current control alone under this controller the largest stable G is {to_text(largest, 3)} "
+        f"{ROTARY_STIFFNESS.shown(units)}, "
         f"{to_text(stiffness / highest, 2)} times G_max ({compliant.note}){other}."
     )
 
@@ -157,8 +157,8 @@ def _demand(analysis: MotorAnalysis) -> str:
     parts = [f"{percent(share)} of the largest {name}" for name, share in shares.items() if share > 0]
     if not parts:
         return ""
-    beyond = " That is more than there is: the linear picture ends before." if max(shares.values()) > 1 else ""
-    return f"The step of pilot force asks for {' and '.join(parts)} by current alone.{beyond}"
+    beyond = " Beyond 100 % the linear model does not apply." if max(shares.values()) > 1 else ""
+    return f"With current control alone the step of pilot force takes {' and '.join(parts)}.{beyond}"
 
 
 def _inertia(value: float, units: UnitSystem) -> str:

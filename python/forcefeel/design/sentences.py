@@ -5,7 +5,7 @@ from math import isfinite, isnan
 from forcefeel.design.assessment import Assessment
 from forcefeel.units import HERTZ, UnitSystem, to_text
 
-LOST = "where it settles is lost in rounding: its numbers are too many powers of ten apart"
+LOST = "its final value is lost in rounding: the parameters differ by too many powers of ten"
 
 SMALL_ERROR = 0.02
 """Static error below which a deflection is called right: a fifth of the 10 % of force that the static check allows (14 CFR
@@ -26,8 +26,8 @@ def rendering(what: str, assessment: Assessment, frequency_rad_per_s: float) -> 
     if static and moving:
         return f"{what} is stable and renders the programmed feel, at rest and in motion."
     if static:
-        return f"{what} is stable and settles where it should, but it moves at the wrong frequency."
-    return f"{what} is stable but does not settle where the programmed feel would."
+        return f"{what} is stable and settles at the programmed deflection, but its frequency is wrong."
+    return f"{what} is stable but does not settle at the programmed deflection."
 
 
 def settling(assessment: Assessment) -> str:

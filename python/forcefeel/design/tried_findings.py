@@ -1,4 +1,4 @@
-"""What the laws that were tried came to, in sentences: the best by the rule, and the report's where the loader can take it."""
+"""Conclusions from a comparison of laws, in sentences: the best by the rule, and the report's if the loader can use it."""
 
 from forcefeel.design.law_comparison import LawComparison
 
@@ -6,7 +6,7 @@ from forcefeel.design.law_comparison import LawComparison
 def verdict(tried: LawComparison) -> str:
     """Which law is the best and whether it qualifies."""
     if tried.impossible:
-        return f"The laws cannot be tried on this loader: {tried.impossible}."
+        return f"The laws cannot be compared on this loader: {tried.impossible}."
     best, report = tried.best, tried.report
     if report is None:
         if best is None:
@@ -24,7 +24,7 @@ def lines(tried: LawComparison) -> list[str]:
     if tried.impossible:
         return []
     settings = f"{tried.settings} settings of stiffness, frequency and damping ratio"
-    texts = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
+    texts = [f"Laws compared at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
     report, best = tried.report, tried.best
     if report is not None and best != report:
         texts.append(f"The report's law, {report.name}, {report.rendered_text}.")
@@ -32,4 +32,4 @@ def lines(tried: LawComparison) -> list[str]:
         texts.append(f"With {best.name}: {best.qualified.reasons[0]}")
     if report is not None and report.qualified and report.qualified.reasons:
         texts.append(f"With the report's law: {report.qualified.reasons[0]}")
-    return [*texts, "The settings are few: the page names the commands that look closer."]
+    return [*texts, "The settings are few, so shares are rough: the page lists the commands for more."]

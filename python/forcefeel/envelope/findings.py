@@ -15,6 +15,9 @@ from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_s
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, INERTIA, UnitSystem, to_text
 
+_MOST_NAMED = 2
+"""Laws that the verdict names; of more, it names the best."""
+
 WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 """Shares from which on a law is said to render the envelope: nominally, and in every case."""
 
@@ -27,11 +30,13 @@ def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
         count = envelope.plan.settings.count
         verdict = f"No law renders any of {count:,} programmed feels, released from {_angle(envelope, units)}."
     else:
+        named = envelope.laws if len(envelope.laws) <= _MOST_NAMED else (best.law,)
         each = ", ".join(
             f"{share_text(law.nominal_share)} with {name_text(law.law)} ({share_text(law.worst_case_share)} in every case)"
-            for law in map(envelope.allowed_shares, envelope.laws)
+            for law in map(envelope.allowed_shares, named)
         )
-        verdict = f"Within tolerance: {each}, of {_feels(envelope)}, released from {_angle(envelope, units)}."
+        among = "" if named == envelope.laws else f", the best of {len(envelope.laws)} laws"
+        verdict = f"Within tolerance: {each}{among}, of {_feels(envelope)}, released from {_angle(envelope, units)}."
     others = [name for name in envelope.laws if name != best.law]
     lines = [*forbidden_sentences(envelope.forbidden, units), _fails(envelope, best.law), _worst(envelope, best.law)]
     lines += [_drawn(envelope, best.law)] if envelope.plan.machines else []

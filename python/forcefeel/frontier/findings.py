@@ -1,4 +1,4 @@
-"""What an engineer should conclude from a frontier, in words."""
+"""Conclusions from a frontier, in sentences."""
 
 from math import isclose, isfinite
 
@@ -29,10 +29,11 @@ def frontier_conclusions(frontier: Frontier, units: UnitSystem) -> Conclusions:
     tight = frontier.tightening
     good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
     verdict = (
-        f"Of {frontier.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
-        f"{share_text(tight.worst)} in every case with {name_text(frontier.law)}. With {_inertia(frontier)} known to "
-        f"{tolerance_text(frontier.inertia_tolerance)}, {share_text(float(frontier.possible.mean()))} is the bound on any linear "
-        "law, computed over responses of second order."
+        f"With {name_text(frontier.law)} the loader renders {share_text(tight.nominal)} of {frontier.plan.settings.count:,} "
+        "programmed feels "
+        f"nominally and {share_text(tight.worst)} in every case. With {_inertia(frontier)} known to "
+        f"{tolerance_text(frontier.inertia_tolerance)}, the bound on any linear law is "
+        f"{share_text(float(frontier.possible.mean()))} (second-order responses)."
     )
     lines = [
         _limits(frontier),
@@ -62,7 +63,7 @@ def geometry_text(frontier: Frontier) -> str:
     if _known_alike(frontier):
         return ""
     known = _known_text(frontier, frontier.inertia_tolerance)
-    return f"At the full tolerances there is {known}; tightened, inertia and geometry shrink by the same factor."
+    return f"The full tolerances are {known}; tightening reduces inertia and geometry by the same factor."
 
 
 def _known_text(frontier: Frontier, inertia: float) -> str:
@@ -91,25 +92,25 @@ def points_text(gain: float) -> str:
 def _limits(frontier: Frontier) -> str:
     shares = {limit: share for limit, share in frontier.limit_shares.items() if share > 0 and limit is not Limit.NONE}
     if not shares:
-        return "Nothing limits it: every setting of the grid is rendered in every case."
+        return "Every setting of the grid is rendered in every case."
     parts = [
         f"{frontier.text(limit)} ({share_text(share)})"
         for limit, share in sorted(shares.items(), key=lambda row: -row[1])
     ]
     beyond = frontier.beyond_bound
     more = (
-        f" {share_text(beyond)} of the settings pass although no response of second order would: there the bound does not hold."
+        f" {share_text(beyond)} of the settings pass although no second-order response does: the bound does not apply there."
         if beyond
         else ""
     )
-    return f"What limits the others, as shares of all settings: {'; '.join(parts)}.{more}"
+    return f"Limits of the other settings, as shares of all: {'; '.join(parts)}.{more}"
 
 
 def _goal(frontier: Frontier) -> str:
     tight = frontier.tightening
     if not tight.nominal_is_enough:
         return (
-            f"The goal of {GOAL} is out of reach by tolerances alone: they do not change the nominal share of "
+            f"Tighter tolerances alone do not reach the goal of {GOAL}: they do not change the nominal share of "
             f"{share_text(tight.nominal)}. " + _reach(frontier)
         )
     if tight.worst >= WHOLE_WORST:
@@ -123,15 +124,15 @@ def _reach(frontier: Frontier) -> str:
     if isfinite(path.needed):
         return (
             f"The worst case reaches {goal} with {_known_text(frontier, path.needed)} (interpolated between two computed "
-            "tolerances), all others at their full tolerance."
+            "tolerances), with full tolerances of all other parameters."
         )
     if path.limit >= WHOLE_WORST:
         finest = _known_text(frontier, path.tolerances[-1])
         return (
-            f"The worst case does not reach {goal} with {finest}, the finest that was computed; exactly known it is "
+            f"The worst case does not reach {goal} with {finest}, the tightest computed; at zero tolerance it is "
             f"{share_text(path.limit)}."
         )
-    return f"Even where {path.name} are known exactly, the worst case is {share_text(path.limit)}: {_rest(frontier)}."
+    return f"With zero tolerance of {path.name} the worst case is still {share_text(path.limit)}: {_rest(frontier)}."
 
 
 def _rest(frontier: Frontier) -> str:
@@ -140,11 +141,9 @@ def _rest(frontier: Frontier) -> str:
         return "the nominal share itself limits it"
     others = [cost for cost in frontier.tightening.costs if cost.name not in KNOWN_BETTER and cost.lost > 0]
     if not others:
-        return "the rest limits it"
+        return "the other tolerances limit it"
     dearest = max(others, key=lambda cost: cost.lost)
-    return (
-        f"the rest limits it, {dearest.name} before all, with which {share_text(dearest.lost)} of all settings are lost"
-    )
+    return f"the other tolerances limit it, most of all {dearest.name}, which loses {share_text(dearest.lost)} of all settings"
 
 
 def _pair(frontier: Frontier) -> str:
@@ -152,22 +151,23 @@ def _pair(frontier: Frontier) -> str:
     if pair is None:
         return ""
     others, known = tolerance_text(pair.others), _known_text(frontier, pair.inertia_and_geometry)
-    return f" With all other tolerances at {others} of theirs and {known}, it is {share_text(pair.share)}."
+    return f" With all other tolerances reduced to {others} and {known}, it is {share_text(pair.share)}."
 
 
 def _dearest(frontier: Frontier) -> str:
     dearest = max(frontier.tightening.costs, key=lambda cost: cost.lost)
     if dearest.lost <= 0:
         return "No single tolerance loses a setting that passes nominally."
-    text = f"The dearest by itself is {dearest.name}, with which {share_text(dearest.lost)} of all settings are lost"
+    text = f"The most costly single tolerance is that of {dearest.name}, which loses {share_text(dearest.lost)} of all settings"
     only = max(frontier.tightening.costs, key=lambda cost: cost.only)
     if only.only > 0:
-        return f"{text}; most is lost to {only.name} alone, {share_text(only.only)}, which no other case loses."
+        return f"{text}; {only.name} alone loses {share_text(only.only)}, which no other case loses."
     path = frontier.tightening.inertia_and_geometry
     together = path.limit - path.shares[0]
     return (
-        f"{text}; but no setting is lost to one of them alone, so one alone made perfect gains nothing. {path.name.capitalize()} "
-        f"together, made perfect, gain {100 * together:.1f} points."
+        f"{text}. No setting is lost to one tolerance alone, so a zero tolerance of one parameter gains nothing; zero "
+        "tolerances of "
+        f"{path.name} together gain {100 * together:.1f} points."
     )
 
 
@@ -175,13 +175,13 @@ def _hardware(frontier: Frontier) -> str:
     gains = [gain for gain in frontier.hardware if gain.worst_gain >= _POINTS]
     best = max(frontier.hardware, key=lambda gain: gain.nominal_gain, default=None)
     nominal = (
-        f" Nominally most comes of {best.name}, {points_text(best.nominal_gain)} points."
+        f" The largest nominal gain comes from {best.name}, {points_text(best.nominal_gain)} points."
         if best is not None and best.nominal_gain >= _POINTS
-        else " None gains half a point nominally."
+        else " No change gains half a point nominally."
     )
     if not gains:
-        return "No change of the hardware that was tried gains half a point in the worst case." + nominal
-    return f"In the worst case most is bought by {_listed(gains[:3])}.{nominal}"
+        return "No tested hardware change gains half a point in the worst case." + nominal
+    return f"The largest gains in the worst case come from {_listed(gains[:3])}.{nominal}"
 
 
 def _listed(gains: list[Gain]) -> str:
@@ -196,44 +196,44 @@ def _drive(frontier: Frontier, units: UnitSystem) -> str:
 def _motor(motor: MotorLimits, units: UnitSystem) -> str:
     milliseconds = to_text(MILLISECONDS.from_si(motor.longest_unload_s, units), 2)
     unload = (
-        f" As the hand lets go, the rotor needs at least {milliseconds} ms in the worst setting to take its torque off the link, "
-        f"{share_text(motor.longest_unload_of_period)} of a period at most: so long the column springs by itself."
+        f" At the release the rotor needs up to {milliseconds} ms to unload the link, "
+        f"{share_text(motor.longest_unload_of_period)} of a period at most; the column moves freely until then."
         if motor.longest_unload_s
         else ""
     )
     hold = share_text(motor.largest_hold)
     if motor.forbidden.any():
         return (
-            f"The motor forbids {share_text(motor.forbidden_share)} of the settings whatever the law: standing still they take up "
+            f"The motor excludes {share_text(motor.forbidden_share)} of the settings for every law: at rest they take up "
             f"to {hold} of its largest current or voltage, the ideal releases up to "
             f"{share_text(float(motor.demand.max()))}.{unload}"
         )
     beyond = (
-        f", though {share_text(motor.beyond_ideal_share)} of the ideals are beyond it: within the tolerances that is not "
-        "forbidden"
+        f"; {share_text(motor.beyond_ideal_share)} of the ideal releases are beyond it, which the tolerances allow"
         if motor.beyond_ideal_share
         else ""
     )
     return (
-        f"The motor forbids none: the ideal releases ask for at most {share_text(float(motor.demand.max()))} of its largest "
-        f"current or voltage, standing still for at most {hold}{beyond}.{unload}"
+        f"The motor excludes no setting: the ideal releases take at most {share_text(float(motor.demand.max()))} of its largest "
+        f"current or voltage, holding takes at most {hold}{beyond}.{unload}"
     )
 
 
 def _valve(valve: ValveLimits, units: UnitSystem) -> str:
     milliseconds = to_text(MILLISECONDS.from_si(valve.longest_unload_s, units), 2)
     unload = (
-        f" As the hand lets go, the valve needs up to {milliseconds} ms to take its torque off the link, "
+        f" At the release the valve needs up to {milliseconds} ms to unload the link, "
         f"{share_text(valve.longest_unload_of_period)} of a period at most."
     )
     if valve.forbidden.any():
-        return f"The valve forbids {share_text(valve.forbidden_share)} of the settings whatever the law.{unload}"
+        return f"The valve excludes {share_text(valve.forbidden_share)} of the settings for every law.{unload}"
     return (
-        f"The valve forbids none: the ideal releases ask for at most {share_text(float(valve.demand.max()))} of the flow that it "
-        f"lets through.{unload}"
+        f"The valve excludes no setting: the ideal releases take at most {share_text(float(valve.demand.max()))} of its "
+        f"flow.{unload}"
         if valve.beyond_ideal_share == 0
-        else f"The valve forbids none, though {share_text(valve.beyond_ideal_share)} of the ideals are beyond its flow: within the "
-        f"tolerances there is a response that is not.{unload}"
+        else f"The valve excludes no setting: {share_text(valve.beyond_ideal_share)} of the ideal releases are beyond its "
+        "flow, but a "
+        f"response within the tolerances is not.{unload}"
     )
 
 
@@ -243,21 +243,23 @@ def _smallest(frontier: Frontier, units: UnitSystem) -> str:
         return "No setting of the grid is rendered in every case."
     inertia = f"{to_text(INERTIA_UNIT.from_si(edge.inertia_n_m_s2_per_rad, units), 3)} {INERTIA_UNIT.shown(units)}"
     return (
-        f"The smallest inertia rendered in every case is I = {inertia}, {to_text(edge.inertia_share, 2)} times the column's own; "
-        f"stiffness goes from {share_text(edge.stiffness_share)} to {share_text(frontier.largest_stiffness)} of G_max, of a grid "
-        f"from {share_text(frontier.plan.settings.stiffness[0])} to {share_text(frontier.plan.settings.stiffness[-1])}."
+        f"The smallest inertia rendered in every case is I = {inertia}, {to_text(edge.inertia_share, 2)} times the column's own. "
+        f"Stiffness ranges from {share_text(edge.stiffness_share)} to {share_text(frontier.largest_stiffness)} of G_max, on a "
+        "grid from "
+        f"{share_text(frontier.plan.settings.stiffness[0])} to {share_text(frontier.plan.settings.stiffness[-1])}."
     )
 
 
 def _friction(frontier: Frontier, units: UnitSystem) -> str:
     friction = frontier.friction
     if not isfinite(friction.felt_n):
-        return "At the loader's own setting the run diverges under a slow push: nothing is said of friction."
+        return "At the loader's own setting the run diverges under a slow push: friction was not evaluated."
     felt, noise = (_force(value, units) for value in (friction.felt_n, friction.noise_n))
     own = f", where the column's own dry friction is {_force(friction.column_n, units)}" if friction.column_n else ""
     return (
-        f"With no friction programmed the hand feels {felt} of friction, play and lag at the loader's own setting{own}; what is "
-        f"less than {noise}, r.m.s., is lost in the noise."
+        f"Friction, play and lag at the grip at the loader's own setting, with no friction programmed: {felt}{own}. The noise "
+        "floor "
+        f"is {noise} r.m.s."
     )
 
 
@@ -267,10 +269,10 @@ def _friction_bound(frontier: Frontier, units: UnitSystem) -> str:
         return ""
     known = f"{_force(bound.friction_n, units)} known to {tolerance_text(bound.tolerance)}"
     return (
-        f"With the column's dry friction of {known}, {share_text(bound.share)} of the settings are left to a law that must be "
-        "right for a hand that drags as steadily as friction, and the force at the hand is off by "
-        f"{_force(bound.off_n, units)} or more in one of the two machines at the tolerance's ends. A law that learns the friction "
-        "with the hand off may get beyond that; such a hand is then felt the less."
+        f"With the column's dry friction of {known}, a law that must also work for a hand with a steady drag renders "
+        f"{share_text(bound.share)} of the settings. Its force error at one end of the tolerance is "
+        f"{_force(bound.off_n, units)} or more. A law that learns the friction hands off can exceed this bound, but attenuates a "
+        "steady drag of the hand."
     )
 
 
@@ -287,18 +289,18 @@ def _inertia(frontier: Frontier) -> str:
 def _sensor(frontier: Frontier) -> str:
     if has_grip_sensor(frontier.plan.loader):
         return (
-            "The force sensor at the grip sees past the column's inertia: a heavier column is no hand to it, and of the inertia "
-            "only what lies outboard of the sensor bounds a law. What is left is the drive, and how fast it follows a light feel "
-            "that a heavy arm holds."
+            "The force sensor at the grip distinguishes a heavier column from a hand: only the inertia outboard of the sensor "
+            "bounds "
+            "a law. The remaining limit is the drive, and its speed under a light feel with a heavy arm."
         )
     text = (
-        "The bound holds for linear laws. One that adapts is bound too as long as the hand may hold any mass. A sensor of the "
-        "force at the grip, beyond the column's inertia, lifts it: the law can then tell a heavier column from a hand."
+        "The bound applies to linear laws, and to adaptive laws if the hand may hold any mass. A force sensor at the grip removes "
+        "it: the law then distinguishes a heavier column from a hand."
     )
     gain = next((row for row in frontier.hardware if row.name == GRIP_SENSOR), None)
     if gain is None:
         return text
     return (
-        f"{text} With one, and the law {GRIP}, {share_text(gain.nominal)} are rendered nominally and {share_text(gain.worst)} in "
-        "every case, all tolerances as they are."
+        f"{text} With such a sensor and law {GRIP} the loader renders {share_text(gain.nominal)} nominally and "
+        f"{share_text(gain.worst)} in every case, with all tolerances."
     )

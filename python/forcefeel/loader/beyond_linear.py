@@ -17,7 +17,7 @@ _OF_MOTOR = frozenset(
 def left_out(loader: Loader) -> str:
     """What the linear models do not have of ``loader``, as a sentence; empty where it has nothing beyond the report's rows."""
     rows = beyond_linear(loader)
-    return rows and f"The linear models leave out {rows}; forcefeel simulate has all of it in play."
+    return rows and f"The linear models neglect {rows}; forcefeel simulate includes them."
 
 
 def beyond_linear(loader: Loader) -> str:

@@ -1,4 +1,4 @@
-"""What to conclude from a run in time, in words."""
+"""Conclusions from a simulation, in sentences."""
 
 from math import isfinite, isnan, pi, sqrt
 from types import MappingProxyType
@@ -120,7 +120,7 @@ def _verdict(run: Run, units: UnitSystem) -> str:
         return "The column did not move."
     if below_noise(run):
         noise = _quantity(run.angle_noise_rad, ANGLE, units, 2)
-        return f"The column moved no farther than the sensors' noise moves it, {noise} r.m.s."
+        return f"The column moved only within the sensors' noise, {noise} r.m.s."
     if not goes_to_a_place(run.scenario.force):
         return _range(run, units)
     why = why_no_overshoot(run)
@@ -156,7 +156,7 @@ def _range(run: Run, units: UnitSystem) -> str:
 
 def _hangs(run: Run, hanging: Hang, units: UnitSystem) -> str:
     at, feel = (_quantity(angle, ANGLE, units, 3) for angle in (hanging.angle_rad, hanging.feel_rad))
-    where = f"hangs at {at}{hanging.held_by and f' {hanging.held_by}'} while its feel stands at {feel}"
+    where = f"hangs at {at}{hanging.held_by and f' {hanging.held_by}'} while its feel is at {feel}"
     return f"{where}, with the current at its limit of {_current_limit(run, units)}" if hanging.current else where
 
 
@@ -171,8 +171,11 @@ def _at_rest(run: Run, units: UnitSystem) -> str:
     if angle == 0 or not spring_is_g(run):
         return f"{rests}."
     share = _percent(run.measures.final_angle_rad / angle)
-    spring = "the springs of G and arm allow" if has_arm(loader) else "the spring G alone allows"
-    return f"{rests}, {share} of the {_quantity(angle, ANGLE, units, 3)} that {spring} under this force."
+    spring = "the springs of G and the arm" if has_arm(loader) else "the spring G alone"
+    return (
+        f"{rests}, {share} of {_quantity(angle, ANGLE, units, 3)}, where {spring} balance{'' if has_arm(loader) else 's'} "
+        "this force."
+    )
 
 
 def _period(run: Run) -> str:
@@ -180,13 +183,13 @@ def _period(run: Run) -> str:
     if run.status is RunStatus.DIVERGED or not (frequency := _frequency(run)):
         return ""
     periods = int(run.measures.periods)
-    swings = f"It swings at {frequency} ({'one period' if periods == 1 else f'mean of {periods} periods'})"
+    swings = f"It oscillates at {frequency} ({'one period' if periods == 1 else f'mean of {periods} periods'})"
     if not spring_is_g(run):
         return f"{swings}."
     alone = "I, B and G with the arm" if has_arm(run.loader) else "I, B and G alone"
     natural, damping = feel_frequency(programmed(run.loader))
     if damping >= 1:
-        return f"{swings}; {alone} do not swing."
+        return f"{swings}; {alone} do not oscillate."
     damped, undamped = (to_text(rad_per_s / (2 * pi), 3) for rad_per_s in (natural * sqrt(1 - damping**2), natural))
     return f"{swings}; {alone} give {damped} Hz damped, {undamped} Hz undamped."
 
@@ -210,7 +213,7 @@ def _demand(run: Run, units: UnitSystem) -> str:
         for row in demanded(loader)
         if row.peak
     ]
-    return f"At most {', '.join(used[:-1])} and {used[-1]} are used." if len(used) > 1 else ""
+    return f"Peak demand: {', '.join(used[:-1])} and {used[-1]}." if len(used) > 1 else ""
 
 
 def _heat(run: Run) -> str:
@@ -222,7 +225,7 @@ def _heat(run: Run) -> str:
     if not len(warm) or warm.max() - warm.min() < _WARMER:
         return ""
     limit = run.loader["thermal.winding_limit"]
-    return f"The winding goes from {warm[0]:.0f} to {warm.max():.0f} degC; at {limit:.0f} degC the motor gives nothing."
+    return f"The winding warms from {warm[0]:.0f} to {warm.max():.0f} degC; at {limit:.0f} degC the motor shuts off."
 
 
 def _saturation(run: Run, limits: LimitTimes, units: UnitSystem) -> str:
@@ -234,7 +237,7 @@ def _saturation(run: Run, limits: LimitTimes, units: UnitSystem) -> str:
         spent = f"was at {at} for {_percent(limits.current)} of the time" if limits.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
         if of_motor and limits.current > _LITTLE:
-            sentences.append("Whether the motor holds the programmed force, and what would, forcefeel size tells.")
+            sentences.append("To check holding force, run forcefeel size.")
     beyond = (
         (limits.over_current, "the current was above its rating"),
         (limits.over_flow, "the flow was above its rating"),
@@ -288,7 +291,7 @@ def _design(run: Run) -> str:
     rows = beyond_linear(run.loader)
     if not rows or not feel_position(run).endswith("_rad"):
         return ""
-    return f"Gains are designed on the linear models, which leave out {rows}; this run has all of it."
+    return f"The gains are designed on the linear models, which neglect {rows}; this simulation includes them."
 
 
 def _force(value: float, units: UnitSystem) -> str:

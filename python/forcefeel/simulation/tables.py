@@ -44,7 +44,7 @@ NAMES = {
     "settling_time_s": "within 5 % from",
     "period_s": "period",
     "periods": "periods that it is the mean of",
-    "last_swing_rad": "swing over the last tenth",
+    "last_swing_rad": "oscillation in the last tenth",
     "peak_current_a": "largest current",
     "peak_pressure_pa": "largest load pressure",
     "peak_flow_m3_per_s": "largest flow",

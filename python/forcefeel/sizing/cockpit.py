@@ -65,7 +65,7 @@ def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusion
     verdict = (
         f"Too small for the programmed feel: the drive of {', '.join(lacking)}."
         if lacking
-        else "Every drive of the cockpit gives what its programmed feel asks for."
+        else "Every drive of the cockpit is large enough for its programmed feel."
     )
     lines = [f"{capital(axis)}: {sizing_conclusions(sizing, units).verdict}" for axis, sizing in cockpit.axes.items()]
     lines += [f"{capital(axis)}: {sizing_conclusions(cockpit.axes[axis], units).findings[0]}" for axis in lacking]

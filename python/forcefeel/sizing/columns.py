@@ -63,16 +63,16 @@ def columns(sizing: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ..
             *at_grip,
             Column("pressure", needs("pressure_pa", PRESSURE)),
             Column("flow", needs("flow_m3_per_s", FLOW)),
-            Column("of the largest", lambda demand: _share(demand.of_peak)),
+            Column("of the limit", lambda demand: _share(demand.of_peak)),
         )
     return (
         *at_grip,
         Column("torque", needs("torque_n_m", TORQUE)),
         Column("current", needs("current_a", MOTOR_CURRENT), detail=True),
         Column("voltage", needs("voltage_v", VOLTAGE), detail=True),
-        Column("of the peak", lambda demand: _share(demand.of_peak)),
-        Column("of the continuous", lambda demand: _share(demand.of_continuous)),
-        Column("winding in the end", needs("winding_degc", TEMPERATURE), detail=True),
+        Column("of the peak limit", lambda demand: _share(demand.of_peak)),
+        Column("of the continuous limit", lambda demand: _share(demand.of_continuous)),
+        Column("final winding temperature", needs("winding_degc", TEMPERATURE), detail=True),
         Column("can be held", _held),
     )
 
@@ -82,8 +82,8 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     return (
         Column("loader", lambda sizing: sizing.loader.name),
         Column("drive", lambda sizing: sizing.loader.drive, detail=True),
-        Column("gives, short", lambda sizing: text(sizing.capability.peak_force_n, FORCE, units)),
-        Column("gives, for ever", lambda sizing: _force(_continuous_force(sizing), units)),
+        Column("peak limit", lambda sizing: text(sizing.capability.peak_force_n, FORCE, units)),
+        Column("continuous limit", lambda sizing: _force(_continuous(sizing), units)),
         Column("feel, of the peak", lambda sizing: _share(_most(sizing, programmed=True, duration=None))),
         Column("rule, short", lambda sizing: _share(_most(sizing, programmed=False, duration=Duration.SHORT))),
         Column("rule, long", lambda sizing: _share(_most(sizing, programmed=False, duration=Duration.LONG))),
@@ -91,7 +91,7 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     )
 
 
-def _continuous_force(sizing: Sizing) -> float:
+def _continuous(sizing: Sizing) -> float:
     capability = sizing.capability
     return capability.continuous_force_n if isinstance(capability, MotorCapability) else capability.peak_force_n
 
@@ -124,5 +124,5 @@ def _share(share: float) -> str:
 def _held(demand: DemandResult) -> str:
     needs = demand.needs
     if not isinstance(needs, MotorNeeds) or demand.of_peak > 1 or isnan(needs.derates_after_s):
-        return "not" if demand.of_peak > 1 else NONE
-    return "for ever" if isinf(needs.derates_after_s) else time_text(needs.derates_after_s)
+        return "no" if demand.of_peak > 1 else NONE
+    return "continuously" if isinf(needs.derates_after_s) else time_text(needs.derates_after_s)

@@ -1,4 +1,4 @@
-"""What an engineer should conclude from the sizing of a drive, in sentences."""
+"""Conclusions from the sizing of a drive, in sentences."""
 
 from collections.abc import Iterator
 from math import ceil, floor, isfinite, isnan, log10
@@ -76,16 +76,19 @@ def _verdict(sizing: Sizing, units: UnitSystem) -> str:
     if lacking:
         worst = max(lacking, key=lambda demand: demand.of_peak)
         share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
-        return f"The {noun(sizing)} is too small for the programmed feel: {_what(worst, units)}, takes {share} what it gives."
+        return (
+            f"The {noun(sizing)} is too small for the programmed feel: {_what(worst, units)}, takes {share} its limit."
+        )
     known = [demand for demand in programmed if not isnan(demand.of_peak)]
     if not known:
         return (
-            "How much the motor gives is not known: the loader file gives neither its largest current nor its voltage."
+            "The limit of the motor is unknown: state current_loop.current_limit or current_loop.voltage_limit in the "
+            "loader file."
         )
     worst = max(known, key=lambda demand: demand.of_peak)
     return (
-        f"The {noun(sizing)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} "
-        f"of what it gives{' for a short time' if isinstance(sizing.capability, MotorCapability) else ''}."
+        f"The {noun(sizing)} is large enough for the programmed feel: the largest demand, {_what(worst, units)}, is "
+        f"{share_text(worst.of_peak)} of its {'peak ' if isinstance(sizing.capability, MotorCapability) else ''}limit."
     )
 
 
@@ -119,8 +122,9 @@ def _remedy(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
         long = demand.duration is Duration.LONG
         torque = capability.continuous_torque_n_m if long else capability.peak_torque_n_m
         sentence = (
-            f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
-            f"{'for ever' if long else 'for a short time'}. What would do: a motor of that torque"
+            f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor; its {'continuous' if long else 'peak'} "
+            "limit is "
+            f"{text(torque, TORQUE, units)}. Remedy: a motor of that torque"
         )
         if isnan(remedy.travel_m):
             return f"{sentence}."
@@ -135,10 +139,10 @@ def _remedy(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
     if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(capability, MotorCapability):
         return ""
     return (
-        f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
-        f"{text(capability.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
+        f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the limit of the valve is "
+        f"{text(capability.peak_pressure_pa, PRESSURE, units)}. Remedy: that pressure of the supply and "
         f"the relief, or an actuator.area of {enough(remedy.area_m2, AREA, units)} in place of "
-        f"{text(loader['actuator.area'], AREA, units)}, which takes as much more flow."
+        f"{text(loader['actuator.area'], AREA, units)}, with proportionally more flow."
     )
 
 
@@ -155,31 +159,32 @@ def _too_fast(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
         available = " and ".join(
             f"{to_text(limit, 3)} {unit}" for limit, unit in zip(limits, "VA", strict=True) if isfinite(limit)
         )
-        return f"{what}, takes {volts} V and {amperes} A; there is {available}."
+        return f"{what}, takes {volts} V and {amperes} A; the limit is {available}."
     fastest = text(sizing.capability.fastest_m_per_s, SPEED, units)
-    return f"{what}, is beyond the valve's flow at that load; without a load it moves the grip at {fastest}."
+    return f"{what}, is beyond the valve's flow at that load; without load the grip moves at {fastest}."
 
 
 def _gives(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
     capability = sizing.capability
     if not isinstance(capability, MotorCapability):
         yield (
-            f"At the grip the valve gives {text(capability.peak_force_n, FORCE, units)} standing still, for as long as one likes, "
-            f"and {text(capability.fastest_m_per_s, SPEED, units)} without a load. The give of oil and link is left out."
+            f"Limits of the valve at the grip: {text(capability.peak_force_n, FORCE, units)} continuously at rest, "
+            f"{text(capability.fastest_m_per_s, SPEED, units)} without load. The compliance of oil and link is neglected."
         )
         return
     if not isfinite(capability.peak_force_n):
         return
-    for_ever = (
-        f"{text(capability.continuous_force_n, FORCE, units)} ({text(capability.continuous_torque_n_m, TORQUE, units)}) for ever"
+    continuous = (
+        f"{text(capability.continuous_force_n, FORCE, units)} ({text(capability.continuous_torque_n_m, TORQUE, units)}) "
+        "continuously"
         if not isnan(capability.continuous_force_n)
-        else "for ever an unknown force"
+        else "an unknown force continuously"
     )
-    speed = f"; without a load it moves it at {text(capability.fastest_m_per_s, SPEED, units)}"
+    speed = f", {text(capability.fastest_m_per_s, SPEED, units)} without load"
     yield (
-        f"At the grip the motor gives {text(capability.peak_force_n, FORCE, units)} "
+        f"Limits of the motor at the grip: {text(capability.peak_force_n, FORCE, units)} "
         f"({text(capability.peak_torque_n_m, TORQUE, units)}) for a short time, "
-        f"and {for_ever}{speed if isfinite(capability.fastest_m_per_s) else ''}. Cogging is left out."
+        f"{continuous}{speed if isfinite(capability.fastest_m_per_s) else ''}. Cogging is neglected."
     )
 
 
@@ -187,9 +192,9 @@ def _relief(sizing: Sizing) -> Iterator[str]:
     for demand in sizing.demands:
         if demand.law and demand.of_peak > demand.of_motion:
             yield (
-                f"The {demand.name} takes {share_text(demand.of_peak)} in the engine under {demand.law}, with the force "
-                f"that is held before and the relief of the link as the hand lets go; the motion by itself takes "
-                f"{share_text(demand.of_motion)}."
+                f"The {demand.name} takes {share_text(demand.of_peak)} in simulation under {demand.law}, "
+                "including the holding force before it "
+                f"and the unloading of the link; the motion alone takes {share_text(demand.of_motion)}."
             )
 
 
@@ -203,10 +208,13 @@ def _rule(sizing: Sizing) -> str:
         for demand in rows
         if isnan(demand.of_continuous if demand.duration is Duration.LONG else demand.of_peak)
     ]
-    says = f"all but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "all"
-    says += f"; of {' and '.join(unknown)} it is not known" if unknown else ""
-    unread = "" if all(demand.verified for demand in rows) else " Nobody has held its table here against the document."
-    return f"Of the forces of {RULE} in {sizing.plan.axis} the {noun(sizing)} gives {says}.{unread}"
+    forces = f"every force but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "every force"
+    forces = f"{forces} of {RULE} in {sizing.plan.axis}"
+    forces += f"; {' and '.join(unknown)} {'are' if len(unknown) > 1 else 'is'} unknown" if unknown else ""
+    unread = (
+        "" if all(demand.verified for demand in rows) else " The table of forces is not verified against the document."
+    )
+    return f"The {noun(sizing)} can make {forces}.{unread}"
 
 
 def _heat(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
@@ -219,11 +227,11 @@ def _heat(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
             return
         held = _what(demand, units)
         if needs.winding_degc <= limit:
-            yield f"Held for ever, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
+            yield f"Held continuously, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
         elif not isnan(needs.derates_after_s):
             yield (
                 f"Held for {time_text(needs.derates_after_s)} from cold, {held}, brings the winding to "
-                f"{text(limit, TEMPERATURE, units)}, where the current begins to be taken back."
+                f"{text(limit, TEMPERATURE, units)}, where derating of the current begins."
             )
 
 
@@ -233,16 +241,16 @@ def _mass(sizing: Sizing, units: UnitSystem) -> str:
     share = share_text(sizing.added_mass_kg / sizing.column_mass_kg)
     return (
         f"The rotor adds {text(sizing.added_mass_kg, MASS, units)} at the grip, J (F/T)², {share} of the column's own "
-        f"{text(sizing.column_mass_kg, MASS, units)}; the law has to hide it."
+        f"{text(sizing.column_mass_kg, MASS, units)}; the law must compensate for it."
     )
 
 
 def _unknown(sizing: Sizing) -> Iterator[str]:
     heat = [row for row in sizing.missing if row.startswith("thermal.")]
     if heat:
-        yield f"The continuous torque is not known: {', '.join(heat)} of the loader file give it."
+        yield f"The continuous torque is unknown: state {', '.join(heat)} in the loader file."
     for row in sizing.missing:
         if row in heat:
             continue
         what = "torque" if "current" in row.partition(".")[2] else "speed"
-        yield f"No end of the {what} is known: {row} of the loader file gives it."
+        yield f"The limit of the {what} is unknown: state {row} in the loader file."

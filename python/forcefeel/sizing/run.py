@@ -15,7 +15,7 @@ from forcefeel.sizing.relief import Relief, relief
 from forcefeel.sizing.result import Curve, DemandResult, Needs, Remedy, Sizing
 from forcefeel.sizing.valve import Valve, ValveNeeds
 
-SHORT, LONG = "for a short time", "for ever"
+SHORT, LONG = "for a short time", "continuously"
 """Names of the curves."""
 
 
@@ -149,16 +149,16 @@ def _remedy(drive: Motor | Valve, demand: Demand, force: float, share: float, la
 
 def _curves(drive: Motor | Valve, results: tuple[DemandResult, ...]) -> tuple[Curve, ...]:
     if isinstance(drive, Valve):
-        return (Curve("the valve gives", *drive.curve()),)
+        return (Curve("limit of the valve", *drive.curve()),)
     capability, limit = drive.capability, drive.loader["current_loop.current_limit"]
     if not isfinite(capability.peak_force_n):
         return ()
     fastest = capability.fastest_m_per_s
     if not isfinite(fastest):
         fastest = _MOST_SPEED * max(result.speed_m_per_s for result in results)
-    curves = [Curve(f"the motor gives {SHORT}", *drive.curve(fastest, limit))]
+    curves = [Curve(f"limit of the motor {SHORT}", *drive.curve(fastest, limit))]
     if capability.continuous_current_a > 0:
-        curves.append(Curve(f"the motor gives {LONG}", *drive.curve(fastest, capability.continuous_current_a)))
+        curves.append(Curve(f"limit of the motor {LONG}", *drive.curve(fastest, capability.continuous_current_a)))
     return tuple(curves)
 
 

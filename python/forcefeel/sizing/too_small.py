@@ -62,7 +62,7 @@ class Beyond:
     def sentence(self, units: UnitSystem) -> str:
         """What the motor gives, and what would do."""
         return (
-            f"at the release's angle the stiffest takes {text(self.force_n, FORCE, units)} at the grip, and the motor gives "
-            f"{text(self.gives_n, FORCE, units)}. What would do: a motor of {enough(self.torque_n_m, TORQUE, units)}, or a "
-            "transmission.travel that forcefeel size works out; or a smaller feel.maximum_stiffness."
+            f"at the release angle the stiffest takes {text(self.force_n, FORCE, units)} at the grip; the limit of the motor is "
+            f"{text(self.gives_n, FORCE, units)}. Remedy: a motor of {enough(self.torque_n_m, TORQUE, units)}, the "
+            "transmission.travel that forcefeel size computes, or a smaller feel.maximum_stiffness."
         )

@@ -1,4 +1,4 @@
-"""Conclusions of a sweep."""
+"""Conclusions from a sweep, in sentences."""
 
 from math import isfinite
 
@@ -25,7 +25,7 @@ _WEAK = 0.1
 _WHY_NONE = {
     "overshoot": "the column ends where it began, meets a stop, or the run ends before the overshoot is known",
     "period_s": "the column does not swing for a whole period, or meets a stop",
-    "settling_time_s": "the column still moves in the end",
+    "settling_time_s": "the column still moves at the end",
 }
 """Reasons why a run that did not diverge has no measure."""
 
@@ -104,11 +104,11 @@ class _Words:
             low, high = (
                 (spread.lowest, spread.highest) if self._grid else (spread.quantile(0.05), spread.quantile(0.95))
             )
-            share = "" if self._grid else " (5 to 95 % of them)"
+            share = "" if self._grid else " (5th to 95th percentile)"
             parts.append(f"{measure_name(measures[0])} {self._range(measures[0], low, high)}{share}")
             ranking = self._summary.ranking(measures[0])
             if ranking and not self._grid:
-                parts.append(f"{ranking[0][0]} matters most for it")
+                parts.append(f"{ranking[0][0]} has the largest effect on it")
         return f"{'; '.join(parts)}."
 
     def _settling(self) -> str:
@@ -143,25 +143,25 @@ class _Words:
         elif isfinite(diverged.high):
             limit = to_text(100 * diverged.high, 2)
             sentences.append(
-                f"None of {total:,} diverges, so fewer than {limit} % of all loaders within these tolerances do (95 % sure)."
+                f"None of {total:,} diverges: below {limit} % of all loaders within these tolerances (95 % confidence)."
             )
         return " ".join(sentences)
 
     def _sure(self, low: float, high: float) -> str:
         if not isfinite(low):
             return ""
-        return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % sure)"
+        return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % confidence)"
 
     def spread(self, name: str) -> str:
-        """Spread of a measure and its main influences."""
+        """How a measure is spread, and what makes it differ."""
         spread = self._summary.spreads[name]
         nominal = value_with_unit(spread.unit, spread.nominal, self._units) if isfinite(spread.nominal) else "none"
         middle = self._range(name, spread.quantile(0.05), spread.quantile(0.95))
         whole = self._range(name, spread.lowest, spread.highest)
         ranking = [influence for influence in self._summary.ranking(name) if abs(influence[1]) >= _WEAK][:_LISTED]
-        influences = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
-        goes = f" It goes with {influences.replace('(', '(rank correlation ', 1)}." if influences else ""
-        spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
+        of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
+        goes = f" It is correlated with {of.replace('(', '(rank correlation ', 1)}." if of else ""
+        spans = f"nominal {nominal}; {middle} for 90 % of the runs, {whole} for all"
         return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
     def _none(self, name: str) -> str:
@@ -197,7 +197,7 @@ class _Words:
             if row.peak and (spread := self._summary.spreads[row.peak]).runs
         ]
         used = f"{', '.join(parts[:-1])} and {parts[-1]} are" if len(parts) > 1 else f"{''.join(parts)} is"
-        return f"At most {used} used; the ratings are the nominal ones." if parts else ""
+        return f"At most {used} used, by nominal ratings." if parts else ""
 
     def impossible(self) -> str:
         """Impossible machines."""

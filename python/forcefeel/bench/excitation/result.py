@@ -21,8 +21,8 @@ EVEN_SHARE = 0.2
 """Share of a multisine's power that is spread evenly over all lines, to reveal the response and a wrong model."""
 
 _BESIDE = (
-    "Friction at rest, cogging and free play do not show in it: record a slow sweep of the grip's force both ways through the "
-    "travel (experiment: sweep) beside it, and give both to identify."
+    "It does not show static friction, cogging and free play: record also a slow sweep of the grip's force through the travel and "
+    "back (experiment: sweep), and identify from both."
 )
 
 VAGUE = DETERMINED / 1.96
@@ -120,26 +120,28 @@ class Excitation:
         """The predicted errors, in a sentence."""
         if self.vague:
             parameters = ", ".join(named(key) for key in self.vague)
-            return f"{parameters}: not determined; take a longer time, wider limits or another experiment."
+            return f"Not determined: {parameters}. Use a longer time, wider limits or another experiment."
         worst = max(self.standard_errors, key=self.standard_errors.__getitem__)
         return (
-            f"All determined; the least well is {named(worst)}, standard error {percent(self.standard_errors[worst])}."
+            f"All parameters are determined; the largest standard error is {percent(self.standard_errors[worst])}, of "
+            f"{named(worst)}."
         )
 
     def findings(self, units: UnitSystem) -> tuple[str, ...]:
         """Further findings, a sentence each."""
         use = self.binding
         binds = (
-            f"The {use.limit.name} binds: {use.limit.text(use.peak, units)} of {use.limit.text(use.limit.value, units)}"
+            f"The active limit is the {use.limit.name}: {use.limit.text(use.peak, units)} of "
+            f"{use.limit.text(use.limit.value, units)}"
         )
-        against = "the best one within the same r.m.s. limits"
-        even = f"even lines have {percent(self.even_efficiency)}"
+        against = "the optimal spectrum within the same r.m.s. limits"
+        even = f"a flat spectrum has {percent(self.even_efficiency)}"
         if self.period_s is None:
             cost = f"The chirp's spectrum has {percent(self.efficiency)} of the information of {against}; {even}"
         else:
             cost = (
-                f"{percent(EVEN_SHARE)} of the power is spread over all lines, so that a wrong model shows; with it the spectrum "
-                f"has {percent(self.efficiency)} of the information of {against}; {even}"
+                f"{percent(EVEN_SHARE)} of the power is spread evenly over all lines to reveal model errors. The spectrum has "
+                f"{percent(self.efficiency)} of the information of {against}; {even}"
             )
         noise = ", ".join(f"{name} {_shown(name, value, units)}" for name, value in self.noise.items())
         return (
@@ -147,7 +149,7 @@ class Excitation:
             f"{cost}.",
             *([self.law_remark] if self.law_remark else []),
             *([_BESIDE] if self.loader.drive == ELECTRIC else []),
-            f"The errors are due to white noise only ({noise}) on the linear model; model errors add to them.",
+            f"The errors are those of white noise alone ({noise}) on the linear model; model errors add to them.",
         )
 
 

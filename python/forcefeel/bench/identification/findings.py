@@ -1,4 +1,4 @@
-"""Conclusions of an identification."""
+"""Conclusions from an identification, in sentences."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from forcefeel.loader.tolerances import Distribution
 from forcefeel.units import UnitSystem, to_text
 
 STRONG = 0.9
-"""Least correlation of two correlated estimates."""
+"""Correlation from which on two estimates count as correlated."""
 
 ONE_DIRECTION = 0.99
 """Correlation at which an error of the model is magnified sevenfold in both: ``1 / sqrt(1 - r^2)``."""
@@ -77,7 +77,7 @@ def _verdict(identification: Identification, units: UnitSystem) -> str:
             for text in (estimated(estimate, estimate.value, units), error(estimate, units))
         )
         if bound:
-            return f"{estimate.unknown.key} ended at its bound, {value}, which the data do not support. No loader file is written."
+            return f"{estimate.unknown.key} ended at its bound, {value}: the data do not determine it. No loader file is written."
         return f"{estimate.unknown.key} is determined: {value} with a standard error of {deviation}."
     shares = [estimate for estimate in identification.estimates if estimate.value and not estimate.unknown.is_phase]
     ordered = sorted(shares or identification.estimates, key=relative_error)
@@ -97,8 +97,8 @@ def _doubt(identification: Identification) -> str:
         unwritten = " No loader file is written." if identification.determined and identification.within_bounds else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
-            f"machine under this experiment.{unwritten} Look at its plot; a fit of records includes friction and limits, a fit "
-            "of responses does not."
+            f"machine under this experiment.{unwritten} See its plot. A fit of records includes friction and limits; a fit of "
+            "responses does not."
         )
     missed = list(filter(beyond_noise, identification.fitted))
     if not identification.determined or not missed:
@@ -107,8 +107,8 @@ def _doubt(identification: Identification) -> str:
     if loose:
         first, second, size = loose[0]
         return (
-            f" But the model misses more than noise, and {first} and {second} are hardly separable (correlation "
-            f"{correlation_text(size)}): its error can move both by far more than their standard errors."
+            f" But the model misses more than noise, and the data hardly separate {first} from {second} (correlation "
+            f"{correlation_text(size)}): both errors can be far larger than the standard errors."
         )
     return f" But the model misses more of {first_two(missed)} than noise, so the estimates can be off by more than these errors."
 
@@ -128,7 +128,7 @@ def _moved(identification: Identification, units: UnitSystem) -> list[str]:
     if len(moved) > _MOST_NAMED:
         rest = moved[_MOST_NAMED:]
         lines.append(
-            f"{_named(rest)} moved too, by at most {_part(max(abs(change(estimate)) for estimate in rest))}; the table has them."
+            f"{_named(rest)} changed too, by at most {_part(max(abs(change(estimate)) for estimate in rest))}; see the table."
         )
     same = [estimate for estimate in determined if not differs(estimate)]
     if same:
@@ -164,15 +164,15 @@ def _at_bound(identification: Identification, units: UnitSystem) -> list[str]:
         k = int(abs(estimate.value - unknown.high) < abs(estimate.value - unknown.low))
         bound, end, direction = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
         value = _with_unit(estimate, estimated(estimate, bound, units), units)
-        remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may deviate so far."
+        remedy = "The bound is the file's tolerance: widen or remove it if the machine may deviate that far."
         others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in identification.keys]
         if others and identification.before[others[0]] == bound:
             remedy = f"The bound is {others[0]}: fit both, or leave {unknown.key} out."
         elif unknown.tolerance is None or bound == limits[k]:
-            remedy = "The bound is the end of the accepted range: check the units and the experiment of the data."
+            remedy = "The bound is the end of the valid range: check the units and the experiment of the data."
         lines.append(
-            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(estimate))}): "
-            f"the data fit a {direction} value better. {remedy}"
+            f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(estimate))}): the data require a "
+            f"{direction} value. {remedy}"
         )
     return lines
 
@@ -184,11 +184,11 @@ def _correlated(identification: Identification) -> list[str]:
     for first, second, size in pairs[:_MOST_NAMED]:
         verb = "rises" if size > 0 else "falls"
         lines.append(
-            f"{first} and {second} are correlated: when one rises, the other {verb} (correlation {correlation_text(size)}). The "
-            "data determine a combination better than each."
+            f"{first} and {second} are correlated: when one rises the other {verb} (correlation {correlation_text(size)}). The "
+            "data determine a combination of them better than each."
         )
     if len(pairs) > _MOST_NAMED:
-        lines.append(f"{len(pairs) - _MOST_NAMED} more pairs are correlated beyond {STRONG:g}; the map has them.")
+        lines.append(f"{len(pairs) - _MOST_NAMED} more pairs are correlated beyond {STRONG:g}; see the map.")
     return lines
 
 
@@ -220,8 +220,8 @@ def _priors(identification: Identification) -> list[str]:
         and estimate.share > _PRIOR_COUNTS * _half(estimate)
     ]
     return [
-        f"{estimate.unknown.key} depends on the loader file's prior: from the data alone its 95 % interval "
-        f"would be ±{percent(estimate.share)} instead of ±{percent(_half(estimate))}."
+        f"{estimate.unknown.key} depends on the loader file's prior: from the data alone its 95 % interval is "
+        f"±{percent(estimate.share)} in place of ±{percent(_half(estimate))}."
         for estimate in leaning[:_MOST_NAMED]
     ]
 
@@ -250,14 +250,14 @@ def probability_text(test: RigidTest) -> str:
 def _starts(identification: Identification) -> str:
     count, same = len(identification.ends), sum(end.same for end in identification.ends)
     if count <= 1:
-        return "The search started once, at the file's values; to look for a better optimum, use --starts."
+        return "The search started only once, at the file's values; for a search of other minima see --starts."
     if same == count:
-        return f"{_all(count)} starts of the search ended at the same optimum."
+        return f"{_all(count)} starts of the search ended in the same minimum."
     other = min(worse(identification, end) for end in identification.ends if not end.same)
-    text = f"{same} of {count} starts of the search ended at the best optimum"
+    text = f"{same} of {count} starts of the search ended in the same, best minimum"
     if other < _SAME_LEFT:
-        return f"{text}; another optimum explains the data about as well, so do not rely on this one without a further experiment."
-    return f"{text}; the next best optimum leaves {to_text(other, 3)} times as much."
+        return f"{text}; another minimum explains the data about as well, so make a further experiment before you rely on this one."
+    return f"{text}; the others ended in worse ones, the next best with {to_text(other, 3)} times the residual."
 
 
 def worse(identification: Identification, end: Ended) -> float:
@@ -271,7 +271,7 @@ def _left(identification: Identification, units: UnitSystem) -> list[str]:
     named = [f"{title_of(fitted)}: {size_text(fitted, fitted.residual_rms, units)}" for fitted in identification.fitted]
     if named:
         more = f"; {len(named) - _MOST_NAMED} more are in the table" if len(named) > _MOST_NAMED else ""
-        lines.append(f"Residuals of the fit (root mean square): {'; '.join(named[:_MOST_NAMED])}{more}.")
+        lines.append(f"Residual of the fit (r.m.s.): {'; '.join(named[:_MOST_NAMED])}{more}.")
     return lines
 
 
@@ -282,10 +282,11 @@ def _left_out(identification: Identification) -> str:
         return ""
     if identification.before["controller.period"]:
         return (
-            "Responses are compared with the sampled model about its rest, without friction, stops, limits and resolution; "
-            "records are compared with all of them."
+            "Responses are compared with the sampled linear model, which neglects friction, stops, limits and rounding; "
+            "records are "
+            "compared with the full model."
         )
-    return f"Responses are compared with the linear model, without {rows}; records are compared with all of them."
+    return f"Responses are compared with the linear model, which neglects {rows}; records are compared with the full model."
 
 
 def change(estimate: Estimate) -> float:

@@ -114,7 +114,7 @@ def bars(scored: LawScores, units: UnitSystem) -> go.Figure:
     for k, row in enumerate(rows, start=1):
         picture.update_yaxes(title_text=row.title, rangemode="tozero", nticks=4, row=k, col=1)
         picture.update_yaxes(title_font_size=11.5, row=k, col=1)
-    picture.update_xaxes(ticks="", type="category")
+    picture.update_xaxes(ticks="", type="category", automargin=True)
     picture.update_layout(showlegend=False, bargap=0.45)
     return picture
 

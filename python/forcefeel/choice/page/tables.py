@@ -29,7 +29,7 @@ def shares(scored: LawScores, choice: Choice | None) -> Table:
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
         rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
     head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable")
-    return Table((*head, Cell("Largest loss comes from")), tuple(rows))
+    return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
 
 
 def laws(scored: LawScores) -> Table:
@@ -124,7 +124,7 @@ def poles(score: Score) -> Table:
 def _mode(mode: Mode) -> tuple[Cell, ...]:
     swings = mode.imaginary_per_s > 0
     return (
-        words("swings" if swings else "decays" if mode.real_per_s < 0 else "grows", bad=mode.real_per_s >= 0),
+        words("oscillates" if swings else "decays" if mode.real_per_s < 0 else "grows", bad=mode.real_per_s >= 0),
         number(number_text(HERTZ.from_si(mode.frequency_rad_per_s, UnitSystem.SI), 3)),
         number(number_text(mode.damping_ratio, 3) if swings else NONE),
         number(number_text(mode.real_per_s, 3)),

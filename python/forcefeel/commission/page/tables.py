@@ -48,12 +48,12 @@ def shares(checked: Checked, required: float) -> Table:
     """Shares that the law renders."""
     rows = (
         ("Identified loader", checked.passes, True),
-        (f"{checked.machines} machines, all tolerances at once, on average", checked.drawn, True),
-        ("The worst of these", checked.drawn_least, False),
-        ("In every case, one thing off, or an arm at the grip", checked.every_case, False),
+        (f"Average of {checked.machines} machines, all tolerances at once", checked.drawn, True),
+        ("Worst of these", checked.drawn_least, False),
+        ("Every case: one parameter off, or an arm at the grip", checked.every_case, False),
     )
     return Table(
-        heads("Where", "Settings rendered"),
+        heads("Machine", "Settings rendered"),
         tuple(
             (words(name), number(share_text(share), bad=judged and share < required)) for name, share, judged in rows
         ),
@@ -61,8 +61,8 @@ def shares(checked: Checked, required: float) -> Table:
 
 
 def what_ifs(checked: Checked) -> Table:
-    """Changes that would render more."""
-    now = (words("As it is"), number(share_text(checked.passes)))
+    """What would render more."""
+    now = (words("As identified"), number(share_text(checked.passes)))
     rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in checked.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))
 

@@ -9,7 +9,7 @@ from forcefeel.page.table import Cell, Table, words
 
 def beside(tried: LawComparison) -> Table:
     """What each law is, what its tests came to, and what it renders."""
-    head = ("Law", "What it is", f"By {tried.rule} it", f"Over {tried.settings} settings it")
+    head = ("Law", "Description", f"By {tried.rule} it", f"Over {tried.settings} settings it")
     return Table(tuple(map(Cell, head)), tuple(_row(tried, law) for law in tried.laws))
 
 

@@ -91,7 +91,7 @@ def swings(design: MotorDesign, system: UnitSystem) -> Table:
         )
         for mode in design.modes
     )
-    return Table(heads("What moves", heading_text("Frequency", HERTZ, system), "Damping ratio"), rows)
+    return Table(heads("Mode", heading_text("Frequency", HERTZ, system), "Damping ratio"), rows)
 
 
 def margins(design: MotorDesign, system: UnitSystem) -> Table:
@@ -163,7 +163,7 @@ def modes(design: MotorDesign, system: UnitSystem, *, low: bool = False) -> Tabl
         for k, mode in enumerate(loop.modes)
     ]
     numbers = heads("", "Pole, 1/s", heading_text("Frequency", HERTZ, system), "Damping ratio")[1:]
-    return Table((Cell("Configuration"), Cell("What moves"), *numbers), tuple(rows))
+    return Table((Cell("Configuration"), Cell("Mode"), *numbers), tuple(rows))
 
 
 def _swing(mode: Mode, system: UnitSystem) -> tuple[Cell, Cell]:

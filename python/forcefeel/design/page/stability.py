@@ -47,7 +47,7 @@ def departures(figure: Figure, design: AnyDesign) -> tuple[str, ...]:
         if loop is None or loop.assessment.stable:
             continue
         fastest = max(loop.modes, key=lambda mode: mode.real_per_s)
-        swing = f"swings at {number_text(fastest.imaginary_per_s / (2 * math.pi), 3)} Hz and "
+        swing = f"oscillates at {number_text(fastest.imaginary_per_s / (2 * math.pi), 3)} Hz and "
         how = swing if fastest.imaginary_per_s > 0 else ""
         doubling = number_text(math.log(2) / fastest.real_per_s, 2) if fastest.real_per_s > 0 else "∞"
         sentences.append(

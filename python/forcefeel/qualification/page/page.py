@@ -15,14 +15,14 @@ from forcefeel.qualification.plan.result import Qualification, Result, Section
 from forcefeel.qualification.plan.sentences import conclusions, outcome_counts, result_text, unverified_tests
 
 _RELEASE = (
-    "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
-    "around the reference's; grey: the residual band, within which overshoots do not count."
+    "Position from each record's own steady state. Circles: evaluated times and overshoots; bars: tolerances around "
+    "those of the reference; gray: the residual band, in which overshoots do not count."
 )
-_SWEEP = "Force over position, both ways. Grey: within tolerance of the reference."
+_SWEEP = "Force over position, both directions. Gray: within tolerance of the reference."
 _DYNAMIC = (
-    "What the sweep takes above the slow one at the same position, both ways. Grey: within tolerance of the reference."
+    "Extra force over the slow sweep at the same position, both directions. Gray: within tolerance of the reference."
 )
-_SMALL = "Body rate. Grey: within tolerance of the reference."
+_SMALL = "Body rate. Gray: within tolerance of the reference."
 _MEANINGS = {"release": _RELEASE, "static": _SWEEP, "dynamic sweep": _DYNAMIC, "small inputs": _SMALL, "freeplay": ""}
 
 

@@ -54,7 +54,7 @@ def summary(qualification: Qualification) -> Table:
         came = (_linked(section, results.get(trial.key)) for section, results in by_section)
         rows.append((words(trial.title), *came, _number(trial)))
     for trial in qualification.test_plan.outside:
-        reason = f"outside the programme: {why_outside(trial, qualification)}"
+        reason = f"cannot be simulated: {why_outside(trial, qualification)}"
         rows.append(
             (words(trial.title), *(Cell(reason, "words", _NONE) for _ in qualification.sections), _number(trial))
         )
@@ -100,7 +100,7 @@ def axes(cockpit: CockpitQualification) -> Table:
 
 def _linked(section: Section, result: Result | None, axis: str = "") -> Cell:
     if result is None:
-        return Cell("not asked for", "", _NONE)
+        return Cell("not requested", "", _NONE)
     link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial, axis), str(result.outcome))
     return Cell(link, "", _BACKGROUNDS[result.outcome])
 
@@ -160,7 +160,7 @@ def conditions(qualification: Qualification) -> Table:
     rows = [
         ("Rule", f"{rules.title}, edition {rules.edition}, {rules.category}"),
         ("Axis", qualification.axis),
-        ("Rows held against the document", f"all but {unverified}" if unverified else "all"),
+        ("Rows verified against the document", f"all but {unverified}" if unverified else "all"),
         (
             "Releases",
             f"from {least:g} to {most:g} % of the throw, both directions; residual band {100 * rules.release.residual_band:g} %",
@@ -168,13 +168,13 @@ def conditions(qualification: Qualification) -> Table:
         ("Sweeps", f"to {100 * SHORT:g} % of the throw and back: {sweeps}"),
         ("Throw", f"from {low} to {high}: {qualification.throw.source}"),
         ("Reference", qualification.reference),
-        ("Conditions the rule asks for", "; ".join(required)),
-        ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
+        ("Required conditions", "; ".join(required)),
+        ("Tested condition", f"the one feel {feel}; repeat the tests for the feel of each required flight condition"),
     ]
     if qualification.omitted:
-        rows.append(("Left out of the loader", ", ".join(qualification.omitted)))
+        rows.append(("Omitted rows of the loader", ", ".join(qualification.omitted)))
     rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
-    return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
+    return Table((Cell("Item"), Cell("Value")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
 def provenance(*qualifications: Qualification) -> Table:
@@ -192,4 +192,4 @@ def provenance(*qualifications: Qualification) -> Table:
         for name, file in qualification.files.items():
             if file.path is not None:
                 rows.append((name, f"{file.path.name}, SHA-256 {file.sha256}"))
-    return Table((Cell("What"), Cell("Which")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")
+    return Table((Cell("Item"), Cell("Value")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")

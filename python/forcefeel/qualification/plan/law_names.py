@@ -7,7 +7,7 @@ from forcefeel.laws.law import NAMED_LAWS, ORIGINAL, Law, default_law
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.loader.loader import Loader
 
-LAW_TEXTS = {ORIGINAL: "original loop"} | {name: f"{name} compensation" for name in NAMED_LAWS if name != ORIGINAL}
+LAW_TEXTS = {ORIGINAL: "original loop"} | {name: f"law {name}" for name in NAMED_LAWS if name != ORIGINAL}
 """What each is called in a sentence."""
 
 

@@ -1,4 +1,4 @@
-"""What a qualification came to, in sentences."""
+"""Conclusions from a qualification, in sentences."""
 
 from math import isfinite
 
@@ -21,7 +21,7 @@ UNITS = {
     "N/rad": Unit("N/rad", "N/deg", "lb/deg"),
     "N/m": Unit("N/m", "N/cm", "lb/in"),
 }
-"""In what people read the figures, by their SI unit."""
+"""Displayed units of the figures, by their SI unit."""
 
 _ORDER = ("P0", "P1", "fall time", "rise time")
 """What a sentence speaks of first."""
@@ -35,7 +35,7 @@ def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> st
 
 @of_result
 def conclusions(qualification: Qualification) -> Conclusions:
-    """What to conclude of the whole: good if it qualifies, or passed what was asked for where only some tests were."""
+    """Conclusions; ``ok`` if the loader qualifies, or passes the requested tests where only some were requested."""
     if len(qualification.sections) == 1:
         lines = reasons(qualification.sections[0], qualification)
     else:
@@ -47,7 +47,7 @@ def conclusions(qualification: Qualification) -> Conclusions:
 
 
 def rule_text(qualification: Qualification) -> str:
-    """The rule, its edition, and whether somebody has held it against the document."""
+    """The rule, its edition, and whether it is verified against the document."""
     rows = [
         trial.test.is_verified(tolerance)
         for trial in qualification.test_plan.made
@@ -66,7 +66,7 @@ def _verdict(qualification: Qualification) -> str:
     short = any(
         section.status is not QualificationStatus.QUALIFIES for section in qualification.sections if section.fulfilled
     )
-    does = "passed what was asked for" if short else f"qualif{'y' if len(good) > 1 else 'ies'}"
+    does = "passed the requested tests" if short else f"qualif{'y' if len(good) > 1 else 'ies'}"
     number = (
         f"{len(good)} of {len(qualification.sections)} laws" if good else f"none of {len(qualification.sections)} laws"
     )
@@ -75,7 +75,7 @@ def _verdict(qualification: Qualification) -> str:
 
 def _asked(tested: Qualification | Section) -> str:
     """What alone was asked for."""
-    return f" (asked for: {', '.join(tested.test_plan.named)})" if tested.test_plan.named else ""
+    return f" (requested: {', '.join(tested.test_plan.named)})" if tested.test_plan.named else ""
 
 
 def standing_text(section: Section) -> str:
@@ -88,12 +88,17 @@ def _standing(section: Section) -> str:
     came = outcome_counts(section) + _asked(section)
     match section.status:
         case QualificationStatus.QUALIFIES:
-            rest = "; the rule asks for no more" if section.count(Outcome.NOT_EVALUATED) else ""
-            return f"the {section.title} qualifies: {came}{rest}"
+            rest = "; the rule requires no more" if section.count(Outcome.NOT_EVALUATED) else ""
+            return f"{_titled(section)} qualifies: {came}{rest}"
         case QualificationStatus.DOES_NOT_QUALIFY:
-            return f"the {section.title} does not qualify: {came}"
+            return f"{_titled(section)} does not qualify: {came}"
         case QualificationStatus.INCOMPLETE:
-            return f"the qualification of the {section.title} is incomplete: {came}. Missing: {missing_text(section)}"
+            return f"the qualification of {_titled(section)} is incomplete: {came}. Missing: {missing_text(section)}"
+
+
+def _titled(section: Section) -> str:
+    """The title as a sentence has it: a law by its name without an article."""
+    return section.title if section.title.startswith("law ") else f"the {section.title}"
 
 
 def missing_text(section: Section) -> str:
@@ -107,13 +112,13 @@ def missing_text(section: Section) -> str:
     alternate = [trial.key for trial in section.test_plan.trials if trial.test.kind == "dynamic sweep"]
     releases = [group[0].key for group in section.missing if group[0].test.kind == "release"]
     if alternate and any(_why_missing(results.get(key)) != Outcome.TOO_CLOSE for key in releases):
-        text += f"; {' and '.join(alternate)} would do instead of the releases"
+        text += f"; {' and '.join(alternate)} can replace the releases"
     return text
 
 
 def _why_missing(result: Result | None) -> str:
     if result is None:
-        return "not asked for"
+        return "not requested"
     if result.outcome is Outcome.TOO_CLOSE:
         return str(Outcome.TOO_CLOSE)
     return result.reason or next(
@@ -164,30 +169,28 @@ def result_text(result: Result, qualification: Qualification) -> str:
     text = _sentence(f"{'too close to call: ' if close else ''}{_told(first, result, qualification)}")
     if not others or close:
         return text
-    return f"{text} Also out: {', '.join(others)}."
+    return f"{text} Also out of tolerance: {', '.join(others)}."
 
 
 def _told(verdict: Verdict, result: Result, qualification: Qualification) -> str:
     """A quantity that is off."""
     system, name = qualification.system, verdict.quantity
     if verdict.measured is None or verdict.reference is None or not isfinite(verdict.difference):
-        return f"{name}: {verdict.reason}" if verdict.reason else f"{name} is not there"
+        return f"{name}: {verdict.reason}" if verdict.reason else f"{name} is missing"
     actual, expected, unit = verdict.measured.value, verdict.reference.value, verdict.unit
     origin = "recorded" if recorded(qualification, "reference") else "programmed"
     if unit == "s":
-        off = f"{to_text(100 * abs(verdict.difference) / expected, 2)} % {'long' if actual > expected else 'short'}"
-        text = (
-            f"{name} is {off}, {quantity(actual, unit, system)} where {quantity(expected, unit, system)} are {origin}"
-        )
+        off = f"{to_text(100 * abs(verdict.difference) / expected, 2)} % too {'long' if actual > expected else 'short'}"
+        text = f"{name} is {off}: {quantity(actual, unit, system)}, {quantity(expected, unit, system)} {origin}"
         frequencies = _frequencies(result)
         if frequencies is None:
             return text
-        return f"{text}: the column moves at {frequencies[0]} Hz where {frequencies[1]} Hz are {origin}"
+        return f"{text} (frequency {frequencies[0]} Hz, {frequencies[1]} Hz {origin})"
     allowed = quantity(verdict.tolerance, unit, system)
     where = "" if verdict.at is None else f" at {quantity(verdict.at, _at_unit(result), system)}"
     return (
-        f"{name} is {quantity(actual, unit, system)}{where} where {quantity(expected, unit, system)} are {origin}, "
-        f"{allowed or '0'} of difference allowed"
+        f"{name} is {quantity(actual, unit, system)}{where}, {quantity(expected, unit, system)} {origin}; the "
+        f"allowed difference is {allowed or '0'}"
     )
 
 
@@ -210,9 +213,9 @@ def _at_unit(result: Result) -> str:
 def _closest(result: Result, system: UnitSystem) -> str:
     known = [verdict for verdict in result.verdicts if isfinite(verdict.margin) and verdict.tolerance > 0]
     if not known:
-        return "nothing was compared by number."
+        return "no figure was compared."
     least = min(known, key=_share)
-    return f"the closest is {least.quantity}, with {to_text(100 * _share(least), 2)} % of its tolerance to spare."
+    return f"the closest is {least.quantity}, with {to_text(100 * _share(least), 2)} % of its tolerance left."
 
 
 def _share(verdict: Verdict) -> float:
@@ -229,12 +232,10 @@ def caveats(qualification: Qualification) -> tuple[str, ...]:
         tests = ", ".join(
             f"{trial.key} ({trial.test.number}; {why_outside(trial, qualification)})" for trial in outside
         )
-        lines.append(
-            f"Outside the programme of a simulated loader: {tests}. They are judged on records of the simulator."
-        )
+        lines.append(f"Tests that cannot be simulated: {tests}. Evaluate them on records of the simulator.")
     if by_hand:
         tests = ", ".join(f"{trial.key} ({trial.test.number})" for trial in by_hand)
-        lines.append(f"Not measured here, to be judged by hand on the simulator: {tests}.")
+        lines.append(f"Tests to be judged by hand on the simulator: {tests}.")
     lines.append(f"Reference: {qualification.reference}.")
     low, high = (
         quantity(end, "rad", qualification.system)
@@ -242,16 +243,14 @@ def caveats(qualification: Qualification) -> tuple[str, ...]:
     )
     lines.append(f"Throw: {low} to {high}, {qualification.throw.source}.")
     if unverified := unverified_tests(qualification):
-        lines.append(
-            f"Unverified: nobody has held {', '.join(unverified)} of {qualification.rules.title} against the document yet."
-        )
+        lines.append(f"Not verified against the document: {', '.join(unverified)} of {qualification.rules.title}.")
     if qualification.omitted:
-        lines.append(f"Hands off: {', '.join(qualification.omitted)} of the loader were left out.")
+        lines.append(f"Hands off: {', '.join(qualification.omitted)} of the loader are omitted.")
     return tuple(lines)
 
 
 def why_outside(trial: RuleTestCase, qualification: Qualification) -> str:
-    """Why a test of the rule is outside the programme."""
+    """Why a test of the rule is not simulated."""
     return "judged by hand" if recorded(qualification, "record") else OF_THE_AIRCRAFT[trial.key]
 
 

@@ -11,14 +11,14 @@ from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
 from forcefeel.units import UnitSystem
 
 _MOTION = (
-    "The column, and the programmed control that it is to follow. The load cell's force is referred to the grip: at rest and "
-    "without friction it is the pilot's."
+    "The column and the programmed control. The load cell's force is referred to the grip: at rest and without friction it equals "
+    "the pilot's force."
 )
-_IDEAL = "Dotted: what I, B and G alone would do under the same force."
-_IDEAL_ARM = "Dotted: what I, B and G with the pilot's arm would do under the same force."
-_DIVERGED = "Drawn up to where the run left every bound, with the first motion in view."
-_DEMAND = "What the drive must give. Red: ratings and limits, where the curve comes near them."
-_LOOP = "The way there and the way back are one line at rest; friction, hysteresis and motion part them."
+_IDEAL = "Dotted: response of I, B and G alone to the same force."
+_IDEAL_ARM = "Dotted: response of I, B and G with the pilot's arm to the same force."
+_DIVERGED = "Drawn up to the divergence of the run, scaled to the first motion."
+_DEMAND = "Demand on the drive. Red: ratings and limits near the curve."
+_LOOP = "In slow motion without friction and hysteresis both directions coincide."
 
 
 def simulation_page(run: Run, units: UnitSystem, law: str = "original", *, command: str = "") -> str:

@@ -76,7 +76,7 @@ def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
         rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.fade_s:g} s: {values}"))
     if any(loader[f"{sensor}.noise"] for sensor in ("load_cell", "potentiometer", "column_sensor")):
         rows.append(("Seed of the noise", str(run_scenario.seed)))
-    return Table((Cell("What"), Cell("How")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
+    return Table((Cell("Item"), Cell("Value")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
 def _controller(run: Run) -> str:

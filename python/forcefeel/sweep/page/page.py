@@ -117,7 +117,9 @@ def _influences(
             drawn = sweep_plots.slices(result, name, key, units, sweep_plots.color(law))
             title = f"{sweep_plots.title(name)} over {key}"
             pictures.append(
-                Picture.of(f"slices-{name}", title, "What matters most for it, while all others vary too.", drawn)
+                Picture.of(
+                    f"slices-{name}", title, "The parameter with the largest effect, while all others vary too.", drawn
+                )
             )
     return tuple(pictures)
 

@@ -19,8 +19,8 @@ from forcefeel.units import UnitSystem
 
 _WARM, _COLD = (240, 140, 60), (70, 140, 200)
 _MEANINGS = {
-    "settled": "the last swing is within 5 % of the whole",
-    "moving": "still swings, or drifts, at the end of the run",
+    "settled": "the last oscillation is within 5 % of the total motion",
+    "moving": "still oscillates or drifts at the end of the run",
     "diverged": "left every bound: unstable",
     "impossible": "values contradict each other; not run",
 }

@@ -128,7 +128,7 @@ def rigid(test: RigidTest) -> Table:
 def data(identification: Identification, units: UnitSystem) -> Table:
     """Every data set, with the residual of the fit."""
     head = (
-        *(Cell(text, "words") for text in ("Data", "Experiment", "What")),
+        *(Cell(text, "words") for text in ("Data", "Experiment", "Content")),
         *(Cell(text, "number") for text in ("Points", "Span", "Residual, r.m.s.", "Noise")),
         Cell("SHA-256"),
     )
@@ -170,12 +170,12 @@ def ends(identification: Identification, units: UnitSystem) -> Table:
         rows.append(
             (Cell(str(k)), *values, number_cell(relative_cost), words("yes" if end.same else "no", bad=not end.same))
         )
-    numbers = (*names, "Residual, of the best")
-    return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("Same optimum")), tuple(rows))
+    numbers = (*names, "Residual, relative to the best")
+    return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("The same place")), tuple(rows))
 
 
 def settings(fit_settings: FitSettings) -> Table:
-    """Settings of the fit."""
+    """How the fit was made."""
     rows = (
         ("Loss of large residuals", fit_settings.loss),
         ("Starts of the search", str(fit_settings.starts)),
