@@ -65,7 +65,7 @@ KEYS = _keys()
 
 def _si(name, value):
     if math.isinf(value):
-        return None
+        return "original"
     if name == "feel_shaker_frequency":
         return 2 * math.pi * value
     row = TABLE[KEYS[name]]
@@ -89,9 +89,9 @@ def loader_of(machine):
 
 
 def law_of(machine):
-    """The machine's law; nothing for the original loop."""
+    """The machine's law; by its name for the original loop."""
     if machine.gains is None:
-        return None
+        return "original"
     units = (1 / IN, 1 / PSI, 1.0, 1.0, 1 / IN, 1 / IN, 1 / LB)
     gains = [gain * unit for gain, unit in zip(machine.gains, units, strict=True)]
     return ff.laws.GainLaw(gains, machine.ratio * machine.base_arm * IN, "rad")
@@ -100,7 +100,7 @@ def law_of(machine):
 def schedule(steps):
     """Steps of the witness as an input of the engine."""
     if not steps:
-        return None
+        return "original"
     times, values, last = [], [], 0.0
     for time, value in steps:
         times += [time, time] if time > 0 else [time]

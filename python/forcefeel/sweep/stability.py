@@ -20,6 +20,9 @@ from forcefeel.units import show
 MOST_POINTS = 2_000_000
 """Largest number of points of a map: some ten seconds on one core."""
 
+_AT_ONCE = float(np.finfo(np.float64).tiny)
+"""In place of a pole at z = 0, such as that of a delay, whose logarithm is infinite: as well damped, and finite."""
+
 _AT_A_TIME = 16_384
 """Points whose poles are in memory together."""
 
@@ -102,8 +105,8 @@ def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray
     law = sweep.law_of(values)
     if law.sampled:
         loops = sampled_loops(sweep.loader, law, values)
-        with np.errstate(divide="ignore"):  # a pole at zero is gone within the period
-            return np.asarray(np.log(loops.poles) / loops.period_s)
+        poles = np.where(loops.poles == 0, _AT_ONCE, loops.poles)
+        return np.asarray(np.log(poles) / loops.period_s)
     parts = _loops(sweep.loader.si_values, keys, table, law.gains if law.fixed is None else law.fixed).poles(cores())
     return np.asarray(parts[..., 0] + 1j * parts[..., 1])
 
