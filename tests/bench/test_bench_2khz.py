@@ -30,7 +30,7 @@ def make():
     return runpy.run_path(str(BENCH / "make.py"))
 
 
-def test_the_record_comes_out_the_same(make):
+def test_record_is_reproducible(make):
     kept, made = ff.read_bench_data(BENCH / "shaken.parquet"), make["record"](0.5)
     assert str(kept.experiment) == "loader pilot_force"
     angle = np.degrees(kept.channels["column_angle"][:126])
@@ -38,11 +38,11 @@ def test_the_record_comes_out_the_same(make):
     assert np.ptp(angle) > 1e3 * STEP_DEG
 
 
-def test_the_loader_file_comes_out_the_same(make):
+def test_loader_file_is_reproducible(make):
     assert make["believed"]().to_toml() == (BENCH / "loader.toml").read_text(encoding="utf-8")
 
 
-def test_identified_is_the_machine_and_sizes_its_cases():
+def test_identified_loader_matches_machine_and_sets_deviations():
     loader = ff.load(BENCH / "identified.toml")
     deviations = deviations_of(loader)
     for key, tolerance in loader.tolerances.items():
@@ -54,7 +54,7 @@ def test_identified_is_the_machine_and_sizes_its_cases():
     assert {it.size for it in deviations.values() if it.origin is Origin.ASSUMED} == {0.2}
 
 
-def test_a_tenth_of_the_record_finds_the_machine():
+def test_tenth_of_the_record_identifies_the_machine():
     whole = ff.read_bench_data(BENCH / "shaken.parquet")
     early = whole.time_s <= SECONDS
     channels = {name: values[early] for name, values in whole.channels.items()}

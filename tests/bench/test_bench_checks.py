@@ -93,7 +93,7 @@ def test_noisy_records_pass(kind, seed):
 @pytest.mark.parametrize("kind", ["multisine", "chirp", "noise", "slow staircase"])
 @pytest.mark.parametrize("bits", [10, 16, None])
 @pytest.mark.parametrize("side", [-1, 1])
-def test_a_clipped_channel_is_found(kind, bits, side):
+def test_clipped_channel_is_detected(kind, bits, side):
     angle = ANSWERS[kind]["column_angle"]
     limit = 0.7 * np.max(side * angle)
     cut = side * np.minimum(side * angle, limit)
@@ -103,13 +103,13 @@ def test_a_clipped_channel_is_found(kind, bits, side):
         check_record(record(ANSWERS[kind], column_angle=rounded(cut, bits) if bits else cut))
 
 
-def test_a_current_at_its_limit_is_found():
+def test_current_at_its_limit_is_detected():
     chirp = ANSWERS["chirp"]
     with pytest.raises(InputError, match="valve_current is clipped"):
         check_record(record(chirp, valve_current=np.clip(chirp["valve_current"], -1e-3, 1e-3)))
 
 
-def test_where_it_is_clipped():
+def test_clipping_location_is_reported():
     wave = np.minimum(np.sin(2 * np.pi * T), 0.9)
     found = clipped(wave)
     first = np.flatnonzero(wave == 0.9)[0]
@@ -146,17 +146,17 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("step_s", [1e-5, 0.2])
-def test_the_shortest_and_the_longest_step_pass(step_s):
+def test_shortest_and_longest_steps_pass(step_s):
     check_record(record(time=T / H * step_s))
 
 
 @pytest.mark.parametrize(("given", "message"), FAULTS.values(), ids=FAULTS)
-def test_a_record_at_fault_is_refused(given, message):
+def test_invalid_record_raises_input_error(given, message):
     with pytest.raises(InputError, match=message):
         check_record(given)
 
 
-def test_a_place_from_a_file_is_named():
+def test_error_names_file_and_line():
     places = [f"run.csv: line {i + 3}" for i in range(len(T) + 1)]
     with pytest.raises(InputError, match=r"^run\.csv: line 14: expected finite"):
         check_record(FAULTS["not a number"][0], places)
@@ -166,21 +166,21 @@ def test_a_place_from_a_file_is_named():
 
 # Cut out of a steady motion; not where drive or column happen to turn, as from rest.
 @pytest.mark.parametrize("cut", [700, 1100, 1500, 1800, 2500])
-def test_a_record_that_begins_in_motion_is_refused(cut):
+def test_record_that_begins_in_motion_is_refused(cut):
     channels = {it: values[cut:] for it, values in ANSWERS["multisine"].items()}
     assert abs(channels["test_signal"][0]) > 0.05
     with pytest.raises(InputError, match=r"does not begin at rest: .* start to record before the drive begins"):
         check_record(record(channels, T[cut:]))
 
 
-def test_a_loader_that_swings_before_the_drive_begins_is_refused():
+def test_loader_oscillating_before_the_drive_starts_is_refused():
     swing = np.where(REST, 0.5 * np.max(ANGLE) * np.sin(2 * np.pi * 3 * T), ANGLE)
     with pytest.raises(InputError, match="does not begin at rest: column_angle moves"):
         check_record(record(column_angle=swing))
 
 
 @pytest.mark.parametrize("kind", ["multisine", "chirp", "noise", "binary"])
-def test_a_drive_that_begins_with_the_record_passes(kind):
+def test_drive_that_starts_with_the_record_passes(kind):
     drive = np.r_[DRIVES[kind][BEGIN:], np.zeros(BEGIN)]
     check_record(record(answer(drive)))
 
@@ -211,7 +211,7 @@ RELEASE_FAULTS = {
 
 
 @pytest.mark.parametrize(("angle", "message"), RELEASE_FAULTS.values(), ids=RELEASE_FAULTS)
-def test_a_release_at_fault_is_refused(angle, message):
+def test_invalid_release_raises_input_error(angle, message):
     with pytest.raises(InputError, match=message):
         check_record(record({"column_angle": angle}, T[: len(angle)], RELEASE))
 
@@ -246,7 +246,7 @@ RESPONSE_FAULTS = {
 
 
 @pytest.mark.parametrize(("changes", "message"), RESPONSE_FAULTS.values(), ids=RESPONSE_FAULTS)
-def test_a_response_at_fault_is_refused(changes, message):
+def test_invalid_response_raises_input_error(changes, message):
     check_response(GOOD)
     check_response(replace(GOOD, coherence=with_sample(0.1 * ONES, 4, 0.31), deviation=ONES))
     with pytest.raises(InputError, match=message):
@@ -291,7 +291,7 @@ def as_response(key, value, lines_hz=LINES_HZ):
     return Response("mine", experiment, str(experiment.drive), key[1], lines_hz, value)
 
 
-def test_no_loader_is_accused_that_is_off_its_file():
+def test_parameter_deviation_is_not_reported_as_misreading():
     expected, rng = predictions(ELEVATOR), np.random.default_rng(0)
     for _ in range(200):
         for key, value in predictions(off_by(rng, 0.4)).items():
@@ -333,7 +333,7 @@ def unit_of(key):
 
 
 @pytest.mark.parametrize("fault", MISREADINGS)
-def test_a_misread_file_is_found_out(fault):
+def test_misread_file_is_detected(fault):
     misread, sentence = MISREADINGS[fault]
     expected, rng, found = predictions(ELEVATOR), np.random.default_rng(1), []
     for _ in range(40):
@@ -349,7 +349,7 @@ def test_a_misread_file_is_found_out(fault):
     assert np.mean(found) > 0.9
 
 
-def test_decibels_read_as_a_ratio():
+def test_decibels_read_as_ratio_are_detected():
     key = ("servo-closed", "potentiometer")
     value = predictions(ELEVATOR)[key]
     lines = np.abs(value) * 1000 > 1.5  # mV/V: dB above zero, which can be read as ratios
@@ -361,7 +361,7 @@ def test_decibels_read_as_a_ratio():
 @pytest.mark.parametrize(
     ("scale", "sentence"), [(2 * np.pi, "in rad/s, read as Hz"), (1 / (2 * np.pi), "in Hz, read as rad/s")]
 )
-def test_frequencies_in_the_other_unit(scale, sentence):
+def test_frequencies_in_the_wrong_unit_are_detected(scale, sentence):
     read_hz, rng, found = LINES_HZ * scale, np.random.default_rng(2), []
     expected = predictions(ELEVATOR, read_hz)
     for _ in range(20):
@@ -375,7 +375,7 @@ def test_frequencies_in_the_other_unit(scale, sentence):
     assert np.mean(found) > 0.95  # as above
 
 
-def test_the_distance_is_that_of_complex_logarithms():
+def test_distance_is_between_complex_logarithms():
     value = np.array([1.0, 2.0j, -3.0])
     assert distance(value, value) == 0
     assert distance(np.e * value, value) == pytest.approx(1, rel=1e-12)  # a few roundings
@@ -385,7 +385,7 @@ def test_the_distance_is_that_of_complex_logarithms():
 @pytest.mark.parametrize(
     "predicted", [np.ones(3, dtype=complex), np.zeros(60, dtype=complex), np.full(60, np.nan + 0j)]
 )
-def test_predictions_that_are_none_are_refused(predicted):
+def test_invalid_predictions_raise_input_error(predicted):
     with pytest.raises(InputError, match="predicted: expected"):
         misreading(GOOD, predicted)
 
@@ -393,7 +393,7 @@ def test_predictions_that_are_none_are_refused(predicted):
 @pytest.mark.parametrize(
     "force", [ff.simulation.Chirp(60.0, 0.3, 4.0, 5.0), ff.simulation.Doublet(80.0, 0.5, 0.7), ff.Step(100.0, 0.5)]
 )
-def test_a_column_that_friction_stops_is_not_clipped(force):
+def test_column_stopped_by_friction_is_not_reported_as_clipped(force):
     loader = ELEVATOR.replace({"column.coulomb_friction": "5 lb", "column.static_friction": "6 lb"})
     history = ff.simulate(loader, ff.Scenario(force, duration_s=6.0)).history
     time, pushed = history.time_s.values, history.pilot_force_n.values

@@ -81,15 +81,15 @@ WRITERS = {"csv": write_csv, "parquet": write_parquet, "mat": write_mat}
         ("note", Heading("note", "")),
     ],
 )
-def test_headers(cell, expected):
+def test_column_headers_are_parsed(cell, expected):
     assert heading(cell, CHANNELS) == expected
 
 
-def test_a_suffix_that_is_no_unit_is_none():
+def test_suffix_that_is_not_a_unit_is_ignored():
     assert [suffix_unit(it) for it in ("noise", "angle", "x" * 100, "")] == [""] * 4
 
 
-def test_decibels_are_of_the_stated_units(tmp_path):
+def test_decibels_use_the_stated_units(tmp_path):
     found = response(tmp_path, TO_POTENTIOMETER + LINES)
     assert (found.name, found.experiment, found.input, found.output) == (
         "measured",
@@ -107,7 +107,7 @@ def test_decibels_are_of_the_stated_units(tmp_path):
     assert np.abs(degrees.value) == pytest.approx(gain * math.pi / 180, rel=ROUNDING)
 
 
-def test_a_gain_with_its_own_unit_needs_no_other(tmp_path):
+def test_gain_with_its_own_unit_needs_no_other_unit(tmp_path):
     header = "frequency (rad/s),gain (in/V),phase (rad),coherence,deviation\n"
     text = header + "6,1,-0.1,1,0.01\n12,0.5,-0.5,0.9,0.02\n24,.2,-1,0.8,0.04\n"
     found = response(tmp_path, text, experiment="servo-open", output="piston_position")
@@ -118,7 +118,7 @@ def test_a_gain_with_its_own_unit_needs_no_other(tmp_path):
     assert found.deviation.tolist() == [0.01, 0.02, 0.04]
 
 
-def test_arguments_state_what_a_file_does_not(tmp_path):
+def test_arguments_add_what_the_file_omits(tmp_path):
     arguments = {"experiment": "loader", "input": "pilot_force (lb)", "output": "load cell force (lb)"}
     plain = LINES.replace(" (Hz)", "").replace(" (deg)", "")
     found = response(tmp_path, plain, **arguments, units={"frequency": "Hz", "phase": "deg"})
@@ -129,7 +129,7 @@ def test_arguments_state_what_a_file_does_not(tmp_path):
     assert np.abs(found.value[0]) == pytest.approx(math.pi / 180 / POUND, rel=ROUNDING)
 
 
-def test_equal_units_do_not_contradict_each_other(tmp_path):
+def test_equal_units_do_not_conflict(tmp_path):
     """The same unit under another name, and dB in any case."""
     top = "# experiment: servo-closed\n# to: load_pressure (lb/in^2)\n"
     units = {"gain": "db", "phase": "degree", "load_pressure": "psi", "test_signal": "V"}
@@ -253,14 +253,14 @@ BAD_RESPONSES = {
 
 
 @pytest.mark.parametrize(("text", "arguments", "message"), BAD_RESPONSES.values(), ids=BAD_RESPONSES)
-def test_a_response_at_fault_is_refused(tmp_path, text, arguments, message):
+def test_invalid_response_raises_input_error(tmp_path, text, arguments, message):
     with pytest.raises(InputError, match=message) as caught:
         response(tmp_path, text, **arguments)
     assert str(tmp_path / "measured.csv") in str(caught.value)
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_record_in_three_formats(tmp_path, kind):
+def test_record_reads_equally_from_three_formats(tmp_path, kind):
     notes = {"experiment": "servo-closed", "hold": "staircase"}
     path = WRITERS[kind](tmp_path / f"run.{kind}", RECORD, notes)
     record = read_bench_record(path)
@@ -276,7 +276,7 @@ def test_a_record_in_three_formats(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_response_in_three_formats(tmp_path, kind):
+def test_response_reads_equally_from_three_formats(tmp_path, kind):
     columns = {
         "frequency_hz": np.array([1.0, 2, 4]),
         "gain_db": np.array([0.0, -6, -20]),
@@ -290,7 +290,7 @@ def test_a_response_in_three_formats(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_the_files_own_names(tmp_path, kind):
+def test_column_names_of_the_file_map_to_channels(tmp_path, kind):
     own = {"t": T, "drive_v": U, "theta": X, "rate_counter": X}
     path = WRITERS[kind](tmp_path / f"own.{kind}", own)
     columns = {"time": "t", "test_signal": "drive", "column_angle": "theta"}
@@ -307,14 +307,14 @@ def test_the_files_own_names(tmp_path, kind):
     assert by_channel.channels["column_angle"] == pytest.approx(X, rel=ROUNDING)
 
 
-def test_the_files_own_name_with_its_unit(tmp_path):
+def test_column_name_of_the_file_takes_a_unit(tmp_path):
     path = write_csv(tmp_path / "own.csv", {"time (s)": T, "e_T (V)": U, "theta [deg]": X})
     columns = {"test_signal": "e_T (V)", "column_angle": "theta [deg]"}
     record = read_bench_record(path, experiment="servo-closed", columns=columns)
     assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
 
 
-def test_the_fields_of_a_matlab_structure(tmp_path):
+def test_matlab_structure_fields_are_read(tmp_path):
     run = {
         "time_s": T[:, None],
         "test_signal_v": U[:, None],
@@ -327,7 +327,7 @@ def test_the_fields_of_a_matlab_structure(tmp_path):
     assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
 
 
-def test_matlab_files_that_are_not_read(tmp_path):
+def test_unsupported_matlab_file_raises_input_error(tmp_path):
     header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM" + bytes(400)
     (tmp_path / "new.mat").write_bytes(header)
     with pytest.raises(InputError, match=r"new\.mat: is a MATLAB file of version 7\.3; save it with -v7"):
@@ -380,20 +380,20 @@ BAD_RECORDS = {
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 @pytest.mark.parametrize(("columns", "arguments", "message"), BAD_RECORDS.values(), ids=BAD_RECORDS)
-def test_a_record_at_fault_is_refused(tmp_path, kind, columns, arguments, message):
+def test_invalid_record_raises_input_error(tmp_path, kind, columns, arguments, message):
     path = WRITERS[kind](tmp_path / f"bad.{kind}", columns)
     with pytest.raises(InputError, match=message) as caught:
         read_bench_record(path, **{"experiment": "servo-closed", **arguments})
     assert str(path) in str(caught.value)
 
 
-def test_a_hold_that_contradicts_the_file_is_refused(tmp_path):
+def test_hold_that_contradicts_the_file_raises_input_error(tmp_path):
     path = write_csv(tmp_path / "run.csv", RECORD, {"experiment": "servo-closed", "hold": "staircase"})
     with pytest.raises(InputError, match="states 'hold: staircase', but the argument hold is 'straight'"):
         read_bench_record(path, hold="straight")
 
 
-def test_lines_keep_their_numbers_below_comments(tmp_path):
+def test_line_numbers_count_comments(tmp_path):
     columns = {**RECORD, "column angle (deg)": np.where(T == 0.5, np.nan, X)}
     path = write_csv(
         tmp_path / "run.csv", columns, {"experiment": "servo-closed", "loader": "mine", "hold": "straight"}
@@ -405,7 +405,7 @@ def test_lines_keep_their_numbers_below_comments(tmp_path):
         read_bench_record(tmp_path / "run.parquet")
 
 
-def test_either_kind_is_told_by_its_columns(tmp_path):
+def test_columns_distinguish_record_from_response(tmp_path):
     (tmp_path / "response.csv").write_text(TO_POTENTIOMETER + LINES, encoding="utf-8")
     assert isinstance(read_bench_data(tmp_path / "response.csv"), Response)
     record = write_csv(tmp_path / "record.csv", RECORD)
@@ -423,7 +423,7 @@ def test_either_kind_is_told_by_its_columns(tmp_path):
         read_bench_data(both)
 
 
-def test_what_is_no_table_is_refused(tmp_path):
+def test_file_without_table_raises_input_error(tmp_path):
     with pytest.raises(
         InputError, match=r"expected a file that ends in \.csv, \.parquet, \.mat or \.mcap, got 'run\.txt'"
     ):
@@ -446,7 +446,7 @@ def test_what_is_no_table_is_refused(tmp_path):
         (pyarrow.duration("ms"), "durations"),
     ],
 )
-def test_dates_and_durations_are_no_seconds(tmp_path, kind, came):
+def test_date_or_duration_column_raises_input_error(tmp_path, kind, came):
     stamps = pyarrow.array((1000 * T).astype(np.int64)).cast(kind)
     path = write_parquet(tmp_path / "run.parquet", {**RECORD, "time (s)": stamps})
     message = rf"run\.parquet: time: expected a column of numbers, got {came} \(.*\); .*seconds since the first sample"
@@ -462,7 +462,7 @@ def test_dates_and_durations_are_no_seconds(tmp_path, kind, came):
         ("ms", 0.001, r"time: has a median step of 1e-08 s; expected .*; is the time in s, not in ms\? .*'time \(s\)'"),
     ],
 )
-def test_a_time_in_another_unit_is_refused(tmp_path, kind, unit, scale, message):
+def test_time_in_another_unit_raises_input_error(tmp_path, kind, unit, scale, message):
     columns = {f"time ({unit})": scale * T, **{name: values for name, values in RECORD.items() if "time" not in name}}
     path = WRITERS[kind](tmp_path / f"run.{kind}", columns)
     with pytest.raises(InputError, match=message) as caught:
@@ -472,7 +472,7 @@ def test_a_time_in_another_unit_is_refused(tmp_path, kind, unit, scale, message)
 
 @pytest.mark.parametrize(("mark", "words"), [(";", "semicolons"), ("\t", "tabs")])
 @pytest.mark.parametrize("quote", ["", '"'])
-def test_columns_that_are_not_parted_by_commas_are_refused(tmp_path, mark, words, quote):
+def test_columns_without_commas_raise_input_error(tmp_path, mark, words, quote):
     header = mark.join(f"{quote}{name}{quote}" for name in ("time (s)", "test_signal (V)", "column_angle (deg)"))
     rows = [mark.join(("0,01", "1,5", "0,2"))] * 200
     (tmp_path / "run.csv").write_text("\n".join(["# experiment: servo-closed", "", header, *rows]), encoding="utf-8")

@@ -48,7 +48,7 @@ def filtered(system, drive):
     return scipy.signal.lfilter(*in_delays(system), drive)
 
 
-def test_a_periodic_drive_is_exact():
+def test_response_to_periodic_drive_is_exact():
     drive = multisine(8)
     found = estimate_response(record(drive, filtered(DISCRETE, drive), "valve_current"), "valve_current")
     assert found.frequency_hz == pytest.approx(LINES_HZ, rel=1e-12)  # rounding
@@ -64,7 +64,7 @@ def test_a_periodic_drive_is_exact():
 
 
 @pytest.mark.parametrize("hold", ["straight", "staircase"])
-def test_the_response_is_that_to_the_drive_between_its_samples(hold):
+def test_response_matches_the_hold_between_samples(hold):
     method = {"straight": "foh", "staircase": "zoh"}[hold]
     drive = multisine(6)
     num, den, _ = scipy.signal.cont2discrete((SECOND_ORDER.num, SECOND_ORDER.den), H, method)
@@ -82,7 +82,7 @@ def test_the_response_is_that_to_the_drive_between_its_samples(hold):
     assert np.max(bound) < 1e-3  # the bound asks for something; measured: 3e-5
 
 
-def test_a_measured_input_is_taken_as_sampled():
+def test_measured_input_is_taken_as_sampled():
     drive = multisine(8)
     force = filtered(DISCRETE, drive)
     both = record(drive, force, "load_cell_force", hold="staircase", column_angle=-2 * force)
@@ -91,7 +91,7 @@ def test_a_measured_input_is_taken_as_sampled():
     assert found.input == "load_cell_force"
 
 
-def test_the_transient_is_left_out():
+def test_transient_is_omitted():
     slow = scipy.signal.dlti([0.002], [1.0, -0.998], dt=H)  # 0.5 s: exp(-2) of it is left after a period
     drive = multisine(12)
     noise = 1e-4 * np.random.default_rng(SEED).standard_normal(len(drive))
@@ -114,13 +114,13 @@ def test_the_transient_is_left_out():
     ],
     ids=["multisine", "with rests", "chirps", "noise again and again", "twice"],
 )
-def test_periods_are_found(drive, expected):
+def test_periods_are_detected(drive, expected):
     found = find_periods(drive)
     assert (found.samples, found.count) == (expected.samples, expected.count)
     assert abs(found.begin - expected.begin) <= 1  # the rest may belong to the first period
 
 
-def test_periods_under_a_ramp_and_noise():
+def test_periods_are_detected_under_ramp_and_noise():
     drive = multisine(7) * np.minimum(np.arange(7 * PERIOD) / 500, 1)
     found = find_periods(drive)
     assert (found.samples, found.count) == (PERIOD, 6)
@@ -140,11 +140,11 @@ def test_periods_under_a_ramp_and_noise():
     ],
     ids=["noise", "chirp", "slow chirp", "step", "one period"],
 )
-def test_no_periods_are_found_where_there_are_none(drive):
+def test_aperiodic_signal_has_no_periods(drive):
     assert find_periods(drive) is None
 
 
-def test_two_periods_are_always_left():
+def test_at_least_two_periods_are_kept():
     growing = np.repeat([5.0, 1.0, 0.9, 0.89], 10) + np.tile(np.arange(10.0), 4)
     assert settled(Periods(0, 10, 4), growing).count == 2
     assert settled(Periods(0, 10, 4), np.tile(np.arange(10.0), 4)).count == 4
@@ -159,7 +159,7 @@ def within(found, exact, averages):
 
 
 @pytest.mark.parametrize("periods", [2, 4, 20])
-def test_intervals_of_periods_hold_what_they_say(periods):
+def test_intervals_from_periods_have_stated_coverage(periods):
     rng, held = np.random.default_rng(SEED), []
     drive = multisine(periods)
     exact = sampled_response(DISCRETE, LINES_HZ)
@@ -174,7 +174,7 @@ def test_intervals_of_periods_hold_what_they_say(periods):
     assert abs(share - 0.95) < 4 * spread
 
 
-def test_intervals_of_hann_segments_hold_what_they_say():
+def test_intervals_from_hann_segments_have_stated_coverage():
     rng, held, averages = np.random.default_rng(SEED), [], None
     for _ in range(60):
         drive = rng.standard_normal(33 * 250)
@@ -188,7 +188,7 @@ def test_intervals_of_hann_segments_hold_what_they_say():
     assert abs(share - 0.95) < 4 * spread + 0.005
 
 
-def test_coherence_is_that_of_theory():
+def test_coherence_matches_theory():
     rng = np.random.default_rng(SEED)
     drive = rng.standard_normal(600_000)
     output = 2 * drive + 3 * rng.standard_normal(len(drive))
@@ -199,7 +199,7 @@ def test_coherence_is_that_of_theory():
     assert np.median(found.deviation) == pytest.approx(np.sqrt(9 / 4 / (2 * 3790)), rel=0.02)  # gamma^2's own scatter
 
 
-def test_welchs_averages():
+def test_independent_averages_match_welch():
     hann = scipy.signal.windows.hann(1024, sym=False)
     # The closed form for Hann and half overlap: rho_1 = (1/6)^2.
     assert independent_averages(hann, 512, 8) == pytest.approx(8 / (1 + 2 * (1 - 1 / 8) / 36), rel=1e-9)  # rounding
@@ -207,7 +207,7 @@ def test_welchs_averages():
     assert independent_averages(hann, 512, 1) == 1
 
 
-def test_a_chirp_and_its_band():
+def test_chirp_response_covers_its_band():
     drive = ff.simulation.Chirp(1.0, 1.0, 30.0, 40.0).sample(48.0, H).start
     num, den, _ = scipy.signal.cont2discrete((SECOND_ORDER.num, SECOND_ORDER.den), H, "foh")
     given = record(drive, scipy.signal.lfilter(num.ravel(), den, drive))
@@ -222,7 +222,7 @@ def test_a_chirp_and_its_band():
     assert found.coherence.shape == found.frequency_hz.shape
 
 
-def test_one_average_has_no_deviation():
+def test_single_average_has_no_deviation():
     drive = np.random.default_rng(SEED).standard_normal(4000)
     found = estimate_response(record(drive, drive, "valve_current"), "valve_current", segments=1)
     assert (found.coherence, found.deviation) == (None, None)
@@ -271,6 +271,6 @@ BAD = {
 
 
 @pytest.mark.parametrize(("given", "arguments", "message"), BAD.values(), ids=BAD)
-def test_what_gives_no_response_is_refused(given, arguments, message):
+def test_record_without_a_response_raises_input_error(given, arguments, message):
     with pytest.raises(InputError, match=message):
         estimate_response(given, **{"output": "column_angle", **arguments})

@@ -27,7 +27,7 @@ def anew(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", ["multisine.parquet", "release.mat", "sweep.csv"])
-def test_records_come_out_the_same(anew, name):
+def test_records_are_reproducible(anew, name):
     kept, made = (ff.read_bench_data(folder / name) for folder in (BENCH, anew))
     assert (kept.experiment, kept.channels.keys()) == (made.experiment, made.channels.keys())
     np.testing.assert_allclose(made.time_s, kept.time_s, rtol=ROUNDING)
@@ -37,18 +37,18 @@ def test_records_come_out_the_same(anew, name):
 
 
 @pytest.mark.parametrize("name", ["servo-closed.csv", "servo-open.csv"])
-def test_responses_come_out_the_same(anew, name):
+def test_responses_are_reproducible(anew, name):
     kept, made = (ff.read_bench_data(folder / name) for folder in (BENCH, anew))
     np.testing.assert_allclose(made.frequency_hz, kept.frequency_hz)
     np.testing.assert_allclose(np.abs(made.value / kept.value), 1, atol=2e-3)  # dB with three decimals, phase with two
 
 
 @pytest.mark.parametrize("name", ["loader.toml", "truth.toml"])
-def test_loader_files_come_out_the_same(anew, name):
+def test_loader_files_are_reproducible(anew, name):
     assert (anew / name).read_text(encoding="utf-8") == (BENCH / name).read_text(encoding="utf-8")
 
 
-def test_the_truth_is_found():
+def test_true_parameters_are_identified():
     """From the file's values, in a sixth of the record: 10 s are one period of the multisine and its soft beginning."""
     file, truth = ff.load(BENCH / "loader.toml"), ff.load(BENCH / "truth.toml")
     whole = ff.read_bench_data(BENCH / "multisine.parquet")

@@ -100,7 +100,7 @@ def check(found, expected, apart=APART):
         ("loader", "test_signal"),
     ],
 )
-def test_every_channel_is_the_witness_s(loop, drive):
+def test_every_channel_matches_the_reference(loop, drive):
     expected = witnessed(loop, drive)
     found = run(MACHINE, loop, RATE_HZ, **{drive: DRIVES[drive]})
     check(found, expected)
@@ -111,28 +111,28 @@ def test_every_channel_is_the_witness_s(loop, drive):
 
 
 @pytest.mark.parametrize("loop", ["servo-closed", "loader"])
-def test_a_release_is_the_witness_s(loop):
+def test_release_matches_the_reference(loop):
     machine = replace(WITNESS, gains=GAINS[loop])
     start = nonlinear_witness.release(machine, 0.05)
     expected = nonlinear_witness.simulate(machine, (), RUN_S, BEHIND_S, start, solver=SOLVER)
     check(run(MACHINE, loop, RATE_HZ, force=0 * TIME_S, start=held(MACHINE, loop, 0.05)), expected)
 
 
-def test_the_open_servo_is_not_held():
+def test_open_servo_has_no_held_start():
     with pytest.raises(ValueError, match="no rest"):
         held(MACHINE, "servo-open", 0.05)
 
 
 @pytest.mark.parametrize("loop", ["servo-closed", "loader"])
 @pytest.mark.parametrize(("period", "delay"), [(5e-4, 0), (5e-4, 1), (4e-3, 1)])
-def test_a_digital_controller_is_the_witness_s(loop, period, delay):
+def test_digital_controller_matches_the_reference(loop, period, delay):
     drive = "force" if loop == "loader" else "test_signal"
     expected = witnessed(loop, drive, period=period, delay=period * delay)
     check(run(MACHINE, loop, RATE_HZ, controller=Controller(period, delay), **{drive: DRIVES[drive]}), expected)
 
 
 @pytest.mark.parametrize("delay", [0, 1])
-def test_a_command_signal_is_sampled_and_late_like_the_command(delay):
+def test_command_signal_is_sampled_and_delayed_like_the_command(delay):
     """The witness' law has a gain on the pilot's force: with a grip arm of nothing, the force is the signal."""
     arm, period = 1e-9, 1e-3
     friction = {
@@ -151,7 +151,7 @@ def test_a_command_signal_is_sampled_and_late_like_the_command(delay):
     assert np.abs(outside["column_angle"][0] - expected["theta"]).max() > 1e-2 * np.abs(expected["theta"]).max()
 
 
-def test_an_analog_law_has_one_place_for_both_signals():
+def test_analog_law_adds_both_signals_at_the_same_point():
     found = (
         run(MACHINE, "servo-closed", RATE_HZ, **{it: DRIVES["test_signal"]}) for it in ("command_signal", "test_signal")
     )
@@ -159,7 +159,7 @@ def test_an_analog_law_has_one_place_for_both_signals():
     assert np.array_equal(inside, outside)
 
 
-def test_a_staircase_keeps_its_values():
+def test_staircase_input_keeps_its_values():
     steps = list(zip(TIME_S.tolist(), DRIVES["test_signal"].tolist(), strict=True))
     machine = replace(WITNESS, gains=GAINS["servo-closed"])
     signals = nonlinear_witness.Signals(test_signal=steps)
@@ -167,7 +167,7 @@ def test_a_staircase_keeps_its_values():
     check(run(MACHINE, "servo-closed", RATE_HZ, test_signal=DRIVES["test_signal"], staircase=True), expected)
 
 
-def test_it_is_of_second_order_in_the_smallest_part():
+def test_integrator_is_of_second_order_in_step_size():
     """Whatever else a step does is exact, so parts of a quarter have a sixteenth of the error, on the way through many switches."""
     size = {channel: np.abs(witnessed("servo-closed", "force")[column]).max() for channel, column in CHANNELS.items()}
     exact = run(MACHINE, "servo-closed", RATE_HZ, force=DRIVES["force"], smallest_s=2e-3 / 2**13)
@@ -183,7 +183,7 @@ def test_it_is_of_second_order_in_the_smallest_part():
         assert errors[1] < errors[0] / 60  # of the first order it would be 16, of the second 256, less what chance does
 
 
-def test_the_step_does_not_matter():
+def test_result_does_not_depend_on_step():
     """Samples between those of the drive change nothing but the places at which a switch is looked for."""
     between = np.arange(4 * (len(TIME_S) - 1) + 1) / (4 * RATE_HZ)
     force = np.interp(between, TIME_S, DRIVES["force"])
@@ -193,7 +193,7 @@ def test_the_step_does_not_matter():
         assert np.abs(fine[channel][:, ::4] - values).max() < APART * np.abs(values).max()
 
 
-def test_machines_side_by_side_are_machines_alone():
+def test_batched_machines_match_single_machines():
     stiffness, friction = np.array([5000.0, 7000.0, 6000.0]), np.array([0.0, 1.0, 3.0])
     many = replace(MACHINE, link_stiffness=stiffness, coulomb_friction=friction, static_friction=2 * friction)
     signals = DRIVES["test_signal"] * np.array([[1.0], [0.5], [2.0]])
@@ -206,7 +206,7 @@ def test_machines_side_by_side_are_machines_alone():
             np.testing.assert_allclose(together[channel][k], values[0], rtol=0, atol=IN_COMPANY * np.abs(values).max())
 
 
-def test_wrong_words_are_refused():
+def test_invalid_loop_name_or_period_raises_value_error():
     with pytest.raises(ValueError, match=r"servo-open.*got 'servo'"):
         run(MACHINE, "servo", RATE_HZ, force=DRIVES["force"])
     with pytest.raises(ValueError, match="period"):
@@ -214,7 +214,7 @@ def test_wrong_words_are_refused():
 
 
 @pytest.mark.parametrize("module", [bench_machine, exact_steps])
-def test_it_shares_no_line_with_the_engine(module):
+def test_bench_machine_imports_no_engine_code(module):
     tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
     names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     names |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

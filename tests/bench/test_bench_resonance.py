@@ -42,7 +42,7 @@ def response(f, value, output="column_angle", drive="pilot_force"):
 @pytest.mark.parametrize("zeta", [0.01, 0.05, 0.1, 0.3])
 @pytest.mark.parametrize("frequency_hz", [5.3, 12.0])
 @pytest.mark.parametrize("output", ["column_angle", "column_velocity"])
-def test_a_single_mode_is_read(lines, zeta, frequency_hz, output):
+def test_single_mode_is_identified(lines, zeta, frequency_hz, output):
     f = LINES[lines]
     velocity = output == "column_velocity"
     found = read_resonance(response(f, mode(f, frequency_hz, zeta, velocity=velocity), output))
@@ -69,7 +69,7 @@ def test_a_single_mode_is_read(lines, zeta, frequency_hz, output):
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, np.pi])
-def test_the_circle_stands_anywhere(turn):
+def test_circle_fit_does_not_depend_on_rotation_or_offset(turn):
     """A complex mode shape turns the circle, other modes shift it: neither matters to the fit."""
     value = mode(FINE, 12.0, 0.05, velocity=True, amplitude=3e-3 * np.exp(1j * turn), rest=2e-5 - 1e-5j)
     near = (FINE > 10) & (FINE < 14)
@@ -78,7 +78,7 @@ def test_the_circle_stands_anywhere(turn):
     assert found.off < 1e-9  # rounding
 
 
-def test_half_power_points_of_a_mobility_are_the_textbooks():
+def test_half_power_points_of_mobility_match_the_textbook():
     value = mode(FINE, 12.0, 0.05, velocity=True)
     found = read_resonance(response(FINE, value, "column_velocity")).half_power
     low, high = (
@@ -87,7 +87,7 @@ def test_half_power_points_of_a_mobility_are_the_textbooks():
     assert found.note == f"half power at {low:.4g} Hz and {high:.4g} Hz"
 
 
-def test_noise_is_averaged_by_the_circle():
+def test_circle_fit_averages_noise():
     rng, read = np.random.default_rng(4), []
     for _ in range(40):
         noise = 1 + 0.02 * (rng.standard_normal(len(FINE)) + 1j * rng.standard_normal(len(FINE)))
@@ -98,7 +98,7 @@ def test_noise_is_averaged_by_the_circle():
     assert damping == pytest.approx(0.1, rel=AVERAGED_DAMPING)
 
 
-def test_the_band_chooses_the_mode():
+def test_band_selects_the_mode():
     value = mode(FINE, 6.0, 0.03) + mode(FINE, 20.0, 0.03, amplitude=3.0)
     found = read_resonance(response(FINE, value), (15.0, 25.0))
     assert found.frequency_hz == pytest.approx(20.0, rel=1e-3)  # the other mode is 20^2 / 6^2 below it
@@ -106,7 +106,7 @@ def test_the_band_chooses_the_mode():
     assert read_resonance(response(FINE, value), (3.0, 10.0)).frequency_hz == pytest.approx(6.0, rel=1e-3)  # as above
 
 
-def test_where_nothing_can_be_read_a_sentence_says_why():
+def test_unreadable_resonance_is_explained():
     integrator = read_resonance(response(FINE, 1 / (2j * np.pi * FINE)))
     assert integrator.half_power == integrator.circle
     assert (
@@ -129,7 +129,7 @@ def test_where_nothing_can_be_read_a_sentence_says_why():
     assert "3 lines are too few" in fit_mode(FINE[:3], noise[:3])
 
 
-def test_what_it_holds_for_is_said():
+def test_note_states_when_the_result_applies():
     value = mode(FINE, 12.0, 0.1)
     assert read_resonance(response(FINE, value)).note == (
         "column_angle is read as a displacement or a force: the receptance of one mode by itself, driven by a force"
@@ -149,18 +149,18 @@ def test_what_it_holds_for_is_said():
         ((5.0, 5.1), "5 lines at least, got"),
     ],
 )
-def test_a_band_at_fault_is_refused(band, message):
+def test_invalid_band_raises_input_error(band, message):
     with pytest.raises(InputError, match=message):
         read_resonance(response(FINE, mode(FINE, 12.0, 0.1)), band)
 
 
-def test_the_reports_link():
+def test_link_of_the_report_is_reproduced():
     k, c = link_from_resonance(ff.elevator(), 12.0, 0.1)
     assert k / POUND_PER_INCH == pytest.approx(6107.86, abs=LAST_DIGIT_K)
     assert c / POUND_PER_INCH == pytest.approx(16.2016, abs=LAST_DIGIT_C)
 
 
-def test_a_link_has_the_resonance_that_it_was_made_for():
+def test_computed_link_has_the_specified_resonance():
     """The second route: the column on the link of a piston that stands still, from the matrices of the compliant model."""
     k, c = link_from_resonance(ff.elevator(), 9.0, 0.07)
     loader = ff.elevator().replace({"linkage.stiffness": k, "linkage.damping": c}, si=True)
@@ -174,7 +174,7 @@ def test_a_link_has_the_resonance_that_it_was_made_for():
 
 
 @pytest.mark.parametrize(("closed", "reported"), [(False, (11.8, 0.169)), (True, (11.4, 0.164))])
-def test_the_machines_mode_is_read_and_is_not_that_of_the_link_alone(closed, reported):
+def test_loader_mode_matches_its_eigenvalue(closed, reported):
     elevator = ff.elevator()
     law = ff.laws.GainLaw.position_loop(elevator.si_values) if closed else ff.laws.GainLaw.none(elevator.si_values)
     model = ff.compliant_model(elevator, law)
@@ -193,6 +193,6 @@ def test_the_machines_mode_is_read_and_is_not_that_of_the_link_alone(closed, rep
 
 
 @pytest.mark.parametrize(("frequency", "zeta"), [(0.0, 0.1), (12.0, -0.1), (np.nan, 0.1), (12.0, np.inf)])
-def test_a_link_of_nonsense_is_refused(frequency, zeta):
+def test_invalid_resonance_raises_input_error(frequency, zeta):
     with pytest.raises(InputError, match="expected a number above 0"):
         link_from_resonance(ff.elevator(), frequency, zeta)

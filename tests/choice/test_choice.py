@@ -33,13 +33,13 @@ def scored():
     return score_laws(DIGITAL, ("published", "observer", "robust"), GRID, **FEW)
 
 
-def test_the_shares_are_those_of_the_envelope(scored):
+def test_shares_match_the_envelope(scored):
     names = [score.name for score in scored.scores]
     found = ff.find_envelope(DIGITAL, names, GRID, **FEW)
     assert [score.over.shares for score in scored.scores] == [found.shares(name) for name in names]
 
 
-def test_the_release_at_the_own_setting_is_the_simulation_s(scored):
+def test_release_at_the_default_setting_matches_simulation(scored):
     own = scored.scores[1].own
     scenario = Scenario(ff.Release(scored.plan.release_rad), duration_s=1.0, step_s=5e-4)
     run = simulate(DIGITAL, scenario, own.law)
@@ -60,7 +60,7 @@ def test_the_release_at_the_own_setting_is_the_simulation_s(scored):
     )  # what the observer renders
 
 
-def test_the_demand_is_what_runs_peak_at():
+def test_peak_demand_matches_simulation():
     loader = ff.elevator()
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
     law = Law("original")
@@ -72,26 +72,26 @@ def test_the_demand_is_what_runs_peak_at():
     assert shares == pytest.approx(expected, rel=0.02)  # one is stepped, the other exact at its samples
 
 
-def test_the_limits_are_those_of_the_amplifier_and_the_spool_where_there_are_any():
+def test_demand_limits_are_those_of_amplifier_and_spool():
     limited = ff.elevator().replace({"amplifier.current_limit": "8 mA", "valve.flow_limit": "50 in^3/s"})
     free = ff.elevator()
     assert limits(limited)[:2] == pytest.approx(limits(free)[:2] * [8 / 15, 0.5])
     assert limits(free)[2] == free["valve.supply_pressure"]
 
 
-def test_every_law_that_a_loader_can_run_is_tried():
+def test_every_applicable_law_is_evaluated():
     scored = score_laws(ff.elevator(), grid=GRID, changes={}, arms=())
     assert [score.name for score in scored.scores] == list(names_for(ff.elevator()))
     assert all(score.own.noise is None for score in scored.scores)
 
 
 @pytest.mark.parametrize("name", ["observer", "robust"])
-def test_an_analog_loader_is_told_what_it_needs(name):
+def test_analog_loader_error_states_requirements(name):
     with pytest.raises(ff.InputError, match=r"controller\.period.*elevator-2khz.*original, published, converged"):
         check_names(ff.elevator(), (name,))
 
 
-def test_an_unknown_name():
+def test_unknown_law_name_raises_input_error():
     with pytest.raises(ff.InputError, match=r"expected original.*got 'best'"):
         score_laws(DIGITAL, ("best",))
 
@@ -113,7 +113,7 @@ def _chosen(*scores, period_s=5e-4):
     return choose(LawScores(SimpleNamespace(loader=loader), scores))
 
 
-def test_the_worst_case_comes_first_then_the_nominal_share_then_noise():
+def test_ranking_is_worst_case_then_nominal_share_then_noise():
     a, b = _score("a", 0.6, 0.99), _score("b", 0.7, 0.8)
     assert _chosen(a, b).chosen == "b"
     level = _score("c", 0.695, 0.9)
@@ -134,7 +134,7 @@ def test_the_worst_case_comes_first_then_the_nominal_share_then_noise():
         ({"margins": replace(GOOD, delay_s=4e-4)}, "delay margin is 0.4 ms, less than a period of 0.5 ms"),
     ],
 )
-def test_who_is_not_eligible_is_not_chosen_and_is_told_why(wrong, why):
+def test_ineligible_law_is_not_chosen_and_has_a_reason(wrong, why):
     best, other = _score("best", 0.9, 0.9, **wrong), _score("other", 0.2, 0.3)
     found = _chosen(best, other)
     assert found.chosen == "other"
@@ -144,18 +144,18 @@ def test_who_is_not_eligible_is_not_chosen_and_is_told_why(wrong, why):
     assert _chosen(best).chosen is None
 
 
-def test_an_analog_loader_has_no_period_to_bear():
+def test_analog_loader_has_no_delay_margin_requirement():
     late = _score("late", 0.5, 0.5, margins=replace(GOOD, delay_s=1e-5), noise=None)
     assert _chosen(late, period_s=0.0).chosen == "late"
 
 
-def test_each_method_has_one_sentence_the_chosen_first():
+def test_each_law_has_one_remark_and_the_chosen_law_is_first():
     found = _chosen(_score("a", 0.6, 0.99), _score("b", 0.7, 0.8), _score("c", 0.1, 0.1, stable=0.5))
     assert [remark.name for remark in found.remarks] == ["b", "a", "c"]
     assert "60 % in every case, b 70 %; it has more with the nominal plant (99 %)" in found.remarks[1].sentence
 
 
-def test_level_methods_are_told_what_decided():
+def test_tied_laws_state_the_deciding_criterion():
     loud = _score("loud", 0.7, 0.9, noise=Noise(3e-5, 0.1))
     found = _chosen(loud, _score("quiet", 0.7, 0.9))
     assert found.chosen == "quiet"
@@ -165,7 +165,7 @@ def test_level_methods_are_told_what_decided():
 # What is said.
 
 
-def test_the_words_name_the_choice_and_every_other_method(scored):
+def test_conclusions_name_the_chosen_law_and_all_others(scored):
     choice = choose(scored)
     said = choice_conclusions(scored, choice, UnitSystem.US)
     assert said.ok
@@ -176,14 +176,14 @@ def test_the_words_name_the_choice_and_every_other_method(scored):
     assert not any("qualif" in line for line in (said.verdict, *said.findings))
 
 
-def test_an_analog_loader_is_told_so_in_words():
+def test_conclusions_state_that_the_loader_is_analog():
     found = score_laws(ff.elevator(), ("published",), over_envelope=False)
     said = design_conclusions(found, UnitSystem.SI)
     assert said.ok
     assert any("analog" in line and "elevator-2khz" in line and "controller.period" in line for line in said.findings)
 
 
-def test_an_unstable_law_is_bad():
+def test_unstable_law_is_rejected():
     soft = ff.elevator().replace({"feel.inertia": 0.06, "feel.damping": 0.3, "feel.stiffness": 10.0}, si=True)
     found = score_laws(soft, ("published",), over_envelope=False)
     said = design_conclusions(found, UnitSystem.SI)
@@ -192,7 +192,7 @@ def test_an_unstable_law_is_bad():
     json.dumps(choice_json(found, None, UnitSystem.SI), allow_nan=False)
 
 
-def test_the_results_hold_the_law_that_runs(scored):
+def test_results_contain_the_chosen_law(scored):
     choice = choose(scored)
     stored = json.loads(json.dumps(choice_json(scored, choice, UnitSystem.SI), allow_nan=False))
     law = next(score for score in scored.scores if score.name == choice.chosen).own.law.sampled
@@ -201,7 +201,7 @@ def test_the_results_hold_the_law_that_runs(scored):
     assert stored["laws"]["robust"]["envelope"]["shares"]["nominal_share"]["unit"] == "%"
 
 
-def test_the_plan_s_loader_is_the_one_that_is_judged():
+def test_conclusions_are_for_the_loader_of_the_plan():
     """Optional rows of the feel are left out, and said so."""
     loader = DIGITAL.replace({"feel.breakout": "4 lb"})
     found = score_laws(loader, ("robust",), over_envelope=False)

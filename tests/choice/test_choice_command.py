@@ -21,7 +21,7 @@ def run(monkeypatch, capsys, tmp_path):
     return lambda *words: call(*on_the_report_loader(words))
 
 
-def test_one_law_at_the_own_setting(run, tmp_path):
+def test_single_law_is_designed_at_the_default_setting(run, tmp_path):
     status, out, err = run("elevator-2khz", "--law", "robust")
     assert (status, err) == (0, "")
     assert "Robust is stable" in out
@@ -32,7 +32,7 @@ def test_one_law_at_the_own_setting(run, tmp_path):
     assert "envelope" not in stored["laws"]["robust"]
 
 
-def test_one_law_over_the_envelope(run):
+def test_single_law_is_assessed_over_the_envelope(run):
     status, out, _ = run("--law", "converged", "--envelope", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
@@ -40,7 +40,7 @@ def test_one_law_over_the_envelope(run):
     assert found["grid"]["frequency"]["values"] == pytest.approx([1, 3])
 
 
-def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
+def test_auto_chooses_a_law_with_reason(run, tmp_path, monkeypatch):
     names = ("published", "observer", "robust")
     monkeypatch.setattr(scoring, "names_for", lambda _: names)  # all seven take their time
     grid = ("--grid", "stiffness=30, 100 %", "--grid", "frequency=3, 4 Hz", "--grid", "damping=0.7, 1")
@@ -55,7 +55,7 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     assert not re.search(r"\d\.\d{7}", re.sub(r"<[^>]*>", " ", text))
 
 
-def test_none_is_eligible(run):
+def test_no_eligible_law_exits_1(run):
     grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
     status, out, _ = run("--law", "auto", *grid)
     assert status == 1
@@ -63,7 +63,7 @@ def test_none_is_eligible(run):
     assert "elevator-2khz" in out
 
 
-def test_an_unstable_law_ends_with_one(run, tmp_path):
+def test_unstable_law_exits_1(run, tmp_path):
     soft = ff.elevator().replace(
         {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
     )
@@ -73,14 +73,14 @@ def test_an_unstable_law_ends_with_one(run, tmp_path):
     assert "unstable" in out
 
 
-def test_default_of_an_analog_loader_is_recursion_22(run, tmp_path):
+def test_default_law_of_an_analog_loader_is_recursion_22(run, tmp_path):
     status, out, _ = run("--json")
     assert status == 0
     assert set(json.loads(out)) == {"loader", "compensation", "assessment", "peaks"}
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_there_is_not_overwritten(run, tmp_path):
+def test_existing_output_is_not_overwritten(run, tmp_path):
     assert run("--law", "published")[0] == 0
     before = (tmp_path / FOLDER / RESULTS).read_bytes()
     status, _, err = run("--law", "converged")
@@ -91,7 +91,7 @@ def test_what_is_there_is_not_overwritten(run, tmp_path):
     assert json.loads((tmp_path / FOLDER / RESULTS).read_text())["chosen"] == "converged"
 
 
-def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -122,7 +122,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         (("there-is-none.toml", "--law", "auto"), "there-is-none.toml"),
     ],
 )
-def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+def test_invalid_input_exits_2_with_remedy(run, tmp_path, words, message):
     status, out, err = run(*words)
     assert (status, out) == (2, "")
     assert message in err
@@ -130,7 +130,7 @@ def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
     assert not list(tmp_path.iterdir())
 
 
-def test_default_of_a_digital_loader_is_robust(run, tmp_path):
+def test_default_law_of_a_digital_loader_is_robust(run, tmp_path):
     status, _, _ = run("elevator-2khz", "--out", "laws")
     assert status == 0
     assert json.loads((tmp_path / "laws" / RESULTS).read_text())["chosen"] == "robust"

@@ -45,7 +45,7 @@ def _rms(values):
 
 
 @pytest.mark.parametrize("name", ["published", "load-cell", "observer", "recovered", "h-infinity", "robust"])
-def test_the_covariance_satisfies_its_equation(name):
+def test_covariance_satisfies_its_equation(name):
     loop = NoisyLoop.of(DIGITAL, _law(name, DIGITAL))
     p = loop.covariance()
     added = (loop.by_sample * loop.variance) @ loop.by_sample.T
@@ -56,7 +56,7 @@ def test_the_covariance_satisfies_its_equation(name):
 
 
 @pytest.mark.parametrize("name", ["observer", "robust"])
-def test_a_sample_enters_as_the_law_says(name):
+def test_sample_enters_through_the_law_input(name):
     """On the law's nine states, the last of the loop, ``B_y + b_e c_y``; on the youngest command ``c_y``."""
     law = _law(name, DIGITAL)
     numbers = law.sampled
@@ -71,13 +71,13 @@ def test_a_sample_enters_as_the_law_says(name):
     ("name", "loader"),
     [("published", SMOOTH), ("load-cell", SMOOTH), ("observer", SMOOTH), ("robust", SMOOTH), ("published", LAGGING)],
 )
-def test_the_angle_as_a_long_run_has_it(name, loader):
+def test_angle_noise_matches_a_long_run(name, loader):
     law = _law(name, loader)
     expected = noise_at_grip(loader, law).angle_rad
     assert _rms(_run(loader, law)["column_angle_rad"]) == pytest.approx(expected, rel=BY_CHANCE)
 
 
-def test_a_lag_of_a_sensor_takes_no_noise_off_a_sample():
+def test_sensor_lag_does_not_reduce_sample_noise():
     """Noise comes after the lag: with lags on an otherwise equal loader it enters by the same numbers."""
     lagging = SMOOTH.replace({"load_cell.bandwidth": "9000 Hz"})
     law = _law("published", SMOOTH)
@@ -86,7 +86,7 @@ def test_a_lag_of_a_sensor_takes_no_noise_off_a_sample():
 
 
 @pytest.mark.parametrize("name", ["load-cell", "observer"])
-def test_the_force_on_the_hand_as_the_column_says(name):
+def test_grip_force_noise_matches_the_column_equation(name):
     """By the column's equation, J theta'' = T_link - R_p F: from the load cell's force, with no differences."""
     loader = SMOOTH.replace(HELD, si=True)
     law = _law(name, SMOOTH)
@@ -104,7 +104,7 @@ def test_the_force_on_the_hand_as_the_column_says(name):
     assert noise_at_grip(SMOOTH, law).force_n == hand_force_rms(NoisyLoop.of(loader, law), loader)
 
 
-def test_rounding_adds_a_twelfth_of_the_step_squared():
+def test_quantization_adds_step_squared_over_twelve():
     variance = sample_variance(DIGITAL)
     for sensor, found in zip(SENSORS, variance, strict=True):
         assert found == pytest.approx(DIGITAL[f"{sensor}.noise"] ** 2 + DIGITAL[f"{sensor}.resolution"] ** 2 / 12)
@@ -114,16 +114,16 @@ def test_rounding_adds_a_twelfth_of_the_step_squared():
     )
 
 
-def test_no_samples_no_noise():
+def test_loop_without_samples_has_no_noise():
     assert noise_at_grip(ff.elevator(), _law("published", ff.elevator())) is None
 
 
-def test_a_sensor_that_no_law_asks_does_no_harm():
+def test_unused_sensor_adds_no_noise():
     loud = DIGITAL.replace({"potentiometer.noise": "0.1 in"})
     law = _law("robust", DIGITAL)
     assert noise_at_grip(loud, law) == noise_at_grip(DIGITAL, law)
 
 
-def test_an_unstable_loop_knows_no_end():
+def test_unstable_loop_has_infinite_noise():
     soft = DIGITAL.replace({"feel.inertia": 0.01, "feel.damping": 0.01, "feel.stiffness": 5.0}, si=True)
     assert noise_at_grip(soft, _law("published", soft)).angle_rad == np.inf

@@ -55,17 +55,17 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 page = views_of(PLOTS)
 
 
-def test_every_plot_is_there(page):
+def test_all_plots_are_present(page):
     assert page.locator(".plotly-graph-div").count() == PLOTS[page.called]
 
 
-def test_the_plots_show_their_words_whole(page):
+def test_plot_labels_are_not_clipped(page):
     assert (
         words_cut(page, ".xtitle, .ytitle, .legendtext, .annotation-text, .xtick text, .ytick text", ROUNDING_PX) == []
     )
 
 
-def test_labels_of_the_trade_off_do_not_overlap(page):
+def test_trade_off_labels_do_not_overlap(page):
     over = page.evaluate(
         """() => {
             const boxes = [...document.querySelectorAll('#trade-off .annotation-text')].map(
@@ -78,7 +78,7 @@ def test_labels_of_the_trade_off_do_not_overlap(page):
     assert over == []
 
 
-def test_every_method_has_its_point_and_its_bar(page):
+def test_every_law_has_a_point_and_a_bar(page):
     names = {"auto": len(names_for(ff.digital_elevator())), "analog": 3}.get(page.called)
     if names:
         assert page.locator("#trade-off .annotation-text").count() == names
@@ -87,5 +87,5 @@ def test_every_method_has_its_point_and_its_bar(page):
         assert page.locator("#margins-and-noise .point").count() >= 6 * (names - 1)  # one may have a bar of no end
 
 
-def test_the_verdict_is_bad_where_it_is(page):
+def test_verdict_is_marked_bad_for_rejected_laws(page):
     assert page.locator(".verdict.bad").count() == (page.called in {"analog", "unstable"})

@@ -16,7 +16,7 @@ GRID = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
 FEW_CASES = {"changes": {"linkage.ratio": 0.2}, "arms": REFERENCE_ARMS[:1]}
 
 
-def test_cases_side_by_side_are_those_one_by_one():
+def test_batched_cases_match_single_cases():
     quiet = DIGITAL.replace(dict.fromkeys([key for key in DIGITAL.given if key.endswith(("noise", "resolution"))]))
     plan = make_plan(quiet, ("load-cell", "robust"), GRID, **FEW_CASES)
     one, other = compute(plan), compute_few(plan)
@@ -26,12 +26,12 @@ def test_cases_side_by_side_are_those_one_by_one():
     assert 0 < one.shares("robust").worst_case_share < 1
 
 
-def test_an_analog_loader_is_told_what_it_needs():
+def test_analog_loader_error_states_requirements():
     with pytest.raises(ff.InputError, match=r"analog.*controller\.period.*elevator-2khz"):
         best_law(ff.elevator())
 
 
-def test_a_loader_that_no_law_is_eligible_for():
+def test_loader_without_eligible_law_is_reported():
     late = DIGITAL.replace({"controller.delay": "3.5 ms"})
     steps = []
     tried = best_law(late, GRID, called=("late.toml",), progress=steps.append)
@@ -43,7 +43,7 @@ def test_a_loader_that_no_law_is_eligible_for():
     assert tried.compare_command == "forcefeel law late.toml --law auto --out laws"
 
 
-def test_a_loader_that_cannot_be_tested_says_why():
+def test_untestable_loader_error_states_reason():
     by_pressure = replace(DIGITAL, stiffness_factor=ff.loader.Curve((0.0, 5e3), (0.25, 0.75)))
     tried = best_law(by_pressure)
     assert tried.best is None

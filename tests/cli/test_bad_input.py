@@ -100,7 +100,7 @@ def place(tmp_path_factory):
 @given(files())
 @example(b"")
 @example(b"\xff")
-def test_a_loader_file_is_read_or_refused(place, data):
+def test_random_loader_file_is_read_or_refused(place, data):
     path = place / "changed.toml"
     path.write_bytes(data)
     with contextlib.suppress(InputError):
@@ -144,7 +144,7 @@ def commands(draw):
 @settings(max_examples=max(25, settings.default.max_examples // 2))
 @example(["sweep", "my.toml", "--runs", "4", "--duration", "0.2", "--replace", "--seed", "3000000000"])
 @example(["simulate", "my.toml", "--change", "1 s: feel.damping=200 lb in s/rad", "--fade-time", "5e-324"])
-def test_a_command_answers_or_says_what_is_wrong(place, words):
+def test_random_arguments_succeed_or_are_refused(place, words):
     out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
     with pytest.MonkeyPatch.context() as patched, contextlib.chdir(place):
         patched.setattr(sys, "argv", ["forcefeel", *words])

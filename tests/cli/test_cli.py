@@ -50,7 +50,7 @@ def unstable_file(tmp_path):
     return path
 
 
-def test_help_answers_without_the_numerical_libraries():
+def test_help_loads_no_numerical_libraries():
     probe = (
         "import sys; sys.argv = ['forcefeel', '--help']\n"
         "from forcefeel.cli import main\n"
@@ -62,7 +62,7 @@ def test_help_answers_without_the_numerical_libraries():
     assert out.splitlines()[-1] == "[]"
 
 
-def test_analyze_answers_without_python_control():
+def test_analyze_runs_without_python_control():
     """Which takes longer to import than the answer to compute."""
     probe = (
         "import sys; sys.argv = ['forcefeel', 'analyze']\n"
@@ -91,7 +91,7 @@ def test_new_writes_a_file_that_loads(run, tmp_path, units):
     assert ff.load(tmp_path / "my.toml")["linkage.stiffness"] == pytest.approx(ff.elevator()["linkage.stiffness"])
 
 
-def test_new_does_not_overwrite_unless_told(run, tmp_path):
+def test_new_does_not_overwrite_without_replace(run, tmp_path):
     (tmp_path / "my.toml").write_text("mine", encoding="utf-8")
     status, _, err = run("new", "my.toml")
     assert status == 2
@@ -101,26 +101,26 @@ def test_new_does_not_overwrite_unless_told(run, tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "my.toml"]
 
 
-def test_new_into_a_folder_that_is_not_there(run):
+def test_new_in_missing_folder_is_refused(run):
     status, _, err = run("new", "nowhere/my.toml")
     assert status == 2
     assert "nowhere/my.toml: cannot be written" in err
 
 
-def test_analyze_prints_what_the_report_found(run):
+def test_analyze_prints_the_results_of_the_report(run):
     status, out, _ = run("analyze")
     assert status == 0
     assert "11.52" in out  # Hz, the linkage's mode
     assert "3792" in out  # lb in/rad, smallest stable G
 
 
-def test_analyze_in_si(run):
+def test_analyze_prints_si_units(run):
     _, out, _ = run("analyze", "--units", "si")
     assert "428.4" in out  # N m/rad
     assert "N m/rad" in out
 
 
-def test_analyze_as_json(run):
+def test_analyze_prints_json(run):
     status, out, _ = run("analyze", "--json")
     found = json.loads(out)
     assert status == 0
@@ -129,7 +129,7 @@ def test_analyze_as_json(run):
     assert compliant["boundary"]["stiffness"]["value"] == pytest.approx(3792, abs=WHOLE)
 
 
-def test_an_unstable_loader_is_a_bad_answer(run, unstable_file, tmp_path):
+def test_unstable_loader_exits_1(run, unstable_file, tmp_path):
     assert run("analyze", unstable_file)[0] == 1
     status, out, _ = run("law", unstable_file)
     assert status == 1
@@ -140,7 +140,7 @@ def test_an_unstable_loader_is_a_bad_answer(run, unstable_file, tmp_path):
     assert (tmp_path / "report" / "report.html").exists()  # a bad answer is an answer
 
 
-def test_compensate_prints_the_published_gains(run):
+def test_law_prints_the_published_gains(run):
     status, out, _ = run("law")
     assert status == 0
     for printed in ("-4.929", "22.03", "0.6688", "0.5064", "-0.01828", "-0.006517"):
@@ -148,7 +148,7 @@ def test_compensate_prints_the_published_gains(run):
     assert "-1.94" in run("law", "--units", "si")[1]
 
 
-def test_compensate_converged_and_its_options(run):
+def test_law_prints_converged_gains_and_takes_options(run):
     _, out, _ = run("law", "--converge", "--json")
     gains = {row["symbol"]: row for row in json.loads(out)["compensation"]["gains"]}
     assert gains["c_1"]["value"] == pytest.approx(-6.342, abs=FOUR_DIGITS)
@@ -157,14 +157,14 @@ def test_compensate_converged_and_its_options(run):
     assert abs(smaller) < 4.9
 
 
-def test_gains_that_do_not_settle_are_a_bad_answer(run, monkeypatch):
+def test_gains_that_do_not_converge_exit_1(run, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)
     status, out, _ = run("law", "--converge", "--r2", "1e4")
     assert status == 1
     assert "not converged after 1000000 steps" in " ".join(out.split())
 
 
-def test_q_from_a_file(run, tmp_path):
+def test_q_is_read_from_a_file(run, tmp_path):
     weight = ff.laws.published_settings(ff.elevator()).weight(ff.elevator())
     (tmp_path / "q.csv").write_text(
         "\n".join(",".join(repr(float(x)) for x in row) for row in weight), encoding="utf-8"
@@ -188,7 +188,7 @@ def test_q_from_a_file(run, tmp_path):
         (["--horizon", "0"], "horizon_s: expected a number from 0.0001"),
     ],
 )
-def test_bad_options_are_refused_in_a_line(run, words, said):
+def test_invalid_options_are_refused_in_one_line(run, words, said):
     status, out, err = run("law", *words)
     assert (status, out) == (2, "")
     assert said in err
@@ -196,7 +196,7 @@ def test_bad_options_are_refused_in_a_line(run, words, said):
 
 
 @pytest.mark.parametrize("command", ["analyze", "law", "design"])
-def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, command):
+def test_invalid_loader_file_is_named_and_nothing_is_written(run, tmp_path, command):
     text = ff.elevator().to_toml().replace('area = "2.36 in^2"', 'area = "2.36 lb"')
     (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
     status, out, err = run(command, "bad.toml")
@@ -207,7 +207,7 @@ def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, comman
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 
-def test_output_folder_that_is_a_file(run, tmp_path):
+def test_output_folder_that_is_a_file_is_refused(run, tmp_path):
     (tmp_path / "report").write_text("mine", encoding="utf-8")
     status, _, err = run("design", "--out", "report")
     assert status == 2
@@ -215,7 +215,7 @@ def test_output_folder_that_is_a_file(run, tmp_path):
     assert (tmp_path / "report").read_text(encoding="utf-8") == "mine"
 
 
-def test_a_loader_at_the_edge_of_its_range_is_analysed(run, tmp_path):
+def test_loader_at_the_edge_of_its_range_is_analyzed(run, tmp_path):
     (tmp_path / "soft.toml").write_text(
         ff.elevator().to_toml().replace('stiffness = "9600 lb in/rad"', 'stiffness = "0.001 lb in/rad"'),
         encoding="utf-8",
@@ -223,21 +223,21 @@ def test_a_loader_at_the_edge_of_its_range_is_analysed(run, tmp_path):
     assert run("analyze", "soft.toml")[0] == 0
 
 
-def test_an_empty_q_is_refused_in_a_line(run, tmp_path):
+def test_empty_q_is_refused_in_one_line(run, tmp_path):
     (tmp_path / "q.csv").touch()
     status, _, err = run("law", "--q", "q.csv")
     assert status == 2
     assert err.startswith("forcefeel: q.csv: expected [Q] as CSV")
 
 
-def test_a_q_that_is_text_is_not_repeated_at_length(run, tmp_path):
+def test_long_text_in_q_is_truncated_in_the_error(run, tmp_path):
     (tmp_path / "q.csv").write_text("x" * 10_000, encoding="utf-8")
     status, _, err = run("law", "--q", "q.csv")
     assert status == 2
     assert len(err) < 300
 
 
-def test_unknown_commands_and_units_are_bad_input(run):
+def test_unknown_commands_and_units_are_invalid_input(run):
     assert run("desing")[0] == 2
     assert run("analyze", "--units", "metric")[0] == 2
 
@@ -257,7 +257,7 @@ def test_reproduce_prints_one_table(run):
     assert "0 differ for no known reason" in " ".join(out.split())
 
 
-def test_a_law_of_another_rate_is_refused_by_the_option_that_gave_it(run, tmp_path):
+def test_law_of_another_rate_is_refused_by_its_option(run, tmp_path):
     ff.Law.of("robust", ff.digital_elevator()).save(tmp_path / "fast.json")
     slow = ff.digital_elevator().replace({"controller.period": "1 ms", "controller.delay": "1 ms"})
     (tmp_path / "slow.toml").write_text(slow.to_toml(), encoding="utf-8")
@@ -269,7 +269,7 @@ def test_a_law_of_another_rate_is_refused_by_the_option_that_gave_it(run, tmp_pa
 
 
 @pytest.mark.parametrize("words", ["law elevator-2khz", "envelope elevator-2khz", "frontier elevator-2khz"])
-def test_the_law_for_the_grips_sensor_is_refused_without_one(run, words):
+def test_grip_law_is_refused_without_grip_sensor(run, words):
     status, _, err = run(*words.split(), "--law", "grip", "--out", "out")
     assert status == 2
     assert "grip needs a force sensor at the grip, and elevator-2khz has none; give grip_sensor.gain" in err

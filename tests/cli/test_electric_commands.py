@@ -22,14 +22,14 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
         ("law", ("--law", "report", "--converge")),
     ],
 )
-def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):
+def test_hydraulic_command_refuses_a_motor_and_lists_alternatives(monkeypatch, capsys, tmp_path, command, more):
     status, out, error = runner(monkeypatch, capsys, tmp_path, command)(LOADER, *more)
     assert (status, out) == (BAD_INPUT, "")
     assert "has an electric drive" in error
     assert "design, law, simulate" in error
 
 
-def test_analyze_tells_what_moves(monkeypatch, capsys, tmp_path):
+def test_analyze_names_the_modes_of_the_motor(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "analyze")
     status, out, _ = call(LOADER)
     assert status == 0
@@ -51,7 +51,7 @@ def test_design_refuses_the_options_of_recursion_22(monkeypatch, capsys, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path):
+def test_law_reports_the_demand_on_the_motor(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "law")
     status, out, _ = call(LOADER, "--law", "robust", "--save-law", "law.json")
     assert status == 0
@@ -62,14 +62,14 @@ def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path
     assert '"pressure"' not in json.dumps(found)
 
 
-def test_a_qualification_takes_the_law_of_the_drive(monkeypatch, capsys, tmp_path):
+def test_qualification_uses_the_law_of_the_drive(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "qualify")
     status, out, _ = call(LOADER, "--test", "release-25-positive", "--set", "feel.breakout=off")
     assert status == 0
     assert "law robust" in out
 
 
-def test_a_sweep_has_the_measures_of_the_motor(monkeypatch, capsys, tmp_path):
+def test_sweep_has_the_measures_of_the_motor(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "sweep")
     status, out, _ = call(LOADER, "--runs", "16", "--duration", "0.3", "--out", "s")
     assert status == 0
@@ -80,7 +80,7 @@ def test_a_sweep_has_the_measures_of_the_motor(monkeypatch, capsys, tmp_path):
     assert "peak_flow_m3_per_s" not in kept
 
 
-def test_what_is_off_are_parts_that_the_loader_has():
+def test_deviations_are_of_existing_parts_only():
     loader = BUILT_IN[LOADER]()
     off = deviations_of(loader)
     assert {"motor.torque_constant", "motor.inertia"} < set(off)

@@ -44,7 +44,7 @@ def ended(monkeypatch, capsys):
         FileNotFoundError(2, "No such file", "a template"),
     ],
 )
-def test_a_fault_of_the_program_has_a_status_of_its_own_and_a_line_that_asks_to_report_it(ended, error):
+def test_internal_error_has_its_own_status_and_asks_for_a_report(ended, error):
     status, said = ended(error)
     assert status == FAULT == 70
     assert said.startswith(f"forcefeel: a fault of forcefeel itself ({type(error).__name__}: ")
@@ -52,7 +52,7 @@ def test_a_fault_of_the_program_has_a_status_of_its_own_and_a_line_that_asks_to_
     assert said.count("\n") == 1
 
 
-def test_where_it_happened_is_shown_to_those_who_ask(ended, monkeypatch):
+def test_traceback_is_shown_on_request(ended, monkeypatch):
     monkeypatch.setenv(TRACEBACK, "1")
     status, said = ended(KeyError("x"))
     assert status == FAULT
@@ -60,7 +60,7 @@ def test_where_it_happened_is_shown_to_those_who_ask(ended, monkeypatch):
     assert said.splitlines()[-1].startswith("forcefeel: a fault of forcefeel itself (KeyError: 'x')")
 
 
-def test_what_a_library_says_is_shortened(ended):
+def test_long_library_message_is_truncated(ended):
     assert len(ended(ValueError("x" * 100_000))[1]) < 500
 
 
@@ -73,14 +73,14 @@ def test_what_a_library_says_is_shortened(ended):
         (KeyboardInterrupt(), INTERRUPTED, ""),
     ],
 )
-def test_what_is_no_fault(ended, error, status, said):
+def test_expected_error_is_not_reported_as_internal(ended, error, status, said):
     found = ended(error)
     assert found[0] == status
     assert said in found[1]
     assert "fault" not in found[1]
 
 
-def test_the_help_names_them(monkeypatch, capsys):
+def test_help_lists_the_exit_statuses(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["forcefeel", "--help"])
     with pytest.raises(SystemExit):
         main()
@@ -89,7 +89,7 @@ def test_the_help_names_them(monkeypatch, capsys):
     assert TRACEBACK in told
 
 
-def test_a_message_is_of_bounded_length_and_says_what_it_leaves_out():
+def test_message_length_is_bounded_and_truncation_is_stated():
     lines = str(InputError("\n".join(f"line {k}" for k in range(5000)))).split("\n")
     assert lines[:2] == ["line 0", "line 1"]
     assert lines[-1] == "... and 4,980 more"
@@ -112,7 +112,7 @@ def test_a_message_is_of_bounded_length_and_says_what_it_leaves_out():
     ],
     ids=" ".join,
 )
-def test_a_reader_that_ends_early_is_no_bad_answer(tmp_path, words):
+def test_closed_output_pipe_exits_like_sigpipe(tmp_path, words):
     """``forcefeel ... | head -1``: 128 and the number of SIGPIPE, as shells report programs that it ends; no word beside it."""
     program = "from forcefeel.cli import main; main()"
     reading, writing = os.pipe()

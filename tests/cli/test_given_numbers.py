@@ -31,7 +31,7 @@ def record(path, experiment, header, column, cell):
     ("experiment", "header"),
     [("servo-closed test_signal", "test_signal (V)"), ("loader pilot_force", "pilot_force (lb)")],
 )
-def test_a_cell_beyond_every_sensor_is_named(run, tmp_path, experiment, header, column, cell):
+def test_implausibly_large_cell_is_named(run, tmp_path, experiment, header, column, cell):
     record(tmp_path / "data.csv", experiment, header, column, cell)
     status, out, err = run("identify", "elevator-1974", "--data", "data.csv", "--fit", "k,c")
     assert (status, out) == (2, "")
@@ -40,7 +40,7 @@ def test_a_cell_beyond_every_sensor_is_named(run, tmp_path, experiment, header, 
 
 
 @pytest.mark.parametrize("command", [("resonance", "--data"), ("simulate", "--record"), ("qualify", "--record")])
-def test_the_same_of_every_reader(run, tmp_path, command):
+def test_every_reader_refuses_an_implausible_cell(run, tmp_path, command):
     header = "test_signal (V)" if command[0] == "resonance" else "force (lb)"
     record(tmp_path / "data.csv", "servo-closed test_signal", header, 1, "1e300")
     status, out, err = run(command[0], "elevator-1974", command[1], "data.csv")
@@ -53,7 +53,7 @@ KNOTS = "mach,stiffness (lb in/rad),frequency (Hz),damping ratio\n1,9600,2,0.3\n
 
 
 @pytest.mark.parametrize("target", ["c", "firmware", "fmu", "matlab", "table"])
-def test_a_feel_that_no_loader_has_is_not_exported(run, tmp_path, target):
+def test_feel_out_of_range_is_not_exported(run, tmp_path, target):
     (tmp_path / "knots.csv").write_text(KNOTS)
     words = ("elevator-2khz", "--law", "robust", "--knots", "knots.csv")
     status, out, err = run("export", *words, "--to", target, "--out", "out")
@@ -63,7 +63,7 @@ def test_a_feel_that_no_loader_has_is_not_exported(run, tmp_path, target):
     assert not (tmp_path / "out").exists()
 
 
-def test_gains_under_which_nothing_comes_to_rest_have_no_residual(run, tmp_path):
+def test_gains_with_undamped_state_have_no_residual(run, tmp_path):
     np.savetxt(tmp_path / "q.csv", np.eye(7), delimiter=",")
     status, out, _ = run("law", "elevator-1974", "--q", "q.csv")
     assert status == 1
@@ -71,7 +71,7 @@ def test_gains_under_which_nothing_comes_to_rest_have_no_residual(run, tmp_path)
     assert "residual of eqs. (22): none, because a state does not decay under these gains" in " ".join(out.split())
 
 
-def test_what_the_help_of_off_says_is_what_it_takes(run):
+def test_deviation_accepts_the_example_of_its_help(run):
     text = " ".join(run("envelope", "--help")[1].replace("│", " ").split())
     said = re.search(r"'([\w.]+=none)' for", text)
     small = ("--grid", "stiffness=20, 50 %", "--grid", "frequency=1, 2 Hz", "--grid", "damping=0.3, 1", "--draws", "0")

@@ -83,14 +83,14 @@ def words_for(command, name, path):
     return [*words, name, str(path)]
 
 
-def test_all_commands_are_tried():
+def test_all_commands_with_paths_are_covered():
     assert len(READ) == 26
     assert len(WRITTEN) == 16
 
 
 @pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe", "zero byte"])
 @pytest.mark.parametrize(("command", "name"), READ)
-def test_what_cannot_be_read(run, tmp_path, command, name, kind):
+def test_unreadable_path_is_named(run, tmp_path, command, name, kind):
     path = bad_path(tmp_path, kind, ".csv" if name in {"--data", "--knots", "--record"} else "")
     before = tree(tmp_path)
     status, out, err = run(command, *words_for(command, name, path))
@@ -101,7 +101,7 @@ def test_what_cannot_be_read(run, tmp_path, command, name, kind):
 
 @pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe", "zero byte", "link", "in a file"])
 @pytest.mark.parametrize(("command", "name"), WRITTEN)
-def test_what_cannot_be_written(run, tmp_path, command, name, kind):
+def test_unwritable_path_is_named(run, tmp_path, command, name, kind):
     ending = ENDINGS.get((command, name), "")
     path = bad_path(tmp_path, kind, ending, file=bool(ending))
     before = tree(tmp_path)
@@ -148,7 +148,7 @@ def bad_path(folder, kind, ending="", *, file=False):
     ids=lambda it: it if isinstance(it, str) else it[0],
 )
 @pytest.mark.parametrize("kind", ["link", "dangling", "pipe"])
-def test_within_a_folder_only_files_are_replaced(run, tmp_path, command, file, kind):
+def test_replace_overwrites_only_files_in_the_folder(run, tmp_path, command, file, kind):
     (tmp_path / "out").mkdir()
     made = bad_path(tmp_path, kind, file=True)
     (tmp_path / made).rename(tmp_path / "out" / file)
@@ -159,7 +159,7 @@ def test_within_a_folder_only_files_are_replaced(run, tmp_path, command, file, k
     assert tree(tmp_path) == before
 
 
-def test_a_message_says_where_a_link_leads(run, tmp_path):
+def test_error_states_the_target_of_a_link(run, tmp_path):
     (tmp_path / "out").symlink_to("folder")
     _, _, err = run("size", "elevator-1974", "--out", "out", "--replace")
     assert err == (
@@ -169,7 +169,7 @@ def test_a_message_says_where_a_link_leads(run, tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--record", "--reference"])
-def test_a_record_of_any_legal_name_is_read(run, tmp_path, option):
+def test_record_with_any_legal_file_name_is_read(run, tmp_path, option):
     """NAME=FILE is longer than a name can be; FILE alone is not."""
     name = "r" * 240 + ".csv"
     rows = "".join(f"{k / 100},{8 * 2.718 ** (-k / 30) if k > 20 else 8}\n" for k in range(400))
@@ -185,7 +185,7 @@ def test_a_record_of_any_legal_name_is_read(run, tmp_path, option):
 @pytest.mark.parametrize("option", ["--record", "--reference"])
 @pytest.mark.parametrize("prefix", ["", "release-25-positive="])
 @pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe"])
-def test_a_record_that_cannot_be_read(run, tmp_path, option, prefix, kind):
+def test_unreadable_record_is_refused(run, tmp_path, option, prefix, kind):
     path = bad_path(tmp_path, kind, ".csv")
     status, out, err = run("qualify", "elevator-1974", option, f"{prefix}{path}")
     assert (status, out) == (2, ""), err
@@ -193,7 +193,7 @@ def test_a_record_that_cannot_be_read(run, tmp_path, option, prefix, kind):
 
 @pytest.mark.parametrize("key", ["period", "delay", "load_cell_arm"])
 @pytest.mark.parametrize("sign", ["", "-"])
-def test_a_number_of_a_law_file_beyond_every_float(run, tmp_path, key, sign):
+def test_law_file_number_out_of_float_range_is_refused(run, tmp_path, key, sign):
     law, loader = (ff.Law.of("published", ff.elevator()), "elevator-1974")
     if key != "load_cell_arm":
         law, loader = ff.Law.of("robust", ff.digital_elevator()), "elevator-2khz"
@@ -209,7 +209,7 @@ def test_a_number_of_a_law_file_beyond_every_float(run, tmp_path, key, sign):
 
 
 @pytest.mark.parametrize("command", ["size", "qualify", "envelope"])
-def test_a_project_names_a_loader_by_a_bad_path(run, tmp_path, command):
+def test_project_with_invalid_loader_path_is_refused(run, tmp_path, command):
     (tmp_path / "cockpit.toml").write_text(f'[axes]\npitch = "{LONG}"\n')
     status, out, err = run(command, "cockpit.toml")
     assert (status, out) == (2, "")

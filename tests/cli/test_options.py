@@ -27,13 +27,13 @@ TAKEN = {
 
 
 @pytest.mark.parametrize(("options", "setup"), TAKEN)
-def test_an_option_that_a_wing_takes_has_the_wings_default(options, setup):
+def test_cli_option_defaults_match_the_library(options, setup):
     theirs = {field.name: field.default for field in fields(setup)}
     ours = {field.name: field.default for field in fields(options) if field.name in TAKEN[options, setup]}
     assert ours == {name: theirs[name] for name in TAKEN[options, setup]}
 
 
-def test_the_options_of_the_recursion_are_its_settings():
+def test_recursion_options_match_its_settings():
     other = {"converge", "pilot_coupling"}
     assert {field.name for field in fields(RecursionOptions)} - other < {field.name for field in fields(DesignSettings)}
 
@@ -55,7 +55,7 @@ def _read(app: App, words: str):
         "forcefeel simulate --input release --angle='-10 deg' --seed 3",
     ],
 )
-def test_the_command_line_of_options_gives_the_same_options(words):
+def test_options_round_trip_through_the_command_line(words):
     """And what is left out is what has no say in the result."""
     app = command_line(listed=False)
     given, path = _read(app, words)
@@ -66,7 +66,7 @@ def test_the_command_line_of_options_gives_the_same_options(words):
     assert more.command_line(path) == again
 
 
-def test_every_option_is_named_and_has_a_default_or_is_needed():
+def test_every_option_has_help_and_a_default_or_is_required():
     for name in ("design", "sweep", "envelope", "frontier", "schedule", "excite", "resonance", "size"):
         kind = vars(import_module(f"forcefeel.cli.{name}"))[f"{name.capitalize()}Options"]
         needed = [option for field, option, _ in named_options(kind) if field.default is MISSING]

@@ -19,7 +19,7 @@ COMMANDS = [name for name in command_line(listed=False) if not name.startswith("
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_fits_and_names_the_choices(command, monkeypatch, capsys, tmp_path):
+def test_help_fits_the_terminal_and_names_choices(command, monkeypatch, capsys, tmp_path):
     status, out, _ = runner(monkeypatch, capsys, tmp_path, command, columns=80)("--help")
     assert status == 0
     assert max(map(len, out.splitlines())) <= 80
@@ -30,7 +30,7 @@ def test_help_fits_and_names_the_choices(command, monkeypatch, capsys, tmp_path)
     assert f"Example: forcefeel {command}" in out
 
 
-def test_what_is_seldom_needed_is_named_and_shown_on_demand(monkeypatch, capsys, tmp_path):
+def test_rare_options_are_named_and_shown_on_request(monkeypatch, capsys, tmp_path):
     run = runner(monkeypatch, capsys, tmp_path, "sweep", columns=80)
     short, full = run("--help")[1], run(HELP_ALL)[1]
     assert re.search(r"shown by --help-all: --width, --input-duration", short)
@@ -38,7 +38,7 @@ def test_what_is_seldom_needed_is_named_and_shown_on_demand(monkeypatch, capsys,
     assert "Seed of all that is random." in full
 
 
-def test_an_option_means_the_same_on_every_command():
+def test_option_has_the_same_meaning_in_every_command():
     helps = {}
     for command in COMMANDS:
         for option in command_line(listed=False)[command].assemble_argument_collection():
@@ -48,7 +48,7 @@ def test_an_option_means_the_same_on_every_command():
     assert all(len(said) == 1 for said in helps.values())
 
 
-def test_the_rule_that_help_names_is_the_default():
+def test_rule_named_in_help_is_the_default():
     assert EDITION == DEFAULT_EDITION
 
 
@@ -82,13 +82,13 @@ def shown(monkeypatch, capsys):
         (44, ["stiffness of the linkage", " estimate 6108 lb/in", " interval 6100 to 6116 lb/in"]),
     ],
 )
-def test_a_table_keeps_words_and_units_whole(shown, columns, lines):
+def test_table_does_not_split_words_and_units(shown, columns, lines):
     assert max(map(len, shown(columns))) <= columns
     found = [re.sub(" +", " ", line).rstrip() for line in shown(columns)]
     assert [line for line in lines if line not in found] == []
 
 
-def test_columns_that_the_page_has_go_first(shown):
+def test_narrow_table_drops_columns_of_the_page_first(shown):
     found = shown(44, on_the_page=("interval",))
     assert "│ stiffness of the linkage │ 6108 lb/in │" in [line.rstrip() for line in found]
     assert "too narrow for interval; the page has them" in " ".join(found)
@@ -97,7 +97,7 @@ def test_columns_that_the_page_has_go_first(shown):
 @pytest.mark.parametrize(
     ("elapsed", "done", "said"), [(0.3, 10, "a few seconds left"), (2.0, 10, "18 s left"), (60, 25, "3 min 0 s left")]
 )
-def test_a_short_rest_is_not_told_in_seconds(elapsed, done, said):
+def test_short_remaining_time_is_not_shown_in_seconds(elapsed, done, said):
     now = [0.0]
     bar = Progress(_Left(), get_time=lambda: now[0], disable=True)
     task = bar.add_task("sweep", total=100)
@@ -125,14 +125,14 @@ def error_terminal(monkeypatch):
 
 
 @pytest.mark.parametrize(("waited_s", "expected"), [(0.3, False), (1.3, True)])
-def test_the_progress_line_appears_after_one_second(error_terminal, waited_s, expected):
+def test_progress_line_appears_after_one_second(error_terminal, waited_s, expected):
     stream = error_terminal()
     with all_or_nothing("simulate", silent=False):
         time.sleep(waited_s)
     assert ("simulate" in stream.getvalue()) is expected
 
 
-def test_the_progress_line_counts_and_keeps_standard_output(error_terminal, capsys):
+def test_progress_line_counts_and_keeps_standard_output(error_terminal, capsys):
     stream = error_terminal()
     with Bar("qualify", "tests", silent=False, even=False) as bar:
         bar.describe("robust, static")
@@ -144,7 +144,7 @@ def test_the_progress_line_counts_and_keeps_standard_output(error_terminal, caps
     assert capsys.readouterr().out == "result\n"
 
 
-def test_no_progress_line_with_json(error_terminal):
+def test_json_output_has_no_progress_line(error_terminal):
     stream = error_terminal()
     with Bar("qualify", "tests", silent=True) as bar:
         bar.show(2, 7)

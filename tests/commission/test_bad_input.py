@@ -27,7 +27,7 @@ RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.cs
         ),
     ],
 )
-def test_it_is_named_and_nothing_is_left(monkeypatch, capsys, tmp_path, words, message):
+def test_invalid_input_is_named_and_nothing_is_written(monkeypatch, capsys, tmp_path, words, message):
     run = runner(monkeypatch, capsys, tmp_path, "commission")
     (tmp_path / "wheel.toml").write_text(ff.loader.electric("aileron-wheel").to_toml(), encoding="utf-8")
     status, out, err = run(*words, "--out", "made")

@@ -11,7 +11,7 @@ from forcefeel.commission.result import AT_END, NOTHING, Commission
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 
-def test_it_counts_as_known_where_the_records_hold_it_there():
+def test_parameter_at_its_physical_limit_counts_as_known():
     wheel = ff.loader.electric("aileron-wheel")
     assert wheel["linkage.ratio"] == 1.0  # a link moves its column by no more than itself
     records = simulated_records(wheel, wheel.replace({"column.coulomb_friction": "0.6 lb"}), BenchTime(4.0, 500.0, 1))
@@ -28,7 +28,7 @@ def test_it_counts_as_known_where_the_records_hold_it_there():
 
 
 @pytest.mark.parametrize("stated", [None, "0.3 lb"])
-def test_a_column_without_friction_has_none(stated):
+def test_column_without_friction_is_identified_as_zero_friction(stated):
     """Beside nothing a search ends with some estimate; of the breakaway, to which the data answer in jumps, with a wrong one."""
     truth = ff.digital_elevator()
     loader = truth.replace({DRY: stated}, si=True).with_tolerances({DRY: {"uniform": ["0.2 lb", "0.4 lb"]}})

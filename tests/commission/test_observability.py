@@ -25,14 +25,14 @@ def records():
     return simulated_records(FILE, truth, TIME)
 
 
-def test_a_multisine_with_pressure_and_current_sees_all_but_products(records):
+def test_multisine_with_pressure_and_current_determines_all_but_products(records):
     begun = with_friction(FILE)
     seen = seen_by(begun, records, candidates(begun))
     assert set(seen.carried) == {"actuator.bulk_modulus", "column.base_arm", "column.grip_arm"}
     assert {DRY, "column.inertia", "amplifier.admittance", "actuator.area", "linkage.ratio"} <= set(seen.fitted)
 
 
-def test_without_the_pressure_the_area_shows_only_with_flow_and_oil(records):
+def test_area_without_pressure_is_carried_and_rated_flow_is_fitted(records):
     (one,) = records
     channels = {name: it for name, it in one.channels.items() if name != "load_pressure"}
     begun = with_friction(FILE)
@@ -42,20 +42,20 @@ def test_without_the_pressure_the_area_shows_only_with_flow_and_oil(records):
     assert "valve.rated_flow" in seen.fitted
 
 
-def test_bounds_of_a_search_are_left_out_and_knowledge_stays():
+def test_search_bounds_are_dropped_and_tolerances_are_kept():
     known = FILE.with_tolerances({"column.grip_arm": "1 %"})
     assert with_friction(known)[DRY] > 0
     assert "linkage.stiffness" not in with_friction(known).tolerances
 
 
-def test_a_column_that_never_breaks_away_does_not_show_its_friction(records):
+def test_column_without_breakaway_does_not_determine_friction(records):
     (one,) = records
     time_s = one.time_s[:500]
     held = BenchRecord("held", one.experiment, time_s, {name: 1e-4 * it[:500] for name, it in one.channels.items()})
     assert DRY in seen_by(with_friction(FILE), [held], candidates(with_friction(FILE))).unseen
 
 
-def test_a_record_that_never_turns_round_does_not_show_the_friction(records):
+def test_record_without_reversal_does_not_determine_friction(records):
     (one,) = records
     onward = {
         name: np.linspace(0.0, np.ptp(one.channels[name]), len(one.time_s))
@@ -68,7 +68,7 @@ def test_a_record_that_never_turns_round_does_not_show_the_friction(records):
     assert "column.inertia" in seen.fitted
 
 
-def test_frequency_responses_alone_leave_the_friction_wanting():
+def test_frequency_responses_alone_do_not_determine_friction():
     response = ff.read_bench_data(EXAMPLE / "servo-closed.csv")
     found = identify_loader(ff.load(EXAMPLE / "loader.toml"), [response], CommissionPlan()).outcome
     assert not found.good
@@ -76,7 +76,7 @@ def test_frequency_responses_alone_leave_the_friction_wanting():
     assert "slow sweep of force both ways" in found.advice[-1]
 
 
-def test_noise_that_is_declared_as_zero_is_wanting_with_what_the_record_shows(records):
+def test_noise_declared_as_zero_is_rejected_with_the_measured_noise(records):
     quiet = FILE.replace({"column_sensor.noise": None, "column_sensor.resolution": None})
     found = identify_loader(quiet, records, CommissionPlan())
     (sentence,) = found.outcome.wanting
@@ -84,7 +84,7 @@ def test_noise_that_is_declared_as_zero_is_wanting_with_what_the_record_shows(re
     assert not found.outcome.good
 
 
-def test_the_tolerance_of_what_others_carry_is_none(records):
+def test_carried_parameter_has_zero_tolerance(records):
     found = identify_loader(FILE, records, CommissionPlan())
     assert found.loader is not None
     assert found.loader["column.inertia"] / FILE["column.inertia"] == pytest.approx(
@@ -96,7 +96,7 @@ def test_the_tolerance_of_what_others_carry_is_none(records):
 
 
 @pytest.mark.parametrize("stated", ["0.3 lb", "3 lb"])
-def test_the_friction_that_the_file_states_leads_no_search_astray(records, stated):
+def test_friction_in_the_file_does_not_mislead_the_search(records, stated):
     """From a friction that is too small nothing breaks away; a breakaway force that is only a place to begin from is nobody's."""
     found = identify_loader(FILE.replace({DRY: stated}, si=True), records, CommissionPlan()).loader
     assert found is not None

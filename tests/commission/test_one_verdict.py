@@ -34,7 +34,7 @@ def identified(files, plan):
     return found, Commission(plan, loader, found.outcome, found.loader)
 
 
-def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
+def test_parameter_biased_beyond_noise_is_rejected_everywhere(files):
     found, commission = identified(files, CommissionPlan(fit=("k",)))
     estimate = found.identification[STIFFNESS]
     assert abs(estimate.value - files[1][STIFFNESS]) > BIASED * estimate.deviation
@@ -50,7 +50,7 @@ def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
     assert "than noise, so parameters can be off" in commission_page(commission)
 
 
-def test_an_error_of_one_percent_is_not_taken_for_noise():
+def test_one_percent_model_error_is_distinguished_from_noise():
     """Without the valve's flow, 12 % off in the file, the model misses angle and position by 1.6 % of their motion."""
     data = [ff.read_bench_data("examples/bench-2khz/shaken.parquet")]
     found = identify(ff.load("examples/bench-2khz/loader.toml"), data, "k,c,J,alpha,R_p", law="original", starts=1)
@@ -60,7 +60,7 @@ def test_an_error_of_one_percent_is_not_taken_for_noise():
     assert "misses more of shaken, column angle and shaken, piston position than noise" in conclusions.verdict
 
 
-def test_noise_that_moves_the_machine_is_no_error_of_the_model():
+def test_controller_noise_is_not_reported_as_model_error():
     """The independent integrator's machine, known exactly: all that runs on in its record is the controller's noise."""
     data = [ff.read_bench_data("examples/bench-2khz/shaken.parquet")]
     truth = ff.digital_elevator()
@@ -74,7 +74,7 @@ def test_noise_that_moves_the_machine_is_no_error_of_the_model():
     assert identification_conclusions(found, UnitSystem.US).ok
 
 
-def test_what_is_explained_is_good(files):
+def test_explained_data_are_accepted(files):
     found, commission = identified(files, CommissionPlan())
     assert found.outcome.good
     assert identification_conclusions(found.identification, UnitSystem.US).ok

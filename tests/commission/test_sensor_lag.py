@@ -23,7 +23,7 @@ def record(experiment, angle, time_s):
     return BenchRecord("one", Experiment.read(experiment), time_s, channels)
 
 
-def test_a_lag_is_the_exact_answer_to_a_ramp_and_follows_its_differential_equation():
+def test_lag_matches_its_differential_equation():
     turn = 0.3
     ramp = np.arange(200.0)
     # f = x - h / turn (1 - e^-wt) for x = t / h
@@ -31,7 +31,7 @@ def test_a_lag_is_the_exact_answer_to_a_ramp_and_follows_its_differential_equati
     assert lagged(ramp, turn) == pytest.approx(expected, abs=1e-12)  # sums of 200
 
 
-def test_what_the_lag_took_is_given_back():
+def test_sensor_lag_is_compensated():
     time_s, angle = swept()
     seen = lagged(angle, LOADER["column_sensor.bandwidth"] / RATE_HZ)
     assert np.abs(seen - angle).max() > 0.05  # 8 Hz through 100 Hz is 4.6 deg late
@@ -41,7 +41,7 @@ def test_what_the_lag_took_is_given_back():
     assert np.array_equal(back["load_pressure"], seen)
 
 
-def test_sensors_without_a_bandwidth_and_releases_stay_as_they_are():
+def test_sensors_without_bandwidth_and_releases_are_unchanged():
     time_s, angle = swept()
     assert np.array_equal(
         without_lag(record("servo-closed", angle, time_s), ff.digital_elevator()).channels["column_angle"], angle

@@ -38,7 +38,7 @@ class Step:
         return Found(0.1, ("one", "two"))
 
 
-def test_a_step_is_done_once_and_its_outcome_comes_back_as_it_was(tmp_path):
+def test_completed_step_is_reused_with_its_result(tmp_path):
     step = Step()
     first = State.of(tmp_path).step("1-one", "same", Found, step)
     again = State.of(tmp_path)
@@ -47,7 +47,7 @@ def test_a_step_is_done_once_and_its_outcome_comes_back_as_it_was(tmp_path):
 
 
 @pytest.mark.parametrize("spoil", ["inputs", "file", "missing", "state"])
-def test_a_step_that_is_not_whole_or_was_made_from_something_else_is_made_again(tmp_path, spoil):
+def test_incomplete_or_outdated_step_is_repeated(tmp_path, spoil):
     step = Step()
     State.of(tmp_path).step("1-one", "same", Found, step)
     if spoil == "file":
@@ -60,7 +60,7 @@ def test_a_step_that_is_not_whole_or_was_made_from_something_else_is_made_again(
     assert step.made == 2
 
 
-def test_what_follows_a_step_that_was_made_again_is_made_again(tmp_path):
+def test_steps_after_a_repeated_step_are_repeated(tmp_path):
     first, second = Step(), Step()
     for inputs in ("a", "b", "b"):
         state = State.of(tmp_path)
@@ -69,7 +69,7 @@ def test_what_follows_a_step_that_was_made_again_is_made_again(tmp_path):
     assert (first.made, second.made) == (2, 2)
 
 
-def test_an_interrupted_step_leaves_those_before_it_done(tmp_path):
+def test_interrupted_step_keeps_earlier_steps(tmp_path):
     first = Step()
 
     def interrupted(folder):
@@ -109,7 +109,7 @@ def commissioned(tmp_path):
     )
 
 
-def test_a_good_law_is_handed_over(commissioned, tmp_path):
+def test_accepted_law_is_written(commissioned, tmp_path):
     page = write_commission(commissioned, tmp_path, command="forcefeel commission my.toml")
     text = page.read_text(encoding="utf-8")
     assert commissioned.good
@@ -138,7 +138,7 @@ def test_a_good_law_is_handed_over(commissioned, tmp_path):
         ({"identified": Identified(False, "One.", (), (INERTIA,), ("Noise is zero.",))}, "Do not use it"),
     ],
 )
-def test_a_law_that_is_not_good_is_not_handed_over_as_if_it_were(commissioned, tmp_path, change, said):
+def test_rejected_law_is_written_as_rejected(commissioned, tmp_path, change, said):
     write_commission(commissioned, tmp_path)
     bad = replace(commissioned, **change)
     text = write_commission(bad, tmp_path).read_text(encoding="utf-8")
@@ -152,7 +152,7 @@ def test_a_law_that_is_not_good_is_not_handed_over_as_if_it_were(commissioned, t
 @pytest.mark.parametrize(
     ("parameters", "said"), [((), "0 parameters"), ((INERTIA,), "1 parameter"), ((INERTIA,) * 2, "2 parameters")]
 )
-def test_a_number_of_parameters_has_its_plural(commissioned, parameters, said):
+def test_parameter_count_has_its_plural(commissioned, parameters, said):
     found = replace(commissioned, identified=Identified(True, "", parameters=parameters))
     verb = "is" if len(parameters) == 1 else "are"
     assert commission_conclusions(found).verdict.startswith(f"{said} of elevator-2khz {verb} identified")

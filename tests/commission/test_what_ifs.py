@@ -23,7 +23,7 @@ def rubbing():
     return loader.with_tolerances({DRY: Tolerance("normal", 0.9 * loader[DRY], 1.1 * loader[DRY], loader[DRY], 0.3)})
 
 
-def test_each_change_is_run_to_its_end_and_what_asks_least_comes_first(rubbing):
+def test_every_change_is_simulated_and_the_smallest_comes_first(rubbing):
     found = {one.change: one.passes for one in what_ifs(rubbing, "robust", CommissionPlan(grid=SOFT), -1.0)}
     assert list(found) == [
         "dry friction known exactly",
@@ -40,7 +40,7 @@ def test_each_change_is_run_to_its_end_and_what_asks_least_comes_first(rubbing):
     assert found["twice the drive's limits"] < found["half the dry friction"]
 
 
-def test_less_friction_is_known_to_the_same_share(rubbing):
+def test_reduced_friction_keeps_its_relative_tolerance(rubbing):
     half = _rubbing(rubbing, 0.5)
     assert (half[DRY], half[BREAKAWAY]) == (0.5 * rubbing[DRY], 0.5 * rubbing[BREAKAWAY])
     assert half.tolerances[DRY].ends == tuple(0.5 * end for end in rubbing.tolerances[DRY].ends)
@@ -54,7 +54,7 @@ def test_less_friction_is_known_to_the_same_share(rubbing):
         ((WhatIf("faster", 0.91),), "No single change reaches 95 %"),
     ],
 )
-def test_what_asks_least_and_reaches_the_share_is_named(ifs, least):
+def test_smallest_sufficient_change_is_named(ifs, least):
     found = Commission(
         CommissionPlan(),
         ff.digital_elevator(),

@@ -38,7 +38,7 @@ def deviations(loader, gains):
     return ff.design.sensitivity(loader, gains)
 
 
-def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loader, gains):
+def test_tracking_error_and_cost_are_integrals_of_the_response(loader, gains):
     law = ff.linear.state_feedback(loader, gains[:6])
     found = ff.design.assess(loader, law)
     force = loader["pilot.force"]
@@ -54,7 +54,7 @@ def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loa
     assert found.cost == pytest.approx(float(integrand.integrate("time_s")), rel=TRAPEZOIDS)
 
 
-def test_static_angle_is_where_the_response_ends(loader, gains):
+def test_static_angle_is_the_final_value_of_the_response(loader, gains):
     law = ff.linear.state_feedback(loader, gains[:6])
     response = ff.step_response(ff.compliant_model(loader, law), loader["pilot.force"], duration_s=10.0)
     found = ff.design.assess(loader, law)
@@ -62,7 +62,7 @@ def test_static_angle_is_where_the_response_ends(loader, gains):
     assert found.static_error == pytest.approx(found.static_angle_rad / (31.375 * 96 / 9600) - 1)
 
 
-def test_peaks_against_the_ratings(loader, gains):
+def test_peaks_are_compared_with_the_ratings(loader, gains):
     law = ff.linear.state_feedback(loader, gains[:6])
     halved = ff.design.peaks(loader.replace({"valve.rated_current": "7.5 mA", "valve.rated_flow": "50 in^3/s"}), law)
     found = ff.design.peaks(loader, law)
@@ -72,26 +72,26 @@ def test_peaks_against_the_ratings(loader, gains):
     assert 0.2 < found.current_share < 0.5
 
 
-def test_an_unstable_loop_is_said_to_be_so(loader):
+def test_unstable_loop_is_reported(loader):
     found = ff.design.assess(loader, ff.linear.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
     assert not found.stable
     assert found.abscissa_per_s > 0
     assert np.isnan(found.tracking_error)
 
 
-def test_an_integrator_is_not_stable(loader, gains):
+def test_integrator_is_not_stable(loader, gains):
     """Without x_p, delta and x_b nothing holds the piston: a pole at zero, which rounding may put on either side."""
     left = gains[:6].copy()
     left[[0, 2, 4]] = 0
     assert not ff.design.assess(loader, ff.linear.state_feedback(loader, left)).stable
 
 
-def test_every_set_of_paths_is_tried_once(dropped):
+def test_every_set_of_paths_is_evaluated_once(dropped):
     assert len(dropped) == 2**6 - 2  # all and none of the six are left out
     assert len({row.paths for row in dropped}) == len(dropped)
 
 
-def test_dropping_the_position_path_is_fatal_and_dropping_pressure_is_free(dropped, loader, gains):
+def test_removing_the_position_path_is_fatal_and_pressure_is_not_needed(dropped, loader, gains):
     by_path = {row.paths: row for row in dropped}
     full = ff.design.assess(loader, ff.linear.state_feedback(loader, gains[:6]))
     assert not by_path["c_1",].assessment.stable
@@ -99,13 +99,13 @@ def test_dropping_the_position_path_is_fatal_and_dropping_pressure_is_free(dropp
     assert by_path["c_4",].cost_increase > 0.3
 
 
-def test_best_of_each_count_is_the_best(dropped):
+def test_best_set_of_each_size_is_the_best(dropped):
     for best in best_of_each_count(dropped):
         rivals = [r for r in dropped if len(r.paths) == len(best.paths) and r.assessment.stable]
         assert best.assessment.tracking_error == min(r.assessment.tracking_error for r in rivals)
 
 
-def test_a_new_parameter_is_varied_or_named_here():
+def test_every_parameter_is_varied_or_listed_as_excluded():
     not_of_the_compensated_plant = {
         "valve.rated_flow", "valve.rated_current", "valve.supply_pressure", "load_cell.gain", "potentiometer.gain",
         "feel.inertia", "feel.damping", "feel.stiffness", "feel.maximum_stiffness", "pilot.force",
@@ -118,7 +118,7 @@ def test_every_gain_and_parameter_is_varied(deviations):
     assert all(row.assessment is not None for row in deviations)
 
 
-def test_small_deviations_are_the_derivative(loader, gains, deviations):
+def test_small_deviations_match_the_derivative(loader, gains, deviations):
     """+-5 % of c_3 on the static angle against the slope by a much smaller step."""
     at = {row.change: row.assessment.static_error for row in deviations if row.quantity == "c_3"}
     nudged = gains[:6].copy()
@@ -129,7 +129,7 @@ def test_small_deviations_are_the_derivative(loader, gains, deviations):
     assert (at[0.05] - at[-0.05]) / 0.1 == pytest.approx((there - here) / 1e-5, rel=0.02)  # third-order terms
 
 
-def test_worst_is_the_largest_tracking_error_and_an_unstable_loop_before_any(loader, deviations):
+def test_worst_deviation_is_unstable_or_has_largest_tracking_error(loader, deviations):
     named = worst(deviations)
     assert named.assessment.tracking_error == max(row.assessment.tracking_error for row in deviations)
     runaway = ff.design.assess(loader, ff.linear.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
@@ -137,7 +137,7 @@ def test_worst_is_the_largest_tracking_error_and_an_unstable_loop_before_any(loa
     assert worst((*deviations, unstable)) is unstable
 
 
-def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
+def test_removing_a_path_can_cost_stability_but_keep_the_feel(dropped):
     edge = {row.paths: row.boundary.stiffness_n_m_per_rad / US_STIFFNESS for row in dropped}
     # Independent figures, in lb in/rad.
     assert edge["c_2", "c_6"] == pytest.approx(1682, abs=WHOLE)
@@ -145,7 +145,7 @@ def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
     assert edge["c_4", "c_6"] == pytest.approx(3028, abs=WHOLE)
 
 
-def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped):
+def test_removable_paths_keep_fidelity_and_stability(loader, gains, dropped):
     law = ff.linear.state_feedback(loader, gains[:6])
     edge = ff.linear.smallest_stable_stiffness(loader, law=law)
     assert droppable(dropped, ff.design.assess(loader, law), edge).paths == ("c_2", "c_6")
@@ -153,7 +153,7 @@ def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped
     assert droppable(dropped, ff.design.assess(loader, law), strict) is None
 
 
-def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
+def test_deviation_out_of_range_is_not_evaluated(loader, gains):
     straight = loader.replace({"linkage.ratio": "0.95"})
     rows = ff.design.sensitivity(straight, gains)
     missing = [row for row in rows if row.assessment is None]
@@ -161,7 +161,7 @@ def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
     assert worst(rows).assessment is not None
 
 
-def test_one_cost_index_in_a_design(loader):
+def test_design_uses_a_single_cost_index(loader):
     found = ff.design_loader(loader, ff.laws.DesignSettings(horizon_s=0.05, r2=10.0))
     law = found.compensation.law(loader)
     full = ff.design.assess(loader, law, found.compensation.settings)
@@ -170,24 +170,24 @@ def test_one_cost_index_in_a_design(loader):
     assert np.isnan(first[1]) or first[0].cost / full.cost - 1 == pytest.approx(first[1])
 
 
-def test_the_original_law_given_by_name_is_judged_like_the_default(loader):
+def test_original_law_by_name_matches_the_default(loader):
     named = ff.design.assess(loader, ff.laws.GainLaw.original(loader.si_values))
     assert np.isnan(named.cost)
     assert named.tracking_error == ff.design.assess(loader, None).tracking_error
 
 
-def test_state_feedback_on_a_rigid_link_is_judged_without_a_cost(loader, gains):
+def test_state_feedback_on_a_rigid_link_has_no_cost(loader, gains):
     found = ff.design.assess(loader, ff.linear.state_feedback(loader, gains[:6]), linkage=ff.linear.Linkage.RIGID)
     assert found.stable
     assert np.isnan(found.cost)
 
 
-def test_gains_that_are_no_numbers_are_refused(loader):
+def test_gains_that_are_not_finite_raise_input_error(loader):
     with pytest.raises(ff.InputError, match="six or seven finite numbers"):
         ff.linear.state_feedback(loader, np.full(6, np.nan))
 
 
-def test_a_design_can_be_sent_to_another_process(loader):
+def test_design_can_be_pickled(loader):
     law = ff.laws.GainLaw.original(loader.si_values)
     assert pickle.loads(pickle.dumps(law)) == law
     found = ff.design_loader(loader)

@@ -29,7 +29,7 @@ def _told(designed, tried):
     return ff.design.conclusions(designed, ff.UnitSystem.US, tried)
 
 
-def test_the_best_law_leads(designed):
+def test_best_law_comes_first(designed):
     told = _told(designed, TRIED)
     assert told.ok
     assert told.verdict == (
@@ -52,24 +52,24 @@ def test_the_best_law_leads(designed):
         ),
     ],
 )
-def test_verdicts(designed, changes, verdict, good):
+def test_verdict_matches_the_best_law(designed, changes, verdict, good):
     told = _told(designed, replace(TRIED, **changes))
     assert told.verdict.startswith(verdict)
     assert told.ok is good
 
 
-def test_commands_can_be_typed_as_they_stand():
+def test_printed_commands_can_be_run():
     assert TRIED.commands(BEST)[0] == "forcefeel qualify 'my loader.toml' --set 'a.b=3 lb' --law robust --out tests"
     assert TRIED.commands(REPORT)[1].endswith("--law published --out map-published")
 
 
-def test_an_analog_loader_is_told_how_to_try(designed):
+def test_analog_loader_finding_states_how_to_try_laws(designed):
     told = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
     assert any("forcefeel design elevator-2khz" in finding for finding in told.findings)
     assert not any("The loader is analog" in finding for finding in _told(designed, None).findings)
 
 
-def test_the_command_finds_the_law_that_qualifies(tmp_path, monkeypatch, capsys):
+def test_design_command_finds_the_qualifying_law(tmp_path, monkeypatch, capsys):
     run = runner(monkeypatch, capsys, tmp_path, "design")
     status, out, _ = run("elevator-2khz", "--out", "report", "--json")
     assert status == 0

@@ -35,7 +35,7 @@ def said(design):
     return ff.design.conclusions(design, ff.UnitSystem.US)
 
 
-def test_the_elevator_settles_right_and_moves_wrong(found):
+def test_elevator_is_statically_accurate_but_dynamically_wrong(found):
     words = said(found)
     assert words.ok
     assert words.verdict.endswith("settles at the programmed deflection, but its frequency is wrong.")
@@ -64,19 +64,19 @@ def test_the_elevator_settles_right_and_moves_wrong(found):
         (HEAVY, ff.laws.DesignSettings(r2=0.14), "at rest and in motion"),
     ],
 )
-def test_verdicts(loader, changes, settings, verdict, monkeypatch):
+def test_verdict_matches_each_case(loader, changes, settings, verdict, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)  # of one that never settles
     words = said(ff.design_loader(loader.replace(changes, si=True), settings))
     assert verdict in words.verdict
     assert words.ok is (verdict in {"does not settle", "at rest and in motion"})
 
 
-def test_a_stiff_link_is_said_to_be_as_good_as_rigid(loader):
+def test_stiff_link_is_reported_as_rigid(loader):
     stiff = loader.replace({"linkage.stiffness": "1e8 lb/in", "linkage.damping": "3000 lb s/in"})
     assert said(ff.design_loader(stiff)).findings[0].startswith("The linkage is nearly rigid")
 
 
-def test_the_line_in_figure_2_touches_its_curve(loader):
+def test_tangent_in_figure_2_touches_its_curve(loader):
     other = loader.replace({"valve.pressure_gain": "0.05 in^5/(lb s)"})
     curves = ff.design.figures(ff.design_loader(other))[0].curves
     curve, line = (curves[name].flow_m3_per_s.values for name in ("20% of rated current", "tangent at 20%, eq. (2)"))
@@ -87,13 +87,13 @@ def test_the_line_in_figure_2_touches_its_curve(loader):
     assert np.all(line >= curve - 1e-12)  # the curve bends downwards
 
 
-def test_column_and_piston_agree_at_low_frequency_in_figures_8_and_9(found):
+def test_column_and_piston_match_at_low_frequency_in_figures_8_and_9(found):
     for figure in ff.design.figures(found)[1:3]:
         piston, column = (figure.curves[f"compliant link, {name}"].gain_db.values[0] for name in ("piston", "column"))
         assert column == pytest.approx(piston, abs=LINK_DB)
 
 
-def test_what_the_linear_models_leave_out_is_said(loader):
+def test_effects_omitted_by_linear_models_are_reported(loader):
     assert not any("models neglect" in finding for finding in said(ff.design_loader(loader)).findings)
     curve = ff.loader.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))
     more = replace(loader.replace({"valve.orifice": True}), force_curve=curve)

@@ -41,7 +41,7 @@ def out(designed, tmp_path_factory):
     return ff.design.write_report(designed, tmp_path_factory.mktemp("motor"), ff.UnitSystem.SI, TRIED).parent
 
 
-def test_the_law_renders_what_the_current_alone_does_not(designed):
+def test_law_renders_the_feel_that_the_current_loop_cannot(designed):
     alone, law = designed.configuration("compliant").programmed.assessment, designed.programmed.assessment
     row = designed.loader.__getitem__
     gear = (row("linkage.ratio") * row("column.base_arm") / row("transmission.travel")) ** 2
@@ -57,7 +57,7 @@ def test_the_law_renders_what_the_current_alone_does_not(designed):
     assert (names[0], names[1]) == (AS_ONE, ON_THE_LINK)
 
 
-def test_the_step_under_the_law_is_the_engine_s(designed):
+def test_step_response_under_the_law_matches_the_engine(designed):
     loader = designed.loader
     loader = loader.replace({key: None for key in loader.given if key.endswith((".noise", ".resolution"))})
     loader = loader.replace({"pilot.force": 0.1 * loader["pilot.force"]}, si=True)  # within the motor's limits
@@ -67,7 +67,7 @@ def test_the_step_under_the_law_is_the_engine_s(designed):
     assert np.abs(angle - step.column_angle_rad).max() < EXACT * angle.max()
 
 
-def test_an_overdamped_rendering_is_the_slow_pair():
+def test_overdamped_feel_is_the_slow_pole_pair():
     """The pedals are programmed to swing and creep by current alone: the mode on the link is none of their feel."""
     found = ff.analyze(ff.loader.electric("rudder-pedals")).configuration("compliant").programmed
     slow, fast = (mode for mode in found.modes if mode.name == AS_ONE)
@@ -75,13 +75,13 @@ def test_an_overdamped_rendering_is_the_slow_pair():
     assert found.assessment.damping_ratio > 1
 
 
-def test_delay_at_the_crossover():
+def test_delay_is_given_at_the_crossover():
     assert delay_s(Margins(2.0, 0.5, 9.0, 10.0)) == pytest.approx(0.05)
     assert delay_s(Margins(2.0, np.inf, 9.0, np.nan)) == np.inf
     assert delay_s(Margins(0.5, -0.5, 9.0, 10.0)) == 0
 
 
-def test_conclusions_lead_with_the_law_that_was_tried(designed):
+def test_conclusions_start_with_the_evaluated_law(designed):
     told = ff.design.conclusions(designed, ff.UnitSystem.SI, TRIED)
     assert told.ok
     assert told.verdict == "By The Rule law robust qualifies: 7 of 7 tests passed."
@@ -95,7 +95,7 @@ def test_conclusions_lead_with_the_law_that_was_tried(designed):
     assert (none.ok, none.verdict) == (False, "No law is eligible for this loader.")
 
 
-def test_the_page_has_no_word_of_a_valve(out):
+def test_motor_page_does_not_mention_a_valve(out):
     page = (out / "report.html").read_text(encoding="utf-8")
     said = " ".join(words(out / "report.html").words).replace("\N{RIGHT SINGLE QUOTATION MARK}", "'")
     assert NO_REPORT in said
@@ -118,7 +118,7 @@ def test_the_page_has_no_word_of_a_valve(out):
     assert not {part for part in set(parts(HYDRAULIC)) - set(parts("electric")) if f'id="{part}"' in labels}
 
 
-def test_every_curve_is_kept(designed, out):
+def test_every_curve_is_saved(designed, out):
     for figure in ff.design.figures(designed):
         with (out / "responses" / f"{figure.key}.csv").open(encoding="utf-8") as file:
             head, *rows = csv.reader(file)
@@ -133,7 +133,7 @@ def test_every_curve_is_kept(designed, out):
     assert (shown["name"], shown["frequency"]) == ("current loop", {"value": pytest.approx(500), "unit": "Hz"})
 
 
-def test_at_0_db_all_of_the_motor_s_force_arrives(designed):
+def test_motor_force_is_fully_transmitted_at_0_db(designed):
     figures = {figure.key: figure.curves for figure in ff.design.figures(designed)}
     force, hand = figures["command-to-force"], figures["hand"]
     assert float(force["column held"].gain_db[0]) == pytest.approx(0, abs=TOLD)
@@ -142,7 +142,7 @@ def test_at_0_db_all_of_the_motor_s_force_arrives(designed):
     assert float(hand["under robust"].gain_db[0]) == pytest.approx(float(hand["ideal feel"].gain_db[0]), abs=TOLD)
 
 
-def test_the_best_law_of_a_motor_is_found_without_the_report_s():
+def test_best_law_of_a_motor_needs_no_law_of_the_report():
     begun = []
     grid = {"stiffness": "30, 60 %", "frequency": "1.5, 2 Hz", "damping": "0.4, 0.8"}
     tried = ff.choice.best_law(ff.loader.electric("desktop-yoke"), grid, progress=begun.append)

@@ -48,7 +48,7 @@ def _files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_every_file_is_there_and_nothing_else(out):
+def test_report_contains_exactly_the_expected_files(out):
     assert set(_files(out)) == {
         "report.html",
         "plotly.min.js",
@@ -58,33 +58,33 @@ def test_every_file_is_there_and_nothing_else(out):
     assert [path.name for path in out.iterdir() if path.name.startswith(".")] == []
 
 
-def test_the_page_has_every_section_and_plot(out):
+def test_page_has_every_section_and_plot(out):
     text = (out / "report.html").read_text(encoding="utf-8")
     assert all(f'<section id="{anchor}">' in text for anchor in ANCHORS)
     assert all(f'id="{key}" class="plotly-graph-div"' in text for key in KEYS)
 
 
-def test_the_tangent_of_figure_2_is_dashed_and_no_other_curve_is(designed, drawn):
+def test_only_the_tangent_of_figure_2_is_dashed(designed, drawn):
     plot = draw(drawn["figure-02"], designed, UnitSystem.US)
     dashes = {trace.name.partition(" at")[0]: trace.line.dash for trace in plot.data}
     assert dashes.pop("tangent") == "dash"
     assert set(dashes.values()) == {"solid"}
 
 
-def test_the_page_loads_nothing_from_elsewhere(out):
+def test_page_loads_no_external_resources(out):
     beside = {"plotly.min.js", "results.json", "data:,", *(f"responses/{key}.csv" for key in KEYS)}
     references = set(words(out / "report.html").references)
     assert references == beside | {f"#{anchor}" for anchor in ANCHORS}
 
 
-def test_no_number_on_the_page_has_more_than_six_digits(out):
+def test_page_numbers_have_at_most_six_digits(out):
     numbers = re.findall(r"\d[\d.]*", "\n".join(words(out / "report.html").words))
     long = [text for text in numbers if len(text.replace(".", "").strip("0")) > 6]
     assert numbers
     assert long == []
 
 
-def test_the_page_says_what_to_conclude(out, designed):
+def test_page_states_its_conclusions(out, designed):
     text = " ".join(" ".join(words(out / "report.html").words).split())
     assert "The compensated loader is stable" in text
     found = designed.configuration("compensated").programmed.assessment
@@ -93,7 +93,7 @@ def test_the_page_says_what_to_conclude(out, designed):
 
 
 @pytest.mark.parametrize(("system", "unit"), [(UnitSystem.US, "lb/in"), (UnitSystem.SI, "N/cm")])
-def test_json_holds_every_number_with_its_unit(designed, tmp_path, system, unit):
+def test_json_contains_every_number_with_its_unit(designed, tmp_path, system, unit):
     write_report(designed, tmp_path, system)
     found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
     value = found["design"]["loader"]["values"]["linkage.stiffness"]
@@ -106,7 +106,7 @@ def test_json_holds_every_number_with_its_unit(designed, tmp_path, system, unit)
 
 
 @pytest.mark.parametrize("key", KEYS)
-def test_tables_of_values_agree_with_the_figures(out, drawn, key):
+def test_value_tables_match_the_figures(out, drawn, key):
     rows = list(csv.reader((out / "responses" / f"{key}.csv").read_text(encoding="utf-8").splitlines()))
     header, values = rows[0], np.array(rows[1:], dtype=float)
     figure = drawn[key]
@@ -127,7 +127,7 @@ def test_angles_are_in_degrees_and_currents_in_milliamperes(out):
         assert name in header
 
 
-def test_out_is_a_file(designed, tmp_path):
+def test_out_that_is_a_file_is_refused(designed, tmp_path):
     occupied = tmp_path / "report"
     occupied.write_text("mine")
     with pytest.raises(InputError, match=r"report: is a file; expected a folder for the report; name another one"):
@@ -135,7 +135,7 @@ def test_out_is_a_file(designed, tmp_path):
     assert _files(tmp_path) == {"report": b"mine"}
 
 
-def test_out_lies_under_a_file(designed, tmp_path):
+def test_out_below_a_file_is_refused(designed, tmp_path):
     (tmp_path / "report").write_text("mine")
     with pytest.raises(InputError, match="cannot be written"):
         write_report(designed, tmp_path / "report" / "below", UnitSystem.US)
@@ -143,26 +143,26 @@ def test_out_lies_under_a_file(designed, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["report.html", "results.json"])
-def test_a_folder_where_a_file_goes(designed, tmp_path, name):
+def test_folder_in_place_of_a_file_is_refused(designed, tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
         write_report(designed, tmp_path, UnitSystem.US)
     assert _files(tmp_path) == {}
 
 
-def test_a_file_where_the_responses_go(designed, tmp_path):
+def test_file_in_place_of_the_responses_folder_is_refused(designed, tmp_path):
     (tmp_path / "responses").write_text("mine")
     with pytest.raises(InputError, match="responses: is a file; expected a folder"):
         write_report(designed, tmp_path, UnitSystem.US)
     assert _files(tmp_path) == {"responses": b"mine"}
 
 
-def test_out_cannot_be_written(designed):
+def test_unwritable_out_is_refused(designed):
     with pytest.raises(InputError, match="cannot be written"):
         write_report(designed, Path(os.devnull) / "report", UnitSystem.US)  # not even root makes a folder in a device
 
 
-def test_a_failure_while_computing_leaves_the_old_report(out, designed, monkeypatch):
+def test_failure_during_computation_keeps_the_old_report(out, designed, monkeypatch):
     before = _files(out)
     monkeypatch.setattr(folder, "page", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
@@ -170,12 +170,12 @@ def test_a_failure_while_computing_leaves_the_old_report(out, designed, monkeypa
     assert _files(out) == before
 
 
-def test_the_same_design_gives_the_same_bytes(out, designed, tmp_path):
+def test_report_is_reproducible(out, designed, tmp_path):
     write_report(designed, tmp_path, UnitSystem.US)
     assert _files(tmp_path) == _files(out)
 
 
-def test_names_are_text_not_markup(tmp_path):
+def test_names_are_escaped(tmp_path):
     loader = replace(elevator(), name="<script>alert(1)</script>", source="a & b < c")
     text = write_report(design_loader(loader), tmp_path, UnitSystem.US).read_text(encoding="utf-8")
     assert "<script>alert" not in text
@@ -187,14 +187,14 @@ def test_names_are_text_not_markup(tmp_path):
     ("given", "shown"),
     [("lb in s^2/rad", "lb·in·s²/rad"), ("V cm^2/N", "V·cm²/N"), ("", ""), ("cm^5/(N s)", "cm⁵/(N·s)")],
 )
-def test_units_are_set(given, shown):
+def test_units_are_formatted(given, shown):
     assert unit_text(given) == shown
 
 
 @pytest.mark.parametrize(
     ("value", "shown"), [(-4.9287, "−4.929"), (-2.596e-5, "−2.596×10⁻⁵"), (6107.86, "6108"), (float("inf"), "infinite")]
 )
-def test_numbers_are_set(value, shown):
+def test_numbers_are_formatted(value, shown):
     assert number_text(value) == shown
 
 
@@ -202,7 +202,7 @@ def test_numbers_are_set(value, shown):
     ("share", "shown"),
     [(0.19184, "+19.2 %"), (-0.44, "−44.0 %"), (0.00731, "+0.73 %"), (44.1, "+4410 %"), (float("nan"), "–")],
 )
-def test_shares_are_set(share, shown):
+def test_percentages_are_formatted(share, shown):
     assert percent_text(share, signed=True) == shown
 
 
@@ -216,11 +216,11 @@ def test_shares_are_set(share, shown):
         ("w_c / 2 pi", ("ω", "c", " / 2π")),
     ],
 )
-def test_symbols_are_split(given, parts):
+def test_symbols_are_split_into_base_and_subscript(given, parts):
     assert split_symbol(given) == parts
 
 
-def test_prose_is_set_and_escaped():
+def test_prose_is_formatted_and_escaped():
     html = prose_html("G < G_max: the worst is linkage.ratio at -20 %, 320 lb in/rad.")
     assert symbol_html("G_max") in html
     assert "&lt;" in html

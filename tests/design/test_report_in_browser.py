@@ -77,7 +77,7 @@ def test_every_curve_is_drawn(page):
     assert all(one["drawn"] == one["asked"] for one in drawn if one["name"] == "poles-all")
 
 
-def test_the_plots_show_their_words_whole(page):
+def test_plot_labels_are_not_clipped(page):
     """Titles, legend and tick labels lie inside their plot; the legend lies above the curves."""
     cut = page.evaluate(
         """(rounding) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
@@ -117,14 +117,14 @@ def _meet(one: dict, other: dict) -> bool:
     )
 
 
-def test_the_words_of_the_drawing_do_not_overlap(page):
+def test_drawing_labels_do_not_overlap(page):
     words = _boxes(page, ".drawing text")
     assert len(words) > 40
     clashes = [(one["text"], other["text"]) for k, one in enumerate(words) for other in words[:k] if _meet(one, other)]
     assert clashes == []
 
 
-def test_the_drawing_holds_its_words(page):
+def test_drawing_contains_its_labels(page):
     left, top, width, height = (float(edge) for edge in page.get_attribute(".drawing svg", "viewBox").split())
     outside = [
         one["text"]
@@ -134,7 +134,7 @@ def test_the_drawing_holds_its_words(page):
     assert outside == []
 
 
-def test_the_boxes_of_the_drawing_hold_their_words(page):
+def test_drawing_boxes_contain_their_labels(page):
     boxes, words = _boxes(page, "#electronics rect"), _boxes(page, "#electronics text")
     loose = [
         one["text"]
@@ -145,7 +145,7 @@ def test_the_boxes_of_the_drawing_hold_their_words(page):
     assert loose == []
 
 
-def test_the_drawing_can_be_read(page):
+def test_drawing_text_is_legible(page):
     """Its letters are large enough on the screen, on a phone by scrolling sideways."""
     smallest = page.evaluate(
         """() => Math.min(...[...document.querySelectorAll('.drawing text')].map(one =>
@@ -154,7 +154,7 @@ def test_the_drawing_can_be_read(page):
     assert smallest >= SMALLEST_LETTERS_PX
 
 
-def test_pointing_at_a_curve_shows_its_numbers(page):
+def test_hovering_over_a_curve_shows_its_values(page):
     page.evaluate("document.getElementById('figure-14').scrollIntoView({block: 'center', behavior: 'instant'})")
     box = page.locator("#figure-14 .nsewdrag >> nth=0").bounding_box()
     page.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 2)
@@ -184,7 +184,7 @@ def _luminance(color: str) -> float:
     return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
 
 
-def test_words_and_plots_can_be_read_in_light_and_dark(browser, pages):
+def test_text_and_plots_are_legible_in_light_and_dark_mode(browser, pages):
     with opened(browser, pages["us"], WIDTHS[0]) as window:
         for scheme in ("dark", "light"):  # as the reader's system changes
             window.emulate_media(color_scheme=scheme)
@@ -196,7 +196,7 @@ def test_words_and_plots_can_be_read_in_light_and_dark(browser, pages):
                 assert (back < front) == (scheme == "dark")
 
 
-def test_a_page_alone_says_what_it_misses(browser, pages, tmp_path):
+def test_page_without_its_files_names_the_missing_file(browser, pages, tmp_path):
     alone = shutil.copy(pages["us"], tmp_path / "report.html")
     window = browser.new_page()
     window.goto(alone.as_uri())

@@ -54,7 +54,7 @@ def _machine(found, name_of_law, case, setting):
     return nominal.replace(changes, si=True), law
 
 
-def test_random_settings_end_as_single_runs_do(found):
+def test_random_settings_match_single_runs(found):
     rng = np.random.default_rng(1974)
     plan, seen = found.plan, {"passes": 0, "fails": 0, "arms": 0}
     for _ in range(WITNESSED):
@@ -83,7 +83,7 @@ def test_random_settings_end_as_single_runs_do(found):
     assert min(seen.values()) >= 3  # the draw has some of each
 
 
-def test_stability_is_that_of_numpys_poles(found):
+def test_stability_matches_numpy_poles(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     for name_of_law in found.laws:
@@ -123,7 +123,7 @@ def _with_arm(a, values, arm):
 
 
 @pytest.mark.parametrize("name_of_law", NAMED_DESIGNS)
-def test_passivity_is_that_of_the_frequency_response(found, name_of_law):
+def test_passivity_matches_the_frequency_response(found, name_of_law):
     grip = found.passivity[name_of_law]
     loader = ff.elevator()
     law = Law.of(NAMED_DESIGNS[name_of_law](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
@@ -144,7 +144,7 @@ def test_passivity_is_that_of_the_frequency_response(found, name_of_law):
     )
 
 
-def test_the_survey_of_passive_settings_is_that_of_one_by_one(found):
+def test_batched_passivity_matches_single_settings(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     law = NAMED_DESIGNS["converged"](plan.loader)
@@ -161,7 +161,7 @@ def test_the_survey_of_passive_settings_is_that_of_one_by_one(found):
 
 
 @pytest.mark.parametrize("damping", [0.1, 0.7, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5])
-def test_the_ideal_is_the_closed_form(damping):
+def test_ideal_response_matches_the_closed_form(damping):
     w, time = 2 * np.pi * 2.0, np.arange(1500) * 1e-3
     feel = np.array([[1 / w**2, 2 * damping / w, 1.0]])
     critical = (1 + w * time) * np.exp(-w * time)
@@ -169,13 +169,13 @@ def test_the_ideal_is_the_closed_form(damping):
     np.testing.assert_allclose(ideal_releases(feel, 1.0, 1e-3, 1500)[0], closed, atol=1e-8)  # 1e-9 off critical
 
 
-def test_the_numbers_do_not_depend_on_threads_or_pieces(found, monkeypatch):
+def test_results_do_not_depend_on_threads_or_chunks(found, monkeypatch):
     monkeypatch.setattr(releases, "_CHUNK_BYTES", 2**18)
     again = ff.find_envelope(ff.elevator(), grid=GRID, threads=1)
     assert again.data.identical(found.data)
 
 
-def test_a_release_has_the_same_bits_in_any_company(found):
+def test_release_is_bit_identical_in_any_batch(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
@@ -207,7 +207,7 @@ def test_shares_are_counts(found):
         np.testing.assert_array_equal(found.failures(name, worst=True) < 0, (outcome == 0).all("case"))
 
 
-def test_the_default_grid_is_near_the_independent_reckoning():
+def test_default_grid_matches_the_independent_calculation():
     """Issue 5's own linear reckoning: 60 % stable and 22 % within tolerance, 75 % and 18 %; its grid is not stated."""
     found = ff.find_envelope(ff.elevator(), ("original", "published"), changes={}, arms=())
     original, published = (found.shares(name) for name in found.laws)
@@ -224,7 +224,7 @@ def test_every_outcome_has_a_reason():
     assert failure_of("A3") is Failure.OVERSHOOTS
 
 
-def test_cases_are_one_thing_at_a_time(found):
+def test_each_case_varies_one_parameter(found):
     cases = found.plan.cases
     assert [case.kind for case in cases] == [Kind.NOMINAL] + [Kind.PLANT] * 28 + [Kind.ARM] * 3
     assert {case.parameter for case in cases if case.parameter} == set(CHANGES) - {
@@ -235,14 +235,14 @@ def test_cases_are_one_thing_at_a_time(found):
     assert not found.case("firm arm").verified
 
 
-def test_the_grip_arm_changes_no_release_hands_off(found):
+def test_grip_arm_does_not_change_hands_off_releases(found):
     codes = found.codes("published")
     names = [case.name for case in found.plan.cases]
     for name in ("column.grip_arm -20 %", "column.grip_arm +20 %"):
         np.testing.assert_array_equal(codes[names.index(name)], codes[0])
 
 
-def test_a_loader_with_optional_rows_is_stepped():
+def test_loader_with_optional_rows_is_simulated():
     rows = {"valve.orifice": True, "column.stop_low": "-12 deg", "column.stop_high": "12 deg", "feel.breakout": "1 lb"}
     loader = ff.elevator().replace(rows | {"feel.breakout_travel": "0.5 deg"})
     grid = {"stiffness": "10, 60, 100 %", "frequency": "1, 3 Hz", "damping": "0.4, 1.2"}
@@ -300,7 +300,7 @@ def test_a_loader_with_optional_rows_is_stepped():
         ({"angle_rad": float("inf")}, "above 0"),
     ],
 )
-def test_bad_input_is_named(arguments, message):
+def test_invalid_input_is_named(arguments, message):
     with pytest.raises(InputError, match=message):
         make_plan(ff.elevator(), **arguments)
 
@@ -310,7 +310,7 @@ def test_bad_input_is_named(arguments, message):
     [ff.find_envelope, ff.envelope.make_plan, ff.find_frontier, ff.choice.score_laws],
     ids=lambda it: it.__name__,
 )
-def test_the_options_of_a_plan_are_known_to_type_checkers(function):
+def test_plan_options_are_typed_and_unknown_options_are_refused(function):
     """Each by its name and type, so that a slip is seen before anything runs; and refused where it runs."""
     (options,) = typing.get_args(typing.get_type_hints(function)["options"])
     of_plan = {field.name: field.type for field in dataclasses.fields(Plan) if field.init}

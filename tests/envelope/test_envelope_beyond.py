@@ -22,7 +22,7 @@ def found():
     return ff.find_envelope(WEAK, ["robust"], GRID, changes={}, arms=(), angle_rad=ANGLE)
 
 
-def test_what_the_largest_current_does_not_hold_is_beyond_the_motors_torque(found):
+def test_settings_above_the_current_limit_exceed_the_motor_torque(found):
     """G theta > K_t i_max alpha R_b / r: without friction and losses."""
     row = WEAK.__getitem__
     most = (
@@ -38,7 +38,7 @@ def test_what_the_largest_current_does_not_hold_is_beyond_the_motors_torque(foun
     )
 
 
-def test_they_are_a_kind_of_failure_of_their_own(found):
+def test_torque_limit_is_a_separate_failure(found):
     beyond = found.forbidden.settings
     count = int(beyond.sum())
     assert not found.passes("robust")[0][beyond].any()
@@ -50,7 +50,7 @@ def test_they_are_a_kind_of_failure_of_their_own(found):
     assert envelope_json(found, ff.UnitSystem.SI)["forbidden"] == {"the motor's torque": count}
 
 
-def test_a_valve_and_a_strong_motor_have_none():
+def test_valve_and_strong_motor_have_no_forbidden_settings():
     for loader, law in ((ff.elevator(), "published"), (ff.loader.electric("aileron-wheel"), "robust")):
         grid = {"stiffness": "50, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
         other = ff.find_envelope(loader, [law], grid, changes={}, arms=())
@@ -61,7 +61,7 @@ def test_a_valve_and_a_strong_motor_have_none():
 @pytest.mark.parametrize(
     ("command", "more"), [("law", ("--law", "robust")), ("qualify", ("--test", "release-25-positive"))]
 )
-def test_other_commands_name_what_would_hold_the_programmed_force(monkeypatch, capsys, tmp_path, command, more):
+def test_other_commands_state_the_remedy_for_holding_force(monkeypatch, capsys, tmp_path, command, more):
     call = runner(monkeypatch, capsys, tmp_path, command)
     status, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", *more)
     findings = json.loads(out)["conclusions"]["findings"]
@@ -70,7 +70,7 @@ def test_other_commands_name_what_would_hold_the_programmed_force(monkeypatch, c
     assert status in {0, 1}
 
 
-def test_a_run_at_the_limit_of_current_leads_to_what_would(monkeypatch, capsys, tmp_path):
+def test_run_at_the_current_limit_states_the_remedy(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "simulate")
     _, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", "--duration", "0.5 s")
     assert any(

@@ -28,7 +28,7 @@ def run(monkeypatch, capsys, tmp_path):
     return runner(monkeypatch, capsys, tmp_path, "envelope")
 
 
-def test_the_built_in_loader_compared(run, tmp_path):
+def test_built_in_loader_is_compared(run, tmp_path):
     status, out, err = run("--compare", *SMALL, "--out", "found")
     assert (status, err) == (0, "")
     assert "passes in every case" in out
@@ -42,7 +42,7 @@ def test_the_built_in_loader_compared(run, tmp_path):
     assert {row[6] for row in rows[1:]} >= {"passes", "unstable", "P0"}
 
 
-def test_the_results_agree_with_the_maps(run, tmp_path):
+def test_results_match_the_maps(run, tmp_path):
     status, out, _ = run("--law", "published", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
@@ -62,13 +62,13 @@ def test_the_results_agree_with_the_maps(run, tmp_path):
     assert not next(case for case in found["cases"] if case["name"] == "firm arm")["arm"]["verified"]
 
 
-def test_another_rule_says_what_is_not_verified(run):
+def test_other_rule_states_unverified_requirements(run):
     status, out, _ = run(*SMALL, "--rule", "cs-fstd-a")
     assert status == 0
     assert "Not verified" in out
 
 
-def test_a_folder_with_an_envelope_is_not_overwritten(run, tmp_path):
+def test_existing_envelope_is_not_overwritten(run, tmp_path):
     assert run(*SMALL)[0] == 0
     before = (tmp_path / "forcefeel-envelope" / RESULTS).read_bytes()
     status, _, err = run(*SMALL, "--angle", "5 deg")
@@ -81,7 +81,7 @@ def test_a_folder_with_an_envelope_is_not_overwritten(run, tmp_path):
     ] == pytest.approx(5)
 
 
-def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -92,7 +92,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
     assert not (tmp_path / "forcefeel-envelope").exists()
 
 
-def test_how_far_a_part_is_off(run):
+def test_deviation_option_sets_the_cases(run):
     status, out, _ = run(*SMALL, "--deviation", "column.inertia=2 %", "--deviation", "linkage.damping=none", "--json")
     assert status == 0
     names = [case["name"] for case in json.loads(out)["cases"]]
@@ -101,7 +101,7 @@ def test_how_far_a_part_is_off(run):
     assert len(names) == CASES - 2
 
 
-def test_a_controller_brings_its_laws(run):
+def test_digital_loader_is_compared_under_its_laws(run):
     few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=2, 4 Hz"), *("--grid", "damping=0.4, 1"))
     words = (
         "elevator-2khz",
@@ -144,7 +144,7 @@ def test_a_controller_brings_its_laws(run):
         (("there-is-none.toml",), "there-is-none.toml"),
     ],
 )
-def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+def test_invalid_input_exits_2_with_remedy(run, tmp_path, words, message):
     status, out, err = run(*words)
     assert (status, out) == (2, "")
     assert message in err
@@ -152,14 +152,14 @@ def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_where_a_folder_is_wanted(run, tmp_path):
+def test_file_in_place_of_a_folder_is_refused(run, tmp_path):
     (tmp_path / "taken").write_text("mine")
     status, _, err = run(*SMALL, "--out", "taken")
     assert status == 2
     assert "is a file" in err
 
 
-def test_the_page_has_no_endless_numbers_and_says_what_is_not_verified(run, tmp_path):
+def test_page_has_rounded_numbers_and_names_unverified_items(run, tmp_path):
     run("--compare", *SMALL)
     page = (tmp_path / "forcefeel-envelope" / PAGE).read_text(encoding="utf-8")
     words = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
@@ -169,7 +169,7 @@ def test_the_page_has_no_endless_numbers_and_says_what_is_not_verified(run, tmp_
     assert words.count("<svg") == 2 * 3 * 2  # damping ratios, compensators, nominal and first failing case
 
 
-def test_a_law_of_ones_own_is_escaped_in_the_page(tmp_path):
+def test_custom_law_name_is_escaped_in_the_page(tmp_path):
     grid = {"stiffness": "10, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 1"}
     found = ff.find_envelope(ff.elevator(), {"<b>mine": None}, grid, changes={}, arms=())
     page = ff.envelope.write_envelope(found, tmp_path, ff.UnitSystem.SI).read_text(encoding="utf-8")

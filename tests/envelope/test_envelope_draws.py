@@ -88,7 +88,7 @@ def angle(off, setting, gains, held, time):
     return (modes @ np.exp(np.outer(poles, time))).real
 
 
-def test_drawn_machines_end_as_the_equations_written_by_hand(found):
+def test_random_machines_match_hand_written_equations(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     gains = schedule_gains(plan.loader, feel, NAMED_DESIGNS[LAW](plan.loader)).gains * GAIN_PER_US
@@ -128,7 +128,7 @@ def test_shares_are_counted(found):
     assert 0 < shares.passes < 1
 
 
-def test_numbers_are_those_of_a_keyed_stream_and_of_the_tolerance():
+def test_random_deviations_are_keyed_and_follow_the_tolerance():
     low, high = -0.1, 0.3
     spread = {
         "linkage.ratio": Deviation(Tolerance(Distribution.UNIFORM, low, high), Origin.FILE),
@@ -146,13 +146,13 @@ def test_numbers_are_those_of_a_keyed_stream_and_of_the_tolerance():
     assert few[0].off != Draws(10, 4).machines(spread)[0].off
 
 
-def test_corners_are_the_ends_of_the_cases():
+def test_corners_combine_the_ends_of_the_cases():
     spread = {"column.inertia": Deviation(Tolerance(Distribution.NORMAL, -0.09, 0.09, 0.0, 0.03), Origin.FILE)}
     found = {one.off["column.inertia"] for one in Draws(30, corners=True).machines(spread)}
     assert found == {-0.06, 0.06}
 
 
-def test_the_lever_of_several_parts_that_are_off():
+def test_joint_lever_deviations_scale_the_feel():
     """A feel computer that hears a torque 1.1 * 0.95 times too large, and has I, B, G so much larger, moves as it should."""
     off = Case("", Kind.DRAWN, {"linkage.ratio": 0.1, "column.base_arm": -0.05})
     feel = np.array([[1.0, 2.0, 3.0]])
@@ -160,7 +160,7 @@ def test_the_lever_of_several_parts_that_are_off():
     assert row[:3] == pytest.approx(feel[0] * 1.1 * 0.95)
 
 
-def test_weights_are_the_room_in_proportion():
+def test_log_weights_match_the_setting_spacing():
     settings = Settings.of({"stiffness": "1, 10, 100 %", "frequency": "1, 2 Hz", "damping": "0.1, 0.2, 0.8"})
     weights = settings.weights.reshape(settings.shape)
     assert weights.sum() == pytest.approx(1)
@@ -170,14 +170,14 @@ def test_weights_are_the_room_in_proportion():
     )  # of three octaves: a half, one and a half, one
 
 
-def test_shares_in_proportion_are_weighed(found):
+def test_log_weighted_shares_match_the_weighted_sum(found):
     passes = found.passes(LAW)
     even = found.even_shares(LAW)
     assert even.nominal_share == pytest.approx(float((found.plan.settings.weights * passes[0]).sum()))
     assert even.worst_case_share == pytest.approx(float((found.plan.settings.weights * passes.all(axis=0)).sum()))
 
 
-def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
+def test_random_draws_appear_on_page_terminal_and_in_files(monkeypatch, capsys, tmp_path):
     run = runner(monkeypatch, capsys, tmp_path, "envelope")
     words = ("--law", LAW, *(word for name, it in GRID.items() for word in ("--grid", f"{name}={it}")))
     status, out, err = run(*words, "--draws", "5", "--seed", str(2**62), "--corners")
@@ -199,12 +199,12 @@ def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("given", [{"count": -1}, {"count": 1001}, {"count": 2.0}, {"seed": 2**63}, {"seed": True}])
-def test_draws_that_are_none(given):
+def test_invalid_draws_raise_input_error(given):
     with pytest.raises(InputError, match="expected a whole number from 0"):
         Draws(**given)
 
 
-def test_no_draws_have_no_shares():
+def test_zero_draws_have_no_shares():
     few = ff.find_envelope(ff.elevator(), ("original",), GRID, changes={}, arms=())
     with pytest.raises(InputError, match="machines that were drawn"):
         few.drawn_shares("original")

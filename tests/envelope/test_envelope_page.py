@@ -53,7 +53,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 page = views_of(ENVELOPES)
 
 
-def test_the_maps_can_be_seen(page):
+def test_maps_are_visible(page):
     sizes = page.evaluate(
         """() => [...document.querySelectorAll('#maps > .maps svg')].map(one => {
             const {width, height} = one.getBoundingClientRect();
@@ -65,7 +65,7 @@ def test_the_maps_can_be_seen(page):
     assert min(height for _, height in sizes) >= SMALLEST_PANEL_PX / 2
 
 
-def test_maps_and_five_findings_are_above_the_fold(page):
+def test_maps_and_first_findings_are_above_the_fold(page):
     lowest, findings = page.evaluate(
         """() => {
             const box = one => one.getBoundingClientRect().bottom + scrollY;
@@ -77,7 +77,7 @@ def test_maps_and_five_findings_are_above_the_fold(page):
         assert lowest <= FOLD_PX
 
 
-def test_every_colour_of_a_map_is_in_its_legend(page):
+def test_every_map_color_is_in_its_legend(page):
     drawn, listed = page.evaluate(
         """() => [
             [...new Set([...document.querySelectorAll('.maps rect')].map(one => one.getAttribute('fill')))],
@@ -88,7 +88,7 @@ def test_every_colour_of_a_map_is_in_its_legend(page):
     assert all(any(color in style for style in listed) for color in drawn)
 
 
-def test_the_loaders_setting_lies_in_its_panel(page):
+def test_loader_setting_is_marked_in_its_panel(page):
     outside = page.evaluate(
         """(rounding) => [...document.querySelectorAll('#maps > .maps .own')].filter(dot => {
             const at = dot.getBoundingClientRect(), room = dot.parentElement.getBoundingClientRect();
@@ -103,7 +103,7 @@ def test_the_loaders_setting_lies_in_its_panel(page):
     assert drawn == (3 if "14 CFR" in page.inner_text("main") else 0)  # out of the other one's grid
 
 
-def test_what_is_left_out_or_not_verified_is_said(page):
+def test_omitted_and_unverified_items_are_listed(page):
     text = page.inner_text("main")
     if "14 CFR" in text:
         assert "Not verified against a source: firm arm" in text

@@ -73,7 +73,7 @@ def exact(loader, law, values, setting):
     "name",
     [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor],
 )
-def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> None:
+def test_verdicts_and_releases_match_the_exact_plant(loader: ff.Loader, name: str) -> None:
     plan = make_plan(loader, (name,), GRID)
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(LAW_DESIGNS[name], plan.loader, feel)
@@ -102,7 +102,7 @@ def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, n
     assert followed > 8
 
 
-def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.Loader) -> None:
+def test_laws_trusting_the_potentiometer_fail_on_a_softer_link(loader: ff.Loader) -> None:
     changes = {"linkage.stiffness": 0.2}
     found = ff.find_envelope(loader, ("observer", "recovered", "robust"), GRID, changes=changes, arms=())
     lost = {name: found.shares(name).stable - found.shares(name).stable_worst for name in found.laws}
@@ -111,7 +111,7 @@ def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.
     assert lost["robust"] == 0.0
 
 
-def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
+def test_sampled_grip_converges_to_analog_as_period_vanishes() -> None:
     frequency = np.array([0.3, 2.0, 11.0])
     own = np.array([[ff.elevator()[key] for key in FEEL_SETTING]])
     analog = Grips.of(ff.elevator(), Law("original"), own).admittance(0, frequency)
@@ -123,7 +123,7 @@ def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
     assert errors[1] < 0.3 * errors[0]  # of the first order in the period
 
 
-def test_residues_are_the_admittance(loader: ff.Loader) -> None:
+def test_residues_match_the_admittance(loader: ff.Loader) -> None:
     feel = make_plan(loader, ("robust",), GRID).settings.feel(loader)[[2, 11]]
     grips = Grips.of(loader, Law.of(LAW_DESIGNS["robust"], loader, feel), feel)
     frequency = np.geomspace(0.1, 300, 20)
@@ -137,20 +137,20 @@ def test_residues_are_the_admittance(loader: ff.Loader) -> None:
         )  # poles near z = 1 and 0 in one sum
 
 
-def test_orifice_takes_the_place_of_its_gains() -> None:
+def test_orifice_rows_replace_the_valve_gains() -> None:
     found = {key: one.size for key, one in deviations_of(ff.digital_elevator()).items()}
     assert (found["valve.rated_flow"], found["valve.supply_pressure"]) == pytest.approx((0.3, 0.2))
     assert "valve.current_gain" not in found
     assert deviations_of(ff.elevator())["valve.current_gain"].size == pytest.approx(0.3)
 
 
-def test_robust_loader_qualifies() -> None:
+def test_robust_law_qualifies_the_loader() -> None:
     loader = ff.digital_elevator()
     found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))
     assert [section.name for section in found.sections if section.status is QualificationStatus.QUALIFIES] == ["robust"]
 
 
-def test_analog_loader_takes_the_laws_of_the_report_alone(loader: ff.Loader) -> None:
+def test_analog_loader_accepts_only_the_laws_of_the_report(loader: ff.Loader) -> None:
     assert names_for(ff.elevator()) == ("original", "published", "converged")
     assert set(names_for(loader)) == {*names_for(ff.elevator()), *LAW_DESIGNS} - {"torque-mode", "grip"}
     with pytest.raises(InputError, match=r"controller\.period: expected a sample period, got none"):

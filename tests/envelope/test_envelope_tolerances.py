@@ -32,7 +32,7 @@ def stating(loader, **tolerances):
     return loader.with_tolerances({INERTIA: tolerances.pop("inertia"), **tolerances})
 
 
-def test_what_a_file_knows_to_one_per_cent_loses_less_than_what_it_knows_to_twenty(tmp_path):
+def test_tighter_file_tolerance_loses_fewer_settings(tmp_path):
     file, lost = tmp_path / "mine.toml", []
     for share in ("1 %", "20 %"):
         file.write_text(stating(ff.elevator(), inertia=share).to_toml(), encoding="utf-8")
@@ -52,7 +52,7 @@ def test_what_a_file_knows_to_one_per_cent_loses_less_than_what_it_knows_to_twen
         ({"normal": "2 %", "mean": "1 %", "low": "-9 %", "high": "3.5 %"}, 0.97, 1.035),  # cut off above
     ],
 )
-def test_cases_stand_at_the_ends_of_the_stated_tolerance(stated, low, high):
+def test_cases_are_at_the_ends_of_the_stated_tolerance(stated, low, high):
     plan = make_plan(stating(ff.elevator(), inertia=stated), ("original",), GRID)
     cases = [case for case in plan.cases if case.parameter == INERTIA]
     feel = plan.settings.feel(plan.loader)[:1]
@@ -61,13 +61,13 @@ def test_cases_stand_at_the_ends_of_the_stated_tolerance(stated, low, high):
     assert built == pytest.approx([low * nominal, high * nominal], rel=ROUNDING)
 
 
-def test_two_standard_deviations_are_what_the_documentation_says():
+def test_normal_tolerance_ends_at_two_standard_deviations():
     ends = Tolerance(Distribution.NORMAL, -10.0, 10.0, peak=0.0, deviation=1.0).ends
     assert ends == (-2.0, 2.0)
     assert truncnorm.cdf(ends[1], -10, 10) - truncnorm.cdf(ends[0], -10, 10) == pytest.approx(0.954, abs=THREE_DIGITS)
 
 
-def test_what_no_file_states_is_assumed_and_called_so():
+def test_missing_tolerance_uses_the_marked_default():
     bare = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
     for loader in (bare, ff.elevator(), ff.elevator().replace({INERTIA: "40 lb in s^2/rad"})):
         found = deviations_of(loader)
@@ -78,7 +78,7 @@ def test_what_no_file_states_is_assumed_and_called_so():
     assert {key for key, one in known.items() if one.origin is Origin.FILE} == {INERTIA}
 
 
-def test_what_identify_found_is_the_files_and_what_it_left_is_assumed():
+def test_identified_tolerance_is_used_and_others_are_assumed():
     loader = ff.elevator()
     value, deviation = 1.07 * loader["linkage.stiffness"], 1.4e-5 * loader["linkage.stiffness"]
     fitted = Tolerance(
@@ -95,7 +95,7 @@ def test_what_identify_found_is_the_files_and_what_it_left_is_assumed():
     assert "linkage.stiffness +0.002617 %" in cases  # 2 * 1.4e-5 / 1.07
 
 
-def test_tolerances_of_what_is_no_part_of_the_plant_are_named():
+def test_tolerances_outside_the_plant_are_named():
     digital = ff.digital_elevator().replace({"column.coulomb_friction": "2 lb"})
     loader = digital.with_tolerances({"column.coulomb_friction": {"uniform": ["1 lb", "4 lb"]}})
     assert deviations_of(loader)["column.coulomb_friction"].ends == pytest.approx((-0.5, 1.0))
@@ -104,12 +104,12 @@ def test_tolerances_of_what_is_no_part_of_the_plant_are_named():
     assert "valve.rated_flow" not in deviations_of(ff.elevator())  # the flow follows the gains
 
 
-def test_a_tolerance_of_the_feel_does_not_keep_it_from_being_left_out():
+def test_feel_row_with_tolerance_is_still_omitted():
     loader = ff.elevator().replace({"feel.breakout": "4 lb"}).with_tolerances({"feel.breakout": "20 %"})
     assert feel_json(loader)[0]["feel.breakout"] == 0
 
 
-def test_deviations_are_tightened_about_the_value():
+def test_deviations_shrink_about_the_nominal_value():
     skewed = Deviation(Tolerance(Distribution.NORMAL, -0.1, 0.3, peak=0.1, deviation=0.05), Origin.FILE)
     assert skewed.ends == pytest.approx((0.0, 0.2))
     assert skewed.scaled(0.5).ends == pytest.approx((0.0, 0.1))
@@ -128,12 +128,12 @@ def test_deviations_are_tightened_about_the_value():
         ({"column.coulomb_friction": 0.1}, "off or zero"),
     ],
 )
-def test_what_cannot_be_off_is_named(changes, message):
+def test_parameter_without_deviation_is_named(changes, message):
     with pytest.raises(InputError, match=message):
         chosen_deviations(ff.elevator(), changes)
 
 
-def test_a_tolerance_that_leads_out_of_its_range_is_refused():
+def test_tolerance_out_of_range_raises_input_error():
     loader = ff.elevator().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95}, si=True)
     with pytest.raises(InputError, match=r"tolerances\.linkage\.ratio: out of range"):
         make_plan(loader, ("original",), GRID)
@@ -148,7 +148,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_with_cases_takes_the_files_tolerances_and_its_options(command, monkeypatch, capsys, tmp_path):
+def test_every_command_with_cases_uses_tolerances_and_deviation_options(command, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr("forcefeel.frontier.run.ERRORS", (0.02,))
     for name, loader in (("mine", ff.elevator()), ("mine-2khz", ff.digital_elevator())):
         (tmp_path / f"{name}.toml").write_text(stating(loader, inertia="1 %").to_toml(), encoding="utf-8")
@@ -181,7 +181,7 @@ def test_every_command_with_cases_takes_the_files_tolerances_and_its_options(com
     assert run(*words, "--set", "column.mass=3")[0] == 2
 
 
-def test_a_law_by_its_equations_takes_set_too(monkeypatch, capsys, tmp_path):
+def test_law_from_equations_accepts_set(monkeypatch, capsys, tmp_path):
     run = runner(monkeypatch, capsys, tmp_path, "law")
     found = [json.loads(run("--json", *words)[1]) for words in ((), ("--set", "linkage.stiffness=9000 lb/in"))]
     gains = [[one["value"] for one in each["compensation"]["gains"]] for each in found]

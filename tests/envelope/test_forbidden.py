@@ -31,7 +31,7 @@ def planned(loader, angle_deg=10.0, laws=("robust",), **more):
     return make_plan(loader, laws, GRID, changes={}, arms=(), angle_rad=radians(angle_deg), **more)
 
 
-def test_the_fastest_fall_is_that_of_a_column_on_a_spring_whose_end_runs_away():
+def test_fastest_fall_matches_an_independent_integration():
     """J theta'' = -k (theta - x), x' = -v, by an integrator; k in series with the oil."""
     g = SLOW.__getitem__
     lever = g("linkage.ratio") * g("column.base_arm")
@@ -58,7 +58,7 @@ def test_the_fastest_fall_is_that_of_a_column_on_a_spring_whose_end_runs_away():
     assert found[0] == pytest.approx(low - high, rel=FINE)
 
 
-def test_the_largest_force_alone_is_a_constant_acceleration():
+def test_force_limit_alone_gives_constant_acceleration():
     motor = ff.loader.electric("sidestick-roll")
     fastest = Fastest.of(motor)
     _, found = fastest.fall_s(0.2, np.array([5.0]), 0.9, 0.0)
@@ -66,7 +66,7 @@ def test_the_largest_force_alone_is_a_constant_acceleration():
     assert found[0] == pytest.approx(np.sqrt(2 * way / a) - np.sqrt(0.2 * way / a))
 
 
-def test_what_the_file_does_not_limit_forbids_nothing():
+def test_drive_without_limits_forbids_nothing():
     for loader in (ff.elevator(), ff.elevator().replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})):
         laws = ("published",)
         assert not forbidden(planned(loader, laws=laws), threads=1).settings.any()
@@ -100,7 +100,7 @@ def test_what_the_file_does_not_limit_forbids_nothing():
         ),
     ],
 )
-def test_no_law_passes_what_the_drive_forbids(loader, laws, reason):
+def test_no_law_passes_settings_forbidden_by_the_drive(loader, laws, reason):
     plan = planned(loader, laws=laws)
     found = compute_few(plan, threads=1)
     which = found.forbidden.settings
@@ -110,7 +110,7 @@ def test_no_law_passes_what_the_drive_forbids(loader, laws, reason):
         assert not found.passes(law)[0][which].any()
 
 
-def test_the_noise_of_a_law_that_renders_is_that_of_its_transfer_function():
+def test_noise_floor_matches_its_transfer_function():
     """|J s^2 H - 1|^2, added up by quadrature."""
     plan = planned(ff.digital_elevator())
     g, found = plan.loader.__getitem__, noise_floor(plan)
@@ -127,7 +127,7 @@ def test_the_noise_of_a_law_that_renders_is_that_of_its_transfer_function():
         assert found[place] ** 2 == pytest.approx(expected, rel=FINE)
 
 
-def test_with_a_sensor_at_the_grip_it_is_the_least_of_all_laws_that_render():
+def test_grip_sensor_noise_floor_is_the_minimum_over_all_laws():
     """Over what angle and grip's force are each given, ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)``, by a search."""
     sensor = {"grip_sensor.gain": 0.9, "grip_sensor.noise": "0.05 lb", "grip_sensor.mass": "2 lbm"}
     plan = planned(ff.digital_elevator().replace(sensor, si=True))
@@ -156,7 +156,7 @@ def test_with_a_sensor_at_the_grip_it_is_the_least_of_all_laws_that_render():
     assert noise_floor(plan)[7] < noise_floor(planned(ff.digital_elevator()))[7]
 
 
-def test_noise_forbids_what_is_light_and_small_and_no_law_passes_it():
+def test_noise_forbids_light_small_feels_and_no_law_passes_them():
     rows = {f"{sensor}.{row}": "0.3 deg" for sensor in ("column_sensor",) for row in ("noise", "resolution")}
     coarse = {"potentiometer.noise": "0.1 in", "potentiometer.resolution": "0.1 in"}
     loader = ff.digital_elevator().replace(rows | coarse, si=True)
@@ -168,7 +168,7 @@ def test_noise_forbids_what_is_light_and_small_and_no_law_passes_it():
         assert not found.passes(law)[0][which].any()
 
 
-def test_it_is_counted_apart_everywhere():
+def test_forbidden_settings_are_counted_separately():
     found = ff.find_envelope(SLOW, ["robust"], GRID, changes={}, arms=(), smaller_rad=(radians(2),))
     count, allowed = int(found.forbidden.settings.sum()), found.allowed_shares("robust")
     assert allowed.settings == 12 - count
@@ -185,7 +185,7 @@ def test_it_is_counted_apart_everywhere():
     assert [one.release_rad for one in found.by_angle] == pytest.approx([radians(10), radians(2)])
 
 
-def test_smaller_releases_are_those_below_the_own():
+def test_smaller_releases_are_below_the_default_release():
     plan = planned(SLOW, 2.0).with_smaller_releases()
     assert plan.smaller_rad == pytest.approx([radians(1), radians(0.5)])
     assert plan.releases == 3 * 12

@@ -32,14 +32,14 @@ PLAIN = LawDesign(
 
 
 @pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
-def test_friction_that_the_law_knows_is_hardly_felt(name):
+def test_friction_known_to_the_law_is_compensated(name):
     loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
     loader = loader.replace(FRICTION)
     assert rendered(loader, PLAIN) < 0.5
     assert rendered(loader, "robust") > 0.8  # of 12 settings 12 and 10
 
 
-def test_a_hand_finds_the_programmed_curve_but_for_the_breakaway():
+def test_force_curve_matches_the_feel_except_for_breakaway():
     """Slowly to and fro: where the column moves, the width of the loop is the damping's alone; without, twice the friction more."""
     feel = {"feel.inertia": 0.5, "feel.damping": 3.0, "feel.stiffness": 20.0}
     loader = ff.digital_elevator().replace(feel | FRICTION, si=True).with_tolerances({"column.coulomb_friction": "1 %"})
@@ -60,7 +60,7 @@ def test_a_hand_finds_the_programmed_curve_but_for_the_breakaway():
     assert abs(off["friction"]) < 0.05 * loader["column.coulomb_friction"]
 
 
-def test_it_goes_through_the_file_and_between_two_laws(tmp_path):
+def test_friction_level_is_saved_and_interpolated_between_laws(tmp_path):
     loader = ff.digital_elevator().replace(FRICTION)
     law = Law.of("robust", loader)
     law.save(tmp_path / "law.json")
@@ -75,7 +75,7 @@ SOFT = {"stiffness": "1, 2.5, 6 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1
 
 
 @pytest.mark.parametrize("share", [-0.2, 0.2])
-def test_friction_that_is_off_is_learnt_while_the_hand_is_off(share):
+def test_friction_error_is_learned_hands_off(share):
     """Breakaway off with it. Measured of 18 soft settings: 14 and 17; 3 and 4 under a law that is sure of what it was told."""
     loader = ff.digital_elevator().replace(FRICTION)
     certain = loader.with_tolerances({"column.coulomb_friction": "0.01 %"})
@@ -88,7 +88,7 @@ def test_friction_that_is_off_is_learnt_while_the_hand_is_off(share):
     assert told < 0.5
 
 
-def test_it_is_learnt_within_the_tolerance_of_the_file():
+def test_learned_friction_stays_within_its_tolerance():
     loader = ff.digital_elevator().replace(FRICTION)
     torque = loader["column.coulomb_friction"] * loader["column.grip_arm"]
     for stated, ends in ((None, (-0.2, 0.2)), ("5 %", (-0.05, 0.05)), ({"uniform": ["0.7 lb", "1.1 lb"]}, (-0.3, 0.1))):
@@ -98,13 +98,13 @@ def test_it_is_learnt_within_the_tolerance_of_the_file():
         )  # digits of a file
 
 
-def test_a_tolerance_of_the_friction_is_a_case_though_none_is_stated():
+def test_friction_varies_by_default_without_a_stated_tolerance():
     cases = make_plan(ff.digital_elevator().replace(FRICTION), ["robust"], GRID).cases
     assert {case.change for case in cases if case.parameter == "column.coulomb_friction"} == {-0.2, 0.2}
     assert not [case for case in make_plan(ff.digital_elevator(), ["robust"], GRID).cases if "friction" in case.name]
 
 
-def test_a_hand_that_moves_the_column_teaches_nothing_that_stays():
+def test_hand_motion_does_not_change_the_learned_friction():
     """Slowly to and fro, friction as told and 10 % off: it feels by how much it is off. Where its way through zero torque teaches
     for good, the level goes to its lower end: 18 % more is felt of each."""
     feel = {"feel.inertia": 0.5, "feel.damping": 3.0, "feel.stiffness": 20.0}
@@ -122,7 +122,7 @@ def test_a_hand_that_moves_the_column_teaches_nothing_that_stays():
         assert width == pytest.approx(off, abs=0.05)  # measured: -0.08, 0.02, 0.12; 1 % of it without learning
 
 
-def test_viscous_friction_is_known_to_the_observer():
+def test_observer_includes_viscous_friction():
     """Measured of 18 soft settings: all; 8 where it is not."""
     loader = ff.digital_elevator().replace({"column.viscous_friction": "10 lb in s/rad"})
     bare = loader.replace({"column.viscous_friction": None})

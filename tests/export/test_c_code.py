@@ -49,7 +49,7 @@ def single(tmp_path_factory):
 @pytest.mark.parametrize(
     ("compiler", "level"), [("gcc", 0), ("gcc", 1), ("gcc", 2), ("gcc", 3), ("clang", 1), ("clang", 2)]
 )
-def test_a_schedule_with_every_nonlinear_part_gives_the_same_bits(folder, compiler, level):
+def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, level):
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_law.c", "pitch_test.o", "-lm")
     assert run(folder, "./program") == "pitch: 10002 samples, 0 differ\n"
@@ -57,19 +57,19 @@ def test_a_schedule_with_every_nonlinear_part_gives_the_same_bits(folder, compil
 
 @pytest.mark.parametrize("level", [0, 3])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_a_motor_in_single_precision_gives_the_same_bits(single, compiler, level):
+def test_single_precision_motor_matches_bitwise(single, compiler, level):
     needs(compiler)
     run(single, compiler, *STRICT, f"-O{level}", "-o", "program", "roll_law.c", "roll_test.o", "-lm")
     assert run(single, "./program") == "roll: 10002 samples, 0 differ\n"
 
 
-def test_the_readme_tells_times_as_people_read_them(single):
+def test_readme_formats_times_for_readers(single):
     assert "| period, delay | 0.5 ms, 0.5 ms from sample to command |" in (single / "README.md").read_text(
         encoding="utf-8"
     )
 
 
-def test_a_feel_that_is_too_heavy_for_the_drive_has_golden_inputs_too():
+def test_too_heavy_feel_has_golden_inputs():
     """A desktop yoke cannot hold the elevator's spring at 0.1 rad; the release begins where it can."""
     heavy = ff.flight_schedule.read_knots(KNOTS).feel[:1]
     given, _ = golden_inputs(ff.export.Exported.of("robust", ff.loader.electric("desktop-yoke"), "yoke", heavy))
@@ -78,13 +78,13 @@ def test_a_feel_that_is_too_heavy_for_the_drive_has_golden_inputs_too():
 
 
 @pytest.mark.parametrize("core", BOARDS)
-def test_a_board_gives_the_same_bits(single, core):
+def test_emulated_board_matches_bitwise(single, core):
     needs("arm-none-eabi-gcc", "qemu-system-arm")
     for_board(single, core, "board.elf", "roll_test.c", "roll_law.c", flags=STRICT)
     assert on_board(single, core, "board.elf") == "roll: 10002 samples, 0 differ\n"
 
 
-def test_a_period_keeps_to_its_instructions_and_the_law_to_its_bytes(tmp_path):
+def test_period_and_law_stay_within_instruction_and_size_budgets(tmp_path):
     """Most of any golden sample, with every nonlinear part of the feel; size of four settings with every part."""
     needs("arm-none-eabi-gcc", "qemu-system-arm")
     every = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
@@ -97,7 +97,7 @@ def test_a_period_keeps_to_its_instructions_and_the_law_to_its_bytes(tmp_path):
     assert size < cost.code_and_data(four, "law.o") <= cost.PROMISED_BYTES
 
 
-def test_two_axes_in_one_program_give_theirs(folder, single, tmp_path):
+def test_two_axes_in_one_program_match(folder, single, tmp_path):
     """Valve and motor, double and single, with their headers in one file, too."""
     (tmp_path / "both.c").write_text(
         '#include "pitch_law.h"\n#include "roll_law.h"\nint pitch_test(void);\nint roll_test(void);\n'
@@ -113,7 +113,7 @@ def test_two_axes_in_one_program_give_theirs(folder, single, tmp_path):
     assert run(tmp_path, "./both") == "pitch: 10002 samples, 0 differ\nroll: 10002 samples, 0 differ\n"
 
 
-def test_sanitizers_find_nothing(folder):
+def test_sanitizers_find_no_errors(folder):
     sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
     run(folder, "gcc", *STRICT, *sanitize, "-o", "sanitized", "pitch_law.c", "pitch_test.o", "-lm")
     assert run(folder, "./sanitized") == "pitch: 10002 samples, 0 differ\n"
@@ -126,7 +126,7 @@ def several(tmp_path_factory):
 
 
 @pytest.mark.parametrize("axes", [("roll",), ("pitch",), ("pitch", "roll")], ids="+".join)
-def test_misra_rules_are_kept_but_for_those_that_are_argued(single, several, axes):
+def test_misra_rules_hold_except_for_documented_deviations(single, several, axes):
     """One setting, several, and two axes that are linked to one program: their names must not meet."""
     needs("cppcheck")
     # As gcc for the board sees it: each configuration is checked anew, and takes as long.
@@ -138,7 +138,7 @@ def test_misra_rules_are_kept_but_for_those_that_are_argued(single, several, axe
     assert found == ARGUED
 
 
-def test_make_prints_a_bound_of_the_stack(folder):
+def test_make_prints_a_stack_bound(folder):
     found = re.search(r"pitch_law_step: at most (\d+) bytes of stack", run(folder, "make", "stack", "CC=gcc"))
     frames = (folder / "pitch_law.su").read_text(encoding="utf-8").splitlines()
     assert found
@@ -147,14 +147,14 @@ def test_make_prints_a_bound_of_the_stack(folder):
     assert {line.split("\t")[2] for line in frames} <= {"static", "dynamic,bounded"}
 
 
-def test_the_example_gives_commands(folder):
+def test_example_program_prints_commands(folder):
     run(folder, "make", "CC=gcc")
     lines = run(folder, "./pitch_main").splitlines()
     assert len(lines) == 4
     assert all(re.fullmatch(r"-?\d\S* V", line) for line in lines)
 
 
-def test_another_number_in_the_data_is_found_out(folder, tmp_path):
+def test_modified_data_are_detected(folder, tmp_path):
     data = (folder / "pitch_data.h").read_text(encoding="utf-8")
     members, numbers = data.split("pitch_numbers = {", 1)
     first = numbers.split("{{", 1)[1].split(",", 1)[0]
@@ -193,19 +193,19 @@ int main(void)
 """
 
 
-def test_what_is_no_number_gives_the_safe_output_and_leaves_the_state(folder):
+def test_nan_input_gives_safe_output_and_keeps_the_state(folder):
     (folder / "none.c").write_text(NO_NUMBER, encoding="utf-8")
     run(folder, "gcc", *STRICT, "-o", "none", "none.c", "pitch_law.c", "-lm")
     run(folder, "./none")
 
 
-def test_an_analog_law_is_refused():
+def test_analog_law_is_refused():
     with pytest.raises(ff.InputError, match="is an analog law, and the target is digital"):
         ff.export.write_export(ff.export.Exported.of("converged", ff.elevator()), ff.export.Target.C, Path("none"))
 
 
 @pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("sidestick-pitch")])
-def test_a_law_that_begins_at_a_column_that_stands_somewhere_asks_for_little(loader):
+def test_law_started_off_neutral_gives_a_small_command(loader):
     """Sensors off by a bit: a law closed on them would have asked for a million amperes."""
     law = ff.Law.of("robust", loader)
     angle = 0.1

@@ -40,7 +40,7 @@ def built_and_run(folder, main, *flags, compiler="gcc", beside=()):
 
 @pytest.mark.parametrize("flag", ["-ffinite-math-only", "-ffast-math"])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_compiling_for_finite_numbers_only_is_refused(folder, compiler, flag):
+def test_finite_math_only_compilation_is_refused(folder, compiler, flag):
     needs(compiler)
     said = run(folder, compiler, *LAX, flag, "-c", "-o", "refused.o", "pitch_law.c", status=1)
     assert f"compile without {flag}" in said
@@ -79,7 +79,7 @@ int main(void)
     ("compiler", "flag"),
     [("gcc", "-O0"), ("gcc", "-O3"), ("gcc", "-fno-signed-zeros"), ("clang", "-O2"), ("clang", "-fno-honor-nans")],
 )
-def test_what_is_no_number_is_told_by_its_bits(folder, compiler, flag):
+def test_nan_is_detected_by_its_bits(folder, compiler, flag):
     """``-fno-honor-nans`` of clang lets no macro say that comparisons no longer see what is no number."""
     needs(compiler)
     built_and_run(folder, BITS, *LAX, flag, compiler=compiler)
@@ -109,7 +109,7 @@ int main(void)
 """
 
 
-def test_inputs_beyond_what_sensors_can_show_are_refused(folder, loader):
+def test_inputs_beyond_the_sensor_range_are_refused(folder, loader):
     ranges = {
         "force": [s * loader["safety.force_range"] for s in (-1, 1)],
         "base": [s * loader["safety.angle_range"] * loader["column.base_arm"] for s in (-1, 1)],
@@ -156,7 +156,7 @@ int main(void)
 """
 
 
-def test_the_command_stays_within_what_the_amplifier_answers(folder, loader):
+def test_command_stays_within_the_amplifier_range(folder, loader):
     volts = loader["amplifier.current_limit"] / loader["amplifier.admittance"]
     built_and_run(folder, LIMIT.replace("VOLTS", repr(volts)))
 
@@ -182,7 +182,7 @@ int main(void)
 """
 
 
-def test_memory_that_was_never_reset_is_not_ready(folder):
+def test_uninitialized_memory_is_not_ready(folder):
     built_and_run(folder, FILLED)
 
 
@@ -202,12 +202,12 @@ int main(void)
 """
 
 
-def test_an_input_that_the_law_does_not_read_may_be_anything(folder):
+def test_unused_input_may_have_any_value(folder):
     built_and_run(folder, UNUSED)
     assert re.search(r"grip;.*not read", (folder / "pitch_law.h").read_text(encoding="utf-8"))
 
 
-def test_a_program_in_cpp_links_with_the_law(folder):
+def test_cpp_program_links_with_the_law(folder):
     needs("g++")
     (folder / "caller.cpp").write_text(UNUSED.replace("math.h", "cmath"), encoding="utf-8")
     run(folder, "gcc", *STRICT, "-c", "-o", "law.o", "pitch_law.c")
@@ -228,7 +228,7 @@ def test_a_program_in_cpp_links_with_the_law(folder):
     run(folder, "./cpp")
 
 
-def test_golden_columns_are_named_one_by_one(folder):
+def test_every_golden_column_is_named(folder):
     golden = (folder / "pitch_golden.h").read_text(encoding="utf-8")
     tables = re.findall(r"/\* ([^*]+) \*/\nstatic const \w+(?: \w+)? golden_\w+\[GOLDEN\]\[(\d+)\]", golden)
     assert len(tables) == 2
@@ -248,7 +248,7 @@ STARTS = {
 
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("drive", ["valve", "motor"])
-def test_reset_begins_as_the_simulator_does(loader, drive, start):
+def test_reset_starts_like_the_simulator(loader, drive, start):
     """Reset with what the sensors show at the start of a run, the law gives the command that holds the loader there."""
     machine = loader if drive == "valve" else ff.loader.electric("elevator-electric")
     machine = machine.replace(

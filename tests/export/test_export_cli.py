@@ -16,7 +16,7 @@ def export(monkeypatch, capsys, tmp_path):
     return runner(monkeypatch, capsys, tmp_path, "export")
 
 
-def test_a_table_for_each_setting(export, tmp_path):
+def test_each_setting_has_a_table(export, tmp_path):
     status, out, _ = export(
         "elevator-2khz", "--law", "robust", "--to", "table", "--knots", KNOTS, "--name", "pitch", "--out", "sheet"
     )
@@ -53,14 +53,14 @@ def test_json_names_files_law_and_loader(export):
         ((), "--to: is needed, and not given"),
     ],
 )
-def test_bad_input_is_named_and_nothing_is_written(export, tmp_path, words, expected):
+def test_invalid_input_is_named_and_nothing_is_written(export, tmp_path, words, expected):
     status, out, error = export("elevator-2khz", *words)
     assert (status, out) == (2, "")
     assert expected in error
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_law_of_another_loader_or_rate_is_refused(export, tmp_path):
+def test_law_of_another_loader_or_rate_is_refused(export, tmp_path):
     loader = ff.digital_elevator()
     ff.Law.of("robust", loader).save(tmp_path / "law.json")
     ff.Law.of("robust", loader.replace({"controller.period": "1 ms"})).save(tmp_path / "slow.json")
@@ -74,7 +74,7 @@ def test_a_law_of_another_loader_or_rate_is_refused(export, tmp_path):
     assert export(*given, "law.json")[0] == 0
 
 
-def test_fmus_of_loader_law_and_machine(export, tmp_path):
+def test_fmus_of_loader_law_and_machine_are_written(export, tmp_path):
     status, out, _ = export("elevator-2khz", "--law", "robust", "--to", "fmu", "--name", "pitch", "--out", "fmus")
     assert status == 0
     names = {f"pitch_{kind}_fmi{version}.fmu" for kind in ("loader", "law", "machine") for version in (2, 3)}
@@ -82,14 +82,14 @@ def test_fmus_of_loader_law_and_machine(export, tmp_path):
     assert all(name in out for name in names)
 
 
-def test_an_analog_loader_gives_no_fmu(export, tmp_path):
+def test_analog_loader_has_no_fmu(export, tmp_path):
     status, _, error = export("elevator-1974", "--law", "converged", "--to", "fmu")
     assert status == 2
     assert "--law: converged is an analog law, and the target is digital; give the loader a controller.period" in error
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_there_stays_unless_it_is_to_be_replaced(export):
+def test_existing_files_are_replaced_only_with_replace(export):
     given = ("elevator-2khz", "--law", "robust", "--to", "table", "--out", "sheet")
     assert export(*given)[0] == 0
     status, _, error = export(*given)
@@ -108,7 +108,7 @@ def test_what_is_there_stays_unless_it_is_to_be_replaced(export):
         ("table", "loader_parameters.csv"),
     ],
 )
-def test_a_folder_with_such_files_is_refused_before_anything_is_read(export, tmp_path, target, name):
+def test_existing_output_folder_is_refused_before_reading_input(export, tmp_path, target, name):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / name).write_text("mine", encoding="utf-8")
     status, _, error = export("elevator-2khz", "--to", target, "--knots", "none.csv", "--out", "out")

@@ -64,30 +64,30 @@ def here(tmp_path_factory):
 
 
 @pytest.mark.parametrize("core", BOARDS)
-def test_a_board_gives_the_same_bits(board, core):
+def test_emulated_board_matches_bitwise(board, core):
     text = run(board, "make", "-B", "test", f"CPU={core}", f"MACHINE={BOARDS[core]}")
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
-def test_this_machine_gives_the_same_bits(here):
+def test_host_matches_bitwise(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 
 
-def test_this_machine_gives_the_same_bits_in_single_precision(tmp_path):
+def test_host_matches_bitwise_in_single_precision(tmp_path):
     needs("cargo", "gcc")
     text = run(exported(valve(), tmp_path, single=True), "make", "test")
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
 @pytest.mark.parametrize(("law", "single"), [(motor, False), (valve, True)])
-def test_aarch64_gives_the_same_bits(tmp_path, law, single):
+def test_aarch64_matches_bitwise(tmp_path, law, single):
     needs("cargo", "aarch64-linux-gnu-gcc", "qemu-aarch64", f"rust target {AARCH64}")
     exported(law(), tmp_path, triple=AARCH64, single=single)
     text = run(tmp_path, "make", "test", "CC=aarch64-linux-gnu-gcc -static", "RUN=qemu-aarch64")
     assert re.search(r"^(roll|pitch): \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
-def test_a_board_with_a_unit_for_double_precision_gives_the_same_bits(tmp_path, monkeypatch):
+def test_double_precision_board_matches_bitwise(tmp_path, monkeypatch):
     needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")
     monkeypatch.setenv("RUSTFLAGS", "-C target-cpu=cortex-m7 -C target-feature=+fp64")
     exported(motor(), tmp_path, triple=BOARD)
@@ -97,7 +97,7 @@ def test_a_board_with_a_unit_for_double_precision_gives_the_same_bits(tmp_path, 
     assert "vmul.f64" in run(tmp_path, "arm-none-eabi-objdump", "-d", "roll_test")
 
 
-def test_another_law_is_found_out(here, tmp_path):
+def test_modified_law_is_detected(here, tmp_path):
     shutil.copytree(here, tmp_path, dirs_exist_ok=True)
     data = tmp_path / "roll_data.h"
     lines = data.read_text(encoding="utf-8").splitlines()
@@ -108,7 +108,7 @@ def test_another_law_is_found_out(here, tmp_path):
     assert ", 0 differ" not in run(tmp_path, "make", "-B", "test", status=2)
 
 
-def test_nothing_in_the_linked_program_panics(board, here):
+def test_linked_program_cannot_panic(board, here):
     run(board, "make", "pitch_main")
     run(here, "make", "roll_main")
     symbols = run(board, "arm-none-eabi-nm", "pitch_main") + run(here, "nm", "roll_main")
@@ -118,12 +118,12 @@ def test_nothing_in_the_linked_program_panics(board, here):
     )
 
 
-def test_the_example_becomes_active(here):
+def test_example_reaches_the_active_state(here):
     assert re.match(r"roll: state 3, command \S+ A\n", run(here, "sh", "-c", "make -s && ./roll_main"))
 
 
 @pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("elevator-electric")], ids=str)
-def test_it_answers_as_the_live_loop_does(loader):
+def test_firmware_matches_the_live_loop(loader):
     loader = loader.replace({"feel.shaker_force": "2 lb"})
     with ff.live.start(loader, "robust", real_time=False) as running:
         running.off()
@@ -154,7 +154,7 @@ def test_it_answers_as_the_live_loop_does(loader):
         np.testing.assert_array_equal(states[:, column], seen[name], err_msg=name)
 
 
-def test_a_force_that_a_host_adds_moves_the_feel_as_the_hand_does():
+def test_host_force_acts_like_hand_force():
     """At rest ``G theta = R_p F + T``, where T is what the law hears from a column that does not follow."""
     loader = ff.loader.electric("elevator-electric")
     given = np.zeros((16000, 9))
@@ -171,7 +171,7 @@ def test_a_force_that_a_host_adds_moves_the_feel_as_the_hand_does():
     assert numbers[-1, 2] == pytest.approx(torque / loader["feel.stiffness"], rel=1e-5)
 
 
-def test_two_axes_in_one_program(here, tmp_path):
+def test_two_axes_in_one_program_run_independently(here, tmp_path):
     """Two of the motor's, one of which is on and one off, with a library and numbers that they share."""
     needs("gcc")
     (tmp_path / "two.c").write_text(TWO, encoding="utf-8")
@@ -182,7 +182,7 @@ def test_two_axes_in_one_program(here, tmp_path):
     assert run(here, program) == "3 0\n"
 
 
-def test_the_golden_vectors_go_through_every_state():
+def test_golden_vectors_cover_every_state():
     law = valve()
     given, words = golden_inputs(law)
     _, states = board_axis(law).answers(given, words.tolist(), single=True)
@@ -193,21 +193,21 @@ def test_the_golden_vectors_go_through_every_state():
 
 
 @pytest.mark.parametrize("triple", ["avr-unknown-none", "not a target"])
-def test_a_target_that_is_not_installed_is_named_and_nothing_is_written(tmp_path, triple):
+def test_missing_rust_target_is_named_and_nothing_is_written(tmp_path, triple):
     needs("cargo")
     with pytest.raises(ff.InputError, match=r"expected an installed one, .*; run rustup target add"):
         exported(motor(), tmp_path / "out", triple=triple)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_cargo_nothing_is_written(tmp_path, monkeypatch):
+def test_missing_cargo_writes_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ff.InputError, match="requires cargo, which was not found"):
         exported(motor(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_cargo_has_is_not_fetched(tmp_path, monkeypatch, capsys):
+def test_cached_crate_is_not_downloaded(tmp_path, monkeypatch, capsys):
     """A cargo in between notes how it is called; command and README tell what else it would have fetched."""
     needs("cargo")
     real, asked = shutil.which("cargo"), tmp_path / "asked"
@@ -222,7 +222,7 @@ def test_what_cargo_has_is_not_fetched(tmp_path, monkeypatch, capsys):
     assert "cargo takes the crate libm from its cache" in (tmp_path / "out" / "README.md").read_text(encoding="utf-8")
 
 
-def test_without_a_network_the_crate_that_is_missing_is_told(tmp_path, monkeypatch):
+def test_missing_crate_without_network_is_named(tmp_path, monkeypatch):
     needs("cargo")
     monkeypatch.setenv("RUSTUP_HOME", str(Path(os.environ.get("RUSTUP_HOME", Path.home() / ".rustup"))))
     monkeypatch.setenv("CARGO_HOME", str(tmp_path / "empty"))

@@ -90,7 +90,7 @@ def opened(fmus, loader, kind, version, **how):
 @pytest.mark.parametrize("loader", ["rough", "motor"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("version", VERSIONS)
-def test_fmpy_finds_nothing_wrong_and_no_message_comes(fmus, loader, kind, version):
+def test_fmpy_validation_gives_no_errors_and_no_messages(fmus, loader, kind, version):
     path = fmus[loader][0] / f"pitch_{kind}_{version}.fmu"
     assert validate_fmu(str(path)) == []
     messages = []
@@ -103,7 +103,7 @@ def test_fmpy_finds_nothing_wrong_and_no_message_comes(fmus, loader, kind, versi
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("loader", LOADERS)
-def test_a_step_gives_the_bits_of_simulate(fmus, loader, version):
+def test_step_matches_simulate_bitwise(fmus, loader, version):
     out, exported = fmus[loader]
     scenario = ff.Scenario(ff.Step(80.0), duration_s=0.5, seed=7)
     history = ff.simulate(exported.loader, scenario, exported.law).history
@@ -121,7 +121,7 @@ def test_a_step_gives_the_bits_of_simulate(fmus, loader, version):
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("loader", ["rough", "motor"])
-def test_another_importer_gets_the_same_bits(fmus, loader, version):
+def test_other_importer_matches_bitwise(fmus, loader, version):
     needs("library tbb")  # of ecos
     out, exported = fmus[loader]
     scenario = ff.Scenario(ff.Step(80.0), duration_s=0.3, seed=7)
@@ -133,7 +133,7 @@ def test_another_importer_gets_the_same_bits(fmus, loader, version):
 
 
 @pytest.mark.parametrize("loader", LOADERS)
-def test_a_release_gives_the_bits_of_simulate(fmus, loader):
+def test_release_matches_simulate_bitwise(fmus, loader):
     out, exported = fmus[loader]
     scenario = ff.Scenario(ff.simulation.inputs.Release(0.05, start_s=0.1), duration_s=0.6)
     history = ff.simulate(exported.loader, scenario, exported.law).history
@@ -145,7 +145,7 @@ def test_a_release_gives_the_bits_of_simulate(fmus, loader):
 
 
 @pytest.mark.parametrize("loader", LOADERS)
-def test_inputs_that_change_hold_through_each_step(fmus, loader):
+def test_changed_inputs_hold_through_each_step(fmus, loader):
     _, exported = fmus[loader]
     random = np.random.default_rng(3)
     steps = Steps.of(ff.Scenario(duration_s=0.2), exported.loader)
@@ -174,7 +174,7 @@ def test_inputs_that_change_hold_through_each_step(fmus, loader):
 
 
 @pytest.mark.parametrize(("loader", "version"), [("plain", "fmi3"), ("rough", "fmi2"), ("motor", "fmi3")])
-def test_law_and_machine_close_the_loop_of_the_loader(fmus, loader, version):
+def test_law_and_machine_form_the_loop_of_the_loader(fmus, loader, version):
     begin = {"start_angle": 0.05}
     step_s = float(
         fmpy.read_model_description(str(fmus[loader][0] / "pitch_machine_fmi3.fmu")).defaultExperiment.stepSize
@@ -202,7 +202,7 @@ def test_law_and_machine_close_the_loop_of_the_loader(fmus, loader, version):
     assert step_s <= period
 
 
-def test_a_new_feel_comes_without_a_bump_and_as_in_a_simulation(fmus):
+def test_feel_change_is_smooth_and_matches_simulation(fmus):
     _, exported = fmus["rough"]
     changes = {"feel.stiffness": 1500.0, "feel.damping": 60.0, "feel.breakout": 2.0}
     scenario = ff.Scenario(
@@ -224,7 +224,7 @@ def test_a_new_feel_comes_without_a_bump_and_as_in_a_simulation(fmus):
     assert np.array_equal(found, history.column_angle_rad.values)
 
 
-def test_a_setting_brings_its_feel_and_its_law(tmp_path):
+def test_setting_selects_its_feel_and_law(tmp_path):
     feel = ff.flight_schedule.read_knots(KNOTS).feel[:2]
     exported = export(tmp_path, plain(), feel)
     loader = exported.loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)), si=True)
@@ -243,7 +243,7 @@ def test_a_setting_brings_its_feel_and_its_law(tmp_path):
     assert np.array_equal(found, history.column_angle_rad.values)
 
 
-def test_the_clock_of_the_law_ticks_in_event_mode(fmus):
+def test_law_clock_ticks_in_event_mode(fmus):
     """A command follows its sample at once; the bits are those of a law that samples at the start of each step."""
     heard = 1e-6 * np.random.default_rng(4).standard_normal(50).cumsum()
     with opened(fmus, "plain", "law", "fmi3") as plain, opened(fmus, "plain", "law", "fmi3", events=True) as ticking:
@@ -271,7 +271,7 @@ def test_the_clock_of_the_law_ticks_in_event_mode(fmus):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_state_that_is_taken_back_goes_on_alike(fmus, kind, version):
+def test_restored_state_continues_identically(fmus, kind, version):
     drive = {"law": "sensed_column_base"}.get(kind, "pilot_force")
     names = ("feel_position", "command") if kind == "law" else ("column_angle", "load_cell_force")
 
@@ -301,7 +301,7 @@ def test_a_state_that_is_taken_back_goes_on_alike(fmus, kind, version):
         other.fmu.freeFMUState(state)
 
 
-def test_bytes_that_are_no_state_are_refused(fmus):
+def test_invalid_state_bytes_are_refused(fmus):
     with opened(fmus, "plain", "loader", "fmi3") as run:
         run.begin()
         for written in (b"", b"nonsense", bytes(5000), b"\xff" * 5000):
@@ -321,7 +321,7 @@ def test_bytes_that_are_no_state_are_refused(fmus):
         ("smooth", "law", "sensed_column_base", "feel_velocity", "fmi3"),
     ],
 )
-def test_derivatives_against_differences(fmus, loader, kind, known, unknown, version):
+def test_derivatives_match_differences(fmus, loader, kind, known, unknown, version):
     by = 1e-5 if known.endswith("base") else 1e-2
     with opened(fmus, loader, kind, version) as run:
         run.begin()
@@ -347,7 +347,7 @@ def test_derivatives_against_differences(fmus, loader, kind, known, unknown, ver
         run.fmu.freeFMUState(state)
 
 
-def test_two_instances_do_not_know_of_one_another(fmus):
+def test_two_instances_are_independent(fmus):
     with opened(fmus, "rough", "loader", "fmi2") as one, opened(fmus, "rough", "loader", "fmi2") as two:
         one.begin(pilot_force=50.0)
         two.begin(pilot_force=-20.0, seed=3)
@@ -363,7 +363,7 @@ def test_two_instances_do_not_know_of_one_another(fmus):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_what_is_refused_is_told_to_the_logger(fmus, version):
+def test_refusals_are_sent_to_the_logger(fmus, version):
     def refused(run, what, *words, **values):
         with pytest.raises(FMICallException) as caught:
             what(*words, **values)
@@ -390,12 +390,12 @@ def test_what_is_refused_is_told_to_the_logger(fmus, version):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_description_of_another_fmu_is_refused(fmus, version):
+def test_description_of_another_fmu_is_refused(fmus, version):
     with pytest.raises(Exception, match="instantiate"):
         opened(fmus, "plain", "loader", version, token="another")
 
 
-def test_broken_resources_are_refused(fmus, tmp_path):
+def test_corrupted_resources_are_refused(fmus, tmp_path):
     fmu = fmus["plain"][0] / "pitch_loader_fmi3.fmu"
     for place, broken in enumerate(("", "token x\n", "values 1 2 3\n", "observers nan\nvalues\n", "\0")):
         folder = tmp_path / str(place)
@@ -405,7 +405,7 @@ def test_broken_resources_are_refused(fmus, tmp_path):
             Imported(folder)
 
 
-def test_the_same_export_gives_the_same_bytes(fmus, tmp_path):
+def test_export_is_reproducible(fmus, tmp_path):
     out, exported = fmus["plain"]
     ff.export.write_export(exported, ff.export.Target.FMU, tmp_path)
     for path in sorted(tmp_path.iterdir()):
@@ -414,14 +414,14 @@ def test_the_same_export_gives_the_same_bytes(fmus, tmp_path):
         assert {"modelDescription.xml", "resources/loader.txt"} <= names
 
 
-def test_an_analog_law_is_refused_and_nothing_is_written(tmp_path):
+def test_analog_law_is_refused_and_nothing_is_written(tmp_path):
     exported = ff.export.Exported.of("converged", ff.elevator(), "pitch")
     with pytest.raises(ff.InputError, match="converged is an analog law, and the target is digital"):
         ff.export.write_export(exported, ff.export.Target.FMU, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-def test_law_and_machine_under_another_master_qualify(fmus, tmp_path, monkeypatch, capsys):
+def test_law_and_machine_qualify_under_another_master(fmus, tmp_path, monkeypatch, capsys):
     """Let go from a quarter of the throw of 20 degrees, as the rule asks; the loop is closed by FMPy alone."""
     sensed = [f"sensed_{name}" for name in ("load_cell_force", "drive_position", "column_base", "grip_force")]
     rows = []
@@ -453,7 +453,7 @@ def test_law_and_machine_under_another_master_qualify(fmus, tmp_path, monkeypatc
     not (shutil.which("cc") and shutil.which("valgrind")) and not int(os.environ.get("FORCEFEEL_REQUIRE_TARGETS", "0")),
     reason="no C compiler or no valgrind on the machine: what an FMU does not give back is not looked for",
 )
-def test_all_that_an_fmu_takes_it_gives_back(fmus, tmp_path):
+def test_fmu_releases_all_its_memory(fmus, tmp_path):
     """A hundred lives here; ``fmu_life`` takes any number, and a thousand were counted when this was written."""
     source = Path(__file__).with_name("fmu_life.c")
     strict = ("-std=c99", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Wpedantic", "-Werror")

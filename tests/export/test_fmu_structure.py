@@ -61,11 +61,11 @@ def opened(fmus, name, kind, version, **how):
 
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_fmpy_finds_nothing_wrong(fmus, name, kind):
+def test_fmpy_validation_finds_no_errors(fmus, name, kind):
     assert validate_fmu(str(fmus[name][0] / f"pitch_{kind}_fmi3.fmu")) == []
 
 
-def test_what_the_law_takes_and_gives_belongs_to_its_clock(fmus):
+def test_law_variables_belong_to_its_clock(fmus):
     """FMI 3.0.1, 2.4.7.4 and 2.4.8: clocked variables change where their clock ticks, and are no initial unknowns."""
     about = fmpy.read_model_description(str(fmus["valve"][0] / "pitch_law_fmi3.fmu"))
     for variable in about.modelVariables:
@@ -87,7 +87,7 @@ def in_one_event(run, **aside):
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_an_output_follows_in_one_event_the_inputs_that_are_named_and_no_other(fmus, name):
+def test_event_outputs_depend_only_on_the_declared_inputs(fmus, name):
     """Each input is moved by itself, from rest and from a motion: whatever output then is another depends on it."""
     follows = {}
     for aside, by in ASIDE.items():
@@ -117,7 +117,7 @@ def test_an_output_follows_in_one_event_the_inputs_that_are_named_and_no_other(f
 
 
 @pytest.mark.parametrize(("known", "by"), [("sensed_load_cell_force", 1.0), ("sensed_column_base", 1e-5)])
-def test_the_derivative_in_an_event_is_that_of_the_event(fmus, known, by):
+def test_derivative_in_an_event_is_that_of_the_event(fmus, known, by):
     """While the clock ticks: of the command on what is sampled now, not of the step before."""
     with opened(fmus, "valve", "law", "fmi3", events=True) as run:
         run.begin()
@@ -141,7 +141,7 @@ def test_the_derivative_in_an_event_is_that_of_the_event(fmus, known, by):
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_input_has_a_range_and_what_lies_outside_is_refused(fmus, kind, version):
+def test_input_out_of_range_is_refused(fmus, kind, version):
     loader = fmus["valve"][1]
     expected = {
         "sensed_load_cell_force": (-loader["safety.force_range"], loader["safety.force_range"]),
@@ -166,7 +166,7 @@ def test_every_input_has_a_range_and_what_lies_outside_is_refused(fmus, kind, ve
 
 
 @pytest.mark.parametrize("drive", ["valve", "motor, cogging"])
-def test_the_command_stays_within_what_the_drive_answers(fmus, drive):
+def test_command_range_is_the_drive_limit(fmus, drive):
     loader = fmus[drive][1]
     most = loader["current_loop.current_limit"]
     if drive == "valve":
@@ -183,7 +183,7 @@ def test_the_command_stays_within_what_the_drive_answers(fmus, drive):
     )  # a rounding or two, for the amplifier to meet its own limit to the bit
 
 
-def test_law_and_machine_give_the_bits_of_the_loader_at_its_limit_too(fmus):
+def test_law_and_machine_match_the_loader_bitwise_at_the_limit(fmus):
     """A hand that throws the column about: the valve's current is at its limit for much of it."""
     sensed = ("load_cell_force", "drive_position", "column_base", "grip_force")
     with (
@@ -216,7 +216,7 @@ def test_law_and_machine_give_the_bits_of_the_loader_at_its_limit_too(fmus):
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_state_with_a_bit_turned_is_refused(fmus, kind, version):
+def test_corrupted_state_is_refused(fmus, kind, version):
     random = np.random.default_rng(6)
     with opened(fmus, "valve", kind, version) as run:
         run.begin()
@@ -236,7 +236,7 @@ def test_a_state_with_a_bit_turned_is_refused(fmus, kind, version):
                 read(short)
 
 
-def test_a_state_of_another_fmu_is_refused(fmus):
+def test_state_of_another_fmu_is_refused(fmus):
     with opened(fmus, "valve", "loader", "fmi3") as one, opened(fmus, "grip", "loader", "fmi3") as other:
         one.begin()
         written = one.fmu.serializeFMUState(one.fmu.getFMUState())
@@ -246,7 +246,7 @@ def test_a_state_of_another_fmu_is_refused(fmus):
 
 
 @pytest.mark.parametrize("name", ["valve", "motor, cogging"])
-def test_each_signal_is_described_by_itself(fmus, name):
+def test_every_signal_has_its_own_description(fmus, name):
     about = fmpy.read_model_description(str(fmus[name][0] / "pitch_machine_fmi3.fmu"))
     told = [it.description for it in about.modelVariables if it.causality == "output"]
     assert len(set(told)) == len(told)

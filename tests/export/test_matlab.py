@@ -43,14 +43,14 @@ def status_of(script):
     return ended.value.code
 
 
-def test_python_control_closes_the_loop_and_finds_the_same(folder, capsys):
+def test_python_control_closed_loop_matches(folder, capsys):
     out, name = folder
     assert status_of(out / f"{name}_loop.py") == 0
     assert capsys.readouterr().out.count("the same") == len(scipy.io.loadmat(out / f"{name}.mat")["feel"])
 
 
 @pytest.mark.skipif(not shutil.which("octave-cli"), reason="no Octave on the machine: the script for it is not run")
-def test_octave_closes_the_loop_and_finds_the_same(folder):
+def test_octave_closed_loop_matches(folder):
     out, name = folder
     words = ["octave-cli", "--quiet", "--norc", str(out / f"{name}_loop.m")]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
@@ -59,7 +59,7 @@ def test_octave_closes_the_loop_and_finds_the_same(folder):
     assert "the same" in done.stdout
 
 
-def test_another_law_in_the_file_is_found_out(folder, capsys):
+def test_modified_law_in_the_file_is_detected(folder, capsys):
     out, name = folder
     file = out / f"{name}.mat"
     kept = file.read_bytes()
@@ -73,7 +73,7 @@ def test_another_law_in_the_file_is_found_out(folder, capsys):
     assert "DIFFERENT" in capsys.readouterr().out
 
 
-def test_the_numbers_are_those_of_the_law_to_the_last_bit(folder):
+def test_file_contains_the_exact_law_numbers(folder):
     out, name = folder
     numbers = scipy.io.loadmat(out / f"{name}.mat")
     (exported,) = (one for key, one in cases().items() if key in out.name)
@@ -87,13 +87,13 @@ def test_the_numbers_are_those_of_the_law_to_the_last_bit(folder):
         assert np.array_equal(numbers[f"law_{key}"].reshape(*array.shape[1:], -1), np.moveaxis(array, 0, -1))
 
 
-def test_a_lag_at_the_grip_is_in_the_loop(tmp_path):
+def test_grip_sensor_lag_is_in_the_loop(tmp_path):
     lag = {"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg", "grip_sensor.bandwidth": "200 Hz"}
     exported = ff.export.Exported.of("grip", ff.digital_elevator().replace(lag, si=True), "pitch")
     ff.export.write_export(exported, ff.export.Target.MATLAB, tmp_path)
     assert status_of(tmp_path / "pitch_loop.py") == 0
 
 
-def test_gains_on_a_digital_controller_are_refused():
+def test_gains_for_a_digital_controller_are_refused():
     with pytest.raises(ff.InputError, match="gains of an analog law, and elevator-2khz has a digital controller"):
         ff.export.Exported.of("original", ff.digital_elevator(), "pitch")

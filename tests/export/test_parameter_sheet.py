@@ -26,7 +26,7 @@ def sampled():
     return exported, rows(exported)
 
 
-def test_each_setting_has_all_numbers_of_its_law_to_the_last_bit(sampled):
+def test_each_setting_lists_all_law_numbers_exactly(sampled):
     exported, sheet = sampled
     law = exported.law.sampled
     n = law.states
@@ -49,7 +49,7 @@ def test_each_setting_has_all_numbers_of_its_law_to_the_last_bit(sampled):
         )
 
 
-def test_both_systems_of_units_state_the_same(sampled):
+def test_both_unit_systems_state_the_same_values(sampled):
     for _, _, name, _, si, unit_si, us, unit_us in sampled[1].values():
         if si == "off" or unit_si == unit_us:
             assert us == "off" or float(us) == pytest.approx(float(si), rel=1e-9), name  # ten digits
@@ -57,7 +57,7 @@ def test_both_systems_of_units_state_the_same(sampled):
         assert float(us) == pytest.approx(float(si) * factor(unit_si, unit_us), rel=1e-9), name  # ten digits
 
 
-def test_limits_filters_and_the_nonlinear_feel_are_there(sampled):
+def test_sheet_lists_limits_filters_and_nonlinear_feel(sampled):
     sheet = sampled[1]
     assert sheet["", "controller.period"][4:6] == ["0.0005", "s"]
     assert sheet["", "amplifier.current_limit"][4:] == ["0.015", "A", "15", "mA"]
@@ -65,14 +65,14 @@ def test_limits_filters_and_the_nonlinear_feel_are_there(sampled):
     assert sheet["", "load_cell.bandwidth"][4] == "off"
 
 
-def test_a_motor_has_its_own_limits_and_its_command_in_ampere():
+def test_motor_sheet_has_its_limits_and_a_command_in_amperes():
     sheet = rows(ff.export.Exported.of("robust", ff.loader.electric("elevator-electric"), "pitch"))
     assert ("", "current_loop.current_limit") in sheet
     assert ("", "valve.flow_limit") not in sheet
     assert sheet["1", "law.command_9"][5] == "A/N"
 
 
-def test_gains_of_an_analog_law():
+def test_sheet_lists_the_gains_of_an_analog_law():
     loader = ff.elevator()
     exported = ff.export.Exported.of("converged", loader, "pitch")
     sheet = rows(exported)
@@ -81,7 +81,7 @@ def test_gains_of_an_analog_law():
     assert sheet["1", "law.c_1"][7] == "V/in"
 
 
-def test_a_law_that_hears_the_grip_names_its_columns():
+def test_law_with_grip_sensor_names_its_columns():
     exported = ff.export.Exported.of("grip", ff.digital_elevator().replace({"grip_sensor.gain": 1.0}, si=True), "pitch")
     sheet, law = rows(exported), exported.law.sampled
     place = law.states + 4
@@ -91,7 +91,7 @@ def test_a_law_that_hears_the_grip_names_its_columns():
     assert sheet["1", "law.input_1_5"][3] == "xi_1 on command"
 
 
-def test_the_supervisors_limits_cogging_and_a_curve_are_there():
+def test_sheet_lists_supervisor_limits_cogging_and_curve():
     loader = ff.loader.electric("desktop-yoke").replace({"motor.cogging_torque": "0.1 N m"})
     curve = ff.loader.Curve((-0.3, 0.0, 0.3), (-2.0, 0.0, 2.5))
     exported = ff.export.Exported.of("robust", replace(loader, force_curve=curve), "yoke")

@@ -48,7 +48,7 @@ def plane(loader: ff.Loader) -> FlightSchedule:
     return design_schedule(loader, [PRESSURE, FLAPS], second_order_feel(stiffness, 1.5, [0.4, 0.6, 0.8]))
 
 
-def test_the_gains_of_a_motor_are_amperes() -> None:
+def test_motor_gains_are_in_amperes() -> None:
     motor = ff.loader.electric("rudder-pedals")
     feel = second_order_feel(np.array([0.1, 0.4]) * motor["feel.maximum_stiffness"], 1.5, 0.6)
     pressure = ScheduleAxis(PRESSURE.name, PRESSURE.unit, PRESSURE.values[:2])
@@ -58,14 +58,14 @@ def test_the_gains_of_a_motor_are_amperes() -> None:
     assert all(" A" in name and "piston" not in name for name in names)
 
 
-def test_second_order_feel_has_its_frequency_and_damping() -> None:
+def test_second_order_feel_has_the_specified_frequency_and_damping() -> None:
     inertia, damping, stiffness = second_order_feel(1000.0, 1.6, 0.3)
     roots = np.roots([inertia, damping, stiffness])
     np.testing.assert_allclose(np.abs(roots), 2 * np.pi * 1.6, rtol=ROUNDING)
     np.testing.assert_allclose(-roots.real / np.abs(roots), 0.3, rtol=ROUNDING)
 
 
-def test_at_a_knot_it_is_the_law_designed_there(loader: ff.Loader, plane: FlightSchedule) -> None:
+def test_knot_gives_the_law_designed_there(loader: ff.Loader, plane: FlightSchedule) -> None:
     there = plane.at(dynamic_pressure=200, flaps=15)
     np.testing.assert_array_equal(there.feel, plane.feel[2, 1])
     own = LAW_DESIGNS["robust"].design(loader, [there.feel])
@@ -76,7 +76,7 @@ def test_at_a_knot_it_is_the_law_designed_there(loader: ff.Loader, plane: Flight
     )
 
 
-def test_between_two_knots_every_number_is_linear(line: FlightSchedule) -> None:
+def test_law_numbers_are_linear_between_two_knots(line: FlightSchedule) -> None:
     there = line.at(dynamic_pressure=125)
     np.testing.assert_allclose(there.feel, 0.75 * line.feel[1] + 0.25 * line.feel[2], rtol=ROUNDING)
     blended = line.laws.some(1).between(line.laws.some(2), 0.25)
@@ -84,7 +84,7 @@ def test_between_two_knots_every_number_is_linear(line: FlightSchedule) -> None:
     np.testing.assert_allclose(there.law.settled, blended.settled, rtol=1e-6)  # near an integrator
 
 
-def test_on_two_axes_it_is_linear_along_each(plane: FlightSchedule) -> None:
+def test_law_is_bilinear_on_two_axes(plane: FlightSchedule) -> None:
     corners = [plane.at(dynamic_pressure=q, flaps=f) for q in (100, 200) for f in (15, 30)]
     there = plane.at(dynamic_pressure=130, flaps=27)
     weights = np.outer([0.7, 0.3], [0.2, 0.8]).ravel()
@@ -93,7 +93,7 @@ def test_on_two_axes_it_is_linear_along_each(plane: FlightSchedule) -> None:
     np.testing.assert_allclose(numbers(there.law)[0], expected, rtol=ROUNDING, atol=ROUNDING)
 
 
-def test_many_points_are_the_same_as_one_by_one(plane: FlightSchedule) -> None:
+def test_batched_points_match_single_points(plane: FlightSchedule) -> None:
     where = np.array([[60.0, 3.0], [400.0, 30.0], [199.0, 16.0]])
     feel, laws = plane.between(where)
     for k, (pressure, flaps) in enumerate(where):
@@ -102,7 +102,7 @@ def test_many_points_are_the_same_as_one_by_one(plane: FlightSchedule) -> None:
         np.testing.assert_array_equal(laws.rows()[k], one.law.rows()[0])
 
 
-def test_a_change_takes_feel_and_law_over(line: FlightSchedule) -> None:
+def test_change_includes_feel_and_law(line: FlightSchedule) -> None:
     change, there = line.change(1.0, 0.25, dynamic_pressure=300), line.at(dynamic_pressure=300)
     assert (change.at_s, change.fade_s) == (1.0, 0.25)
     assert tuple(change.changes) == ("feel.inertia", "feel.damping", "feel.stiffness")
@@ -121,7 +121,7 @@ def test_a_change_takes_feel_and_law_over(line: FlightSchedule) -> None:
         ({}, "got nothing"),
     ],
 )
-def test_places_out_of_the_schedule_are_refused(line: FlightSchedule, where: dict[str, float], message: str) -> None:
+def test_points_outside_the_schedule_are_refused(line: FlightSchedule, where: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         line.at(**where)
     with pytest.raises(InputError, match=message):
@@ -139,12 +139,12 @@ def test_places_out_of_the_schedule_are_refused(line: FlightSchedule, where: dic
         ("at_s", (1.0, 2.0), "name of words"),
     ],
 )
-def test_bad_axes_are_refused(name: str, values: tuple[float, ...], message: str) -> None:
+def test_invalid_axes_raise_input_error(name: str, values: tuple[float, ...], message: str) -> None:
     with pytest.raises(InputError, match=message):
         ScheduleAxis(name, "Pa", values)
 
 
-def test_bad_schedules_are_refused(loader: ff.Loader, line: FlightSchedule) -> None:
+def test_invalid_schedules_raise_input_error(loader: ff.Loader, line: FlightSchedule) -> None:
     feel = line.feel
     with pytest.raises(InputError, match=r"the shape \(4, 3\), got \(3, 3\)"):
         design_schedule(loader, [PRESSURE], feel[:3])
@@ -181,7 +181,7 @@ def knots(tmp_path: Path, text: str) -> Path:
     return file
 
 
-def test_knots_from_a_file_in_any_order(tmp_path: Path) -> None:
+def test_knots_are_read_in_any_order(tmp_path: Path) -> None:
     found = read_knots(knots(tmp_path, KNOTS))
     assert found.axes == (
         ScheduleAxis("flaps", "deg", (0, 20)),
@@ -192,7 +192,7 @@ def test_knots_from_a_file_in_any_order(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.feel, expected, rtol=ROUNDING)
 
 
-def test_knots_by_i_b_g_and_an_axis_without_unit(tmp_path: Path) -> None:
+def test_knots_accept_i_b_g_and_a_unitless_axis(tmp_path: Path) -> None:
     text = "Mach,I (lb in s^2/rad),B (lb in s/rad),G (lb in/rad)\n0.3,60,300,4800\n0.8,60,400,9600\n"
     found = read_knots(knots(tmp_path, text))
     assert [axis.keyword for axis in found.axes] == ["mach"]
@@ -225,7 +225,7 @@ def test_knots_by_i_b_g_and_an_axis_without_unit(tmp_path: Path) -> None:
         (",1.4,", ",0,", "frequency_hz: expected numbers above 0"),
     ],
 )
-def test_bad_files_of_knots_are_refused_with_the_row(tmp_path: Path, old: str, new: str, message: str) -> None:
+def test_invalid_knots_file_is_refused_with_its_row(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert KNOTS.count(old) == 1
     with pytest.raises(InputError, match=message) as refused:
         read_knots(knots(tmp_path, KNOTS.replace(old, new)))
@@ -233,7 +233,7 @@ def test_bad_files_of_knots_are_refused_with_the_row(tmp_path: Path, old: str, n
 
 
 @pytest.mark.parametrize(("text", "message"), [("", "is empty"), (KNOTS.splitlines()[0], "rows of numbers")])
-def test_files_without_knots_are_refused(tmp_path: Path, text: str, message: str) -> None:
+def test_file_without_knots_is_refused(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         read_knots(knots(tmp_path, text))
     with pytest.raises(InputError, match="cannot be read"):

@@ -65,7 +65,7 @@ def steps(found: ff.simulation.Run) -> dict[str, float]:
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("motion", MOTIONS)
-def test_a_change_does_not_bump(schedule: FlightSchedule, motion: str, way: str) -> None:
+def test_change_is_bumpless(schedule: FlightSchedule, motion: str, way: str) -> None:
     start, end = WAYS[way]
     change = schedule.change(AT_S, OVER_S, dynamic_pressure=end)
     changed = steps(run(schedule, start, MOTIONS[motion], change))
@@ -75,7 +75,7 @@ def test_a_change_does_not_bump(schedule: FlightSchedule, motion: str, way: str)
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_law_that_is_switched_at_once_does(schedule: FlightSchedule, way: str) -> None:
+def test_instant_law_switch_is_not_bumpless(schedule: FlightSchedule, way: str) -> None:
     """The measure of the test before would see a bump."""
     start, end = WAYS[way]
     switched = ff.simulation.FeelChange(AT_S, {}, STEP_S, schedule.at(dynamic_pressure=end).law)
@@ -83,7 +83,7 @@ def test_a_law_that_is_switched_at_once_does(schedule: FlightSchedule, way: str)
     assert steps(run(schedule, start, PUSHED, switched))["command"] > JUMP * natural
 
 
-def test_a_feel_that_is_switched_at_once_does(schedule: FlightSchedule) -> None:
+def test_instant_feel_switch_is_not_bumpless(schedule: FlightSchedule) -> None:
     start, end = WAYS["stiffer"]
     switched = schedule.change(AT_S, STEP_S, dynamic_pressure=end)
     natural = max(steps(run(schedule, each, PUSHED))["acceleration"] for each in (start, end))
@@ -91,7 +91,7 @@ def test_a_feel_that_is_switched_at_once_does(schedule: FlightSchedule) -> None:
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-def test_a_change_to_the_same_setting_changes_nothing(schedule: FlightSchedule, motion: str) -> None:
+def test_change_to_the_same_setting_has_no_effect(schedule: FlightSchedule, motion: str) -> None:
     rounding = 1e-12  # of each signal's largest value: blends of equal numbers
     same = run(schedule, 120, MOTIONS[motion], schedule.change(AT_S, OVER_S, dynamic_pressure=120))
     without = run(schedule, 120, MOTIONS[motion])
@@ -123,7 +123,7 @@ def ideal(schedule: FlightSchedule, start: float, end: float, force_n: NDArray[n
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("force", FORCES)
-def test_the_column_is_that_of_the_feel_as_it_changes(schedule: FlightSchedule, force: str, way: str) -> None:
+def test_column_follows_the_changing_feel(schedule: FlightSchedule, force: str, way: str) -> None:
     start, end = WAYS[way]
     found = run(schedule, start, FORCES[force], schedule.change(AT_S, OVER_S, dynamic_pressure=end))
     sampled = FORCES[force].sample(DURATION_S, STEP_S)
@@ -136,7 +136,7 @@ def test_the_column_is_that_of_the_feel_as_it_changes(schedule: FlightSchedule, 
     assert np.abs(angle - stays).max() > 10 * OFF * largest
 
 
-def test_several_changes_follow_the_schedule(schedule: FlightSchedule) -> None:
+def test_successive_changes_follow_the_schedule(schedule: FlightSchedule) -> None:
     """Through the knots in between, and at the end as if the last setting had always been there."""
     changes = [schedule.change(0.3 * k, 0.3, dynamic_pressure=to) for k, to in enumerate((100, 200, 400))]
     found = run(schedule, 50, PUSHED, *changes).history.column_angle_rad.values

@@ -97,7 +97,7 @@ def exact_poles(loader: ff.Loader, law: SampledLaw) -> np.ndarray:
     return np.linalg.eigvals(np.column_stack(columns))
 
 
-def test_poles_between_knots_are_those_of_the_exact_loop(schedule: FlightSchedule, found: ScheduleCheck) -> None:
+def test_poles_between_knots_match_the_exact_loop(schedule: FlightSchedule, found: ScheduleCheck) -> None:
     for place in (0, 2, 5, 8):  # a knot, a middle, others
         there = schedule.at(dynamic_pressure=float(found.where[place, 0]))
         poles = exact_poles(there.loader, there.law)
@@ -106,7 +106,7 @@ def test_poles_between_knots_are_those_of_the_exact_loop(schedule: FlightSchedul
         assert found.poles.swinging[0, place] == pytest.approx(swinging, abs=FINE)
 
 
-def test_cases_are_plants_that_are_off_under_the_nominal_law(schedule: FlightSchedule, found: ScheduleCheck) -> None:
+def test_cases_vary_the_plant_under_the_nominal_law(schedule: FlightSchedule, found: ScheduleCheck) -> None:
     names = [case.name for case in found.cases]
     assert names[:3] == ["nominal", "linkage.stiffness -20 %", "linkage.stiffness +20 %"]
     assert names[3:] == ["light arm", "loose arm", "firm arm"]
@@ -117,14 +117,14 @@ def test_cases_are_plants_that_are_off_under_the_nominal_law(schedule: FlightSch
     assert found.poles.largest[1, place] == pytest.approx(np.abs(poles).max(), abs=1e-12)  # the same arithmetic
 
 
-def test_the_grid_is_refined_and_holds_every_knot(found: ScheduleCheck) -> None:
+def test_grid_is_refined_and_contains_every_knot(found: ScheduleCheck) -> None:
     np.testing.assert_array_equal(found.where[found.knot, 0], AXIS.values)
     np.testing.assert_allclose(found.where[:, 0], [50, 62.5, 75, 87.5, 100, 125, 150, 175, 200])
     assert found.poles.largest.shape == (6, 9)
     assert [part.loops for part in found.parts] == [6 * 3, 6 * 6, 6 * 3 * 3]  # three changes, three shares each
 
 
-def test_a_good_schedule_is_stable_and_dense(found: ScheduleCheck) -> None:
+def test_valid_schedule_is_stable_and_dense(found: ScheduleCheck) -> None:
     assert found.stable
     assert found.dense
     assert found.remedy_helps is None
@@ -136,7 +136,7 @@ def test_a_good_schedule_is_stable_and_dense(found: ScheduleCheck) -> None:
     assert "the knots are dense enough" in " ".join(said.findings)
 
 
-def test_margins_are_at_the_ends_and_in_the_middle(found: ScheduleCheck) -> None:
+def test_margins_are_computed_at_knots_and_midpoints(found: ScheduleCheck) -> None:
     places = [one.place for one in found.margins]
     for pressure in (50, 100, 200):
         assert f"dynamic pressure {pressure} lb/ft^2" in places
@@ -144,7 +144,7 @@ def test_margins_are_at_the_ends_and_in_the_middle(found: ScheduleCheck) -> None
         assert 0 < one.margins.disk < np.inf
 
 
-def test_a_schedule_that_is_bad_between_good_knots_is_found(schedule: FlightSchedule) -> None:
+def test_instability_between_stable_knots_is_detected(schedule: FlightSchedule) -> None:
     """Halfway between two laws whose observers' coordinates differ in sign, the command no longer hears the observer."""
     found = check_schedule(flipped(schedule, 1), REFINE, changes={}, arms=())
     assert found.part(Part.KNOTS).unstable == 0
@@ -163,14 +163,14 @@ def test_a_schedule_that_is_bad_between_good_knots_is_found(schedule: FlightSche
     assert "Add a knot where only a law of its own passes: dynamic pressure 75 lb/ft^2" in " ".join(said.findings)
 
 
-def test_the_same_coordinates_turned_everywhere_change_nothing(schedule: FlightSchedule) -> None:
+def test_common_sign_flip_of_coordinates_changes_nothing(schedule: FlightSchedule) -> None:
     """The schedule of the test before is bad for its mixed signs alone."""
     both = flipped(schedule, 0, 1, 2)
     one, two = (check_schedule(each, REFINE, changes={}, arms=()) for each in (schedule, both))
     np.testing.assert_allclose(two.poles.largest, one.poles.largest, rtol=0, atol=ROUNDING)
 
 
-def test_a_change_from_end_to_end_that_is_not_stable_is_found(loader: ff.Loader) -> None:
+def test_unstable_full_range_change_is_detected(loader: ff.Loader) -> None:
     """Coordinates turn by half a turn over the schedule: little between neighbours, from end to end they cancel."""
     knots = 121  # an observer's coordinates bear little
     axis = ScheduleAxis("mach", "", tuple(np.linspace(0.2, 0.8, knots)))
@@ -185,7 +185,7 @@ def test_a_change_from_end_to_end_that_is_not_stable_is_found(loader: ff.Loader)
     assert "as at 50 % of the way from mach 0.2 to mach 0.8" in verdict
 
 
-def test_unstable_knots_are_not_mended_by_more(loader: ff.Loader) -> None:
+def test_more_knots_do_not_fix_unstable_knots(loader: ff.Loader) -> None:
     """An observer that trusts the potentiometer loses a soft feel where the linkage's ratio is off."""
     schedule = design_schedule(loader, [AXIS], 0.2 * feel_of(loader), "observer")
     found = check_schedule(schedule, 2, changes={"linkage.ratio": 0.2}, arms=())
@@ -194,7 +194,7 @@ def test_unstable_knots_are_not_mended_by_more(loader: ff.Loader) -> None:
     assert "more knots do not help" in schedule_conclusions(found).verdict
 
 
-def test_a_change_held_is_the_blend_of_two_accelerations() -> None:
+def test_partial_change_blends_two_accelerations() -> None:
     """``(1 - s) (T - B_0 v - G_0 x) / I_0 + s (T - B_1 v - G_1 x) / I_1`` at random."""
     draw = np.random.default_rng(5)
     start, end = draw.uniform(0.5, 2.0, (2, 20, 3))
@@ -207,7 +207,7 @@ def test_a_change_held_is_the_blend_of_two_accelerations() -> None:
     np.testing.assert_allclose(acceleration(blended_feel(start, end, s)), expected, rtol=ROUNDING, atol=ROUNDING)
 
 
-def test_changes_go_between_neighbours_and_corners() -> None:
+def test_changes_connect_neighbors_and_corners() -> None:
     loader = ff.digital_elevator()
     axes = [AXIS, ScheduleAxis("flaps", "deg", (0, 20))]
     feel = second_order_feel(np.full((3, 2), 800.0), 1.5, 0.6)
@@ -219,7 +219,7 @@ def test_changes_go_between_neighbours_and_corners() -> None:
     assert len(ends) == len(set(ends))
 
 
-def test_a_thousand_knots_are_one_design(loader: ff.Loader) -> None:
+def test_batched_design_of_1000_knots_matches_single_designs(loader: ff.Loader) -> None:
     """As many as there are: each is the law that would be designed alone."""
     count = 1000
     axis = ScheduleAxis("mach", "", tuple(np.linspace(0.2, 0.9, count)))

@@ -35,14 +35,14 @@ def run(monkeypatch, capsys, tmp_path):
 GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")
 
 
-def test_a_schedule_that_is_stable(run, tmp_path):
+def test_stable_schedule_exits_0(run, tmp_path):
     status, out, err = run(*GOOD, "--out", "found")
     assert (status, err) == (0, "")
     assert "checked loops are stable: at 2 knots, at 1 place between" in out.replace("\n", " ")
     assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, GAINS, "plotly.min.js"}
 
 
-def test_the_gains_are_every_number_of_each_law(run, tmp_path):
+def test_gains_file_contains_every_law_number(run, tmp_path):
     run(*GOOD)
     head, *rows = csv.reader(io.StringIO((tmp_path / "forcefeel-schedule" / GAINS).read_text(encoding="utf-8")))
     found = read_knots(tmp_path / "knots.csv")
@@ -59,7 +59,7 @@ def test_the_gains_are_every_number_of_each_law(run, tmp_path):
         assert numbers["torque[delta']"] == laws.torque[k, -1]
 
 
-def test_the_results_agree_with_what_is_printed(run, tmp_path):
+def test_results_match_the_printed_output(run, tmp_path):
     status, out, _ = run(*GOOD, "--json", "--units", "si")
     found = json.loads(out)
     stored = json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text(encoding="utf-8"))
@@ -74,7 +74,7 @@ def test_the_results_agree_with_what_is_printed(run, tmp_path):
     assert len(found["cases"]) == CASES
 
 
-def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
+def test_unstable_schedule_exits_1(run, tmp_path):
     status, out, err = run("elevator-2khz", "--knots", "soft.csv", "--law", "observer", "--refine", "2")
     assert (status, err) == (1, "")
     assert "Not stable: " in out
@@ -83,7 +83,7 @@ def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
     assert not results["conclusions"]["ok"]
 
 
-def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
+def test_existing_schedule_is_not_overwritten(run, tmp_path):
     run(*GOOD)
     before = (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes()
     status, _, err = run(*GOOD, "--law", "observer")
@@ -94,7 +94,7 @@ def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
     assert json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text())["law"] == "observer"
 
 
-def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -119,7 +119,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         (("elevator-2khz", "--knots", "knots.csv", "--threads", str(2**64)), "threads: expected 1 to 1024"),
     ],
 )
-def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+def test_invalid_input_exits_2_with_remedy(run, tmp_path, words, message):
     status, out, err = run(*words)
     assert (status, out) == (2, "")
     assert message in err
@@ -127,7 +127,7 @@ def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
     assert not (tmp_path / "forcefeel-schedule").exists()
 
 
-def test_the_page_has_no_endless_numbers(run, tmp_path):
+def test_page_has_rounded_numbers(run, tmp_path):
     run(*GOOD)
     page = (tmp_path / "forcefeel-schedule" / PAGE).read_text(encoding="utf-8")
     text = re.sub(r"<[^>]*>", " ", re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL))

@@ -55,7 +55,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 page = views_of(SCHEDULES)
 
 
-def test_every_axis_has_its_panel_with_name_and_unit(page):
+def test_every_axis_has_a_panel_with_name_and_unit(page):
     titles = page.evaluate(
         """() => [...document.querySelectorAll('.plotly-graph-div')].map(plot =>
             [...plot.querySelectorAll('.infolayer [class$="title"]')].map(one => one.textContent))"""
@@ -66,7 +66,7 @@ def test_every_axis_has_its_panel_with_name_and_unit(page):
         assert ("Flaps, deg" in plot) == ("flaps" in page.inner_text("h1"))
 
 
-def test_the_verdict_is_the_table_s(page):
+def test_verdict_matches_the_table(page):
     unstable = page.locator("#stability td:nth-child(4)")
     bad = [cell for cell in page.locator("#stability table tbody td.bad").all_inner_texts() if cell]
     verdict = page.inner_text(".verdict")
@@ -75,13 +75,13 @@ def test_the_verdict_is_the_table_s(page):
     assert ("bad" in (page.get_attribute(".verdict", "class") or "")) == bool(bad)
 
 
-def test_every_knot_and_every_middle_has_its_row(page):
+def test_every_knot_and_midpoint_has_a_row(page):
     plane = "flaps" in page.inner_text("h1")
     assert page.locator("#knots tbody tr").count() == (8 if plane else 4)
     assert page.locator("#releases tbody tr").count() == 3
 
 
-def test_what_is_not_verified_is_said(page):
+def test_unverified_items_are_listed(page):
     text = page.inner_text("#conclusions")
     assert ("firm arm" in text) == (not page.inner_text(".verdict").startswith("Not stable"))
     assert "Not verified against a source" in text

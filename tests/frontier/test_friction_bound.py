@@ -50,7 +50,7 @@ def swings(feel, friction, angle, time):
 
 @pytest.mark.parametrize("friction", [0.0, 2.0, -1.0])
 @pytest.mark.parametrize("feel", [(2.0, 1.5, 100.0), (2.0, 40.0, 100.0)])
-def test_releases_with_friction_that_is_left_by_another_route(feel, friction):
+def test_release_with_residual_friction_matches_independent_method(feel, friction):
     time = np.arange(0.0, 4.0, 4e-3)
     found = rubbed_releases(np.array([feel]), friction, 0.17, time)[0]
     np.testing.assert_allclose(
@@ -58,7 +58,7 @@ def test_releases_with_friction_that_is_left_by_another_route(feel, friction):
     )  # a share of the release
 
 
-def test_no_sensor_tells_friction_from_a_hand_that_drags():
+def test_friction_and_dragging_hand_are_indistinguishable():
     """(1 + e) F hands off, and (1 - e) F with a hand that drags with 2 e F: one motion, whatever the law."""
     quiet = {f"{part}.{row}": None for part in ("load_cell", "column_sensor") for row in ("noise", "resolution")}
     loader = ff.digital_elevator().replace({**quiet, **DRY}, si=True)
@@ -78,7 +78,7 @@ def test_no_sensor_tells_friction_from_a_hand_that_drags():
     assert np.abs(alone.column_angle_rad.values - unheld.column_angle_rad.values).max() > 20 * np.abs(apart).max()
 
 
-def test_the_less_it_is_known_the_less_is_left():
+def test_larger_friction_error_leaves_fewer_settings():
     plan = make_plan(ff.digital_elevator().replace(DRY), ["robust"], GRID, arms=())
     found = friction_bound(plan, (0.01, 0.1))
     assert found.tolerance == pytest.approx(0.2)
@@ -88,5 +88,5 @@ def test_the_less_it_is_known_the_less_is_left():
     assert found.off_n == pytest.approx(0.2 * plan.loader["column.coulomb_friction"])
 
 
-def test_without_friction_there_is_no_such_bound():
+def test_loader_without_friction_has_no_friction_bound():
     assert friction_bound(make_plan(ff.digital_elevator(), ["robust"], GRID)) is None

@@ -29,7 +29,7 @@ def plan():
 
 
 @pytest.mark.parametrize("error", [0.3, 0.05, -0.05, -0.3])
-def test_to_the_law_columns_of_one_sum_are_one(error):
+def test_columns_with_equal_total_inertia_are_indistinguishable(error):
     """What the argument rests on, with every effect of the loader: sensors, orifice, limits, sampling.
 
     A heavier column, hands off, is the nominal one with a mass in the hand; a lighter one with that mass is the nominal one alone.
@@ -56,7 +56,7 @@ def _felt(history, loader):
     return np.linalg.lstsq(motion, torque * history["load_pressure_pa"].values[20:-20], rcond=None)[0]
 
 
-def test_an_arm_that_is_known_gives_itself_away():
+def test_known_arm_is_distinguishable():
     """The premise: a heavier column is a hand's mass, but no arm of the envelope is one. Each has a spring, and no column has."""
     loader = ff.digital_elevator()
     law = LAW_DESIGNS["agile"].design(loader, [[loader[key] for key in FEEL_SETTING]])
@@ -111,7 +111,7 @@ def _largest_share(feel, off):
     return max(abs(p0 / q0 - 1) / 0.10, abs(p1 / q1 - 1) / 0.20, abs(a1 / b1 - 1) / 0.10)
 
 
-def test_the_exact_rendering_against_closed_forms(plan):
+def test_exact_rendering_matches_closed_forms(plan):
     errors = (0.02, 0.05, 0.1, 0.2, 0.3)
     found = inertia_bound(plan, errors, threads=1)
     inertia, checked, failing = plan.loader["column.inertia"], 0, 0
@@ -131,14 +131,14 @@ def test_the_exact_rendering_against_closed_forms(plan):
     assert failing > 20
 
 
-def test_leaning_to_one_side_and_the_order_of_the_shares(plan):
+def test_centered_settings_are_possible_and_shares_fall_with_error(plan):
     found = inertia_bound(plan, (0.005, 0.05, 0.2), threads=1)
     assert np.all(found.possible | ~found.centred)
     assert found.shares[0] > found.shares[1] > found.shares[2] > 0
     assert np.array_equal(found.at(0.05), found.possible[1])
 
 
-def test_what_leans_passes_at_either_end(plan):
+def test_off_center_response_passes_at_either_end(plan):
     """Where only a leaning response is possible, it is found again by single steps and judged by closed forms."""
     found = inertia_bound(plan, (0.1,), threads=1)
     only = np.flatnonzero(found.possible[0] & ~found.centred[0])
@@ -163,13 +163,13 @@ def _largest_share_of(mine, feel):
     return max(abs(p0 / q0 - 1) / 0.10, abs(p1 / q1 - 1) / 0.20, abs(a1 / b1 - 1) / 0.10)
 
 
-def test_an_arm_must_be_felt_right_too(plan):
+def test_arm_cases_never_enlarge_the_bound(plan):
     light = make_plan(ff.elevator(), ("original",), GRID)
     alone, held = (inertia_bound(each, (0.1,), threads=1) for each in (plan, light))
     assert np.all(alone.possible | ~held.possible)
 
 
-def test_a_range_that_leans_is_asked_at_its_own_ends(plan):
+def test_asymmetric_range_is_evaluated_at_its_own_ends(plan):
     """From J to (1 + 2 e) J: the exact response is right at the lower end and need pass at the upper one alone."""
     found = inertia_bound(plan, (0.05,), lean=1.0, threads=1)
     inertia, checked = plan.loader["column.inertia"], 0
@@ -183,12 +183,12 @@ def test_a_range_that_leans_is_asked_at_its_own_ends(plan):
 
 
 @pytest.mark.parametrize("errors", [(), (0.0, 0.1), (0.1, 0.1), (0.5, 1.0)])
-def test_errors_that_are_none(plan, errors):
+def test_invalid_errors_raise_input_error(plan, errors):
     with pytest.raises(InputError, match="rising shares above 0 and below 1"):
         inertia_bound(plan, errors)
 
 
-def test_an_error_that_was_not_computed(plan):
+def test_error_level_not_computed_raises_input_error(plan):
     few = {"stiffness": "50, 100 %", "frequency": "3, 4 Hz", "damping": "0.5, 1"}
     small = make_plan(ff.elevator(), ("original",), few)
     with pytest.raises(InputError, match=r"expected one of 0\.1"):
@@ -197,7 +197,7 @@ def test_an_error_that_was_not_computed(plan):
 
 @pytest.mark.parametrize("key", ["column.base_arm", "linkage.ratio"])
 @pytest.mark.parametrize("scale", [0.9, 1.1])
-def test_the_torques_scale_acts_as_an_error_of_the_inertia(key, scale):
+def test_torque_scale_error_acts_as_an_inertia_error(key, scale):
     """A torque s times as large moves the column as J / s does; what is left is that the link's travel differs too."""
     loader = ff.digital_elevator()
     law = LAW_DESIGNS["robust"].design(loader, [[loader[row] for row in FEEL_SETTING]])

@@ -28,7 +28,7 @@ def run(monkeypatch, capsys, tmp_path):
     return runner(monkeypatch, capsys, tmp_path, "frontier")
 
 
-def test_the_built_in_loader(run, tmp_path):
+def test_built_in_loader_has_a_frontier(run, tmp_path):
     status, out, err = run(*SMALL, "--out", "found")
     assert (status, err) == (0, "")
     assert f"Of {COUNT} programmed feels" in out
@@ -41,7 +41,7 @@ def test_the_built_in_loader(run, tmp_path):
     assert "not verified" in text.lower()
 
 
-def test_the_results_hang_together(run, tmp_path):
+def test_results_are_consistent(run, tmp_path):
     status, out, _ = run(*SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
@@ -58,7 +58,7 @@ def test_the_results_hang_together(run, tmp_path):
     assert found["law"] == "published"
 
 
-def test_the_same_from_python():
+def test_python_interface_gives_the_frontier():
     grid = {"stiffness": "10, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
     found = ff.find_frontier(ff.elevator(), "original", grid, changes={"column.inertia": 0.15}, arms=())
     assert found.inertia_tolerance == 0.15
@@ -69,7 +69,7 @@ def test_the_same_from_python():
         ff.find_frontier(ff.elevator(), "original", grid, changes={"linkage.ratio": 0.1})
 
 
-def test_a_folder_with_a_frontier_is_not_overwritten(run, tmp_path):
+def test_existing_frontier_is_not_overwritten(run, tmp_path):
     assert run(*SMALL)[0] == 0
     before = (tmp_path / "forcefeel-frontier" / RESULTS).read_bytes()
     status, _, err = run(*SMALL, "--angle", "5 deg")
@@ -80,7 +80,7 @@ def test_a_folder_with_a_frontier_is_not_overwritten(run, tmp_path):
     assert run(*SMALL, "--out", "taken")[0] == 2
 
 
-def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -102,7 +102,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         (("there-is-none.toml",), "there-is-none.toml"),
     ],
 )
-def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+def test_invalid_input_exits_2_with_remedy(run, tmp_path, words, message):
     status, out, err = run(*words)
     assert (status, out) == (2, "")
     assert message in err

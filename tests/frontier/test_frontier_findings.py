@@ -34,21 +34,21 @@ def _path(shares, limit, needed):
     return Path("column inertia and geometry", RUNGS, shares, limit, needed)
 
 
-def test_reached(found):
+def test_required_share_is_reached_at_full_tolerances(found):
     path = _path((0.91, 0.95, 1.0), 1.0, 0.2)
     good, text = _said(found, nominal=0.97, worst=0.91, inertia_and_geometry=path)
     assert good
     assert "is reached at the full tolerances" in text
 
 
-def test_reached_with_a_tightening(found):
+def test_required_share_is_reached_with_one_tightening(found):
     path = _path((0.6, 0.8, 0.95), 1.0, 0.0672)
     good, text = _said(found, nominal=0.97, worst=0.6, inertia_and_geometry=path, pair=None)
     assert not good
     assert "reaches 90 % with column inertia and geometry known to 6.7 % (interpolated" in text
 
 
-def test_reached_with_two(found):
+def test_required_share_is_reached_with_two_tightenings(found):
     path = _path((0.6, 0.7, 0.8), 0.85, nan)
     pair = Pair(0.05, 0.5, 0.92)
     _, text = _said(found, nominal=0.97, worst=0.6, inertia_and_geometry=path, pair=pair)
@@ -56,19 +56,19 @@ def test_reached_with_two(found):
     assert "With all other tolerances reduced to 50 % and column inertia and geometry known to 5 %, it is 92 %" in text
 
 
-def test_finer_than_was_computed(found):
+def test_tolerance_below_the_tightest_computed_is_reported(found):
     path = _path((0.6, 0.7, 0.8), 0.95, nan)
     _, text = _said(found, nominal=0.97, worst=0.6, inertia_and_geometry=path, pair=None)
     assert "known to 5 %, the tightest computed; at zero tolerance it is 95 %" in text
 
 
-def test_the_nominal_share_is_not_a_matter_of_tolerances(found):
+def test_tolerances_do_not_change_the_nominal_share(found):
     _, text = _said(found, nominal=0.7, worst=0.6, inertia_and_geometry=_path((0.6, 0.65, 0.7), 0.7, nan))
     assert "they do not change the nominal share of 70 %" in text
     assert "the worst case is still 70 %: the nominal share itself limits it" in text
 
 
-def test_what_else_limits_it_is_named(found):
+def test_other_limiting_tolerances_are_named(found):
     costs = (
         Cost("linkage.ratio", 0.2, 0.6, 0.3, 0.0),
         Cost("firm arm", nan, 0.85, 0.12, 0.05),
@@ -80,12 +80,12 @@ def test_what_else_limits_it_is_named(found):
     assert "linkage.ratio, which loses 30 %" in text
 
 
-def test_a_run_that_diverges_says_nothing_of_friction(found):
+def test_diverging_run_states_that_friction_was_not_evaluated(found):
     gone = replace(found, friction=SmallestFriction(nan, nan, 0.0, 100.0))
     assert "friction was not evaluated" in " ".join(frontier_conclusions(gone, UnitSystem.SI).findings)
 
 
-def test_each_setting_has_one_limit_and_the_most_fundamental_is_named(found):
+def test_each_setting_has_its_most_fundamental_limit(found):
     count = found.plan.settings.count
     passes = found.envelope.passes("original")
     every = passes.all(axis=0)

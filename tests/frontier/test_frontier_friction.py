@@ -14,7 +14,7 @@ POUND_N = 4.4482216
 DRY = {"column.coulomb_friction": "2 lb"}
 
 
-def test_the_columns_own_friction_is_felt_whole():
+def test_column_friction_is_fully_felt():
     """R_p F_p = G theta + R_p F_c sgn(theta'): a law that does not know of it cannot take it off."""
     smooth = ff.elevator()
     without, found = (
@@ -25,7 +25,7 @@ def test_the_columns_own_friction_is_felt_whole():
 
 
 @pytest.mark.parametrize(("loader", "left"), [("elevator-2khz", 0.05), ("elevator-electric", 0.15)])
-def test_of_friction_that_the_law_knows_little_is_felt(loader, left):
+def test_friction_known_to_the_law_is_hardly_felt(loader, left):
     """Measured: 0.026 and 0.114, with a friction that is known to 1 %."""
     loader = ff.digital_elevator() if loader == "elevator-2khz" else ff.loader.electric(loader)
     known = loader.replace(DRY).with_tolerances({"column.coulomb_friction": "1 %"})
@@ -33,13 +33,13 @@ def test_of_friction_that_the_law_knows_little_is_felt(loader, left):
     assert found.felt_n < left * found.column_n
 
 
-def test_without_friction_nothing_but_rounding_is_felt():
+def test_no_friction_leaves_only_rounding():
     found = smallest_friction(make_plan(ff.elevator(), ("published",), GRID))
     assert found.felt_n < 1e-2 * found.force_n
     assert found.noise_n < 1e-4 * found.force_n
 
 
-def test_noise_of_the_sensors_is_felt():
+def test_sensor_noise_is_felt():
     loader = ff.digital_elevator()
     quiet, loud = (
         smallest_friction(make_plan(each, ("robust",), GRID))

@@ -43,14 +43,14 @@ def shares(loader, feel, angle):
 
 
 @pytest.mark.parametrize("changes", [{}, {"current_loop.voltage_limit": 0.6}])
-def test_current_and_voltage_of_the_ideal_equation_by_equation(changes):
+def test_ideal_current_and_voltage_match_the_equations(changes):
     plan = plan_of(**changes)
     found = motor_limits(plan, threads=1)
     expected = [shares(plan.loader, feel, plan.release_rad) for feel in plan.settings.feel(plan.loader)]
     np.testing.assert_allclose(np.transpose([found.demand, found.hold]), expected, rtol=SAMPLED)
 
 
-def test_the_engine_asks_for_the_current_of_the_ideal():
+def test_engine_current_matches_the_ideal():
     """After the first instants, in which the rotor takes the hand's torque off the link."""
     plan = plan_of()
     found, loader = motor_limits(plan, threads=1), plan.loader
@@ -63,7 +63,7 @@ def test_the_engine_asks_for_the_current_of_the_ideal():
     assert np.abs(current[settled]).max() == pytest.approx(found.demand[stiffest], rel=FOLLOWED)
 
 
-def test_what_cannot_be_held_or_followed_is_forbidden():
+def test_settings_beyond_holding_or_tracking_limits_are_forbidden():
     weak = motor_limits(plan_of(**{"current_loop.current_limit": 6.0}), threads=1)
     assert 0 < weak.forbidden.sum() < len(weak.forbidden)
     assert weak.forbidden[weak.hold > 1].all()
@@ -71,7 +71,7 @@ def test_what_cannot_be_held_or_followed_is_forbidden():
     assert (none.demand.max(), none.longest_unload_s, none.forbidden.any()) == (0, 0, False)
 
 
-def test_the_rotor_takes_no_less_time_to_let_go_than_the_engine_s_fastest():
+def test_unload_time_is_a_lower_bound_for_the_engine():
     """All the current that there is, against a column that is held: the link's force falls no faster."""
     plan = plan_of()
     loader = plan.loader
@@ -93,7 +93,7 @@ def test_the_rotor_takes_no_less_time_to_let_go_than_the_engine_s_fastest():
     assert found.unload_s[worst] == pytest.approx(fastest, rel=0.1)  # the bound holds the force of the stretch
 
 
-def test_the_frontier_of_a_motor_says_motor():
+def test_motor_frontier_names_the_motor():
     loader = ff.loader.electric("sidestick-roll").replace({"current_loop.current_limit": 6.0}, si=True)
     grid = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.4, 0.7"}
     found = ff.find_frontier(loader, grid=grid, changes={"column.inertia": 0.2}, arms=())

@@ -52,7 +52,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 page = views_of(FRONTIERS)
 
 
-def test_the_maps_can_be_seen(page):
+def test_maps_are_visible(page):
     widths = page.evaluate(
         "() => [...document.querySelectorAll('.maps svg')].map(one => one.getBoundingClientRect().width)"
     )
@@ -60,7 +60,7 @@ def test_the_maps_can_be_seen(page):
     assert min(widths) >= SMALLEST_PANEL_PX
 
 
-def test_every_colour_of_a_map_is_in_its_legend(page):
+def test_every_map_color_is_in_its_legend(page):
     drawn, listed = page.evaluate(
         """() => [
             [...new Set([...document.querySelectorAll('.maps rect')].map(one => one.getAttribute('fill')))],
@@ -72,7 +72,7 @@ def test_every_colour_of_a_map_is_in_its_legend(page):
     assert all(any(color in style for style in listed) for color in drawn)
 
 
-def test_bound_and_achieved_are_drawn(page):
+def test_bound_and_achieved_share_are_drawn(page):
     names = page.evaluate("() => document.getElementById('shares').data.map(one => one.name)")
     assert names[:3] == [
         "bound on any linear law",
@@ -81,7 +81,7 @@ def test_bound_and_achieved_are_drawn(page):
     ]
 
 
-def test_what_is_forbidden_or_not_verified_is_said(page):
+def test_forbidden_and_unverified_items_are_listed(page):
     text = " ".join(page.text_content("main").split())
     assert "The valve excludes no setting" in text
     if "14 CFR" not in text:

@@ -25,7 +25,7 @@ def rungs():
 
 
 @pytest.mark.parametrize(("rung", "rest"), [(0, 0), (1, 0), (2, 1), (3, 1)])
-def test_tolerances_that_are_mixed_are_those_of_an_envelope(rungs, rung, rest):
+def test_mixed_tolerances_match_an_envelope(rungs, rung, rest):
     factors = (*rungs.factors, None)
     changes = {
         key: share * factors[rung if key in KNOWN_BETTER else rest]
@@ -45,7 +45,7 @@ def test_every_release_is_counted(rungs):
     assert sorted(done) == done
 
 
-def test_paths_and_costs(rungs):
+def test_paths_and_costs_match_the_shares(rungs):
     found = tightening(rungs)
     shares = rungs.full.shares(LAW)
     assert (found.nominal, found.worst) == (shares.nominal_share, shares.worst_case_share)
@@ -80,7 +80,7 @@ def _by_hand(rungs, *, arms=20, stiff=18):
     return Rungs(rungs.full, (1.0, 0.5, 0.1), (cases,) * 3, tuple(left), tuple(left))
 
 
-def test_the_smallest_tightening_by_hand(rungs):
+def test_smallest_tightening_matches_hand_calculation(rungs):
     path = tightening(_by_hand(rungs)).inertia_and_geometry
     assert path.shares == (0.5, 0.7, 0.9)
     assert path.tolerances == pytest.approx((0.2, 0.1, 0.02))
@@ -88,7 +88,7 @@ def test_the_smallest_tightening_by_hand(rungs):
     assert tightening(_by_hand(rungs)).pair is None
 
 
-def test_where_the_inertia_alone_does_not_do(rungs):
+def test_pair_is_found_where_inertia_alone_is_insufficient(rungs):
     found = tightening(_by_hand(rungs, stiff=17))
     assert isnan(found.inertia_and_geometry.needed)
     assert found.inertia_and_geometry.limit == 0.85
@@ -97,13 +97,13 @@ def test_where_the_inertia_alone_does_not_do(rungs):
     assert tightening(_by_hand(rungs, arms=17)).pair is None
 
 
-def test_between_two_rungs():
+def test_required_tolerance_is_interpolated_between_levels():
     assert needed((0.2, 0.1, 0.05), (0.5, 0.8, 1.0), 0.9) == pytest.approx(0.1 * 0.5**0.5)
     assert needed((0.2, 0.1), (0.95, 0.97), 0.9) == 0.2
     assert isnan(needed((0.2, 0.1), (0.5, 0.6), 0.9))
 
 
-def test_two_laws_or_rungs_that_do_not_fall(rungs):
+def test_several_laws_or_non_decreasing_levels_raise_input_error(rungs):
     with pytest.raises(InputError, match="expected one, got original, published"):
         climb(make_plan(ff.elevator(), ("original", "published"), GRID))
     for factors in ((0.5, 0.1), (1.0, 1.0), (1.0, 0.0)):
@@ -111,7 +111,7 @@ def test_two_laws_or_rungs_that_do_not_fall(rungs):
             climb(rungs.full.plan, factors)
 
 
-def test_gains_are_those_of_the_changed_loader(rungs):
+def test_hardware_gains_are_those_of_the_changed_loader(rungs):
     before = rungs.full.shares(LAW)
     gains = {gain.name: gain for gain in hardware(rungs, threads=1)}
     for change in CHANGES:
@@ -134,7 +134,7 @@ def test_gains_are_those_of_the_changed_loader(rungs):
 @pytest.mark.parametrize(
     "loader", [ff.digital_elevator(), ff.loader.electric("sidestick-roll")], ids=lambda one: one.drive
 )
-def test_every_change_of_its_drive_applies(loader):
+def test_every_change_for_the_drive_applies(loader):
     known = table(loader.drive)
     own = [change for change in CHANGES if set(change.factors) <= set(known) - {"transmission.stiffness"}]
     assert [change for change in CHANGES if change.applies(loader)] == own

@@ -53,14 +53,14 @@ def _lever(loader):
     return loader["linkage.ratio"] * loader["column.base_arm"] * loader["actuator.area"]
 
 
-def test_the_flow_of_the_ideal_by_another_integrator(plan):
+def test_ideal_flow_matches_another_integrator(plan):
     found, loader = valve_limits(plan, threads=1), plan.loader
     for setting, feel in enumerate(plan.settings.feel(loader)):
         expected = _demand(loader, feel, plan.release_rad) / found.flow_m3_per_s
         assert found.demand[setting] == pytest.approx(expected, rel=SAMPLED), feel
 
 
-def test_the_flow_of_a_law_that_follows_the_ideal(plan):
+def test_flow_under_a_law_matches_the_ideal(plan):
     """The engine, with a column held and let go at the loader's own setting, some time after the link has let go."""
     loader = plan.loader
     own = np.array([loader[key] for key in FEEL_SETTING])
@@ -73,7 +73,7 @@ def test_the_flow_of_a_law_that_follows_the_ideal(plan):
     )
 
 
-def test_it_is_all_or_nothing_with_the_limit(plan):
+def test_small_flow_limit_scales_demand_and_forbids_settings(plan):
     none = valve_limits(plan, threads=1)
     assert none.forbidden_share == 0
     assert none.longest_unload_of_period < 0.05
@@ -85,7 +85,7 @@ def test_it_is_all_or_nothing_with_the_limit(plan):
     assert np.all(found.demand[found.forbidden] > 1)
 
 
-def test_what_is_forbidden_does_not_pass_on_the_engine():
+def test_forbidden_settings_fail_in_the_engine():
     """A loader with so small a spool that some settings are forbidden: no law that there is passes them."""
     loader = ff.digital_elevator().replace({"valve.flow_limit": "18 in^3/s"})
     grid = {"stiffness": "10, 100 %", "frequency": "1, 4 Hz", "damping": "0.2, 1"}
@@ -98,7 +98,7 @@ def test_what_is_forbidden_does_not_pass_on_the_engine():
         assert not np.any(passes & limits.forbidden)
 
 
-def test_the_hand_lets_go(plan):
+def test_unload_time_matches_link_stretch_and_oil(plan):
     """Heavier feels than the column unload the link, and the time is that of its stretch and its oil."""
     found, loader = valve_limits(plan, threads=1), plan.loader
     feel = plan.settings.feel(loader)
@@ -113,7 +113,7 @@ def test_the_hand_lets_go(plan):
     assert np.all(found.unload_s <= least * 1.6)
 
 
-def test_gains_in_place_of_an_orifice():
+def test_linear_valve_gains_replace_the_orifice():
     loader = ff.elevator()
     assert Valve(loader).flow_m3_per_s == pytest.approx(loader["valve.current_gain"] * loader["valve.rated_current"])
     flow, pressure = np.array([1e-4, -1e-4, 1e-4]), np.array([1e6, 1e6, 2 * loader["valve.supply_pressure"]])

@@ -45,7 +45,7 @@ def torque(loader, position):
     )
 
 
-def test_a_design_takes_it_from_the_loader_file():
+def test_design_takes_cogging_from_the_loader_file():
     assert Law.of("robust", SMOOTH).cancellation is None
     assert Law.of("robust", ff.digital_elevator()).cancellation is None
     found = Law.of("robust", YOKE).cancellation
@@ -54,7 +54,7 @@ def test_a_design_takes_it_from_the_loader_file():
 
 
 @pytest.mark.parametrize("name", ["torque-mode", "load-cell", "robust"])
-def test_at_rest_the_motor_gives_the_cogging_back(name):
+def test_motor_cancels_cogging_at_rest(name):
     """Held by a hand the loader rests where it would without cogging, and the current differs by the cogging over K_t."""
     scenario = Scenario(Recorded([0.0, 1.0], [6.0, 6.0]), 0.01)
     smooth, cogging = (simulate(loader, scenario, name).history for loader in (SMOOTH, YOKE))
@@ -65,7 +65,7 @@ def test_at_rest_the_motor_gives_the_cogging_back(name):
     assert more == pytest.approx(-torque(YOKE, position) / YOKE["motor.torque_constant"], rel=STEEP)
 
 
-def test_the_engine_adds_what_its_witness_does():
+def test_engine_cancellation_matches_the_reference():
     law, time = Law.of("robust", YOKE), np.linspace(0.0, 0.16, 321)
     force = 12 * np.sin(2 * math.pi * 4 * time)
     lead = 0.5e-3 + 0.25e-3 + 1 / YOKE["current_loop.bandwidth"]
@@ -82,7 +82,7 @@ def test_the_engine_adds_what_its_witness_does():
 
 
 @pytest.mark.parametrize("name", ["torque-mode", "robust"])
-def test_a_release_is_what_it_is_without_cogging(name):
+def test_release_matches_one_without_cogging(name):
     law, scenario = Law.of(name, YOKE), Scenario(Release(0.15), 1.0)
     smooth = simulate(SMOOTH, scenario, name).history["column_angle_rad"].values
     fed, left = (
@@ -94,7 +94,7 @@ def test_a_release_is_what_it_is_without_cogging(name):
     assert off[0] < CANCELLED * off[1]
 
 
-def test_it_is_saved_and_loaded_with_its_law(tmp_path):
+def test_cancellation_is_saved_and_loaded_with_its_law(tmp_path):
     law = Law.of("torque-mode", YOKE)
     law.save(tmp_path / "law.json")
     again = Law.of(tmp_path / "law.json", YOKE)
@@ -111,19 +111,19 @@ def test_it_is_saved_and_loaded_with_its_law(tmp_path):
         ((50.0, 1e-3, ((math.nan, 24.0, 0.0),) * 2), "expected finite numbers"),
     ],
 )
-def test_numbers_that_are_none_are_refused(numbers, wrong):
+def test_invalid_numbers_raise_input_error(numbers, wrong):
     with pytest.raises(ff.InputError, match=wrong):
         Cancellation(*numbers)
 
 
-def test_a_law_with_one_is_none_for_a_valve():
+def test_law_with_cancellation_is_refused_for_a_valve():
     valve = ff.digital_elevator()
     law = replace(Law.of("robust", valve), cancellation=Cancellation.of(YOKE))
     with pytest.raises(ff.InputError, match="is a law for a motor, and elevator-2khz has a valve"):
         law.check(valve)
 
 
-def test_dry_friction_of_the_motor_is_fed_forward(tmp_path):
+def test_motor_dry_friction_is_fed_forward(tmp_path):
     """A release with the motor's friction is nearer to that without."""
     bare = BUILT_IN["elevator-electric"]().replace(QUIET, si=True)
     dry = bare.replace({"motor.coulomb_friction": 0.4, "motor.static_friction": 0.45}, si=True)

@@ -73,7 +73,7 @@ def noises(plant, tuning, ratio):
 
 @every_tuning
 @every_ratio
-def test_regulator(plant, tuning, ratio):
+def test_regulator_solves_its_riccati_equation(plant, tuning, ratio):
     found = regulate(plant, tuning, ratio)
     a, b, (q, r) = plant.transition, plant.input[:, None], weights(tuning, ratio)
     k, p = found.gains[None], found.cost
@@ -89,7 +89,7 @@ def test_regulator(plant, tuning, ratio):
 
 @every_tuning
 @every_ratio
-def test_observer(plant, tuning, ratio):
+def test_observer_solves_its_riccati_equation(plant, tuning, ratio):
     found = observe(plant, tuning, ratio)
     a, c, w, r = noises(plant, tuning, ratio)
     trusted = np.flatnonzero(found.gains.any(axis=0))
@@ -129,7 +129,7 @@ def test_feed_forward_solves_the_regulator_equations(plant):
         np.testing.assert_allclose(pi[4], [1, 0, 0, 0], rtol=0, atol=REGULATOR_EQUATIONS)
 
 
-def test_on_the_feed_forward_the_column_moves_as_the_feel(plant):
+def test_feed_forward_moves_the_column_like_the_feel(plant):
     """Plant and feel run side by side, open loop: the column's angle stays the feel's."""
     rows = feels()
     found = feed_forward(plant, rows)
@@ -148,7 +148,7 @@ def test_on_the_feed_forward_the_column_moves_as_the_feel(plant):
         assert abs(state[4] - feel[0]) < FOLLOWED_RAD
 
 
-def test_a_period_of_the_feel():
+def test_feel_step_matches_one_period():
     rows = feels()
     for (inertia, damping, stiffness), moves in zip(rows, feel_moves(rows, PERIOD, 100.0), strict=True):
         a = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])

@@ -124,7 +124,7 @@ def ideal(feel, start, periods):
 
 @every_tuning
 @pytest.mark.parametrize("delay", [0.0, 0.4, 1.0])
-def test_poles_are_the_regulators_the_observers_and_the_feels(tuning, delay):
+def test_poles_are_those_of_regulator_observer_and_feel(tuning, delay):
     loader = sampled(delay * PERIOD)
     laws, plant = design(loader, FEELS, tuning), SampledPlant.of(loader)
     for k, feel in enumerate(FEELS):
@@ -147,7 +147,7 @@ def test_poles_are_the_regulators_the_observers_and_the_feels(tuning, delay):
 
 # What passing the torque on takes, as a share of the deflection. Measured: 0.037, 0.037, 0.014.
 @pytest.mark.parametrize(("name", "most"), [("observer", 0.05), ("recovered", 0.05), ("robust", 0.02)])
-def test_a_release_is_the_feels(name, most):
+def test_release_matches_the_feel(name, most):
     loader = sampled()
     loop = Loop(loader, design(loader, [NOMINAL], TUNINGS[name]), NOMINAL)
     start = loop.at_rest(loop.by_torque)
@@ -158,7 +158,7 @@ def test_a_release_is_the_feels(name, most):
 
 
 @every_tuning
-def test_a_held_column_is_where_the_feel_says_and_heard_by_the_load_cell_alone(tuning):
+def test_held_column_is_at_the_feel_position_by_load_cell_only(tuning):
     loader = sampled()
     laws = design(loader, FEELS, tuning)
     for k, feel in enumerate(FEELS):
@@ -174,7 +174,7 @@ def test_a_held_column_is_where_the_feel_says_and_heard_by_the_load_cell_alone(t
 
 # In rad per volt: what is forgotten in a period over what is learned in one. Measured: 2e-9, 2e-7, 1e-4.
 @pytest.mark.parametrize(("name", "most"), [("observer", 1e-8), ("recovered", 1e-6), ("robust", 3e-4)])
-def test_an_offset_at_the_command_leaves_nothing_at_rest(name, most):
+def test_command_offset_leaves_no_static_error(name, most):
     loader = sampled()
     laws = design(loader, FEELS, TUNINGS[name])
     for k, feel in enumerate(FEELS):
@@ -184,7 +184,7 @@ def test_an_offset_at_the_command_leaves_nothing_at_rest(name, most):
         assert abs(loop.y[2] @ rest) < most
 
 
-def test_an_offset_at_the_command_is_learned():
+def test_command_offset_is_learned():
     """The column is moved by it, and three seconds later is back: the observer's slowest pole is at -4 1/s."""
     loader = sampled()
     loop = Loop(loader, design(loader, [NOMINAL], OBSERVER), NOMINAL)
@@ -199,7 +199,7 @@ def stable(loader, law, feel):
     return np.abs(Loop(loader, law, feel).poles()).max() < 1
 
 
-def test_without_the_potentiometer_a_softer_link_does_no_harm():
+def test_law_without_potentiometer_tolerates_a_softer_link():
     loader = sampled()
     soft = loader.replace({"linkage.stiffness": 0.8 * loader["linkage.stiffness"]}, si=True)
     holds = {
@@ -213,7 +213,7 @@ def test_without_the_potentiometer_a_softer_link_does_no_harm():
 
 
 @every_tuning
-def test_a_setting_has_the_same_law_in_whatever_company(tuning):
+def test_law_of_a_setting_does_not_depend_on_the_batch(tuning):
     loader = sampled()
     together = design(loader, FEELS, tuning)
     for k, feel in enumerate(FEELS):
@@ -224,7 +224,7 @@ def test_a_setting_has_the_same_law_in_whatever_company(tuning):
 
 
 @every_tuning
-def test_the_engine_runs_this_law(tuning):
+def test_engine_loop_has_the_poles_of_the_designed_law(tuning):
     """Poles of the engine's loop are those of the one put together here, but for the fastest."""
     loader = sampled()
     laws = design(loader, FEELS, tuning)
@@ -236,7 +236,7 @@ def test_the_engine_runs_this_law(tuning):
         assert apart(found[np.abs(found) > 0.5], expected[np.abs(expected) > 0.5]) < ENGINE
 
 
-def test_a_tuning_means_the_same_at_another_period():
+def test_slow_poles_do_not_depend_on_the_period():
     """Slow poles of the loop, in 1/s, at 4 kHz and at 2 kHz, both without delay."""
     found = []
     for period in (PERIOD / 2, PERIOD):
@@ -252,7 +252,7 @@ def test_a_tuning_means_the_same_at_another_period():
     assert apart(*found) < 1.0  # in 1/s; measured: 0.4
 
 
-def test_methods():
+def test_law_designs_are_selected_by_name():
     loader = sampled()
     for name in ("observer", "recovered", "robust"):
         found = law_design(name)
@@ -277,12 +277,12 @@ def test_methods():
         ([[np.inf, 1.0, 1.0]], "finite I > 0"),
     ],
 )
-def test_a_feel_that_is_none_is_refused(feel, said):
+def test_invalid_feel_raises_input_error(feel, said):
     with pytest.raises(InputError, match=said):
         design(sampled(), feel, OBSERVER)
 
 
-def test_a_loader_that_is_not_sampled_is_refused():
+def test_analog_loader_is_refused():
     with pytest.raises(InputError, match=r"controller\.period: .* for example 0\.5 ms"):
         design(ff.elevator(), FEELS, OBSERVER)
 
@@ -292,13 +292,13 @@ def test_a_loader_that_is_not_sampled_is_refused():
     [{"command_weight": 20.0}, {"torque_walk": -20.0}, {"torque_walk": 15.0}, {"disturbance_walk": 11.0}],
     ids=["no finite solution", "poles on the circle", "residual", "no order"],
 )
-def test_a_tuning_without_a_law_is_refused(beyond):
+def test_infeasible_tuning_raises_input_error(beyond):
     changes = {name: Power(decades) for name, decades in beyond.items()}
     with pytest.raises(InputError, match="tuning: no law in double precision"):
         design(sampled(), FEELS, replace(OBSERVER, **changes))
 
 
-def test_a_tuning_of_other_things_is_refused():
+def test_invalid_tuning_values_raise_input_error():
     with pytest.raises(InputError, match="decades: expected a number from -20 to 20, got nan"):
         Power(np.nan)
     with pytest.raises(InputError, match="slope: expected a number from -20 to 20, got -30"):
@@ -309,7 +309,7 @@ def test_a_tuning_of_other_things_is_refused():
         replace(OBSERVER, rate_weight=0.0)
 
 
-def test_numbers_follow_the_inertia_over_four_decades():
+def test_tuning_follows_the_inertia_ratio_over_four_decades():
     number = Power(-3.0, 0.5)
     assert [number.at(ratio) for ratio in (0.01, 1.0, 100.0)] == pytest.approx([1e-4, 1e-3, 1e-2])
     assert (number.at(1e-5), number.at(1e5)) == (number.at(0.01), number.at(100.0))

@@ -41,7 +41,7 @@ def assert_close(found, expected, share):
 
 
 @pytest.mark.parametrize("period", [2.5e-4, PERIOD, 2e-3])
-def test_a_period_is_that_of_scipys_exponential(period):
+def test_period_matches_scipy_expm(period):
     loader = sampled(period, period)
     a, b = scaled(loader)
     block = np.zeros((8, 8))
@@ -55,7 +55,7 @@ def test_a_period_is_that_of_scipys_exponential(period):
     assert not plant.by_command.any()
 
 
-def test_without_delay_it_is_python_controls():
+def test_plant_without_delay_matches_python_control():
     loader = sampled(0.0)
     a, b = scaled(loader)
     expected = control.sample_system(control.ss(a, b, np.eye(6), np.zeros((6, 2))), PERIOD)
@@ -66,7 +66,7 @@ def test_without_delay_it_is_python_controls():
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 1.0])
-def test_a_period_is_finely_stepped_with_the_old_command_until_the_delay(share):
+def test_delayed_command_matches_fine_integration(share):
     loader = sampled(share * PERIOD)
     a, b = scaled(loader)
     plant = SampledPlant.of(loader)
@@ -85,7 +85,7 @@ def test_a_period_is_finely_stepped_with_the_old_command_until_the_delay(share):
     assert after[6] == command
 
 
-def test_units_are_the_loaders():
+def test_plant_scaling_uses_the_units_of_the_loader():
     """A column at rest under the supply pressure turns through half a radian in the unit of time."""
     loader = sampled()
     scale = Scale.of(loader)
@@ -108,6 +108,6 @@ def test_units_are_the_loaders():
         ),
     ],
 )
-def test_a_plant_that_cannot_be_sampled_is_refused(changes, said):
+def test_plant_that_cannot_be_sampled_is_refused(changes, said):
     with pytest.raises(InputError, match=said):
         SampledPlant.of(ff.elevator().replace(changes, si=True))

@@ -25,23 +25,23 @@ CONVERGED = 1e-4
 """Of the throw: what a run may change with its step."""
 
 
-def test_a_motor_has_the_laws_that_need_no_valve():
+def test_motor_laws_exclude_those_for_a_valve():
     assert names_for(ELECTRIC) == ("load-cell", "observer", "recovered", "h-infinity", "robust", "torque-mode")
     assert Law.of(None, ELECTRIC).name == "robust"
 
 
 @pytest.mark.parametrize("name", ["original", "published", "converged"])
-def test_a_law_for_a_valve_is_refused(name):
+def test_law_for_a_valve_is_refused(name):
     with pytest.raises(ff.InputError, match=f"{name} is a law for a valve, and elevator-electric has a motor"):
         Law.of(name, ELECTRIC)
 
 
-def test_the_load_cells_loop_of_a_valve_refuses_a_motor():
+def test_load_cell_loop_of_a_valve_refuses_a_motor():
     with pytest.raises(ff.InputError, match="load-cell takes a loader with a hydraulic drive"):
         load_cell_loop.design(ELECTRIC, own_feel(ELECTRIC))
 
 
-def test_a_law_for_a_motor_is_refused_by_a_valve():
+def test_law_for_a_motor_is_refused_by_a_valve():
     valve = ff.digital_elevator()
     assert "torque-mode" not in names_for(valve)
     with pytest.raises(ff.InputError, match="torque-mode is a law for a motor, and elevator-2khz has a valve"):
@@ -51,13 +51,13 @@ def test_a_law_for_a_motor_is_refused_by_a_valve():
 
 
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
-def test_every_law_is_stable_at_the_loaders_own_setting(name):
+def test_every_law_is_stable_at_the_default_setting(name):
     loader = BUILT_IN[name]()
     for law in names_for(loader):
         assert sampled_loops(loader, law).stable.all(), law
 
 
-def test_the_plant_is_that_of_the_equations():
+def test_plant_matches_the_equations():
     """Position, speed and current of the motor and the base, written down once more."""
     loader = ELECTRIC
     r, alpha, arm = (loader[key] for key in ("transmission.travel", "linkage.ratio", "column.base_arm"))
@@ -87,7 +87,7 @@ def test_the_plant_is_that_of_the_equations():
 
 
 @pytest.mark.parametrize("name", ["elevator-electric", "sidestick-roll"])
-def test_a_run_does_not_depend_on_its_step(name):
+def test_run_does_not_depend_on_its_step(name):
     """A current loop of 1 kHz would not be stable in Runge-Kutta steps of 0.5 ms: it is solved exactly."""
     loader = BUILT_IN[name]()
     quiet = loader.replace(
@@ -100,11 +100,11 @@ def test_a_run_does_not_depend_on_its_step(name):
     assert np.abs(coarse - fine).max() < CONVERGED * np.ptp(fine)
 
 
-def test_a_valve_is_run_in_any_step():
+def test_valve_accepts_any_step():
     assert longest_step_s(ff.digital_elevator()) == np.inf
 
 
-def test_the_robust_law_renders_what_a_sidestick_asks_for():
+def test_robust_law_renders_all_sidestick_settings():
     grid = {"stiffness": "3, 100 %", "frequency": "1, 4 Hz", "damping": "0.3, 1"}
     found = ff.find_envelope(BUILT_IN["sidestick-roll"](), ["robust"], grid, changes={}, arms=())
     assert found.shares("robust").nominal_share == 1.0

@@ -20,12 +20,12 @@ def force_of(travel):
     return name if name in TABLE else f"{name}_force"
 
 
-def test_there_are_ramps():
+def test_ramps_cover_the_nonlinear_feel_forces():
     assert {force_of(travel) for travel in TRAVELS} >= {"feel.breakout", "feel.detent_force", "feel.hysteresis"}
 
 
 @pytest.mark.parametrize("travel", TRAVELS)
-def test_ramp_makes_the_feel_of_a_motor_steeper(travel):
+def test_ramp_increases_the_feel_slope_of_a_motor(travel):
     """By its force over its travel at the grip, in the law that depends on the steepest slope."""
     plain = STICK.replace({force_of(key): 0.0 for key in TRAVELS}, si=True)
     force, length = 3.0, 0.01

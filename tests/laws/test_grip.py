@@ -35,7 +35,7 @@ def own(loader):
 
 
 @pytest.mark.parametrize("mass", [None, 0.05])
-def test_the_engine_runs_it_as_its_witness_does(mass):
+def test_engine_matches_the_reference(mass):
     loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass}, si=True)
     law, time = own(loader), np.linspace(0.0, 0.21, 421)
     force = 8 * np.sin(2 * math.pi * 4 * time)
@@ -47,7 +47,7 @@ def test_the_engine_runs_it_as_its_witness_does(mass):
 
 @LOADERS
 @pytest.mark.parametrize("mass", [None, 0.3])
-def test_the_stiffness_at_rest_is_the_feels_whatever_the_column_is(loader, mass):
+def test_static_stiffness_is_that_of_the_feel_for_any_column(loader, mass):
     """By the sensor alone: not by the link's ratio, nor by the load cell, that the torque of other laws comes from."""
     loader, law = (
         loader.replace({"grip_sensor.mass": mass}, si=True),
@@ -62,7 +62,7 @@ def test_the_stiffness_at_rest_is_the_feels_whatever_the_column_is(loader, mass)
 
 
 @LOADERS
-def test_the_poles_of_the_loop_hold_the_feels_own(loader):
+def test_loop_poles_include_the_poles_of_the_feel(loader):
     """Hands off nothing is heard, so two poles are those of I, B, G run by themselves; 0.5 ms of Runge-Kutta leave 1e-9."""
     inertia, damping, stiffness = (loader[f"feel.{key}"] for key in ("inertia", "damping", "stiffness"))
     expected = np.exp(np.roots([inertia, damping, stiffness]) * loader["controller.period"])
@@ -72,14 +72,14 @@ def test_the_poles_of_the_loop_hold_the_feels_own(loader):
 
 
 @LOADERS
-def test_what_the_column_is_off_does_not_move_the_feel(loader):
+def test_column_deviations_do_not_change_the_feel(loader):
     law = own(loader)
     for key in ("column.inertia", "linkage.ratio"):
         for factor in (0.8, 1.2):
             assert sampled_loops(loader.replace({key: factor * loader[key]}, si=True), law).stable.all()
 
 
-def test_dry_friction_of_the_column_is_not_felt():
+def test_column_dry_friction_is_not_felt():
     """Under 2 lb the hand moves it as it moves the feel: half the loop's width is below a twentieth of the friction."""
     friction = 2 * 4.4482216
     loader = VALVE.replace({"column.coulomb_friction": friction, "column.static_friction": friction}, si=True)
@@ -89,26 +89,26 @@ def test_dry_friction_of_the_column_is_not_felt():
     assert np.abs(angle - expected).max() < 0.02 * 0.17
 
 
-def test_robust_hears_the_sensor_where_there_is_one():
+def test_robust_law_uses_the_grip_sensor_where_present():
     law = Law.of("robust", VALVE).sampled
     assert law.sampled == 4
     assert Law.of("robust", ff.digital_elevator()).sampled.sampled == 3
 
 
-def test_a_law_with_the_sensor_comes_back_from_its_file(tmp_path):
+def test_law_with_grip_sensor_round_trips_through_its_file(tmp_path):
     law = own(VALVE)
     law.save(tmp_path / "law.json")
     again = Law.of(tmp_path / "law.json", VALVE)
     assert np.array_equal(again.sampled.rows(), law.sampled.rows())
 
 
-def test_the_sensors_noise_counts():
+def test_grip_sensor_noise_is_included():
     noisy = VALVE.replace({"grip_sensor.noise": 0.5, "grip_sensor.resolution": 0.3}, si=True)
     assert sample_variance(noisy)[-1] == pytest.approx(0.25 + 0.09 / 12)
     assert noise_at_grip(noisy, own(noisy)).angle_rad > 0
 
 
-def test_the_bound_is_about_what_lies_outboard():
+def test_inertia_bound_depends_on_outboard_mass():
     grid = {"stiffness": "1, 10 %", "frequency": "2, 4 Hz", "damping": "0.2, 1"}
     bare, heavy, without = VALVE, VALVE.replace({"grip_sensor.mass": 1.0}, si=True), ff.digital_elevator()
     assert unseen_inertia(without) == without["column.inertia"]
@@ -136,7 +136,7 @@ def test_the_bound_is_about_what_lies_outboard():
         (SENSOR | {"controller.period": None, "controller.delay": None}, "grip_sensor.gain: has no effect without"),
     ],
 )
-def test_a_sensor_that_sees_nothing_is_refused(changes, said):
+def test_inactive_sensor_is_refused(changes, said):
     bare = ff.elevator() if "controller.period" in changes else ff.digital_elevator()
     given = {key: value for key, value in changes.items() if value is not None}
     with pytest.raises(ff.InputError) as caught:
@@ -144,7 +144,7 @@ def test_a_sensor_that_sees_nothing_is_refused(changes, said):
     assert said in str(caught.value)
 
 
-def test_without_the_sensor_the_law_is_not_offered_and_is_refused():
+def test_grip_law_without_sensor_is_not_offered_and_is_refused():
     assert "grip" in names_for(VALVE)
     assert "grip" not in names_for(ff.digital_elevator())
     with pytest.raises(ff.InputError, match="needs a force sensor at the grip, and elevator-2khz has none"):

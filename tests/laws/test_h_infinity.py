@@ -75,7 +75,7 @@ def test_filter_solves_its_equation(plant, tuning, ratio):
 
 @every_tuning
 @every_ratio
-def test_gain_stays_below_gamma_and_no_filter_is_below_the_least(plant, tuning, ratio):
+def test_gain_stays_below_gamma_and_least_gamma_is_minimal(plant, tuning, ratio):
     found = filter_torque(plant, tuning, ratio)
     assert found.level == ABOVE_LEAST * found.least
     gain = peak(plant, tuning, ratio, trusted(found))
@@ -83,14 +83,14 @@ def test_gain_stays_below_gamma_and_no_filter_is_below_the_least(plant, tuning, 
     assert peak(plant, tuning, ratio, trusted(observe(plant, tuning, ratio))) > found.least / (1 + FOUND)
 
 
-def test_least_on_average_is_not_least_at_worst(plant):
+def test_kalman_filter_has_a_larger_peak_gain(plant):
     found = filter_torque(plant, H_INFINITY, 1.0)
     kalman = trusted(observe(plant, H_INFINITY, 1.0))
     assert peak(plant, H_INFINITY, 1.0, kalman) > 1.1 * found.level  # measured: 1.14
 
 
 @every_tuning
-def test_least_gamma_is_that_of_slicot(plant, tuning):
+def test_least_gamma_matches_slicot(plant, tuning):
     """SB10DD, a general H-infinity solver, finds an estimator a little above it and none below."""
     found = filter_torque(plant, tuning, 1.0)
     a, c, w, r = noises(plant, tuning, 1.0)
@@ -113,7 +113,7 @@ def test_least_gamma_is_that_of_slicot(plant, tuning):
 
 @every_tuning
 @every_ratio
-def test_without_gamma_it_is_the_kalman_filter(plant, tuning, ratio):
+def test_infinite_gamma_gives_the_kalman_filter(plant, tuning, ratio):
     made_for, kalman = Filtering.of(plant, tuning, ratio), observe(plant, tuning, ratio)
     for level in (np.inf, 1e6 * made_for.least()):
         found = made_for.matrix(level)
@@ -122,7 +122,7 @@ def test_without_gamma_it_is_the_kalman_filter(plant, tuning, ratio):
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.4, 1.0])
-def test_poles_are_the_regulators_the_filters_and_the_feels(delay):
+def test_poles_are_those_of_regulator_filter_and_feel(delay):
     loader = sampled(delay * PERIOD)
     laws, plant = design(loader, FEELS), SampledPlant.of(loader)
     for k, feel in enumerate(FEELS):
@@ -140,7 +140,7 @@ def test_poles_are_the_regulators_the_filters_and_the_feels(delay):
         assert apart(poles[np.abs(poles) > 1e-3], expected[np.abs(expected) > 1e-3]) < POLES
 
 
-def test_a_release_is_the_feels():
+def test_release_matches_the_feel():
     loader = sampled()
     loop = Loop(loader, design(loader, [NOMINAL]), NOMINAL)
     start = loop.at_rest(loop.by_torque)
@@ -149,7 +149,7 @@ def test_a_release_is_the_feels():
     assert error < 0.05 * 0.1  # what passing the torque on takes
 
 
-def test_a_held_column_is_where_the_feel_says():
+def test_held_column_is_at_the_feel_position():
     loader = sampled()
     laws = design(loader, FEELS)
     for k, feel in enumerate(FEELS):
@@ -162,7 +162,7 @@ def test_a_held_column_is_where_the_feel_says():
 
 @pytest.mark.parametrize("share", [0.8, 1.2])
 @pytest.mark.parametrize("key", ["linkage.stiffness", "valve.current_gain", "actuator.area"])
-def test_stays_stable_where_a_trusted_potentiometer_is_lost(key, share):
+def test_law_is_stable_where_a_trusted_potentiometer_is_unstable(key, share):
     loader = sampled()
     other = loader.replace({key: share * loader[key]}, si=True)
 
@@ -185,7 +185,7 @@ def test_engine_follows_the_ideal_on_the_digital_elevator():
     assert np.abs(angle.values - expected).max() < 0.05 * 0.1  # what passing the torque on takes; measured: 0.005 * 0.1
 
 
-def test_a_setting_has_the_same_law_in_whatever_company():
+def test_law_of_a_setting_does_not_depend_on_the_batch():
     loader = sampled()
     for tuning in (H_INFINITY, UNTOLD):  # one filter for all, and one for each inertia
         together = design(loader, FEELS, tuning).rows()
@@ -193,11 +193,11 @@ def test_a_setting_has_the_same_law_in_whatever_company():
             assert_close(design(loader, [feel], tuning).rows()[0], together[k], 1e-12)
 
 
-def test_a_tuning_without_a_law_is_refused():
+def test_infeasible_tuning_raises_input_error():
     with pytest.raises(InputError, match="tuning: no law in double precision"):
         design(sampled(), FEELS, replace(H_INFINITY, torque_walk=Power(15.0)))
 
 
-def test_a_loader_that_is_not_sampled_is_refused():
+def test_analog_loader_is_refused():
     with pytest.raises(InputError, match=r"controller\.period: .* for example 0\.5 ms"):
         design(ff.elevator(), FEELS)

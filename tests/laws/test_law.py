@@ -44,12 +44,12 @@ def laws():
     }
 
 
-def test_the_command_line_lists_the_names_that_there_are():
+def test_command_line_lists_the_law_names():
     assert LAWS == NAMED_LAWS
 
 
 @pytest.mark.parametrize("kind", laws())
-def test_a_law_comes_back_from_its_file_to_the_last_bit(kind, tmp_path):
+def test_law_round_trips_exactly_through_its_file(kind, tmp_path):
     law, loader = laws()[kind]
     law.save(tmp_path / "law.json")
     feel = law.feel if law.feel is not None and len(law.feel) > 1 else None
@@ -62,7 +62,7 @@ def test_a_law_comes_back_from_its_file_to_the_last_bit(kind, tmp_path):
 
 
 @pytest.mark.parametrize(("name", "loader"), [("published", ANALOG), ("robust", DIGITAL), ("original", DIGITAL)])
-def test_a_run_under_a_laws_file_is_the_one_under_its_name(name, loader, tmp_path):
+def test_run_under_a_law_file_matches_the_named_law(name, loader, tmp_path):
     Law.of(name, loader).save(tmp_path / "law.json")
     named, read = (ff.simulate(loader, PUSH, law).history for law in (name, tmp_path / "law.json"))
     assert named.equals(read)
@@ -93,7 +93,7 @@ TIMES = {
 
 
 @pytest.mark.parametrize("times", TIMES)
-def test_a_law_of_another_time_is_refused_by_all_in_the_same_words(times):
+def test_law_of_another_period_is_refused_with_the_same_message(times):
     name, made_for, used_on, message = TIMES[times]
     law = Law.of(name, made_for)
     for what, call in consumers(used_on, law).items():
@@ -102,14 +102,14 @@ def test_a_law_of_another_time_is_refused_by_all_in_the_same_words(times):
         assert str(refused.value).endswith("design it for this loader"), what
 
 
-def test_a_law_designed_for_a_digital_loader_has_its_time():
+def test_law_for_a_digital_loader_has_its_period():
     for name in names_for(DIGITAL):
         law = Law.of(name, DIGITAL)
         assert (law.period_s, law.delay_s) == (0.5e-3, 0.5e-3)
     assert Law.of("published", ANALOG).period_s is None
 
 
-def test_laws_are_found_by_their_setting():
+def test_laws_are_selected_by_setting():
     feel = settings(DIGITAL, 500.0, 900.0, 1500.0)
     law = Law.of("robust", DIGITAL, feel)
     turned = law.at(feel[[2, 0]])
@@ -119,12 +119,12 @@ def test_laws_are_found_by_their_setting():
         law.at(settings(DIGITAL, 900.0, 700.0))
 
 
-def test_one_law_for_any_setting_stays_as_it_is():
+def test_setting_independent_law_is_returned_unchanged():
     law = Law.of(ff.laws.GainLaw.original(ANALOG.si_values), ANALOG)
     assert law.at(settings(ANALOG, 500.0, 900.0)) is law
 
 
-def test_a_loader_is_known_by_its_numbers_alone():
+def test_loader_fingerprint_depends_on_its_numbers_only():
     assert ff.elevator().fingerprint == ANALOG.fingerprint
     assert ANALOG.replace({"linkage.stiffness": "7000 lb/in"}).fingerprint != ANALOG.fingerprint
     assert DIGITAL.fingerprint != ANALOG.fingerprint
@@ -166,7 +166,7 @@ def damaged():
 
 
 @pytest.mark.parametrize("what", damaged())
-def test_a_damaged_file_is_refused_in_words(what, tmp_path):
+def test_damaged_law_file_raises_input_error(what, tmp_path):
     path = tmp_path / "law.json"
     Law.of("robust", DIGITAL).save(path)
     change, message = damaged()[what]
@@ -177,7 +177,7 @@ def test_a_damaged_file_is_refused_in_words(what, tmp_path):
     assert "law.json: " in str(refused.value)
 
 
-def test_what_is_no_law_is_refused():
+def test_invalid_law_raises_input_error():
     with pytest.raises(InputError, match="expected original, published, converged"):
         Law.of("best", DIGITAL)
     with pytest.raises(InputError, match="expected a law, its name, its file, its design or its numbers, got 7"):
@@ -196,7 +196,7 @@ def run(tmp_path, monkeypatch, capsys):
     return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
 
 
-def test_a_saved_law_takes_a_names_place(run, tmp_path):
+def test_saved_law_replaces_a_law_name(run, tmp_path):
     status, out, _ = run("law", "elevator-2khz", "--law", "robust", "--save-law", "law.json")
     assert (status, "law file: law.json" in out) == (0, True)
     by_name, by_file = (run("simulate", "elevator-2khz", "--law", law)[1] for law in ("robust", "law.json"))
@@ -217,7 +217,7 @@ def test_a_saved_law_takes_a_names_place(run, tmp_path):
     assert "is an analog law" in err
 
 
-def test_the_laws_of_an_envelope_are_saved_with_it(run):
+def test_envelope_laws_are_saved_with_their_settings(run):
     assert run("law", "elevator-1974", "--law", "published", "--envelope", *AXES, "--save-law", "law.json")[0] == 0
     common = ("--draws", "0", *AXES, "--json", "--replace")
     by_name, by_file = (
@@ -234,7 +234,7 @@ def test_the_laws_of_an_envelope_are_saved_with_it(run):
     assert "has laws for 9 settings of the feel, none for I, B, G" in err
 
 
-def test_bad_names_of_law_files(run, tmp_path):
+def test_invalid_law_file_names_are_refused(run, tmp_path):
     for command in (["simulate"], ["qualify"], ["identify", "--data", "x.csv", "--fit", "k"]):
         status, _, err = run(*command, "--law", "best")
         assert status == 2
@@ -247,7 +247,7 @@ def test_bad_names_of_law_files(run, tmp_path):
     assert (status, "expected the name of a design" in err) == (2, True)
 
 
-def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
+def test_law_is_designed_once_per_sweep_and_model():
     """Not for each piece or evaluation: a design takes a second, and its file may lie on another machine."""
     calls = []
     experiment = Experiment(Loop.LOADER, Drive.TEST_SIGNAL)
@@ -262,7 +262,7 @@ def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
     assert len(calls) == 2
 
 
-def test_a_sweep_takes_its_laws_file_along(tmp_path):
+def test_pickled_sweep_contains_its_law(tmp_path):
     path = tmp_path / "law.json"
     Law.of("robust", DIGITAL).save(path)
     sweep = ff.Sweep(DIGITAL, PUSH, path, runs=4, vary={"linkage.stiffness": "5 %"})

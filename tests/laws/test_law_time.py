@@ -20,7 +20,7 @@ RUN = ff.Scenario(ff.Release(0.1), duration_s=0.05)
 
 
 @pytest.mark.parametrize("row", OTHERS)
-def test_python_refuses_it(row):
+def test_python_interface_refuses_a_law_of_another_period(row):
     slow, law = OTHERS[row], ff.Law.of("robust", FAST)
     own = np.array([[FAST[key] for key in FEEL_SETTING]])
     for given in (law, law.numbers, ff.Law.of("published", FAST)):
@@ -37,7 +37,7 @@ def test_python_refuses_it(row):
 
 
 @pytest.mark.parametrize("row", OTHERS)
-def test_a_schedule_refuses_another_loader(row):
+def test_schedule_refuses_another_loader(row):
     axis = ScheduleAxis("pressure", "lb/ft^2", (50, 100))
     found = design_schedule(FAST, [axis], second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6))
     with pytest.raises(ff.InputError, match=rf"made for a controller\.{row} of 0\.5 ms"):
@@ -54,7 +54,7 @@ def test_a_schedule_refuses_another_loader(row):
         ("sweep", "--vary", "valve.damping_ratio=0.8..0.9:2"),
     ],
 )
-def test_commands_refuse_its_file(monkeypatch, capsys, tmp_path, command):
+def test_commands_refuse_a_law_file_of_another_period(monkeypatch, capsys, tmp_path, command):
     path = tmp_path / "law.json"
     ff.Law.of("robust", FAST).save(path)
     call = runner(monkeypatch, capsys, tmp_path, command[0])
@@ -63,7 +63,7 @@ def test_commands_refuse_its_file(monkeypatch, capsys, tmp_path, command):
     assert "made for a controller.period of 0.5 ms, the loader has 1 ms; design it for this loader" in error
 
 
-def test_noise_declared_as_zero_is_named_with_what_is_taken(monkeypatch, capsys, tmp_path):
+def test_noise_declared_as_zero_is_reported_with_the_default(monkeypatch, capsys, tmp_path):
     call = runner(monkeypatch, capsys, tmp_path, "law")
     silent = [f"--set=column_sensor.{row}=0 deg" for row in ("noise", "resolution")]
     status, out, _ = call("elevator-2khz", *silent, "--law", "robust", "--json")

@@ -58,7 +58,7 @@ def witness(loader: ff.Loader, feel: np.ndarray, law: SampledLaw) -> np.ndarray:
     return found
 
 
-def test_poles_are_those_of_the_best_feedback(loader: ff.Loader, feel: np.ndarray) -> None:
+def test_closed_loop_poles_match_the_optimal_feedback(loader: ff.Loader, feel: np.ndarray) -> None:
     """The stable eigenvalues of the symplectic pencil, which knows no gains, are the closed loop's poles."""
     laws = design(loader, feel)
     loop = load_cell_loop._Loop(loader, feel)
@@ -75,7 +75,7 @@ def test_poles_are_those_of_the_best_feedback(loader: ff.Loader, feel: np.ndarra
             assert np.abs(best - pole).min() < SOLVED
 
 
-def test_computer_runs_what_the_column_leaves_to_it(loader: ff.Loader, feel: np.ndarray) -> None:
+def test_computer_feel_excludes_the_column_inertia(loader: ff.Loader, feel: np.ndarray) -> None:
     """Under the torque that it hears, ``(I - J) delta'' + B delta' + G delta = -alpha R_b F_c``."""
     torque = design(loader, feel).torque
     arm, own = loader["linkage.ratio"] * loader["column.base_arm"], loader["column.inertia"]
@@ -90,7 +90,7 @@ def test_computer_runs_what_the_column_leaves_to_it(loader: ff.Loader, feel: np.
         assert per_piston == per_angle == 0.0
 
 
-def test_release_swings_at_the_programmed_frequency(loader: ff.Loader) -> None:
+def test_release_oscillates_at_the_programmed_frequency(loader: ff.Loader) -> None:
     """What the report's laws miss by 20 % for the column's own inertia."""
     own = np.array([[loader[key] for key in FEEL_SETTING]])
     run = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 3.0), design(loader, own))

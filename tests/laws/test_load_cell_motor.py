@@ -34,14 +34,14 @@ RATE = 0.02
 
 
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
-def test_at_the_loaders_own_setting_it_has_margins(name):
+def test_load_cell_law_has_margins_at_the_default_setting(name):
     loader = BUILT_IN[name]()
     margins = loop_margins(command_loops(loader, Law.of("load-cell", loader), own_feel(loader))[0])
     assert margins.gain_up > 2
     assert margins.phase_rad > math.radians(25)
 
 
-def test_the_feels_poles_are_those_of_the_best_feedback():
+def test_feel_poles_match_the_optimal_feedback():
     """The stable eigenvalues of the symplectic pencil, which knows no gains: motor and link as their equations have them."""
     g = YOKE.__getitem__
     inertia, damping, stiffness = own_feel(YOKE)[0]
@@ -79,7 +79,7 @@ def test_the_feels_poles_are_those_of_the_best_feedback():
 
 
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
-def test_under_a_steady_hand_the_column_is_where_the_feel_is(name):
+def test_steady_force_holds_the_column_at_the_feel_position(name):
     """Fed to the motor, the load cell's force leaves the position loop next to nothing to hold."""
     loader = BUILT_IN[name]().replace(QUIET, si=True)
     force = 0.3 * loader["pilot.force"]
@@ -88,7 +88,7 @@ def test_under_a_steady_hand_the_column_is_where_the_feel_is(name):
     assert column == pytest.approx(feel, rel=HELD[loader["feel.breakout"] > 0])
 
 
-def test_the_engine_runs_it_as_its_witness_does():
+def test_engine_matches_the_reference():
     law, time = Law.of("load-cell", YOKE), np.linspace(0.0, 0.21, 421)
     force = 8 * np.sin(2 * math.pi * 4 * time)
     run = simulate(YOKE, Scenario(Recorded(time, force), 0.2, 1e-4, YOKE["controller.period"]), law)
@@ -97,7 +97,7 @@ def test_the_engine_runs_it_as_its_witness_does():
     assert np.abs(run.history["column_angle_rad"].values - angle).max() < AGREES * np.ptp(angle)
 
 
-def test_a_run_starts_within_the_motors_limit_where_that_holds_the_feel():
+def test_run_starts_within_the_motor_limit_where_possible():
     """A force that no current holds, far from where the loader rests, once led the search to a motor at its limit."""
     inertia, stiffness = 2.21, 350.0
     loader = BUILT_IN["elevator-electric"]().replace(

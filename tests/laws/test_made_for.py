@@ -40,7 +40,7 @@ def numbers(name, loader):
 
 
 @pytest.mark.parametrize(("loader", "name"), [(DIGITAL, "robust"), (STICK, "robust"), (STICK, "torque-mode")])
-def test_a_row_that_no_law_keeps_is_one_that_no_design_depends_on(loader, name):
+def test_rows_not_stored_in_a_law_do_not_affect_the_design(loader, name):
     """Row by row: where the rows stay, so do the law's numbers. The exception is an arm's mass, which no loader of its own has."""
     designed, cancelled = numbers(name, loader)
     known, left_out = design_rows(loader), 0
@@ -57,7 +57,7 @@ def test_a_row_that_no_law_keeps_is_one_that_no_design_depends_on(loader, name):
     assert left_out > 40
 
 
-def test_a_loader_is_known_in_other_units_under_another_name_and_by_each_row_that_counts(tmp_path):
+def test_loader_comparison_ignores_units_and_name(tmp_path):
     known = design_rows(DIGITAL)
     for units in ff.UnitSystem:
         path = tmp_path / f"called-{units.value}.toml"
@@ -85,7 +85,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("what", COMMANDS)
-def test_a_law_on_another_loader_is_said_in_one_line_and_in_json(run, what):
+def test_law_on_another_loader_is_reported_in_one_line_and_json(run, what):
     command, *words = COMMANDS[what]
     said = "was made for elevator-2khz, and runs here on elevator-2khz with other values of linkage.stiffness:"
     replace = () if what == "run" else ("--replace",)
@@ -97,7 +97,7 @@ def test_a_law_on_another_loader_is_said_in_one_line_and_in_json(run, what):
 
 
 @pytest.mark.parametrize("laws", ["file", "name"])
-def test_an_envelope_says_it_of_a_laws_file_and_not_of_a_design(laws, tmp_path):
+def test_envelope_reports_mismatch_of_a_law_file_only(laws, tmp_path):
     grid = {"stiffness": "50, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 0.7"}
     made_for = ff.digital_elevator()
     feel = np.vstack([own_feel(made_for), Settings.of(grid).feel(made_for)])
@@ -130,7 +130,7 @@ UNITS = {
 
 
 @pytest.mark.parametrize("what", UNITS)
-def test_a_files_units_and_keys_that_are_not_understood_are_refused(what, tmp_path):
+def test_unknown_units_and_keys_in_a_file_are_refused(what, tmp_path):
     change, message = UNITS[what]
     document = saved(tmp_path / "law.json")
     for key, value in change.items():
@@ -151,7 +151,7 @@ def test_numbers_without_units_are_refused(part, tmp_path):
         Law.of(tmp_path / "law.json", DIGITAL)
 
 
-def test_a_motors_law_has_the_motors_quantities(tmp_path):
+def test_motor_law_has_the_quantities_of_the_motor(tmp_path):
     units = saved(tmp_path / "motor.json", STICK)["units"]
     assert units["input"][-1] == "current of the motor in A"
     assert units["command"][0] == "A on"
@@ -162,7 +162,7 @@ def test_a_motors_law_has_the_motors_quantities(tmp_path):
     assert (of_valve["command"][0], of_valve["input"][-1]) == ("V on", "command in V at the valve's amplifier")
 
 
-def test_a_law_of_another_drive_is_refused_where_its_time_is_the_same(tmp_path):
+def test_law_of_another_drive_is_refused_despite_equal_period(tmp_path):
     saved(tmp_path / "motor.json", STICK)
     valve = DIGITAL.replace(
         {"controller.period": STICK["controller.period"], "controller.delay": STICK["controller.delay"]}, si=True

@@ -43,7 +43,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("name", "method"), CASES)
-def test_a_release_about_a_trimmed_neutral_is_the_release_about_zero_moved(name, method):
+def test_release_about_trimmed_neutral_is_the_shifted_release(name, method):
     def scenario(trim):
         return ff.Scenario(Release(trim + radians(5.0), start_s=0.1), SECONDS, trim_rad=Schedule((0.0,), (trim,)))
 
@@ -53,7 +53,7 @@ def test_a_release_about_a_trimmed_neutral_is_the_release_about_zero_moved(name,
 
 
 @pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
-def test_a_column_that_is_trimmed_comes_to_rest_at_its_neutral(name):
+def test_trimmed_column_settles_at_its_neutral(name):
     scenario = ff.Scenario(HandsOff(), 6.0, trim_rad=Schedule((0.0, 0.5, 1.5), (0.0, 0.0, TRIM)))
     angle = ff.simulate(smooth(name), scenario, "robust").history["column_angle_rad"].to_numpy()
     assert angle[-1] == pytest.approx(TRIM, rel=1e-3)  # what is left of the motion after 4.5 s

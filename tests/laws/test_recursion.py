@@ -53,7 +53,7 @@ def test_published_gains_have_the_printed_digits(published, k):
     assert gains_in(UnitSystem.US, published.gains)[k] == pytest.approx(PRINTED[k], rel=0, abs=LAST_DIGIT[k])
 
 
-def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(published):
+def test_published_computer_gain_differs_by_one_unit_in_the_last_digit(published):
     # 22.033 for the printed 22.02: C_i = 5.445, also printed as 5.45, would give it (docs/reference/validation.md). A step less
     # gives 22.003, and -4.919 for the first gain, printed
     # -4.93; steps twice as long give 22.007, and 0.509 for the fifth, printed 0.506.
@@ -62,7 +62,7 @@ def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(publis
     assert third == pytest.approx(22.03, rel=0, abs=0.005)  # half a unit of the last digit
 
 
-def test_weights_are_the_printed_matrix(loader):
+def test_weights_match_the_printed_matrix(loader):
     # Printed in inches, with R_1 = 0: 100 (delta - x_b / 10)^2.
     found = DesignSettings().weight(loader)
     expected = np.zeros((7, 7))
@@ -72,7 +72,7 @@ def test_weights_are_the_printed_matrix(loader):
     np.testing.assert_allclose(found, expected, rtol=1e-14, atol=0)  # a few products
 
 
-def test_horizon_gains_are_the_least_squares_answer(loader):
+def test_horizon_gains_match_least_squares(loader):
     """The cost of all 500 inputs, stacked: no recursion, no Riccati equation."""
     settings = published_settings(loader)
     problem = SampledProblem.of(loader, settings)
@@ -94,14 +94,14 @@ def test_horizon_gains_are_the_least_squares_answer(loader):
 
 
 @pytest.mark.parametrize("pilot_arm_m", [None, -0.14986, 0.0])
-def test_converged_gains_are_the_riccati_equations(loader, pilot_arm_m):
+def test_converged_gains_match_the_riccati_equation(loader, pilot_arm_m):
     settings = DesignSettings(pilot_arm_m=pilot_arm_m)
     found = design_gains(loader, settings)
     assert found.status == "converged"
     np.testing.assert_allclose(found.gains, riccati_gains(SampledProblem.of(loader, settings)), rtol=RICCATI)
 
 
-def test_feedback_leaves_the_plant_stable_and_only_the_endless_one_is_optimal(loader, published):
+def test_feedback_is_stable_and_only_the_infinite_horizon_is_optimal(loader, published):
     found = design_gains(loader, DesignSettings())
     problem = SampledProblem.of(loader, found.settings)
     closed = problem.phi[:6, :6] + problem.h[:6] @ (found.gains * problem.scale)[None, :6]
@@ -113,7 +113,7 @@ def test_feedback_leaves_the_plant_stable_and_only_the_endless_one_is_optimal(lo
     assert published.steps == 500
 
 
-def test_gains_tend_to_the_continuous_ones_in_first_order_of_the_step(loader):
+def test_gains_converge_to_continuous_gains_in_first_order(loader):
     plant = design_plant(loader)
     scale = SampledProblem.of(loader, DesignSettings()).scale[:6]
     a, b = plant.A[:6, :6] * scale / scale[:, None], plant.B[:6] / scale[:, None]
@@ -130,7 +130,7 @@ def test_gains_tend_to_the_continuous_ones_in_first_order_of_the_step(loader):
     assert np.max(np.abs((2 * fine - coarse) / continuous - 1)) < 0.02 * np.max(errors[-1])
 
 
-def test_rate_weight_enters_as_eq_21_says(loader):
+def test_rate_weight_enters_as_in_eq_21(loader):
     settings = DesignSettings(position_weight=40.0, r1=0.3)
     error, rate = np.zeros(7), np.zeros(7)
     error[[2, 4]] = rate[[3, 5]] = 1, -1 / loader["column.base_arm"]
@@ -145,7 +145,7 @@ def test_rate_weight_enters_as_eq_21_says(loader):
     assert np.all(np.abs(gains / design_gains(loader, DesignSettings(position_weight=40.0)).gains - 1) > 0.01)
 
 
-def test_weight_given_whole_gives_the_same_gains(loader):
+def test_full_weight_matrix_gives_the_same_gains(loader):
     by_weights = DesignSettings(position_weight=40.0, r1=0.3)
     whole = DesignSettings(q=tuple(map(tuple, by_weights.weight(loader).tolist())))
     np.testing.assert_array_equal(design_gains(loader, whole).gains, design_gains(loader, by_weights).gains)
@@ -198,12 +198,12 @@ INDEFINITE_BUT_SMALL = matrix(q11=-1e-10)
         ("pilot_arm_m", -np.inf),
     ],
 )
-def test_bad_settings_are_refused_by_name(name, value):
+def test_invalid_settings_are_refused_by_name(name, value):
     with pytest.raises(InputError, match=rf"^{name}: expected "):
         DesignSettings(**{name: value})
 
 
-def test_recursion_that_cannot_converge_says_so(loader, monkeypatch):
+def test_diverging_recursion_is_reported(loader, monkeypatch):
     # The weight is so small beside R_2 that ten million steps are not enough; a million tell it as well.
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)
     found = design_gains(loader, DesignSettings(r2=1e4))
@@ -212,7 +212,7 @@ def test_recursion_that_cannot_converge_says_so(loader, monkeypatch):
     assert "change r2" in found.note
 
 
-def test_whole_numbers_are_numbers(loader):
+def test_integers_are_accepted_as_numbers(loader):
     np.testing.assert_array_equal(
         design_gains(loader, DesignSettings(r2=1, position_weight=100)).gains,
         design_gains(loader, DesignSettings(r2=1.0, position_weight=100.0)).gains,
@@ -228,13 +228,13 @@ def test_stopping_tolerance_bounds_the_error(loader, tolerance):
     assert np.max(np.abs(found - exact)) < tolerance * np.max(np.abs(exact))
 
 
-def test_published_horizon_is_run_whole_whatever_the_tolerance(loader, published):
+def test_published_horizon_is_completed_for_any_tolerance(loader, published):
     loose = design_gains(loader, replace(published_settings(loader), tolerance=0.9))
     assert (loose.steps, loose.status) == (500, "horizon")
     np.testing.assert_array_equal(loose.gains, published.gains)
 
 
-def test_horizon_of_the_core_is_run_whole_though_no_gain_moves():
+def test_core_completes_the_horizon_with_constant_gains():
     # phi = 0: what the input reaches is forgotten, and the gain is zero from the first step on.
     zero, one = np.zeros((1, 1)), np.ones((1, 1))
     assert _core.recursion(zero, one, one, one, 50, None).steps == 50

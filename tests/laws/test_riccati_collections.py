@@ -152,7 +152,7 @@ def test_recursion_solves_the_equation(case):
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, id=name(case)) for case in UNSOLVED])
-def test_recursion_ends_as_known_where_it_cannot_solve(case):
+def test_recursion_has_expected_status_for_unsolved_problems(case):
     status, why = UNSOLVED[case]
     problem = discrete_problem(*case)
     found = solve(problem)
@@ -172,7 +172,7 @@ def test_chain_of_integrators_is_solved_to_eight_digits():
     assert stability_margin(problem, found) > 0
 
 
-def test_cross_term_may_be_removed_or_carried():
+def test_cross_term_can_be_removed_or_kept():
     # The two forms of DAREX 1.9, whose R is regular, give one law: u = c x, and one step late u = c [A B] [x, u].
     (a, b, q, r, s), _ = make("darex", (1, 9))
     removed = solve(discrete_problem("darex", (1, 9))).gains - np.linalg.solve(r, s.T)
@@ -183,7 +183,7 @@ def test_cross_term_may_be_removed_or_carried():
 
 
 @pytest.mark.parametrize("collection", ["carex", "darex"])
-def test_no_problem_of_the_collection_is_left_out(collection):
+def test_every_problem_of_the_collection_is_covered(collection):
     sizes = {"carex": (6, 9, 2, 4), "darex": (13, 5, 0, 1)}[collection]
     for group, size in enumerate(sizes, start=1):
         for k in range(1, size + 1):

@@ -47,7 +47,7 @@ def motor() -> ff.Loader:
     return ff.loader.electric("aileron-wheel")
 
 
-def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.Loader) -> None:
+def test_law_ignores_pressure_and_current_absent_from_its_plant(loader: ff.Loader) -> None:
     other = loader.replace(
         {"valve.supply_pressure": 2 * loader["valve.supply_pressure"], "valve.rated_current": "20 mA"}, si=True
     )
@@ -57,7 +57,7 @@ def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.L
     np.testing.assert_allclose(two.torque[:, of_samples], one.torque[:, of_samples], rtol=SAME, atol=SAME)
 
 
-def test_hundred_times_the_noise_is_a_decade_more(loader: ff.Loader) -> None:
+def test_hundredfold_noise_raises_the_tuning_by_one_decade(loader: ff.Loader) -> None:
     keys = ("column_sensor.noise", "column_sensor.resolution")
     noisy = loader.replace({key: 100 * loader[key] for key in keys}, si=True)
     before, after = robust_tuning(loader), robust_tuning(noisy)
@@ -65,7 +65,7 @@ def test_hundred_times_the_noise_is_a_decade_more(loader: ff.Loader) -> None:
     assert after.pressure_noise == before.pressure_noise
 
 
-def test_a_sensor_without_noise_has_that_of_a_good_one(loader: ff.Loader) -> None:
+def test_sensor_without_noise_uses_the_default_noise(loader: ff.Loader) -> None:
     silent = loader.replace(
         {f"{sensor}.{row}": None for sensor in ("load_cell", "column_sensor") for row in ("noise", "resolution")}
     )
@@ -74,7 +74,7 @@ def test_a_sensor_without_noise_has_that_of_a_good_one(loader: ff.Loader) -> Non
         assert abs(found - declared) < CLOSE
 
 
-def test_units_are_the_lag_and_what_moves_the_column_in_it(loader: ff.Loader) -> None:
+def test_tuning_units_are_lag_and_column_torque(loader: ff.Loader) -> None:
     """In SI units, by hand: 2 * 0.9 / 377 rad/s and 0.75 ms of delay and hold."""
     lag = 2 * 0.9 / 377 + 0.5e-3 + 0.25e-3
     found, force = Units.of(loader), loader["actuator.area"] * loader["valve.supply_pressure"]
@@ -89,7 +89,7 @@ def known(motor: ff.Loader, share: float) -> ff.Loader:
     return motor.with_tolerances({key: Tolerance(Distribution.UNIFORM, low, motor[key]) for key, low in lows.items()})
 
 
-def test_a_motor_that_is_known_needs_no_load_cell(motor: ff.Loader) -> None:
+def test_known_motor_needs_no_load_cell(motor: ff.Loader) -> None:
     """Ten times its noise then hardly moves the command; of a motor known to 20 % the law is the one without tolerances."""
     exact, usual = known(motor, 0.01), known(motor, 0.2)
     assert robust_tuning(usual) == robust_tuning(motor.with_tolerances(dict.fromkeys(motor.tolerances)))
@@ -101,7 +101,7 @@ def test_a_motor_that_is_known_needs_no_load_cell(motor: ff.Loader) -> None:
     assert gains[0] < UNHEARD * gains[1]
 
 
-def test_between_the_two_the_numbers_are_even_in_proportion(motor: ff.Loader) -> None:
+def test_tuning_is_log_linear_between_tolerances(motor: ff.Loader) -> None:
     at = [robust_tuning(known(motor, share)).pressure_noise.decades for share in (0.01, sqrt(0.01 * 0.2), 0.2)]
     assert at[1] == pytest.approx((at[0] + at[2]) / 2)
     assert robust_tuning(known(motor, 0.001)) == robust_tuning(known(motor, 0.005))
@@ -110,17 +110,17 @@ def test_between_the_two_the_numbers_are_even_in_proportion(motor: ff.Loader) ->
 @pytest.mark.parametrize(
     "row", [{"column.coulomb_friction": "1 N"}, {"load_cell.bandwidth": "500 Hz"}, {"grip_sensor.gain": 1.0}]
 )
-def test_what_no_linear_plant_has_makes_it_less_known(motor: ff.Loader, row: dict) -> None:
+def test_nonlinear_row_makes_the_loader_less_known(motor: ff.Loader, row: dict) -> None:
     usual = known(motor, 0.2).replace(row, si=True)
     assert robust_tuning(known(motor, 0.01).replace(row, si=True)) == robust_tuning(usual)
 
 
-def test_one_parameter_that_is_not_known_is_enough(motor: ff.Loader) -> None:
+def test_single_unknown_parameter_counts_as_unknown(motor: ff.Loader) -> None:
     rest = known(motor, 0.01).with_tolerances({"motor.inertia": None})
     assert robust_tuning(rest) == robust_tuning(known(motor, 0.2))
 
 
-def test_a_motor_that_is_known_renders_light_feels_that_the_load_cells_noise_covers(motor: ff.Loader) -> None:
+def test_known_motor_renders_light_feels_below_load_cell_noise(motor: ff.Loader) -> None:
     """Of an aileron's wheel from 2 deg."""
     grid = {"stiffness": "1, 3 %", "frequency": "1, 4 Hz", "damping": "0.1, 1.5"}
     shares = []
@@ -131,7 +131,7 @@ def test_a_motor_that_is_known_renders_light_feels_that_the_load_cells_noise_cov
     assert shares[1] <= HALF
 
 
-def test_a_number_follows_how_far_the_feel_stretches_the_link() -> None:
+def test_tuning_depends_on_link_stretch() -> None:
     """Of a motor the command counts more with it, of a valve less and the rate more."""
     stretched = 1 + 20 * 0.25
     for throw in (1.0, -0.7):
@@ -142,7 +142,7 @@ def test_a_number_follows_how_far_the_feel_stretches_the_link() -> None:
         Power(0.0, throw=np.inf)
 
 
-def test_it_catches_a_column_that_its_link_throws(loader: ff.Loader) -> None:
+def test_robust_law_recovers_a_column_thrown_by_its_link(loader: ff.Loader) -> None:
     """From 2 deg, with a slow valve; with weights that knew nothing of the link a third of these was felt too short."""
     keys = {"linkage.stiffness": 1 / 6, "valve.natural_frequency": 0.3}
     soft = loader.replace({key: share * loader[key] for key, share in keys.items()}, si=True)
@@ -151,7 +151,7 @@ def test_it_catches_a_column_that_its_link_throws(loader: ff.Loader) -> None:
     assert compute_few(plan).shares("robust").nominal_share == 1.0
 
 
-def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:
+def test_robust_law_renders_with_a_20_bit_encoder(loader: ff.Loader) -> None:
     """With weights of another encoder it was half of these, and none from 2 deg at the lowest stiffness."""
     step = f"{360 / 2**20} deg"
     coarse = loader.replace({"column_sensor.noise": step, "column_sensor.resolution": step}, si=True)
@@ -175,7 +175,7 @@ def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
     return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits), si=True)
 
 
-def test_the_rate_that_friction_is_given_back_by_is_as_quiet_with_a_coarse_encoder(loader: ff.Loader) -> None:
+def test_friction_rate_noise_does_not_grow_with_a_coarse_encoder(loader: ff.Loader) -> None:
     rubbing = loader.replace({FRICTION: "2 lb"})
     quiet = rate_noise(with_encoder(rubbing, 21), robust_tuning(with_encoder(loader, 21)))
     for bits in (17, 19):
@@ -184,7 +184,7 @@ def test_the_rate_that_friction_is_given_back_by_is_as_quiet_with_a_coarse_encod
         assert rate_noise(coarse, robust_tuning(with_encoder(loader, bits))) > 2 * quiet
 
 
-def test_with_it_a_column_that_rubs_renders_what_noise_took(loader: ff.Loader) -> None:
+def test_slower_rate_estimate_renders_feels_lost_to_noise(loader: ff.Loader) -> None:
     coarse = with_encoder(loader, 18).replace({FRICTION: "2 lb"}).with_tolerances({FRICTION: "1 %"})
     laws = {"slower": robust_tuning(coarse), "as without friction": robust_tuning(with_encoder(loader, 18))}
     grid = {"stiffness": "5, 10 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
@@ -195,5 +195,5 @@ def test_with_it_a_column_that_rubs_renders_what_noise_took(loader: ff.Loader) -
     assert other <= RENDERED
 
 
-def test_a_fine_encoder_changes_nothing(loader: ff.Loader) -> None:
+def test_friction_does_not_change_tuning_with_a_fine_encoder(loader: ff.Loader) -> None:
     assert robust_tuning(loader.replace({FRICTION: "2 lb"})) == robust_tuning(loader)

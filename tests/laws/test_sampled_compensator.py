@@ -53,7 +53,7 @@ def read(row):
 
 
 @pytest.mark.parametrize("n", [1, 7, 9])
-def test_settled_is_where_the_law_comes_to_rest(n):
+def test_settled_state_is_the_steady_state(n):
     laws = law(n=n)
     rng = np.random.default_rng(1)
     for k in range(laws.settings):
@@ -66,7 +66,7 @@ def test_settled_is_where_the_law_comes_to_rest(n):
 
 
 @pytest.mark.parametrize("n", [1, 7, 9])
-def test_rows_are_the_law_with_zeros_for_the_states_it_has_not(n):
+def test_rows_pad_missing_states_with_zeros(n):
     laws = law(n=n)
     rows = laws.rows()
     assert rows.shape == (3, _core.OBSERVER_NUMBERS)
@@ -94,7 +94,7 @@ def test_rows_are_the_law_with_zeros_for_the_states_it_has_not(n):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
-def test_between_two_laws_is_between_what_they_say(share):
+def test_blended_law_interpolates_the_outputs(share):
     one, two = law(settings=1), law(settings=1, seed=5)
     rng = np.random.default_rng(3)
     xi, y, feel = rng.normal(size=7), rng.normal(size=3), rng.normal(size=2)
@@ -116,7 +116,7 @@ def test_between_two_laws_is_between_what_they_say(share):
     np.testing.assert_allclose(says(blend, rest, y, [0.2, 0.0])[2], rest, rtol=0, atol=ROUNDING * np.abs(rest).max())
 
 
-def test_some_of_many():
+def test_subset_of_laws_is_selected():
     laws = law(settings=5)
     assert (laws.settings, laws.states) == (5, 7)
     for which, places in ((2, [2]), (slice(1, 3), [1, 2]), ([4, 0], [4, 0]), (np.arange(5) > 2, [3, 4])):
@@ -125,7 +125,7 @@ def test_some_of_many():
         assert (chosen.period_s, chosen.delay_s) == (PERIOD, DELAY)
 
 
-def test_numbers_stay_as_they_were_given():
+def test_law_numbers_are_copied_and_read_only():
     given = numbers()
     laws = SampledLaw(PERIOD, DELAY, **given)
     before = laws.rows()
@@ -161,12 +161,12 @@ def integrating():
         (integrating(), "pole at 1 in setting 1"),
     ],
 )
-def test_what_breaks_its_laws_is_refused(change, said):
+def test_invalid_law_numbers_raise_input_error(change, said):
     with pytest.raises(InputError, match=said):
         SampledLaw(**{"period_s": PERIOD, "delay_s": DELAY, **numbers(), **change})
 
 
-def test_what_cannot_be_blended_is_refused():
+def test_incompatible_laws_cannot_be_blended():
     one = law(settings=1)
     slow = SampledLaw(2 * PERIOD, DELAY, **numbers(settings=1))
     for other, share, said in (

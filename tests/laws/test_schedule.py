@@ -66,7 +66,7 @@ def continuous_gains(loader, design):
     [(False, sampled_gains, SAMPLED), (True, continuous_gains, CONTINUOUS)],
     ids=["sampled", "continuous"],
 )
-def test_schedule_gives_the_gains_of_the_whole_problem(loader, design, continuous, whole, tolerance):
+def test_schedule_matches_the_gains_of_the_full_problem(loader, design, continuous, whole, tolerance):
     settings = random_settings(loader)
     found = schedule_gains(loader, settings, design, continuous=continuous)
     expected = [whole(with_setting(loader, setting), design) for setting in settings]
@@ -82,7 +82,7 @@ HORIZONS = {
 
 
 @pytest.mark.parametrize("name", HORIZONS)
-def test_schedule_over_a_horizon_gives_the_gains_of_the_recursion(loader, name):
+def test_finite_horizon_schedule_matches_the_recursion(loader, name):
     settings, design = random_settings(loader), HORIZONS[name](loader)
     found = schedule_gains(loader, settings, design).gains
     expected = [design_gains(with_setting(loader, setting), design).gains[:6] for setting in settings]
@@ -90,14 +90,14 @@ def test_schedule_over_a_horizon_gives_the_gains_of_the_recursion(loader, name):
 
 
 @pytest.mark.parametrize("design", [DesignSettings(), DesignSettings(horizon_s=0.05)], ids=["endless", "horizon"])
-def test_a_setting_has_the_same_gains_in_whatever_company(loader, design):
+def test_gains_of_a_setting_do_not_depend_on_the_batch(loader, design):
     settings = random_settings(loader)
     together = schedule_gains(loader, np.tile(settings, (7, 1))[:-3], design).gains
     for k in (0, 17, 46, 49):
         assert np.array_equal(schedule_gains(loader, settings[k : k + 1], design).gains[0], together[k])
 
 
-def test_whole_problem_shows_that_only_the_feels_gains_depend_on_the_setting(loader):
+def test_only_the_feel_gains_depend_on_the_setting(loader):
     # The report's claim, without the schedule: c_1, c_2, c_5, c_6 of two settings far apart.
     settings = random_settings(loader)
     low, high = (sampled_gains(with_setting(loader, setting), DesignSettings()) for setting in settings[[0, 45]])
@@ -105,12 +105,12 @@ def test_whole_problem_shows_that_only_the_feels_gains_depend_on_the_setting(loa
     assert np.all(np.abs(low[[2, 3]] / high[[2, 3]] - 1) > 0.01)
 
 
-def test_schedule_carries_its_settings(loader):
+def test_schedule_contains_its_settings(loader):
     settings = random_settings(loader)
     np.testing.assert_array_equal(schedule_gains(loader, settings.tolist()).settings, settings)
 
 
-def test_loaders_own_feel_does_not_matter(loader):
+def test_schedule_does_not_depend_on_the_feel_of_the_loader(loader):
     # It sets the scale of the states, and so the rounding, but nothing else.
     settings = random_settings(loader)[:5]
     other = with_setting(loader, np.array([0.3, 2.0, 2000.0]))
@@ -119,7 +119,7 @@ def test_loaders_own_feel_does_not_matter(loader):
     )
 
 
-def test_no_settings_give_no_gains(loader):
+def test_empty_settings_give_no_gains(loader):
     assert schedule_gains(loader, np.empty((0, 3))).gains.shape == (0, 6)
 
 
@@ -140,7 +140,7 @@ GOOD = [6.8, 34.0, 1084.0]
     ],
 )
 @pytest.mark.parametrize("row", [0, 3])
-def test_bad_setting_is_refused_with_its_row(loader, bad, row):
+def test_invalid_setting_is_refused_with_its_row(loader, bad, row):
     settings = [GOOD] * 5
     settings[row] = bad
     with pytest.raises(InputError, match=rf"^settings: expected finite I > 0, B >= 0, G > 0, got .* in row {row}$"):
@@ -153,7 +153,7 @@ def test_settings_of_another_shape_are_refused(loader, shape):
         schedule_gains(loader, np.ones(shape))
 
 
-def test_what_a_schedule_cannot_use_is_refused(loader):
+def test_unusable_schedule_arguments_raise_input_error(loader):
     rows = [[6.8, 34.0, 1085.0]]
     with pytest.raises(InputError, match="leave out horizon_s"):
         schedule_gains(loader, rows, DesignSettings(horizon_s=0.05), continuous=True)

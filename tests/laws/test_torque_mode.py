@@ -39,7 +39,7 @@ AGREES = 1e-4
 
 
 @pytest.mark.parametrize("ratio", [0.3, 3.0])
-def test_without_delay_and_give_the_column_is_felt_as_said(ratio, monkeypatch):
+def test_rigid_loader_without_delay_renders_the_programmed_feel(ratio, monkeypatch):
     """A pole pair of ``max(I, J) s^2 + B s + G``: the motor takes J off a larger I, and without a share none off J."""
     monkeypatch.setattr(torque_mode, "SHARES", ())
     loader = YOKE.replace(NEAR_RIGID, si=True)
@@ -58,7 +58,7 @@ def test_without_delay_and_give_the_column_is_felt_as_said(ratio, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["elevator-electric", "desktop-yoke"])
-def test_the_stiffness_at_rest_is_the_feels(name):
+def test_static_stiffness_is_that_of_the_feel(name):
     """The link gives by 4 to 8 % of it, and the law knows."""
     loader = BUILT_IN[name]().replace(QUIET, si=True)
     force = 0.2 * loader["pilot.force"]
@@ -67,7 +67,7 @@ def test_the_stiffness_at_rest_is_the_feels(name):
     assert run.history["column_angle_rad"].values[0] == pytest.approx(angle, rel=ROUNDING)
 
 
-def test_the_engine_runs_it_as_its_witness_does():
+def test_engine_matches_the_reference():
     law, time = Law.of("torque-mode", YOKE), np.linspace(0.0, 0.21, 421)
     force = 8 * np.sin(2 * math.pi * 4 * time)
     run = simulate(YOKE, Scenario(Recorded(time, force), 0.2, 1e-4, YOKE["controller.period"]), law)
@@ -77,13 +77,13 @@ def test_the_engine_runs_it_as_its_witness_does():
     assert np.abs(run.history["column_angle_rad"].values - angle).max() < AGREES * np.ptp(angle)
 
 
-def test_a_steep_breakout_makes_no_limit_cycle():
+def test_steep_breakout_causes_no_limit_cycle():
     """Where all that moves was taken off the feel's inertia, this stick swung by 0.3 deg for ever at 20 Hz."""
     run = simulate(STICK, Scenario(Release(0.17), 1.5), "torque-mode")
     assert np.abs(run.history["column_angle_rad"].values[-400:]).max() < math.radians(0.02)
 
 
-def test_dry_friction_of_the_feel_sticks():
+def test_feel_dry_friction_sticks():
     """Under half of the friction the column stays within what the coupling gives."""
     friction = 4.0
     loader = YOKE.replace({"feel.coulomb_friction": friction}, si=True)
@@ -99,12 +99,12 @@ def test_dry_friction_of_the_feel_sticks():
     assert np.ptp(angle[-500:]) < 0.01 * gives
 
 
-def test_a_spring_that_the_link_has_not_is_refused():
+def test_stiffness_above_that_of_the_link_is_refused():
     with pytest.raises(ff.InputError, match="row 0 programs 300 N m/rad, and link and transmission have 240 N m/rad"):
         torque_mode.design(YOKE, [[0.1, 1.0, 300.0]])
 
 
-def test_a_coarse_encoder_makes_the_coupling_softer():
+def test_coarse_encoder_softens_the_coupling():
     """Its steps, times the damper, are not to stir the current."""
     fine, coarse = (Coupling.of(YOKE.replace({"potentiometer.resolution": step}, si=True)) for step in (1e-7, 1e-5))
     assert coarse.memory > fine.memory

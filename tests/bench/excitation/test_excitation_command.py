@@ -32,7 +32,7 @@ def rows(path):
     return about, header, np.array([[float(it) for it in line.split(",")] for line in numbers])
 
 
-def test_what_a_user_sees(run, tmp_path):
+def test_command_prints_the_expected_summary(run, tmp_path):
     status, out, err = run("elevator-1974", "--fit", "k,c,J,C_i", *SHORT, "--out", "excite.csv")
     assert (status, err) == (0, "")
     plain = " ".join(out.split())
@@ -52,7 +52,7 @@ def test_what_a_user_sees(run, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["excite.csv"]
 
 
-def test_json_is_what_the_library_finds(run, tmp_path):
+def test_json_matches_the_library_result(run, tmp_path):
     status, out, _ = run("elevator-1974", "--fit", "k,c,J,C_i", *SHORT, "--json", "--units", "si")
     found, told = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN), json.loads(out)
     assert status == 0
@@ -67,7 +67,7 @@ def test_json_is_what_the_library_finds(run, tmp_path):
     assert (tmp_path / "forcefeel-excite.csv").exists()
 
 
-def test_the_file_holds_the_signal_and_says_what_it_is(tmp_path):
+def test_csv_contains_signal_and_description(tmp_path):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
     about, header, numbers = rows(write_excitation(found, tmp_path / "e.csv"))
     assert about[:2] == ["# experiment: servo-closed test_signal", "# loader: elevator"]
@@ -78,7 +78,7 @@ def test_the_file_holds_the_signal_and_says_what_it_is(tmp_path):
 
 
 @pytest.mark.parametrize(("units", "header"), [(UnitSystem.US, "pilot_force (lb)"), (UnitSystem.SI, "pilot_force (N)")])
-def test_a_force_has_its_unit(tmp_path, units, header):
+def test_force_column_has_its_unit(tmp_path, units, header):
     found = excite(ff.elevator(), "k,J", "loader", PLAN)
     path = write_excitation(found, tmp_path / "e.csv", units)
     about, head, _ = rows(path)
@@ -87,7 +87,7 @@ def test_a_force_has_its_unit(tmp_path, units, header):
     np.testing.assert_allclose(read_recorded(path).force_n, found.signal, atol=DIGITS * found.peak)
 
 
-def test_with_measured_columns_added_it_is_a_bench_record(tmp_path):
+def test_file_with_measured_columns_is_a_bench_record(tmp_path):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
     lines = write_excitation(found, tmp_path / "e.csv").read_text().splitlines()
     about = sum(line.startswith("#") for line in lines)
@@ -134,7 +134,7 @@ def test_options_reach_the_design(run, tmp_path):
     }
 
 
-def test_a_file_that_is_there_is_replaced_only_if_asked(run, tmp_path):
+def test_existing_file_is_replaced_only_with_replace(run, tmp_path):
     (tmp_path / "e.csv").write_text("mine")
     status, _, err = run("elevator-1974", "--fit", "J", *SHORT, "--out", "e.csv")
     assert status == 2
@@ -144,14 +144,14 @@ def test_a_file_that_is_there_is_replaced_only_if_asked(run, tmp_path):
     assert rows(tmp_path / "e.csv")[1] == "time (s),test_signal (V)"
 
 
-def test_what_cannot_be_told_apart_is_exit_1_and_nothing_is_written(run, tmp_path):
+def test_inseparable_parameters_exit_1_without_output(run, tmp_path):
     status, out, err = run("elevator-1974", "--fit", "K_2,C_i,J", *SHORT)
     assert (status, out) == (1, "")
     assert "cannot tell K_2 (amplifier.admittance) and C_i (valve.current_gain) apart" in err
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_not_determined_is_exit_1(run, tmp_path):
+def test_undetermined_parameters_exit_1(run, tmp_path):
     status, out, _ = run("elevator-1974", "--fit", "c", *SHORT, "--noise", "100000 %")
     assert status == 1
     assert "Not determined: c (linkage.damping)" in " ".join(out.split())
@@ -186,7 +186,7 @@ def test_what_is_not_determined_is_exit_1(run, tmp_path):
         ),
     ],
 )
-def test_bad_input_is_exit_2_and_nothing_is_written(run, tmp_path, words, message):
+def test_invalid_input_exits_2_without_output(run, tmp_path, words, message):
     status, out, err = run("elevator-1974", *words)
     assert (status, out) == (2, "")
     assert message in err

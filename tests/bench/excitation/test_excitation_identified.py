@@ -23,7 +23,7 @@ SIGMAS = 4.0
 @pytest.mark.parametrize(
     ("loader", "valve"), [(ff.elevator(), "C_i"), (ff.digital_elevator(), "q_r")], ids=["analog", "digital"]
 )
-def test_an_identification_is_as_sure_as_was_promised(loader, valve):
+def test_identification_has_the_predicted_errors(loader, valve):
     found = excite(loader, f"k,c,J,{valve}", plan=ExcitationPlan(time_s=20.0, rate_hz=500.0, to_hz=60.0))
     bench = loader.replace({key: loader[key] * factor for key, factor in OFF.items()}, si=True)
     step, steps = 1 / found.plan.rate_hz, len(found.time_s) - 1

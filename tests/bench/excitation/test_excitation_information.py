@@ -71,7 +71,7 @@ def of_samples(slopes, found):
     return weighted @ weighted.T
 
 
-def test_information_of_a_multisine_is_that_of_its_samples(short):
+def test_multisine_information_matches_its_samples(short):
     # Parseval: the sum over the samples of whole periods is that over the lines, once the first period's transient is gone.
     period = round(short.period_s * SHORT.rate_hz)
     periods = int((len(short.time_s) - 0.25 * period) // period)
@@ -82,13 +82,13 @@ def test_information_of_a_multisine_is_that_of_its_samples(short):
     np.testing.assert_allclose(relative_errors(short.information), relative_errors(summed), rtol=STRAIGHT)
 
 
-def test_information_of_a_chirp_is_that_of_its_samples():
+def test_chirp_information_matches_its_samples():
     found = excite(ff.elevator(), FIT, plan=ExcitationPlan("chirp", 13.0, 500.0, to_hz=40.0))
     summed = of_samples(differenced(found), found)
     np.testing.assert_allclose(relative_errors(found.information), relative_errors(summed), rtol=NEIGHBOURHOOD)
 
 
-def test_slopes_of_lines_against_the_report_s_servo():
+def test_line_sensitivities_match_the_servo_of_the_report():
     # The column angle of the closed servo by python-control, differenced: a route without duals and without channels.
     loader, line = ff.elevator(), np.array([0.5, 5.0, 12.0, 30.0])
 
@@ -115,7 +115,7 @@ def test_slopes_of_lines_against_the_report_s_servo():
         np.testing.assert_allclose(found[i], expected[i], rtol=0, atol=DIFFERENCED * np.trace(expected[i]))
 
 
-def test_least_squares_of_noisy_records_scatters_as_predicted(short):
+def test_least_squares_scatter_matches_the_prediction(short):
     # 200 records of the steady periods with white noise; the parameters fitted to their lines by nonlinear least squares.
     runs, rng = 200, np.random.default_rng(41)
     loader, lines = short.loader, short.frequency_hz
@@ -163,14 +163,14 @@ def test_least_squares_of_noisy_records_scatters_as_predicted(short):
     assert chi2.ppf(1e-4, 4 * runs) < distance < chi2.ppf(1 - 1e-4, 4 * runs)
 
 
-def test_twice_the_noise_is_twice_the_error(short):
+def test_doubled_noise_doubles_the_error(short):
     noisy = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=0.02))
     assert noisy.standard_errors == pytest.approx(
         {key: 2 * it for key, it in short.standard_errors.items()}, rel=ENOUGH
     )
 
 
-def test_noise_of_a_channel_can_be_given(short):
+def test_channel_noise_can_be_specified(short):
     named = ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise=dict(short.noise))
     assert excite(ff.elevator(), FIT, plan=named).standard_errors == pytest.approx(short.standard_errors, rel=ENOUGH)
 
@@ -178,7 +178,7 @@ def test_noise_of_a_channel_can_be_given(short):
 # What cannot be determined
 
 
-def test_parameters_that_only_act_together_are_named():
+def test_inseparable_parameters_are_named():
     # e -> K_2 e -> C_i K_2 e: neither the column nor the oil knows them apart. The current does.
     fit = ("amplifier.admittance", "valve.current_gain", "column.inertia")
     with pytest.raises(
@@ -190,21 +190,21 @@ def test_parameters_that_only_act_together_are_named():
 
 
 @pytest.mark.parametrize("key", ["feel.damping", "load_cell.gain"])
-def test_parameters_that_move_nothing_are_named(key):
+def test_parameters_without_effect_are_named(key):
     with pytest.raises(
         ff.InputError, match=rf"{key}\) changes nothing that is measured in servo-closed test_signal; leave it out"
     ):
         excite(ff.elevator(), ("column.inertia", key), plan=SHORT)
 
 
-def test_a_valve_that_follows_its_orifice_is_told_by_its_rated_flow():
+def test_valve_with_orifice_is_identified_by_its_rated_flow():
     with pytest.raises(
         ff.InputError, match=r"follows its orifice, where q_r \(valve.rated_flow\) stands for its gains"
     ):
         excite(ff.digital_elevator(), "C_i,J", plan=SHORT)
 
 
-def test_what_is_vague_is_said():
+def test_poorly_determined_parameter_is_reported():
     found = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=100.0))
     assert set(found.vague) == {key for key, error in found.standard_errors.items() if error >= 0.5 / 1.96}
     assert found.vague

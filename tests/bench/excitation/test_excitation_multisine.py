@@ -28,7 +28,7 @@ def period(multisine, points):
 
 
 @pytest.mark.parametrize("seed", [None, 3])
-def test_lines_have_their_weights(seed):
+def test_lines_have_the_specified_weights(seed):
     multisine = Multisine(4.0, LINES, 8.0, seed, WEIGHTS)
     spectrum = np.abs(np.fft.rfft(period(multisine, 1000))) * 2 / 1000
     expected = np.zeros(501)
@@ -40,27 +40,27 @@ def test_lines_have_their_weights(seed):
     st.dictionaries(st.integers(1, 60), st.floats(0.01, 100.0), min_size=1, max_size=12),
     st.none() | st.integers(0, 2**32),
 )
-def test_the_peak_is_the_force_whatever_the_weights(lines, seed):
+def test_peak_equals_the_force_for_any_weights(lines, seed):
     harmonics = sorted(lines)
     multisine = Multisine(1.0, tuple(k / 8 for k in harmonics), 8.0, seed, tuple(lines[k] for k in harmonics))
     force = np.abs(period(multisine, 2000 * harmonics[-1]))
     assert SEEN <= force.max() <= 1 + PEAK_FOUND
 
 
-def test_schroeders_phases_of_unequal_lines_are_his():
+def test_phases_of_unequal_lines_match_schroeder():
     power = np.array(WEIGHTS) ** 2 / np.sum(np.square(WEIGHTS))
     expected = [-2 * math.pi * sum((i - k) * power[k] for k in range(i)) for i in range(len(power))]
     np.testing.assert_allclose(Multisine(1.0, LINES, 8.0, None, WEIGHTS).phases_rad, expected, atol=ROUNDING)
 
 
 @pytest.mark.parametrize("seed", [None, 3])
-def test_even_weights_are_no_weights(seed):
+def test_equal_weights_match_no_weights(seed):
     even = Multisine(1.0, LINES, 8.0, seed, (2.0,) * len(LINES))
     plain = Multisine(1.0, LINES, 8.0, seed)
     np.testing.assert_allclose(period(even, 1000), period(plain, 1000), atol=ROUNDING)
 
 
-def test_clipping_lowers_the_peak_of_unequal_lines():
+def test_clipping_reduces_the_peak_of_unequal_lines():
     chance = np.random.default_rng(7).uniform(0, 2 * np.pi, (200, len(LINES)))
     t = np.arange(0, 8, 0.005)
     waves = [np.array(WEIGHTS) @ np.cos(2 * np.pi * np.outer(LINES, t) + phases[:, None]) for phases in chance]
@@ -77,7 +77,7 @@ def test_clipping_lowers_the_peak_of_unequal_lines():
         (3.0, "expected weights to be a row of numbers, got 3.0"),
     ],
 )
-def test_bad_weights_are_refused(weights, message):
+def test_invalid_weights_raise_input_error(weights, message):
     with pytest.raises(InputError, match=message):
         Multisine(1.0, LINES, 8.0, weights=weights)
 
@@ -96,7 +96,7 @@ def problem(seed):
 
 
 @pytest.mark.parametrize("p", [4, 32])
-def test_the_slope_of_the_norm_is_its_slope(p):
+def test_norm_gradient_matches_differences(p):
     found = problem(1)
     rng = np.random.default_rng(2)
     phases, along = rng.uniform(0, 6, len(found.harmonics)), rng.normal(0, 1, len(found.harmonics))
@@ -106,7 +106,7 @@ def test_the_slope_of_the_norm_is_its_slope(p):
     assert slope @ along == pytest.approx(measured, rel=DIFFERENCED)
 
 
-def test_the_norm_goes_to_the_peak():
+def test_norm_converges_to_the_peak():
     found = problem(1)
     phases = np.linspace(0, 5, len(found.harmonics))
     value, _ = found.norm(phases, 400)
@@ -116,7 +116,7 @@ def test_the_norm_goes_to_the_peak():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_peaks_of_all_signals_are_low(seed):
+def test_all_signals_have_low_peaks(seed):
     # Each signal has an r.m.s. of 1, so a peak is a crest factor. Random phases have 3 and more, one clipped signal 1.5 to 2.
     found = problem(seed)
     phases = low_crest_phases(found)

@@ -39,7 +39,7 @@ def scaled(shape, problem):
     return shape * np.min(problem.budget / (problem.cost @ shape))
 
 
-def test_one_parameter_puts_all_power_where_it_tells_most_for_its_price():
+def test_single_parameter_power_goes_to_the_most_cost_effective_line():
     information = np.array([1.0, 5.0, 4.0])[:, None, None]
     problem = PowerProblem(information, np.array([[1.0, 3.0, 2.0]]), np.array([6.0]), np.zeros(3))
     found = optimal_power(problem)
@@ -47,7 +47,7 @@ def test_one_parameter_puts_all_power_where_it_tells_most_for_its_price():
     assert found.multipliers == pytest.approx(1 / 6, rel=EQUIVALENCE)  # mu b = p, the number of parameters
 
 
-def test_parameters_that_share_no_line_share_the_budget_evenly():
+def test_parameters_without_shared_lines_split_the_budget_equally():
     # ln det = sum ln(P_i m_i): the greatest has a_i P_i = b / p for each, whatever m_i and a_i.
     strengths, cost, budget = np.array([1.0, 100.0, 0.01]), np.array([[2.0, 0.5, 8.0]]), np.array([6.0])
     information = np.zeros((3, 3, 3))
@@ -58,7 +58,7 @@ def test_parameters_that_share_no_line_share_the_budget_evenly():
 
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("floor", [0.0, 0.2])
-def test_the_equivalence_theorem_holds(seed, floor):
+def test_equivalence_theorem_holds(seed, floor):
     # Kiefer and Wolfowitz: P is optimal if and only if prices mu >= 0 exist with d_i <= sum_c mu_c a_ci, equal where P_i is free,
     # and mu_c = 0 where limit c is not reached. The prices are found here by least squares over the free lines, not by the solver.
     problem, found = drawn(seed, floor=floor), solved(seed, floor=floor)
@@ -78,7 +78,7 @@ def test_the_equivalence_theorem_holds(seed, floor):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_nothing_else_within_the_limits_is_better(seed):
+def test_no_other_spectrum_within_limits_is_better(seed):
     problem = drawn(seed)
     best = problem.log_det(solved(seed).power)
     rng = np.random.default_rng(1000 + seed)
@@ -90,7 +90,7 @@ def test_nothing_else_within_the_limits_is_better(seed):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_the_certificate_bounds_what_is_lost(seed):
+def test_certificate_bounds_the_loss(seed):
     problem = drawn(seed)
     best = problem.log_det(solved(seed).power)
     shape = np.random.default_rng(seed).uniform(0.1, 1.0, 60)
@@ -102,14 +102,14 @@ def test_the_certificate_bounds_what_is_lost(seed):
 
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("share", [0.1, 0.2, 0.5])
-def test_an_even_share_costs_no_more_than_itself(seed, share):
+def test_uniform_floor_costs_at_most_its_share(seed, share):
     # M >= (1 - s) M* + s M_even is within the limits, so the D-efficiency (det M / det M*)^(1/p) is 1 - s at least.
     free = drawn(seed)
     lost = free.log_det(solved(seed, floor=share).power) - free.log_det(solved(seed).power)
     assert 1 - share <= np.exp(lost / 4) <= 1 + ROUNDING
 
 
-def test_units_of_parameters_and_limits_do_not_matter():
+def test_result_does_not_depend_on_units():
     problem = drawn(3)
     scale = np.diag([1e-9, 1.0, 1e6, 1e3])
     other = PowerProblem(
@@ -122,6 +122,6 @@ def test_units_of_parameters_and_limits_do_not_matter():
     assert abs(lost) < 2 * GAP
 
 
-def test_more_lines_than_the_working_set_and_many_parameters():
+def test_many_lines_and_parameters_reach_the_optimum():
     problem = drawn(5, lines=600, parameters=7)
     assert optimal_power(problem).gap < GAP

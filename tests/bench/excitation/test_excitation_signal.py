@@ -75,7 +75,7 @@ def test_every_limit_holds_on_the_nonlinear_loader(name, kind, experiment):
     assert {use.limit.name: use.share for use in found.uses} == pytest.approx(shares, rel=SAMPLED)
 
 
-def test_defaults_are_the_loader_s_and_a_limit_that_is_given_binds():
+def test_limits_default_to_the_loader_and_can_be_tightened():
     linear = {limit.name: limit.value for limit in limits_of(ff.elevator(), Drive.PILOT_FORCE, {})}
     assert linear == pytest.approx(
         {
@@ -94,7 +94,7 @@ def test_defaults_are_the_loader_s_and_a_limit_that_is_given_binds():
 
 
 @pytest.mark.parametrize("kind", ["multisine", "chirp"])
-def test_it_begins_and_ends_at_zero_softly(kind):
+def test_signal_starts_and_ends_smoothly_at_zero(kind):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=replace(PLAN, signal=kind))
     assert found.signal[0] == found.signal[-1] == 0
     at_rest = np.flatnonzero(np.abs(found.signal) > 0.01 * found.peak)
@@ -112,7 +112,7 @@ def multisine():
     return excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
 
 
-def test_whole_periods_follow_one_another(multisine):
+def test_signal_repeats_whole_periods(multisine):
     period = round(multisine.period_s * PLAN.rate_hz)
     first = multisine.signal[period : 2 * period]
     assert multisine.period_s == 2.0
@@ -121,7 +121,7 @@ def test_whole_periods_follow_one_another(multisine):
     assert FEWEST_PERIODS * period < len(multisine.signal)
 
 
-def test_a_period_has_the_lines_that_it_claims(multisine):
+def test_period_has_the_stated_lines(multisine):
     period = round(multisine.period_s * PLAN.rate_hz)
     spectrum = 2 * np.abs(np.fft.rfft(multisine.signal[period : 2 * period]) / period) ** 2
     expected = np.zeros(period // 2 + 1)
@@ -131,14 +131,14 @@ def test_a_period_has_the_lines_that_it_claims(multisine):
     assert multisine.frequency_hz[-1] == 40.0
 
 
-def test_every_line_has_its_even_share(multisine):
+def test_every_line_has_its_uniform_share(multisine):
     even = multisine.power.min() / multisine.power.mean()
     # The even spectrum's power within the limits is less than the best one's; a fifth of it is on every line.
     assert 0.05 < even <= 0.2
     assert np.count_nonzero(multisine.power > 1.01 * multisine.power.min()) <= 4 * 5 / 2 + 4
 
 
-def test_crest_factors_of_what_is_limited_are_low(multisine):
+def test_limited_quantities_have_low_crest_factors(multisine):
     period = round(multisine.period_s * PLAN.rate_hz)
     history = played(multisine).history
     steps = round(1 / PLAN.rate_hz / 1e-3)
@@ -147,7 +147,7 @@ def test_crest_factors_of_what_is_limited_are_low(multisine):
         assert np.abs(steady).max() / np.sqrt(np.mean(steady**2)) < 1.1 * CREST
 
 
-def test_an_open_servo_stays_about_its_place_and_comes_back_to_it():
+def test_open_servo_stays_near_its_position_and_returns():
     # It integrates and keeps what the ramp gathers: 20 to 40 % of the peak for a signal that begins anywhere.
     found = excite(ff.elevator(), "k,c,J,C_i", "servo-open", PLAN)
     angle = played(found).history["column_angle_rad"].values
@@ -157,7 +157,7 @@ def test_an_open_servo_stays_about_its_place_and_comes_back_to_it():
 
 
 @pytest.mark.parametrize("experiment", ["servo-open", "servo-closed", "loader"])
-def test_it_tells_more_than_even_and_random_spectra_within_the_same_limits(experiment):
+def test_signal_is_more_informative_than_uniform_and_random_spectra(experiment):
     loader = ff.elevator()
     asked = Experiment.read(experiment)
     limits = limits_of(loader, asked.drive, {})
@@ -176,7 +176,7 @@ def test_it_tells_more_than_even_and_random_spectra_within_the_same_limits(exper
     assert found.even_efficiency < found.efficiency
 
 
-def test_the_same_is_found_again(multisine):
+def test_signal_is_reproducible(multisine):
     np.testing.assert_array_equal(excite(ff.elevator(), "k,c,J,C_i", plan=PLAN).signal, multisine.signal)
 
 
@@ -208,12 +208,12 @@ def test_the_same_is_found_again(multisine):
         ({"limits": {"force": 1e6}}, r"expected a force of at most 2832 lb \(supply pressure times piston area\)"),
     ],
 )
-def test_bad_plans_are_refused(plan, message):
+def test_invalid_plan_raises_input_error(plan, message):
     with pytest.raises(ff.InputError, match=message):
         excite(ff.elevator(), "J", plan=replace(PLAN, **plan))
 
 
-def test_limits_beyond_the_loader_s_own_are_refused():
+def test_limits_above_those_of_the_loader_raise_input_error():
     for name, value, own in (("current", 0.013, "12 mA"), ("travel", 0.2, "9 deg")):
         with pytest.raises(ff.InputError, match=f"expected a {name} of at most {own}"):
             excite(ROUGH, "J", plan=replace(PLAN, limits={name: value}))
@@ -228,12 +228,12 @@ def test_limits_beyond_the_loader_s_own_are_refused():
         ("J", "bench", "experiment: expected servo-open, servo-closed, motor-open, loader"),
     ],
 )
-def test_bad_questions_are_refused(fit, experiment, message):
+def test_invalid_arguments_raise_input_error(fit, experiment, message):
     with pytest.raises(ff.InputError, match=message):
         excite(ff.elevator(), fit, experiment, PLAN)
 
 
-def test_a_law_goes_with_the_whole_loader():
+def test_whole_loader_experiment_takes_a_law():
     law = ff.laws.GainLaw.original(ff.elevator().si_values)
     with pytest.raises(
         ff.InputError, match="law: is the law of the whole loader, and servo-closed test_signal is of the servo"
@@ -243,13 +243,13 @@ def test_a_law_goes_with_the_whole_loader():
     np.testing.assert_allclose(with_law.signal, without.signal, rtol=0, atol=ROUNDING * without.peak)
 
 
-def test_a_loader_that_leaves_its_limits_by_itself_is_refused():
+def test_loader_that_exceeds_its_limits_alone_is_refused():
     heavy = ff.elevator().replace({"column.gravity_torque": "4000 lb in", "column.gravity_angle": "90 deg"})
     with pytest.raises(ff.InputError, match=r"exceeds the force of .* however small the excitation is"):
         excite(heavy, "J", "servo-closed", replace(PLAN, limits={"force": 50 * LB}))
 
 
-def test_a_loop_that_runs_away_is_refused():
+def test_unstable_loop_is_refused():
     # The published low setting of the feel is unstable on the original loop.
     loader = ff.elevator().scale_feel(0.1)
     with pytest.raises(
@@ -258,7 +258,7 @@ def test_a_loop_that_runs_away_is_refused():
         excite(loader, "J", "loader test_signal", PLAN)
 
 
-def test_a_slow_controller_ends_the_band():
+def test_slow_controller_limits_the_band():
     slow = ff.digital_elevator().replace({"controller.period": "8 ms", "controller.delay": "0 ms"})
     plan = replace(PLAN, to_hz=None)
     lines = spectral_lines(plan, timing(plan), slow)

@@ -73,7 +73,7 @@ def in_place_of(record, signal):
     return replace(record, channels={**record.channels, "grip_force": signal})
 
 
-def test_hands_off_it_tells_mass_and_offset(loader, shaken):
+def test_hands_off_record_identifies_mass_and_offset(loader, shaken):
     found = find_grip_sensor(loader, [shaken], None)
     assert found.wrong == found.notes == ()
     assert set(found.rows) == {MASS, OFFSET}
@@ -84,7 +84,7 @@ def test_hands_off_it_tells_mass_and_offset(loader, shaken):
     assert "weight or a spring balance" in found.advice[0]  # which tells the gain
 
 
-def test_a_measured_hand_tells_the_gain(loader):
+def test_measured_hand_force_identifies_the_gain(loader):
     pulled = recorded("loader pilot_force", 6.0, pilot_force="force")
     found = find_grip_sensor(loader, [pulled], None)
     assert (found.wrong, found.advice) == ((), ())
@@ -119,13 +119,13 @@ def test_a_measured_hand_tells_the_gain(loader):
         "clipped",
     ],
 )
-def test_one_that_sees_nothing_or_something_else_is_named(loader, shaken, seen, sentence):
+def test_inactive_or_inconsistent_grip_sensor_is_reported(loader, shaken, seen, sentence):
     found = find_grip_sensor(loader, [in_place_of(shaken, seen(shaken.channels["grip_force"]))], None)
     assert found.rows == {}
     assert sentence in found.wrong[0]
 
 
-def test_no_law_is_handed_over_for_a_sensor_that_sees_nothing(loader, shaken):
+def test_inactive_grip_sensor_rejects_the_law(loader, shaken):
     quick, blind = CommissionPlan(fit=("k",)), in_place_of(shaken, 0.0 * shaken.time_s)
     stated = loader.with_tolerances({GAIN: "5 %", MASS: "20 %"})
     good, bad = (identify_loader(stated, [one], quick) for one in (shaken, blind))
@@ -139,7 +139,7 @@ def test_no_law_is_handed_over_for_a_sensor_that_sees_nothing(loader, shaken):
     assert not bad.outcome.good
 
 
-def test_what_is_not_there_is_said(loader, shaken):
+def test_missing_grip_sensor_data_is_reported(loader, shaken):
     without = replace(shaken, channels={name: it for name, it in shaken.channels.items() if name != "grip_force"})
     (said,) = find_grip_sensor(loader, [without], None).notes
     assert "No record holds grip_force" in said

@@ -83,7 +83,7 @@ def test_every_parameter_is_within_its_standard_errors(loader, measured):
 
 
 @pytest.mark.parametrize(("drive", "other"), [("test_signal", "command_signal"), ("command_signal", "test_signal")])
-def test_under_a_digital_controller_it_matters_where_the_signal_enters(loader, drive, other):
+def test_signal_input_point_matters_under_a_digital_controller(loader, drive, other):
     digital = loader.replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})
     channels = "column_angle piston_position load_pressure"
     found = apart(digital, record_of(channels, drive, CONTROLLER))
@@ -92,5 +92,5 @@ def test_under_a_digital_controller_it_matters_where_the_signal_enters(loader, d
     assert max(abs(it) for it in misled.values()) > 5 * ERRORS
 
 
-def test_its_units_are_those_of_the_other_witness():
+def test_bench_machine_units_match_the_reference():
     assert (bench_machine.LBF, bench_machine.INCH) == (witness.LBF, witness.INCH)

@@ -92,7 +92,7 @@ def found(monkeypatch):
 GOOD = ("my.toml", "--data", "closed.csv", "--experiment", "servo-closed", "--fit", "k,c,J")
 
 
-def test_a_loader_is_identified_from_a_response(identify, tmp_path):
+def test_identify_fits_a_loader_to_a_response(identify, tmp_path):
     status, out, err = identify(*GOOD, "--starts", "2", "--out", "found")
     assert (status, err) == (0, "")
     assert "All 3 parameters are determined" in out
@@ -111,7 +111,7 @@ def test_a_loader_is_identified_from_a_response(identify, tmp_path):
     assert "loader file: found/loader.toml" in out
 
 
-def test_the_loader_that_was_given_stays(identify, tmp_path, found):
+def test_input_loader_file_is_unchanged(identify, tmp_path, found):
     before = (tmp_path / "my.toml").read_bytes()
     asked = found(determined())
     assert identify(*GOOD)[0] == 0
@@ -119,7 +119,7 @@ def test_the_loader_that_was_given_stays(identify, tmp_path, found):
     assert asked["loader"] == ff.load(tmp_path / "my.toml")
 
 
-def test_a_folder_that_holds_the_loader_itself_is_refused(identify, tmp_path, found):
+def test_output_folder_with_the_input_loader_is_refused(identify, tmp_path, found):
     found(determined())
     folder = tmp_path / "found"
     folder.mkdir()
@@ -133,7 +133,7 @@ def test_a_folder_that_holds_the_loader_itself_is_refused(identify, tmp_path, fo
     assert [one.name for one in folder.iterdir()] == [LOADER]
 
 
-def test_a_folder_with_an_identification_is_replaced_only_if_asked(identify, tmp_path, found):
+def test_existing_identification_is_replaced_only_with_replace(identify, tmp_path, found):
     found(determined())
     identify(*GOOD)
     folder = tmp_path / "forcefeel-identified"
@@ -146,7 +146,7 @@ def test_a_folder_with_an_identification_is_replaced_only_if_asked(identify, tmp
     assert json.loads((folder / RESULTS).read_text())["settings"]["loss"] == "linear"
 
 
-def test_what_is_not_determined_gives_no_loader(identify, tmp_path, found):
+def test_undetermined_parameter_writes_no_loader(identify, tmp_path, found):
     found(determined())
     identify(*GOOD)
     folder = tmp_path / "forcefeel-identified"
@@ -168,14 +168,14 @@ def test_what_is_not_determined_gives_no_loader(identify, tmp_path, found):
     assert secrets_in(" ".join(words(folder / PAGE).words)) == []
 
 
-def test_the_bench_itself_can_show_that_it_does_not_determine(identify, tmp_path):
+def test_product_only_fit_exits_1_without_loader(identify, tmp_path):
     status, out, _ = identify(*GOOD[:-1], "C_i,K_2", "--starts", "1", "--set", "linkage.stiffness=6596 lb/in")
     assert status == 1
     assert "only their product" in " ".join(out.split())
     assert not (tmp_path / "forcefeel-identified" / LOADER).exists()
 
 
-def test_json_is_what_the_folder_holds(identify, tmp_path, found):
+def test_json_matches_the_output_folder(identify, tmp_path, found):
     found(determined())
     status, out, err = identify(*GOOD, "--json", "--units", "si", "--no-priors", "--starts", "3")
     assert (status, err) == (0, "")
@@ -189,7 +189,7 @@ def test_json_is_what_the_folder_holds(identify, tmp_path, found):
     assert stored["parameters"][0]["estimate"]["unit"] == "N/cm"
 
 
-def test_the_options_reach_the_fit(identify, found):
+def test_options_reach_the_fit(identify, found):
     asked = found(determined())
     words = ("--starts", "7", "--loss", "cauchy", "--responses", "--no-priors", "--set", "column.grip_arm=30 in")
     assert identify(*GOOD, *words)[0] == 0
@@ -201,7 +201,7 @@ def test_the_options_reach_the_fit(identify, found):
     assert (data.experiment, data.input, data.output) == (Experiment(Loop.SERVO_CLOSED), "test_signal", "column_angle")
 
 
-def test_a_law_is_that_of_the_whole_loader(identify, found, tmp_path):
+def test_law_requires_data_of_the_whole_loader(identify, found, tmp_path):
     asked = found(determined())
     status, out, err = identify(*GOOD, "--law", "published")
     assert (status, out) == (2, "")
@@ -227,7 +227,7 @@ def test_responses_of_records_are_written(identify, found, tmp_path):
     assert 'href="responses/closed.csv"' in page
 
 
-def test_a_record_is_identified_through_its_response(identify, tmp_path):
+def test_record_is_identified_through_its_response(identify, tmp_path):
     """A bench under a multisine, by python-control from the servo's state space, drive straight between samples."""
     file = ff.elevator()
     bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()}, si=True)
@@ -259,7 +259,7 @@ def test_a_record_is_identified_through_its_response(identify, tmp_path):
     assert results["data"][0]["kind"] == "frequency response"
 
 
-def test_a_record_says_everything_by_options(identify, found, tmp_path):
+def test_options_replace_the_headers_of_a_record(identify, found, tmp_path):
     asked = found(determined())
     time = np.arange(400) / 200
     angle = 10 * np.exp(-2 * time) * np.cos(9 * time)
@@ -304,7 +304,7 @@ def test_a_record_says_everything_by_options(identify, found, tmp_path):
         ((*GOOD, "--out", "closed.csv"), "is a file; expected a folder"),
     ],
 )
-def test_bad_input_ends_with_two_and_a_remedy(identify, tmp_path, words, message):
+def test_invalid_input_exits_2_with_remedy(identify, tmp_path, words, message):
     status, out, err = identify(*words)
     assert (status, out) == (2, "")
     assert message in err
@@ -350,7 +350,7 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
         ),
     ],
 )
-def test_messages_about_data_speak_of_options(identify, tmp_path, words, message):
+def test_data_messages_name_options(identify, tmp_path, words, message):
     rows = "\n".join(f"{2 * i},{np.sin(i / 9):.6f},{np.cos(i / 9):.6f}" for i in range(200))
     top = "# experiment: servo-closed\n# hold: staircase\ntime (s),test_signal (V),theta\n"
     (tmp_path / "run.csv").write_text(top + rows)
@@ -360,7 +360,7 @@ def test_messages_about_data_speak_of_options(identify, tmp_path, words, message
     assert "argument" not in err
 
 
-def test_interrupted_writes_nothing(identify, tmp_path, monkeypatch):
+def test_interrupted_run_writes_nothing(identify, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -371,7 +371,7 @@ def test_interrupted_writes_nothing(identify, tmp_path, monkeypatch):
     assert not (tmp_path / "forcefeel-identified").exists()
 
 
-def test_data_in_the_folder_are_not_overwritten(identify, tmp_path, found):
+def test_data_in_the_output_folder_are_kept(identify, tmp_path, found):
     """A response that an earlier run estimated is given again, and would be estimated under the same name."""
     found(determined())
     folder = tmp_path / "forcefeel-identified" / "responses"
@@ -385,7 +385,7 @@ def test_data_in_the_folder_are_not_overwritten(identify, tmp_path, found):
     assert (folder / "closed.csv").read_bytes() == before
 
 
-def test_the_console_has_no_endless_numbers(identify, found):
+def test_console_numbers_are_rounded(identify, found):
     found(bounded())
     _, out, _ = identify(*GOOD)
     assert not re.search(r"\d\.\d{6}", out)
@@ -396,7 +396,7 @@ def test_the_console_has_no_endless_numbers(identify, found):
 STEMS = ["closed", "release.1"]
 
 
-def test_what_names_a_file_goes_before_what_holds_for_all():
+def test_per_file_option_overrides_general_option():
     assert by_stem("--experiment", ["servo-open", "release.1=release"], STEMS) == {
         "closed": "servo-open",
         "release.1": "release",
@@ -422,7 +422,7 @@ def test_what_names_a_file_goes_before_what_holds_for_all():
         (names_by_stem, ["opened:theta=deg"]),
     ],
 )
-def test_what_names_no_file_or_says_twice_is_refused(reader, given):
+def test_unknown_file_or_duplicate_option_raises_input_error(reader, given):
     with pytest.raises(InputError, match=r"^--option: "):
         reader("--option", given, STEMS)
 
@@ -432,7 +432,7 @@ def test_what_names_no_file_or_says_twice_is_refused(reader, given):
 BENCH = ("elevator-1974", "--data", "closed.csv", "--experiment", "servo-closed")
 
 
-def test_a_resonance_and_its_link(resonance):
+def test_resonance_gives_link_values(resonance):
     status, out, err = resonance(*BENCH, "--json")
     assert (status, err) == (0, "")
     found = json.loads(out)
@@ -451,7 +451,7 @@ def test_a_resonance_and_its_link(resonance):
     assert loader["linkage.stiffness"] > 0
 
 
-def test_the_lines_for_the_loader_file_are_accepted_by_it(resonance, tmp_path):
+def test_printed_lines_are_accepted_by_the_loader_file(resonance, tmp_path):
     status, out, _ = resonance(*BENCH)
     assert status == 0
     lines = [line for line in out.splitlines() if line.startswith("resonance_")]
@@ -468,7 +468,7 @@ def test_the_lines_for_the_loader_file_are_accepted_by_it(resonance, tmp_path):
     assert "forcefeel identify fits the whole servo" in " ".join(out.split())
 
 
-def test_no_resonance_ends_with_one(resonance):
+def test_response_without_resonance_exits_1(resonance):
     status, out, err = resonance(*BENCH, "--band", "20..40 Hz")
     assert (status, err) == (1, "")
     assert "No resonance can be read off closed" in out
@@ -480,7 +480,7 @@ def test_no_resonance_ends_with_one(resonance):
     assert found["circle"]["frequency"] is None
 
 
-def test_a_record_is_turned_into_a_response(resonance, tmp_path):
+def test_record_is_converted_to_a_response(resonance, tmp_path):
     """A mode of 5 Hz and damping ratio 0.1 driven by a multisine that repeats every 4 s, computed line by line."""
     lines = np.arange(4, 41) / 4
     time = np.arange(0, 16, 0.005)
@@ -514,7 +514,7 @@ def test_a_record_is_turned_into_a_response(resonance, tmp_path):
         (("elevator-1974", "--data", "none.csv"), "none.csv"),
     ],
 )
-def test_a_bad_resonance_ends_with_two(resonance, words, message):
+def test_invalid_resonance_input_exits_2(resonance, words, message):
     status, out, err = resonance(*words)
     assert (status, out) == (2, "")
     assert message in err
@@ -523,5 +523,5 @@ def test_a_bad_resonance_ends_with_two(resonance, words, message):
 @pytest.mark.parametrize(
     "text", ["8..16 Hz", "8Hz..16Hz", "8 Hz .. 16 Hz", "8000 mHz..0.016 kHz", "50.26548 rad/s..16 Hz"]
 )
-def test_bands(text):
+def test_frequency_bands_are_parsed(text):
     assert read_band(text) == pytest.approx((8.0, 16.0), rel=1e-6)  # as 8 Hz is written in rad/s

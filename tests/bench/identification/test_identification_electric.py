@@ -49,7 +49,7 @@ def by_current_alone(yoke, truth):
     return bench.record(truth, None, "motor-open test_current", quick, 2.5, random=random)
 
 
-def test_motor_link_and_column_come_out_within_their_standard_errors(yoke, truth, law, under_its_law, tmp_path):
+def test_motor_link_and_column_are_within_their_standard_errors(yoke, truth, law, under_its_law, tmp_path):
     channels = ("column_angle", "drive_position", "load_cell_force", "motor_current")
     found = identify(yoke, [bench.measured(under_its_law, *channels)], "K_t,J_m,k,c,J", law=law, starts=1)
     for one in found.estimates:
@@ -62,21 +62,21 @@ def test_motor_link_and_column_come_out_within_their_standard_errors(yoke, truth
     assert not OF_A_VALVE.findall(re.sub(r"<(script|style|details).*?</\1>", "", page.read_text(), flags=re.DOTALL))
 
 
-def test_position_and_current_alone_leave_the_size_of_everything_open(yoke, by_current_alone):
+def test_position_and_current_leave_the_scale_undetermined(yoke, by_current_alone):
     seen = bench.measured(by_current_alone, "motor_angle", "column_angle", "motor_current")
     found = identify(yoke, [seen], "K_t,J_m,k,c,J", starts=1)
     assert found.loader is None
     assert any("only their ratios to one another" in one.sentence for one in found.inseparable)
 
 
-def test_the_load_cell_fixes_it(yoke, truth, by_current_alone):
+def test_load_cell_determines_the_scale(yoke, truth, by_current_alone):
     seen = bench.measured(by_current_alone, "motor_angle", "column_angle", "load_cell_force")
     found = identify(yoke, [seen], "K_t,J_m,k,c,J", starts=1)
     assert found.determined
     assert all(abs(one.value - truth[one.unknown.key]) < 4 * one.deviation for one in found.estimates)
 
 
-def test_frequency_responses_of_a_motor(yoke, truth, law):
+def test_motor_frequency_responses_are_fitted(yoke, truth, law):
     experiment, lines = Experiment.read("loader test_current"), np.geomspace(0.5, 200, 60)
     noise = 0.003 * np.random.default_rng(8).standard_normal((2, 3, 60))
     modelled = channel_responses(truth, Loop.LOADER, (), lines, law)
@@ -89,7 +89,7 @@ def test_frequency_responses_of_a_motor(yoke, truth, law):
     assert all(abs(one.value - truth[one.unknown.key]) < 4 * one.deviation for one in found.estimates)
 
 
-def test_slopes_of_a_sampled_motor_are_those_of_differences(yoke, law):
+def test_sampled_motor_sensitivities_match_differences(yoke, law):
     keys, lines = ("motor.torque_constant", "motor.inertia", "column.inertia"), np.geomspace(1, 100, 12)
     slopes = channel_responses(yoke, Loop.LOADER, keys, lines, law).slopes
     for k, key in enumerate(keys):
@@ -104,14 +104,14 @@ def test_slopes_of_a_sampled_motor_are_those_of_differences(yoke, law):
         assert np.all(np.abs(slopes[k] - apart) <= 1e-5 * largest + 1e-12)
 
 
-def test_a_phase_is_looked_for_all_round_and_counted_in_radians(yoke):
+def test_cogging_phase_search_covers_full_circle_in_radians(yoke):
     file = yoke.replace({"motor.cogging_torque": 0.1}, si=True)
     (phase,) = unknowns_of(file, parameter_keys("phi_1", "electric"))
     assert phase.nominal == 0
     assert (phase.scale, phase.low, phase.high) == (1.0, -np.pi, np.pi)
 
 
-def test_symbols_are_those_of_the_loader_s_drive():
+def test_symbols_match_the_drive_of_the_loader():
     assert parameter_keys("i_max", "electric") == ("current_loop.current_limit",)
     assert parameter_keys("i_max", "hydraulic") == ("amplifier.current_limit",)
 
@@ -122,7 +122,7 @@ def changed(found, experiment=None, **channels):
     )
 
 
-def test_what_is_no_bench_of_this_loader_is_named(yoke, by_current_alone):
+def test_data_of_another_bench_raises_input_error(yoke, by_current_alone):
     zeros = np.zeros_like(by_current_alone.time_s)
     limit = yoke["current_loop.current_limit"]
     noise = 1e-6 * np.random.default_rng(9).standard_normal(len(zeros))
@@ -143,7 +143,7 @@ def test_what_is_no_bench_of_this_loader_is_named(yoke, by_current_alone):
         identify(yoke, [by_current_alone], "K_t,valve.current_gain")
 
 
-def test_a_motor_s_record_is_none_of_a_valve(by_current_alone):
+def test_motor_record_is_refused_for_a_valve(by_current_alone):
     with pytest.raises(ff.InputError, match="motor-open test_current is made for an electric drive"):
         identify(ff.elevator(), [by_current_alone], "k")
     pushed = changed(by_current_alone, "sweep", pilot_force=np.zeros_like(by_current_alone.time_s))
@@ -151,7 +151,7 @@ def test_a_motor_s_record_is_none_of_a_valve(by_current_alone):
         identify(ff.elevator(), [pushed], "k")
 
 
-def test_experiments_of_the_two_drives_do_not_mix():
+def test_experiments_of_both_drives_cannot_be_mixed():
     with pytest.raises(ff.InputError, match="servo-closed and test_current do not go together"):
         Experiment.read("servo-closed test_current")
     with pytest.raises(ff.InputError, match="a release of the open motor has no rest"):
@@ -164,7 +164,7 @@ def test_experiments_of_the_two_drives_do_not_mix():
 PLAN = ff.bench.ExcitationPlan(time_s=8.0, rate_hz=500.0, to_hz=80.0)
 
 
-def test_a_motor_s_signal_holds_its_limits_and_promises_what_is_found(yoke):
+def test_motor_signal_keeps_limits_and_predicts_errors(yoke):
     law = Law.of("observer", yoke)  # the noise of the others' commands takes most of this motor's voltage
     found = ff.bench.excite(yoke, "K_t,J_m,k,c,J", plan=PLAN, law=law)
     assert [use.limit.name for use in found.uses] == ["current", "voltage", "speed", "travel", "force", "drive"]
@@ -178,7 +178,7 @@ def test_a_motor_s_signal_holds_its_limits_and_promises_what_is_found(yoke):
     assert found.uses[4].limit.value == pytest.approx(0.8 * force)
 
 
-def test_an_open_motor_stays_within_its_travel(yoke):
+def test_open_loop_motor_stays_within_its_travel(yoke):
     found = ff.bench.excite(yoke, "K_t,J_m,k", "motor-open", PLAN)
     assert found.frequency_hz[0] >= 4
     assert all(use.share <= 1 for use in found.uses)
@@ -193,12 +193,12 @@ def test_an_open_motor_stays_within_its_travel(yoke):
         ("K_t,C_i", None, {}, "valve.current_gain is of a hydraulic drive"),
     ],
 )
-def test_bad_questions_about_a_motor_are_refused(yoke, fit, experiment, limits, message):
+def test_invalid_motor_plan_raises_input_error(yoke, fit, experiment, limits, message):
     with pytest.raises(ff.InputError, match=message):
         ff.bench.excite(yoke, fit, experiment, ff.bench.ExcitationPlan(time_s=4.0, limits=limits))
 
 
-def test_a_motor_without_limits_must_be_given_some(yoke):
+def test_motor_without_current_limit_raises_input_error(yoke):
     boundless = yoke.replace(dict.fromkeys(("current_loop.current_limit", "current_loop.voltage_limit")))
     with pytest.raises(ff.InputError, match=r"gives no current_loop\.current_limit; give a current"):
         ff.bench.excite(boundless, "K_t", plan=PLAN)

@@ -81,11 +81,11 @@ def test_digits_follow_the_standard_error(value, deviation, digits):
     ("value", "digits", "text"),
     [(6.0495, 4, "6.050"), (5375.4, 4, "5375"), (0.0598, 2, "0.060"), (9.996, 3, "10.0"), (-8.0, 3, "-8.00")],
 )
-def test_zeros_at_the_end_are_digits(value, digits, text):
+def test_trailing_zeros_are_significant_digits(value, digits, text):
     assert rounded(value, digits) == text
 
 
-def test_an_interval_has_the_decimals_of_its_error():
+def test_interval_has_the_decimals_of_its_error():
     one = estimate(loader(), "k", -0.12, 0.004)
     # k = 6107.86 lb/in as printed in the report; 0.88 k -+ 1.98 0.004 k, and 0.004 k = 24: no decimals.
     assert interval(one, US) == f"{6107.86 * (0.88 - 1.98 * 0.004):.0f} to {6107.86 * (0.88 + 1.98 * 0.004):.0f}"
@@ -101,7 +101,7 @@ def test_shares_have_two_digits(share, text):
     assert percent(share) == text
 
 
-def test_the_verdict_names_the_best_and_the_worst_known():
+def test_verdict_names_the_best_and_worst_known_parameters():
     conclusions, _ = said(determined())
     assert conclusions.ok
     # Standard errors of the file's value are given as 0.4 % and 9 %; of the estimates they are 0.004 / 0.88 and 0.09 / 1.001.
@@ -111,7 +111,7 @@ def test_the_verdict_names_the_best_and_the_worst_known():
     )
 
 
-def test_the_verdict_says_who_ended_at_a_bound():
+def test_verdict_names_parameters_at_a_bound():
     conclusions, _ = said(bounded())
     assert not conclusions.ok
     assert conclusions.verdict.startswith(
@@ -120,7 +120,7 @@ def test_the_verdict_says_who_ended_at_a_bound():
     assert conclusions.verdict.endswith(" No loader file is written.")
 
 
-def test_a_single_parameter_is_said_with_its_value():
+def test_verdict_states_the_value_of_a_single_parameter():
     found = determined()
     one = dataclasses.replace(
         found, estimates=found.estimates[:1], correlation=np.eye(1), ends=ends(found.estimates[:1])
@@ -128,7 +128,7 @@ def test_a_single_parameter_is_said_with_its_value():
     assert said(one)[0].verdict == "linkage.stiffness is determined: 5375 lb/in with a standard error of 24 lb/in."
 
 
-def test_who_moved_how_far_and_what_its_tolerance_allows():
+def test_findings_compare_each_change_with_its_tolerance():
     _, text = said(determined())
     assert (
         "linkage.stiffness lies 12 % below the file's value, 5375 lb/in instead of 6108; its tolerance allows -20 % to +20 %."
@@ -140,7 +140,7 @@ def test_who_moved_how_far_and_what_its_tolerance_allows():
     assert "column.viscous_friction agrees with the file, whose value lies within its 95 % interval." in text
 
 
-def test_without_a_tolerance_it_is_said():
+def test_missing_tolerance_is_reported():
     given = loader()
     one = estimate(given, "B_c", 0.5, 0.01)
     found = dataclasses.replace(determined(), estimates=(one,), correlation=np.eye(1), ends=ends((one,)))
@@ -148,13 +148,13 @@ def test_without_a_tolerance_it_is_said():
     assert "the file states no tolerance for it" in said(found)[1]
 
 
-def test_a_bound_has_its_remedy():
+def test_bound_finding_has_a_remedy():
     text = said(bounded())[1]
     assert "column.inertia ended at its upper bound" in text
     assert "(+20 %): the data require a larger value. The bound is the file's tolerance: widen or remove it" in text
 
 
-def test_the_end_of_the_table_s_range_is_another_bound():
+def test_range_end_is_reported_as_another_bound():
     given = loader()
     one = estimate(given, "B_c", 0.0, 0.01)
     at_end = dataclasses.replace(one, value=one.unknown.low, status=Status.AT_BOUND)
@@ -165,7 +165,7 @@ def test_the_end_of_the_table_s_range_is_another_bound():
     assert "the units and the experiment of the data" in text
 
 
-def test_what_hangs_together_is_named_once():
+def test_correlated_pair_is_reported_once():
     found = determined()
     assert strong_pairs(found) == [("linkage.stiffness", "linkage.damping", 0.97)]
     assert (
@@ -176,11 +176,11 @@ def test_what_hangs_together_is_named_once():
     assert "when one rises the other falls (correlation -0.97)" in said(falling)[1]
 
 
-def test_correlations_that_are_not_numbers_are_none():
+def test_undefined_correlations_are_not_reported():
     assert strong_pairs(undetermined()) == []
 
 
-def test_a_prior_that_carries_weight_is_said():
+def test_influential_prior_is_reported():
     text = said(determined())[1]
     # From the data alone 6 %, with the prior 1.98 0.011 / 1.11.
     assert (
@@ -190,7 +190,7 @@ def test_a_prior_that_carries_weight_is_said():
     assert "linkage.stiffness depends on" not in text
 
 
-def test_the_link_is_needed_or_not():
+def test_need_for_link_compliance_is_reported():
     assert "The link's compliance is needed: a rigid link leaves an error of 34 %" in said(determined())[1]
     assert "F(2, 116) = 66000, p < 1e-16" in said(determined())[1]
     idle = dataclasses.replace(NEEDED, needed=False, rigid_rms=0.0102, f_statistic=0.8, probability=0.452)
@@ -201,7 +201,7 @@ def test_the_link_is_needed_or_not():
     assert probability_text(dataclasses.replace(NEEDED, probability=0.02)) == "p = 0.02"
 
 
-def test_starts_that_agree_and_that_do_not():
+def test_agreement_of_starts_is_reported():
     found = determined()
     assert "All 3 starts of the search ended in the same minimum." in said(found)[1]
     astray = dataclasses.replace(found, ends=ends(found.estimates, (True, False, True)))
@@ -216,7 +216,7 @@ def test_starts_that_agree_and_that_do_not():
     assert "started only once" in said(once)[1]
 
 
-def test_an_error_of_the_model_is_no_noise():
+def test_model_error_is_distinguished_from_noise():
     good = response_fitted(stated=0.01, left=0.01)
     bad = response_fitted(stated=0.01, left=0.05)
     unknown = response_fitted(stated=None, left=0.05)
@@ -229,7 +229,7 @@ def test_an_error_of_the_model_is_no_noise():
     assert ["bad" in kind for kind in cells] == [False, True, False]
 
 
-def test_a_model_that_does_not_explain_the_data_is_not_to_be_relied_on():
+def test_verdict_rejects_a_model_that_misses_the_data():
     far = response_fitted(stated=None, left=0.4)
     conclusions, _ = said(dataclasses.replace(determined(), fitted=(*record_fitted(), far), loader=None))
     assert not conclusions.ok
@@ -249,7 +249,7 @@ def test_a_model_that_does_not_explain_the_data_is_not_to_be_relied_on():
     assert "run on" not in said(dataclasses.replace(determined(), fitted=(force,)))[1]
 
 
-def test_what_hangs_together_is_not_sure_where_the_model_misses():
+def test_correlated_parameters_are_not_reliable_under_model_error():
     bad = response_fitted(stated=0.01, left=0.05)
     loose = correlation(5)
     loose[0, 1] = loose[1, 0] = 0.9996
@@ -266,7 +266,7 @@ def test_what_hangs_together_is_not_sure_where_the_model_misses():
     assert "(correlation beyond 0.999)" in verdict
 
 
-def test_what_the_linear_model_leaves_out_is_said_of_responses():
+def test_effects_omitted_by_linear_model_are_reported_for_responses():
     sentence = "which neglects column.viscous_friction; records are compared with the full model"
     assert sentence in said(determined())[1]
     assert sentence not in said(dataclasses.replace(determined(), fitted=record_fitted()))[1]
@@ -275,19 +275,19 @@ def test_what_the_linear_model_leaves_out_is_said_of_responses():
     assert "the sampled linear model, which neglects friction" in said(digital)[1]
 
 
-def test_a_correlation_is_never_one():
+def test_correlation_is_never_shown_as_unity():
     assert correlation_text(0.97) == "0.97"
     assert correlation_text(-0.99961) == "beyond -0.999"
 
 
-def test_what_is_left_of_a_record_has_the_unit_of_its_channel():
+def test_record_residual_has_the_unit_of_its_channel():
     text = said(dataclasses.replace(determined(), fitted=record_fitted()))[1]
     # 3 N of noise are 0.67 lb.
     assert "release, load cell force: 0.67 lb" in text
     assert "release, load cell force: 3.0 N" in said(dataclasses.replace(determined(), fitted=record_fitted()), SI)[1]
 
 
-def test_what_is_not_determined_comes_first():
+def test_undetermined_parameters_come_first():
     conclusions, text = said(undetermined())
     assert not conclusions.ok
     assert conclusions.verdict == (
@@ -301,7 +301,7 @@ def test_what_is_not_determined_comes_first():
 
 
 @pytest.mark.parametrize("units", [US, SI])
-def test_no_number_of_an_undetermined_parameter_is_said(units):
+def test_value_of_an_undetermined_parameter_is_not_shown(units):
     found = undetermined()
     text = said(found, units)[1]
     table = estimates_table(found, units)
@@ -311,7 +311,7 @@ def test_no_number_of_an_undetermined_parameter_is_said(units):
     assert [row[3].text == "not determined" for row in table.rows] == [True, True, False]
 
 
-def test_a_number_of_a_value_would_be_noticed():
+def test_search_for_hidden_values_finds_shown_values():
     """The search for secrets finds the values where they are determined."""
     found = undetermined()
     known = [dataclasses.replace(one, status=Status.DETERMINED) for one in found.estimates]
@@ -326,7 +326,7 @@ def test_results_are_json_without_nan(make, units):
     assert json.loads(json.dumps(stored, allow_nan=False)) == stored
 
 
-def test_results_hold_what_is_said():
+def test_results_match_the_findings():
     found = determined()
     stored = identification_json(found, US, FitSettings(loss="linear", starts=3))
     assert stored["settings"] == {
@@ -352,7 +352,7 @@ def test_results_hold_what_is_said():
     assert stored["before"]["values"]["linkage.stiffness"] == k["file"]
 
 
-def test_results_without_an_answer_say_so():
+def test_results_without_solution_state_it():
     stored = identification_json(undetermined(), US, FitSettings())
     assert stored["after"] is None
     assert not stored["determined"]
@@ -366,7 +366,7 @@ def test_results_without_an_answer_say_so():
 
 @pytest.mark.parametrize("units", [US, SI])
 @pytest.mark.parametrize("known", [True, False])
-def test_a_response_reads_back(tmp_path, units, known):
+def test_exported_response_reads_back(tmp_path, units, known):
     data = response_fitted(stated=0.01 if known else None, coherent=known).data
     file = tmp_path / "closed.csv"
     file.write_text(response_csv(data, units))
@@ -383,7 +383,7 @@ def test_a_response_reads_back(tmp_path, units, known):
         assert back.deviation is None
 
 
-def test_long_records_are_drawn_with_their_extremes():
+def test_plots_of_long_records_keep_extremes():
     values = record_fitted()[0].measured
     kept = drawn(values, MOST_POINTS)
     assert len(kept) <= MOST_POINTS + 2
@@ -395,14 +395,14 @@ def test_long_records_are_drawn_with_their_extremes():
 
 
 @pytest.mark.parametrize("count", [2, MOST_POINTS, MOST_POINTS + 1, 2 * MOST_POINTS - 1])
-def test_any_length_can_be_drawn(count):
+def test_record_of_any_length_can_be_drawn(count):
     values = np.random.default_rng(5).standard_normal(count)
     kept = drawn(values, MOST_POINTS)
     assert len(kept) == count if count <= MOST_POINTS else len(kept) <= MOST_POINTS + 2
     assert values[kept].max() == values.max()
 
 
-def test_phases_do_not_jump():
+def test_plotted_phase_does_not_jump():
     """A delay of 0.1 s turns through 18 half turns over 90 Hz; measured noise crosses +-180 deg all the time."""
     one = response_fitted()
     random = np.random.default_rng(8)
@@ -416,7 +416,7 @@ def test_phases_do_not_jump():
     np.testing.assert_allclose(found["fitted"], -360 * 0.1 * (frequency - 1) - 36, atol=ROUNDING_DEG)
 
 
-def test_words_have_no_endless_numbers():
+def test_findings_have_rounded_numbers():
     for make in (determined, undetermined):
         for units in (US, SI):
             conclusions, text = said(make(), units)

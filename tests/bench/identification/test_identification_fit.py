@@ -42,14 +42,14 @@ def errors(found):
     return np.array([it.value / TRUTH_SI[it.unknown.key] - 1 for it in found.estimates])
 
 
-def test_without_noise_the_truth_comes_back(loader):
+def test_noise_free_data_recover_the_true_values(loader):
     found = identify(loader, [servo_response("column_angle"), servo_response("load_pressure")], FIT)
     assert np.abs(errors(found)).max() < EXACT
     assert found.determined
     assert all(end.same for end in found.ends)
 
 
-def test_one_percent_of_noise_leaves_two_percent_at_most(loader):
+def test_one_percent_noise_gives_at_most_two_percent_error(loader):
     random = np.random.default_rng(11)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
     found = identify(loader, data, FIT)
@@ -59,7 +59,7 @@ def test_one_percent_of_noise_leaves_two_percent_at_most(loader):
         assert fitted.noise == pytest.approx(0.01, rel=SPREAD)
 
 
-def test_the_truth_lies_in_its_interval_as_often_as_it_should(loader):
+def test_confidence_interval_has_nominal_coverage(loader):
     """In 95 of 100; the binomial deviation over 40 repetitions is 3.4 points. ``benchmarks/identification.py`` makes 200."""
     random = np.random.default_rng(2)
     repetitions = 40
@@ -71,7 +71,7 @@ def test_the_truth_lies_in_its_interval_as_often_as_it_should(loader):
     assert np.all(np.abs(inside / repetitions - 0.95) < 4 * 0.0345)
 
 
-def test_experiments_count_together(loader):
+def test_experiments_are_fitted_together(loader):
     random = np.random.default_rng(4)
     closed = servo_response("column_angle", noise=0.01, random=random)
     opened = servo_response("load_pressure", "servo-open", noise=0.01, random=random)
@@ -81,7 +81,7 @@ def test_experiments_count_together(loader):
         assert together.deviation < one.deviation
 
 
-def test_what_enters_as_a_product_is_not_reported(loader):
+def test_parameters_known_only_as_a_product_are_not_reported(loader):
     random = np.random.default_rng(6)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
     found = identify(loader, data, "k,C_i,K_2,J,c")
@@ -98,7 +98,7 @@ def test_what_enters_as_a_product_is_not_reported(loader):
     assert all(share < 0.5 for it in found.advice for share in it.shares.values())
 
 
-def test_the_advised_experiment_does_determine_it(loader):
+def test_recommended_experiment_determines_the_parameters(loader):
     random = np.random.default_rng(6)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
     model = LinearModel(loader.replace(TRUTH_SI, si=True), Loop.SERVO_CLOSED).responses(
@@ -113,7 +113,7 @@ def test_the_advised_experiment_does_determine_it(loader):
     assert found["K_2"].value == pytest.approx(loader["amplifier.admittance"], rel=OF_A_GAIN)
 
 
-def test_what_the_linear_model_does_not_have_is_named(loader):
+def test_parameter_absent_from_linear_model_is_named(loader):
     loader = loader.replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2 lb"})
     data = [servo_response("column_angle", noise=0.01, random=np.random.default_rng(1))]
     found = identify(loader, data, "C_i,F_c")
@@ -122,7 +122,7 @@ def test_what_the_linear_model_does_not_have_is_named(loader):
     assert "Record the loader in time" in found.advice[0].sentence
 
 
-def test_a_compliant_link_is_needed_where_there_is_one(loader):
+def test_compliant_link_is_required_where_present(loader):
     random = np.random.default_rng(8)
     found = identify(loader, [servo_response("column_angle", noise=0.01, random=random)], FIT)
     assert found.rigid.needed
@@ -131,7 +131,7 @@ def test_a_compliant_link_is_needed_where_there_is_one(loader):
     assert found.rigid.bic_difference > 10
 
 
-def test_and_not_where_the_link_is_rigid(loader):
+def test_compliant_link_is_not_required_where_rigid(loader):
     """Responses of eq. (15): no stiffness is then told from a stiffer one, and the test says that none is needed."""
     random = np.random.default_rng(9)
     truth = loader.replace({key: TRUTH_SI[key] for key in ("column.inertia", "valve.current_gain")}, si=True)
@@ -147,7 +147,7 @@ def test_and_not_where_the_link_is_rigid(loader):
     assert refused == 0  # the test's level is 0.001
 
 
-def test_the_new_loader_file_tells_how_sure_it_is(loader, tmp_path):
+def test_new_loader_file_states_standard_errors(loader, tmp_path):
     data = [servo_response(it, noise=0.01, random=np.random.default_rng(3)) for it in ("column_angle", "load_pressure")]
     found = identify(loader, data, FIT)
     for it in found.estimates:
@@ -176,7 +176,7 @@ def test_tolerances_bound_the_search(loader):
 
 
 @pytest.mark.parametrize("drive", ["test_signal", "command_signal"])
-def test_under_a_digital_controller_the_sampled_model_is_fitted(drive):
+def test_sampled_model_is_fitted_under_a_digital_controller(drive):
     """The same bench under the 2 kHz controller: a signal on the command has its hold and its delay in it, and the fit knows."""
     loader = ff.digital_elevator()
     loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
@@ -209,14 +209,14 @@ def test_under_a_digital_controller_the_sampled_model_is_fitted(drive):
         ({"loss": "square"}, "loss: expected"),
     ],
 )
-def test_bad_input_is_named(loader, change, said):
+def test_invalid_input_is_named(loader, change, said):
     given = {"data": [servo_response("column_angle")], "fit": FIT, **change}
     data, fit = given.pop("data"), given.pop("fit")
     with pytest.raises(InputError, match=said):
         identify(loader, data, fit, **given)
 
 
-def test_a_channel_that_nothing_reaches_is_named(loader):
+def test_channel_without_excitation_is_named(loader):
     """The open servo's amplifier has no input but the test signal: a force at the grip brings no current."""
     force = Response(
         "dead",
@@ -230,14 +230,14 @@ def test_a_channel_that_nothing_reaches_is_named(loader):
         identify(loader, [force], "k,c")
 
 
-def test_too_few_points_for_so_many_parameters(loader):
+def test_too_few_points_for_the_parameters_raises_input_error(loader):
     whole = servo_response("column_angle")
     few = Response("few", whole.experiment, whole.input, whole.output, whole.frequency_hz[::20], whole.value[::20])
     with pytest.raises(InputError, match="expected 8 points at least for 4 parameters, got 6"):
         identify(loader, [few], FIT)
 
 
-def test_lines_that_are_hardly_known_do_not_refuse_a_right_fit(loader):
+def test_uncertain_lines_do_not_reject_a_correct_fit(loader):
     """Nine lines of poor coherence beside good ones, the number of averages not told."""
     random = np.random.default_rng(12)
     clean = servo_response("column_angle")
@@ -248,7 +248,7 @@ def test_lines_that_are_hardly_known_do_not_refuse_a_right_fit(loader):
     assert found.loader is not None
 
 
-def test_one_line_that_knows_nothing_does_not_hide_a_wrong_model(loader):
+def test_single_uncertain_line_does_not_hide_a_wrong_model(loader):
     clean = servo_response("column_angle")
     bent = clean.value * 10 ** (0.3 * np.sin(3 * np.log(FREQUENCY_HZ)))
     deviation = np.where(np.arange(60) == 59, 3.0, 0.001)
@@ -256,7 +256,7 @@ def test_one_line_that_knows_nothing_does_not_hide_a_wrong_model(loader):
     assert found.loader is None
 
 
-def test_the_rigid_link_is_refused_by_the_f_of_least_squares(loader):
+def test_rigid_link_is_rejected_by_the_f_test(loader):
     """Both sums of squares in the same units: those of the noise that the compliant fit finds, so that S_c is n of them."""
     random = np.random.default_rng(8)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]

@@ -58,11 +58,11 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 page = views_of(CASES)
 
 
-def test_the_plots_show_their_words_whole(page):
+def test_plot_labels_are_not_clipped(page):
     assert words_cut(page, WORDS, ROUNDING_PX) == []
 
 
-def test_each_set_of_data_has_its_plot_and_its_row(page):
+def test_each_data_set_has_a_plot_and_a_row(page):
     names = page.evaluate("() => [...document.querySelectorAll('.plotly-graph-div')].map(plot => plot.id)")
     expected = {
         "determined": ["estimates-plot", "response-0", "record-0", "record-1"],
@@ -73,7 +73,7 @@ def test_each_set_of_data_has_its_plot_and_its_row(page):
     assert page.locator("#data tbody tr").count() == len(names) - 1
 
 
-def test_measured_before_and_fitted_are_all_drawn(page):
+def test_measured_initial_and_fitted_curves_are_drawn(page):
     drawn = page.evaluate(
         """() => [...document.querySelectorAll('.plotly-graph-div')].slice(1).map(plot => {
             const seen = path => path.getBoundingClientRect().width + path.getBoundingClientRect().height > 4;
@@ -90,7 +90,7 @@ def test_measured_before_and_fitted_are_all_drawn(page):
         assert any(name.startswith("measured") for name in plot["names"])
 
 
-def test_a_response_has_its_panels(page):
+def test_response_has_its_panels(page):
     plot = page.locator("#response-0")
     if page.called == "records":
         assert plot.count() == 0
@@ -105,13 +105,13 @@ def test_a_response_has_its_panels(page):
     assert "95 % of the noise" in plot.locator(".legendtext").all_text_contents()
 
 
-def test_units_are_the_system_s(page):
+def test_page_uses_the_selected_units(page):
     text = page.inner_text("#estimates")
     assert ("lb/in" in text) == (page.called == "determined")
     assert ("N/cm" in text) == (page.called != "determined")
 
 
-def test_the_verdict_and_what_follows_from_it(page):
+def test_page_shows_verdict_and_next_steps(page):
     lost = page.called == "undetermined"
     assert page.inner_text(".verdict").startswith(
         "2 of 3 parameters are not determined" if lost else "All 5 parameters are determined"
@@ -122,7 +122,7 @@ def test_the_verdict_and_what_follows_from_it(page):
     assert ("loader as its file has it" in page.inner_text("#how summary")) == lost
 
 
-def test_what_is_not_determined_stands_without_a_number(page):
+def test_undetermined_parameter_has_no_value(page):
     cells = page.locator("#estimates tbody td:nth-child(4)").all_inner_texts()
     assert cells.count("not determined") == (2 if page.called == "undetermined" else 0)
     if page.called == "undetermined":
@@ -131,20 +131,20 @@ def test_what_is_not_determined_stands_without_a_number(page):
         assert secrets_in(page.inner_text("body")) == []
 
 
-def test_the_correlations_are_a_square(page):
+def test_correlation_table_is_square(page):
     count = 3 if page.called == "undetermined" else 5
     assert page.locator("#correlation tbody tr").count() == count
     assert page.locator("#correlation tbody td").count() == count * count
     assert page.locator("#correlation tbody tr:first-child td:nth-child(2)").inner_text() == "1"
 
 
-def test_the_rigid_link_has_its_table_where_it_was_judged(page):
+def test_rigid_link_table_is_shown_where_tested(page):
     assert page.locator("#rigid").count() == (1 if page.called == "determined" else 0)
     if page.called == "determined":
         assert "34 %" in page.inner_text("#rigid")
 
 
-def test_every_link_of_the_page_leads_somewhere(page, pages):
+def test_every_link_target_exists(page, pages):
     targets = [one.get_attribute("href") for one in page.locator("a").all()]
     folder = pages[page.called].parent
     for target in targets:

@@ -65,7 +65,7 @@ def straight(points=400, noise=0.05, seed=1, truth=(1.1, 0.8)):
     return matrix, matrix @ truth + noise * random.normal(size=points)
 
 
-def test_the_fit_is_the_one_of_linear_least_squares():
+def test_fit_matches_linear_least_squares():
     matrix, measured = straight()
     asked = unknowns()
     problem = Problem(asked, [Straight(matrix, measured, scale_of(asked))], "linear")
@@ -75,7 +75,7 @@ def test_the_fit_is_the_one_of_linear_least_squares():
     assert place.noise[0] == pytest.approx(np.sqrt(left[0] / len(measured)), rel=SUMMED)
 
 
-def test_independent_errors_give_the_sandwich_of_white():
+def test_independent_errors_give_the_white_sandwich():
     matrix, measured = straight()
     asked = unknowns()
     problem = Problem(asked, [Straight(matrix, measured, scale_of(asked))], "linear")
@@ -95,7 +95,7 @@ def test_independent_errors_give_the_sandwich_of_white():
     np.testing.assert_allclose(np.diag(covariance), classical, rtol=1 / np.sqrt(points))
 
 
-def test_errors_that_hang_together_widen_the_intervals():
+def test_correlated_errors_widen_the_intervals():
     """The interval holds the truth in 95 of 100 cases with errors that are the same within each piece, as no classical one does."""
     asked = unknowns()
     pieces, each, repetitions = 40, 25, 300
@@ -115,7 +115,7 @@ def test_errors_that_hang_together_widen_the_intervals():
     assert np.all(np.abs(inside - 0.95 * repetitions) < 4 * 3.8)
 
 
-def test_what_one_piece_alone_speaks_for_is_no_surer_than_its_noise():
+def test_parameter_seen_by_a_single_piece_keeps_its_noise_error():
     """A parameter that acts in one piece only: there the fit makes its score vanish, so pieces alone would call it certain."""
     random = np.random.default_rng(8)
     piece = np.repeat(np.arange(40), 25)
@@ -130,7 +130,7 @@ def test_what_one_piece_alone_speaks_for_is_no_surer_than_its_noise():
     assert found.inflation[1] == 1.0
 
 
-def test_outliers_hardly_move_a_robust_fit():
+def test_outliers_hardly_change_a_robust_fit():
     matrix, measured = straight(noise=0.01)
     measured[::20] += 3.0
     asked = unknowns()
@@ -144,7 +144,7 @@ def test_outliers_hardly_move_a_robust_fit():
         assert error(loss) < 0.005, loss
 
 
-def test_noise_of_each_kind_is_found_and_weighs():
+def test_noise_of_each_kind_is_estimated_and_weighted():
     """Two kinds of points, one ten times noisier: generalised least squares with the noise that was put in."""
     random = np.random.default_rng(3)
     matrix = random.normal(size=(2000, 2))
@@ -161,7 +161,7 @@ def test_noise_of_each_kind_is_found_and_weighs():
     np.testing.assert_allclose(place.x, expected, atol=0.1 * 0.01 / np.sqrt(1000))
 
 
-def test_a_normal_tolerance_is_a_prior_and_the_others_are_bounds():
+def test_normal_tolerance_is_a_prior_and_others_are_bounds():
     loader = ff.elevator().with_tolerances(
         {"linkage.stiffness": {"normal": "5 %", "low": "-20 %", "high": "20 %"}, "linkage.damping": "10 %"}
     )
@@ -182,7 +182,7 @@ def test_a_normal_tolerance_is_a_prior_and_the_others_are_bounds():
     assert without.prior_rows(place.x)[0].size == 0
 
 
-def test_the_data_s_own_unknowns_are_found_and_taken_out():
+def test_nuisance_parameters_are_estimated_and_removed():
     random = np.random.default_rng(5)
     matrix = random.normal(size=(300, 3))
     measured = matrix @ [1.1, 0.8, 4.0] + 0.01 * random.normal(size=300)
@@ -201,7 +201,7 @@ def sure(information, clear=(True, True), estimates=(1.0, 1.0)):
     return Confidence(np.eye(2), np.ones(2), np.array(estimates), 1.96, information, np.ones(2), np.array(clear))
 
 
-def test_of_two_only_the_product_is_seen_of():
+def test_pair_observable_only_as_a_product_is_named():
     """Slopes of (1, 1) in shares: only the product stays, so each alone is not determined."""
     information = np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e6
     assert np.isinf(half_widths(information)).all()
@@ -216,7 +216,7 @@ def test_of_two_only_the_product_is_seen_of():
     assert "only their ratio" in ratio.sentence
 
 
-def test_a_parameter_without_effect_is_named_alone():
+def test_parameter_without_effect_is_named_alone():
     (found,) = inseparable_sets(unknowns(), sure(np.diag([1e6, 0.0])))
     assert found.keys == ("linkage.damping",)
     assert "do not see c" in found.sentence
@@ -225,18 +225,18 @@ def test_a_parameter_without_effect_is_named_alone():
     assert np.isinf(widths[1])
 
 
-def test_two_weak_directions_of_two_parameters_leave_neither():
+def test_two_weak_directions_leave_both_parameters_undetermined():
     turned = np.array([[1.0, 0.35], [-0.35, 1.0]])
     (found,) = inseparable_sets(unknowns(), sure(turned.T @ np.diag([1e-3, 1e-4]) @ turned))
     assert found.sentence == "The data determine neither k nor c."
 
 
-def test_a_cost_without_a_minimum_is_not_called_unseen():
+def test_cost_without_minimum_is_not_reported_as_unobservable():
     (found,) = inseparable_sets(unknowns(), sure(np.diag([1e6, 0.0]), (True, False)))
     assert "no clear minimum in c" in found.sentence
 
 
-def test_directions_are_weak_from_the_limit_on():
+def test_weak_direction_limit_is_applied():
     information = np.diag([1 / 0.1**2, 1 / 0.3**2])
     assert len(weak_directions(information, 0.31)) == 0
     assert len(weak_directions(information, 0.29)) == 1
@@ -268,7 +268,7 @@ def test_symbols_and_rows_name_the_parameters():
         ("F_c", "to begin from"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(key, said):
+def test_parameter_that_cannot_be_fitted_raises_input_error(key, said):
     with pytest.raises(InputError, match=said):
         unknowns_of(ff.elevator(), parameter_keys(key))
 

@@ -131,7 +131,7 @@ def true_loader(loader):
     return loader.replace({**TRUTH_SI, **friction}, si=True)
 
 
-def test_the_runs_are_the_witness_s(loader):
+def test_runs_match_the_reference(loader):
     """With the true values the simulated channels lie on the witness's, so what is left in a fit is noise."""
     data = push_record()
     run = RecordRun(data, true_loader(loader), None)
@@ -140,7 +140,7 @@ def test_the_runs_are_the_witness_s(loader):
         assert np.abs(values - data.channels[name]).max() < ENGINE * np.abs(data.channels[name]).max()
 
 
-def test_a_run_without_slopes_is_that_with_them_sensors_noise_and_steps_left_out():
+def test_run_without_sensitivities_matches_run_with_them():
     loader = ff.digital_elevator().replace({"column.coulomb_friction": "1 lb"})
     experiment = Experiment.read("servo-closed")
     time_s = np.arange(1001) / 1000
@@ -151,7 +151,7 @@ def test_a_run_without_slopes_is_that_with_them_sensors_noise_and_steps_left_out
     np.testing.assert_allclose(alone, sloped, rtol=1e-12)  # rounding: the same operations, with and without slopes
 
 
-def test_a_push_gives_link_column_valve_and_friction(loader):
+def test_push_record_identifies_link_column_valve_and_friction(loader):
     found = identify(loader, [push_record(noise=0.01)], "k,c,J,C_i,F_c", starts=2)
     assert found.determined
     assert max(error for symbol, error in errors(found).items() if symbol != "F_c") < NOISY
@@ -159,7 +159,7 @@ def test_a_push_gives_link_column_valve_and_friction(loader):
     assert found["k"].low < TRUTH_SI["linkage.stiffness"] < found["k"].high
 
 
-def test_a_release_gives_the_link_though_nobody_knows_when_it_was_let_go(loader):
+def test_release_record_identifies_link_without_release_time(loader):
     held = loader.replace(
         {key: KEYS[key] for key in ("column.inertia", "valve.current_gain", "column.coulomb_friction")}, si=True
     )
@@ -170,7 +170,7 @@ def test_a_release_gives_the_link_though_nobody_knows_when_it_was_let_go(loader)
     assert errors(found)["c"] < RELEASED
 
 
-def test_records_and_responses_count_together(loader):
+def test_records_and_responses_are_fitted_together(loader):
     from tests.bench_witness import servo_response  # noqa: PLC0415  only here
 
     response = servo_response("column_angle", noise=0.01, random=np.random.default_rng(3))
@@ -181,7 +181,7 @@ def test_records_and_responses_count_together(loader):
     assert found.rigid is not None
 
 
-def test_a_sweep_of_the_whole_loader_gives_what_the_feel_realises(loader):
+def test_whole_loader_sweep_identifies_feel_and_friction(loader):
     """Under the original law at rest the angle per force is the feel's, and the loop of force over angle the friction's."""
     time_s, run, force = pushed(TRUTH)
     data = record("sweep", "sweep", time_s, run, {"pilot_force": force}, 0.01, 4)
@@ -192,7 +192,7 @@ def test_a_sweep_of_the_whole_loader_gives_what_the_feel_realises(loader):
     assert found["F_c"].value == pytest.approx(FRICTION_LB * witness.LBF, rel=NOISY_FRICTION)
 
 
-def test_a_constant_offset_of_a_sensor_is_found_along(loader):
+def test_constant_sensor_offset_is_estimated(loader):
     data = push_record(noise=0.01)
     moved = {**data.channels, "column_angle": data.channels["column_angle"] + 0.01}
     off = replace(data, channels=moved)
@@ -201,7 +201,7 @@ def test_a_constant_offset_of_a_sensor_is_found_along(loader):
         assert one.value == pytest.approx(other.value, rel=SEARCHED)
 
 
-def test_uneven_samples_are_compared_where_they_are(loader):
+def test_unevenly_sampled_record_is_compared_at_its_own_times(loader):
     data = push_record(noise=0.01)
     kept = np.arange(len(data.time_s)) % 3 != 1
     sparse = replace(data, time_s=data.time_s[kept], channels={k: v[kept] for k, v in data.channels.items()})
@@ -210,7 +210,7 @@ def test_uneven_samples_are_compared_where_they_are(loader):
     assert max(error for symbol, error in errors(found).items() if symbol != "F_c") < SPARSE
 
 
-def test_what_a_record_does_not_excite_is_not_reported(loader):
+def test_unexcited_parameter_is_not_reported(loader):
     time_s, run, force = pushed(SERVO)
     quiet = slice(0, 200)
     data = record(
@@ -242,7 +242,7 @@ def swept():
     )
 
 
-def test_a_breakaway_force_is_found_though_the_record_answers_it_in_jumps(loader):
+def test_breakaway_force_is_identified_despite_cost_jumps(loader):
     """From a file that has none: at the dry friction and below it the slopes see nothing of it."""
     start = true_loader(loader).replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2 lb"})
     found = identify(start, [swept()], "F_c,F_s", starts=2)
@@ -253,7 +253,7 @@ def test_a_breakaway_force_is_found_though_the_record_answers_it_in_jumps(loader
 
 
 @pytest.mark.parametrize("jag", [0.0, 0.3, 4.0])
-def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(jag):
+def test_cost_jags_widen_standard_errors(jag):
     """A parabola ``(x / s)^2 / 2`` of two unknowns, to whose second a jag is added a standard error away: ``sqrt(1 + 2 jag)``."""
     deviation = np.array([1e-3, 2e-3])
 
@@ -276,7 +276,7 @@ def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(jag):
     assert found.drop == 0
 
 
-def test_a_smooth_record_widens_nothing(loader):
+def test_smooth_record_keeps_standard_errors(loader):
     start, keys = true_loader(loader), parameter_keys("k,c,J,C_i")
     run = RecordRun(push_record(noise=0.01), start, None)
     problem = Problem(unknowns_of(start, keys), [RecordObservation(run, keys)])
@@ -286,20 +286,20 @@ def test_a_smooth_record_widens_nothing(loader):
     assert problem.costs(many, place.noise) == [problem.cost(x, place.noise) for x in many]
 
 
-def test_what_a_record_leaves_open_shows_from_afar(loader):
+def test_distant_start_reveals_unobservable_parameters(loader):
     """A valve without its orifice gives the same flow at every supply pressure."""
     keys = ("linkage.stiffness", "column.inertia", "valve.supply_pressure")
     record_of_push = push_record(noise=0.01)
     assert unseen_from_afar(true_loader(loader), [record_of_push], keys) == ("valve.supply_pressure",)
 
 
-def test_a_record_under_another_experiment_leads_to_no_loader_file(loader):
+def test_record_of_another_experiment_gives_no_loader_file(loader):
     data = replace(push_record(noise=0.01), experiment=Experiment.read("loader"))
     found = identify(loader, [data], "k,c", starts=1)
     assert found.loader is None
 
 
-def test_a_channel_with_the_wrong_sign_is_named(loader):
+def test_channel_with_wrong_sign_is_named(loader):
     time_s = np.arange(4001) / 500.0
     signal = 2.0 * np.sin(2 * np.pi * (0.3 + 1.2 * time_s) * time_s) * np.clip(time_s, 0, 1)
     schedule = ff.simulation.Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
@@ -312,7 +312,7 @@ def test_a_channel_with_the_wrong_sign_is_named(loader):
         identify(loader, [data], "k,c", starts=1)
 
 
-def test_gains_of_an_operating_point_are_refused_where_records_run_through_an_orifice(loader):
+def test_operating_point_gains_are_refused_with_an_orifice(loader):
     with pytest.raises(InputError, match=r"follows the orifice, eq\. \(1\).*fit valve\.rated_flow"):
         identify(loader.replace({"valve.orifice": True}), [push_record()], "k,C_i", starts=1)
 
@@ -334,7 +334,7 @@ def multisine_record(loader, duration_s=6.0, jitter=0.0):
     return BenchRecord("chirp", Experiment.read("servo-closed"), time_s, {"test_signal": signal, "column_angle": noisy})
 
 
-def test_a_record_without_a_frequency_response_is_fitted_all_the_same(loader):
+def test_record_without_frequency_response_is_fitted(loader):
     """Samples at uneven times have none; the link's test is then left out, and said to be."""
     found = identify(loader, [multisine_record(loader, jitter=0.15)], "k", starts=1)
     assert found["k"].value == pytest.approx(0.9 * loader["linkage.stiffness"], rel=SOFTER)
@@ -342,7 +342,7 @@ def test_a_record_without_a_frequency_response_is_fitted_all_the_same(loader):
     assert "not judged" in found.notes[0]
 
 
-def test_a_record_reaches_beyond_half_the_controller_s_rate():
+def test_record_sampled_above_the_controller_rate_is_fitted():
     """Noise at 1 kHz into a controller of 500 Hz: only the lines below 250 Hz can be looked at."""
     loader = ff.digital_elevator().replace(
         {"controller.period": "2 ms", "controller.delay": "0.5 ms", "valve.orifice": False}
@@ -363,7 +363,7 @@ def test_a_record_reaches_beyond_half_the_controller_s_rate():
     assert with_responses.fitted[0].at.max() < 250
 
 
-def test_a_friction_that_is_not_there_is_seen_not_to_be(loader):
+def test_zero_friction_is_identified_as_zero(loader):
     """An estimate near zero is no share of itself: the file's guess is the measure."""
     start = true_loader(loader).replace({"column.viscous_friction": "5 lb in s/rad"})
     found = identify(start, [release_record(noise=0.002)], "B_c,k", starts=1)
