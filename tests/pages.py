@@ -104,16 +104,16 @@ def words_cut(page, words: str, rounding: float) -> list[str]:
 # What is asked of every page in a browser; a module of tests imports these beside its fixture ``page``.
 
 
-def test_the_console_is_silent(page):
+def test_browser_console_has_no_messages(page):
     assert page.complaints == []
 
 
-def test_nothing_is_asked_for_but_the_page_and_its_script(page):
+def test_page_requests_only_itself_and_its_script(page):
     asked = {url for url in page.requested if not url.startswith(("data:", "blob:"))}
     assert asked == {page.url, page.url.rpartition("/")[0] + f"/{SCRIPT}"}
 
 
-def test_nothing_is_cut_off(page):
+def test_no_content_is_clipped(page):
     folded = page.evaluate("document.documentElement.scrollWidth")
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
     unfolded = page.evaluate("document.documentElement.scrollWidth")
@@ -121,7 +121,7 @@ def test_nothing_is_cut_off(page):
     assert max(folded, unfolded) <= page.evaluate("innerWidth")
 
 
-def test_tables_and_drawing_stay_in_their_boxes(page):
+def test_tables_and_drawings_stay_in_their_boxes(page):
     wide = page.evaluate(
         """() => [...document.querySelectorAll('main *')].filter(one =>
             !one.closest('.box') && !one.closest('.drawing') && !one.closest('.plotly-graph-div') &&
@@ -146,7 +146,7 @@ def test_tick_labels_do_not_overlap(page):
     assert clashes == []
 
 
-def test_a_page_is_small_and_every_plot_has_its_text(page):
+def test_page_is_small_and_every_plot_has_text(page):
     assert Path(unquote(urlparse(page.url).path)).stat().st_size < LARGEST_PAGE
     says = page.evaluate(
         "() => [...document.querySelectorAll('.plotly-graph-div')].map(one => [one.role, one.ariaLabel])"
@@ -154,7 +154,7 @@ def test_a_page_is_small_and_every_plot_has_its_text(page):
     assert [one for one in says if one[0] != "group" or not re.match(r"Plot( over|\.).*\d", one[1])] == []
 
 
-def test_heads_name_rows_and_columns_and_keep_their_words_whole(page):
+def test_table_headers_have_scope_and_whole_words(page):
     wrong = page.evaluate(
         """() => [...document.querySelectorAll('th')].flatMap(head => {
             const wanted = head.closest('thead') ? 'col' : 'row';
@@ -174,7 +174,7 @@ def test_heads_name_rows_and_columns_and_keep_their_words_whole(page):
     assert wrong == []
 
 
-def test_the_tool_bar_leaves_the_legend_free(page):
+def test_tool_bar_does_not_cover_legend(page):
     covered = page.evaluate(
         """() => [...document.querySelectorAll('.plotly-graph-div')].filter(plot => {
             const legend = plot.querySelector('.legend .bg'), bar = plot.querySelector('.modebar');
@@ -194,7 +194,7 @@ def test_the_tool_bar_leaves_the_legend_free(page):
     }  # and none that sends it away
 
 
-def test_the_navigation_stays_in_view(page):
+def test_navigation_stays_in_view(page):
     page.evaluate("scrollTo({top: document.documentElement.scrollHeight, behavior: 'instant'})")
     top = page.evaluate("document.querySelector('nav').getBoundingClientRect().top")
     page.evaluate("scrollTo({top: 0, behavior: 'instant'})")

@@ -32,7 +32,7 @@ def test_modules_have_no_import_cycle(house):
 
 
 @pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
-def test_files_of_a_crate_have_no_cycle(house, crate):
+def test_crate_files_have_no_import_cycle(house, crate):
     assert house.cycles(uses(CRATES / crate / "src")) == []
 
 
@@ -48,7 +48,7 @@ RUST = {
 }
 
 
-def test_path_leads_to_the_file_that_declares_the_name(tmp_path):
+def test_path_resolves_to_declaring_file(tmp_path):
     for name, text in RUST.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -90,7 +90,7 @@ def test_picture_matches_imports(house):
     assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.Package.of()), "make docs draws it anew"
 
 
-def test_cycles_are_found(house):
+def test_cycles_are_detected(house):
     assert house.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 

@@ -30,7 +30,7 @@ def counted():
     return finding, calls
 
 
-def test_a_finding_is_worked_out_once_for_each_result_and_units(counted):
+def test_conclusions_are_computed_once_per_result_and_units(counted):
     finding, calls = counted
     one, same = Result(1), Result(1)
     assert finding(one, US) is finding(one, US)
@@ -39,7 +39,7 @@ def test_a_finding_is_worked_out_once_for_each_result_and_units(counted):
     assert calls == [(1, US), (1, SI), (1, US)]
 
 
-def test_a_changed_result_begins_without(counted):
+def test_changed_result_has_no_cached_conclusions(counted):
     finding, calls = counted
     one = Result(1)
     finding(one, US)
@@ -56,7 +56,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("printed", [(), ("--json",)], ids=["terminal", "json"])
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_works_its_conclusions_out_once(command, printed, tmp_path, monkeypatch, capsys):
+def test_command_computes_conclusions_once(command, printed, tmp_path, monkeypatch, capsys):
     where, words = COMMANDS[command]
     module = import_module(where)
     original, calls = module._verdict, []
@@ -74,5 +74,5 @@ def test_a_command_works_its_conclusions_out_once(command, printed, tmp_path, mo
         ("law.json: 3", "law.json: 3"),
     ],
 )
-def test_a_sentence_begins_with_a_capital_but_not_the_name_of_a_file(text, begun):
+def test_sentence_is_capitalized_except_for_file_name(text, begun):
     assert capital(text) == begun

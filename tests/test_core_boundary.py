@@ -37,7 +37,7 @@ def test_no_more_threads_are_started_than_there_are_cores(threads):
 
 
 @pytest.mark.parametrize("timing", [(0, 0), (HUGE, 0), (2**64 - 1, 2**64 - 1), (10_001, 0), (1, 8), (2, HUGE)])
-def test_the_controllers_timing_has_its_bounds(timing):
+def test_controller_timing_outside_bounds_is_refused(timing):
     for call in (
         lambda: run(timing),
         lambda: _core.sampled_loops(VALUES[np.newaxis], 5e-4, timing),
@@ -50,7 +50,7 @@ def test_the_controllers_timing_has_its_bounds(timing):
 
 
 @pytest.mark.parametrize("step_s", [0.0, -1e-3, np.nan, np.inf])
-def test_a_step_is_a_time_above_zero(step_s):
+def test_nonpositive_or_nonfinite_step_is_refused(step_s):
     for call in (
         lambda: _core.Simulation(STILL, step_s),
         lambda: _core.sampled_loops(VALUES[np.newaxis], step_s, (1, 1)),
@@ -81,7 +81,7 @@ def test_a_step_is_a_time_above_zero(step_s):
         (lambda: _core.recursion(*(np.eye(0),) * 4, 5, None), "h: expected a state and an input"),
     ],
 )
-def test_what_has_no_meaning_is_refused(call, said):
+def test_invalid_arguments_raise_argument_error(call, said):
     with pytest.raises(_core.ArgumentError, match=said):
         call()
 
@@ -138,7 +138,7 @@ CALLS = {
 
 @pytest.mark.parametrize("name", CALLS)
 @given(n=st.lists(COUNTS, min_size=9, max_size=9), x=st.lists(NUMBERS, min_size=8, max_size=8))
-def test_any_counts_and_numbers_are_answered_or_refused(name, n, x):
+def test_random_counts_and_numbers_are_answered_or_refused(name, n, x):
     try:
         with np.errstate(all="ignore"):
             CALLS[name](n, np.array(x))

@@ -45,7 +45,7 @@ def _folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", PUBLIC)
-def test_the_example_gives_what_it_says(name):
+def test_docstring_example_gives_stated_output(name):
     thing = PUBLIC[name]
     own = [test for test in doctest.DocTestFinder().find(thing, name, globs={}) if test.examples]
     assert any(test.name == name for test in own), "has no example"
@@ -56,7 +56,7 @@ def test_the_example_gives_what_it_says(name):
     assert failures == []
 
 
-def test_a_wrong_example_is_seen():
+def test_wrong_docstring_example_is_detected():
     def adds():
         """Adds.
 

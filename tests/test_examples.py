@@ -6,7 +6,7 @@ from pathlib import Path
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-def test_ten_things_in_a_row(capsys):
+def test_ten_things_example_runs(capsys):
     runpy.run_path(str(EXAMPLES / "ten_things.py"), run_name="__main__")
     said = capsys.readouterr().out
     assert "8 states, from ['pilot_force_n', 'test_signal_v'] to 7 outputs" in said

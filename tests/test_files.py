@@ -18,13 +18,13 @@ def umask():
 
 
 @pytest.mark.parametrize(("mask", "mode"), [(0o077, 0o600), (0o022, 0o644), (0o002, 0o664), (0o027, 0o640)])
-def test_a_file_has_the_rights_that_the_umask_leaves(tmp_path, umask, mask, mode):
+def test_written_file_has_umask_permissions(tmp_path, umask, mask, mode):
     umask(mask)
     write_whole(tmp_path / "a", "text")
     assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == mode
 
 
-def test_a_file_takes_a_files_place_and_leaves_nothing_beside_it(tmp_path):
+def test_written_file_replaces_old_file_without_leftovers(tmp_path):
     write_whole(tmp_path / "a", "old")
     write_whole(tmp_path / "a", b"new")
     assert (tmp_path / "a").read_text() == "new"
@@ -53,7 +53,7 @@ def test_a_pipe_is_not_replaced(tmp_path):
     assert (tmp_path / "a").is_fifo()
 
 
-def test_what_cannot_be_written_is_left_as_it_was(tmp_path, monkeypatch):
+def test_failed_write_leaves_file_unchanged(tmp_path, monkeypatch):
     write_whole(tmp_path / "a", "old")
     monkeypatch.setattr(os, "replace", _full)
     monkeypatch.setattr("pathlib.Path.replace", _full)

@@ -18,12 +18,12 @@ MOST = 25
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_few_names(module):
+def test_number_of_public_names_is_limited(module):
     assert 0 < len(import_module(module).__all__) <= MOST
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_every_name_is_there_and_documented(module):
+def test_every_public_name_exists_and_is_documented(module):
     for name in import_module(module).__all__:
         assert inspect.getdoc(getattr(import_module(module), name)), f"{module}.{name} has no docstring"
 
@@ -36,7 +36,7 @@ def test_no_module_hides_a_name(module):
     assert modules.isdisjoint(import_module(module).__all__)
 
 
-def test_the_top_shows_its_names_and_the_modules():
+def test_dir_of_package_lists_names_and_modules():
     assert dir(ff) == sorted([*ff.__all__, *(module.removeprefix("forcefeel.") for module in MODULES[1:])])
 
 
@@ -45,7 +45,7 @@ def test_an_unknown_name_is_refused():
         _ = ff.elevater
 
 
-def test_the_project_uses_public_names_where_they_are():
+def test_project_uses_names_from_their_public_modules():
     """What mypy shows of the package, for the rest: tests and documents make warnings errors where they run."""
     root = Path(__file__).parents[1]
     files = [path for folder in ("tests", "benchmarks", "docs", "examples") for path in (root / folder).rglob("*.py")]
@@ -63,7 +63,7 @@ def test_the_project_uses_public_names_where_they_are():
 HEAVY = ("control", "matplotlib", "scipy", "xarray", "pandas", "plotly", "pint", "pydantic", "jinja2", "rich")
 
 
-def test_a_loader_needs_no_heavy_library():
+def test_loader_import_loads_no_heavy_library():
     code = f"import sys, forcefeel as ff; ff.elevator(); ff.loader; print([m for m in {HEAVY} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -43,7 +43,7 @@ def page(site: Path, name: str) -> str:
     return html.unescape((site / f"{name}.html").read_text(encoding="utf-8"))
 
 
-def test_pages_fetch_nothing_from_elsewhere(site):
+def test_pages_make_no_external_request(site):
     loads = re.compile(r"""<(?:script|img|link|iframe)[^>]+(?:src|href)=["'](?:https?:)?//[^"']+""")
     found = {path.relative_to(site): loads.findall(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
     assert len(found) >= 30
@@ -72,12 +72,12 @@ def test_every_public_name_is_in_the_reference(site):
 
 
 @pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
-def test_links_out_of_the_site_lead_somewhere(name):
+def test_relative_links_of_root_documents_exist(name):
     links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", (ROOT / name).read_text(encoding="utf-8"))
     assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
 
 
-def test_blocks_are_found_in_their_order_with_what_is_changed_for_the_test():
+def test_code_blocks_are_found_in_order_with_test_changes():
     text = (
         "<!-- console\nforcefeel new a.toml\n-->\n\n<!-- small: --runs 9000 => --runs 2 -->\n"
         "```console\nforcefeel sweep --runs 9000\n```\n\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
@@ -88,7 +88,7 @@ def test_blocks_are_found_in_their_order_with_what_is_changed_for_the_test():
     assert missing(third.shows, [Answer("", "on\ne", 0)]) == ["two"]
 
 
-def test_without_a_chromium_the_build_says_what_to_do(monkeypatch, tmp_path):
+def test_build_without_chromium_gives_remedy(monkeypatch, tmp_path):
     monkeypatch.setenv("FORCEFEEL_CHROMIUM", str(tmp_path / "none"))
     (tmp_path / "page.html").write_text("<p>seen</p>", encoding="utf-8")
     with pytest.raises(ExtensionError, match="build without pictures: make site PICTURES=0"):

@@ -73,5 +73,5 @@ def test_tolerances_have_a_name_or_a_reason() -> None:
         ("assert '#' in f(rel=1e-9)", [1]),
     ],
 )
-def test_what_is_refused(source: str, lines: list[int]) -> None:
+def test_unnamed_tolerances_are_detected(source: str, lines: list[int]) -> None:
     assert list(unnamed(source)) == lines

@@ -104,7 +104,7 @@ ROWS = [pytest.param(row, id=key) for key, row in MEASURED.items()]
 
 
 @pytest.mark.parametrize("row", ROWS)
-def test_the_rust_table_converts_its_defaults_exactly(row: Parameter) -> None:
+def test_rust_table_converts_defaults_exactly(row: Parameter) -> None:
     assert row.default_si == pytest.approx(row.default_us * SI_OF[row.unit_us], rel=ROUNDING)
     assert SI_OF[row.unit_si] == 1.0
 
@@ -117,7 +117,7 @@ def test_factors_of_the_table_units(row: Parameter) -> None:
         assert parse(f"-2.5e1 {shown}", row.unit_si, "1") == pytest.approx(-25 * SI_OF[shown], rel=ROUNDING)
 
 
-def test_factors_agree_with_pints_own_registry() -> None:
+def test_factors_match_default_pint_registry() -> None:
     registry = pint.UnitRegistry[float]()
     for text, expected in SI_OF.items():
         if text == "degC":
@@ -194,7 +194,7 @@ def test_factors_agree_with_pints_own_registry() -> None:
         (Fraction(1, 2), "", 0.5),
     ],
 )
-def test_text_that_people_write_is_understood(text: object, unit_si: str, expected: float) -> None:
+def test_common_unit_text_is_read(text: object, unit_si: str, expected: float) -> None:
     assert parse(text, unit_si, "1") == pytest.approx(expected, rel=ROUNDING, abs=0)
 
 
@@ -219,7 +219,7 @@ def test_text_that_people_write_is_understood(text: object, unit_si: str, expect
     ],
     ids=lambda text: re.sub(r"[^ -~]", "?", text)[:30],
 )  # fmt: skip
-def test_text_that_is_no_area_is_refused_with_what_was_expected_and_what_came(text: str) -> None:
+def test_invalid_area_text_error_states_expected_and_got(text: str) -> None:
     with pytest.raises(InputError) as caught:
         parse(text, "m^2", "2.36 in^2")
     message = str(caught.value)
@@ -263,7 +263,7 @@ def test_text_that_is_no_area_is_refused_with_what_was_expected_and_what_came(te
         (datetime.date(2024, 1, 1), "m^2", ""),
     ],
 )  # fmt: skip
-def test_the_message_says_why(given: object, unit_si: str, remark: str) -> None:
+def test_error_message_gives_reason(given: object, unit_si: str, remark: str) -> None:
     what = "a number with its unit" if unit_si else "a number"
     with pytest.raises(InputError) as caught:
         parse(given, unit_si, "2.36 in^2")
@@ -271,17 +271,17 @@ def test_the_message_says_why(given: object, unit_si: str, remark: str) -> None:
 
 
 @pytest.mark.parametrize("stated", ["km^99 km^99 km^99/m^99/m^99/m^98", "nm^99 nm^99 nm^99 nm^99/m^99/m^99/m^99/m^98"])
-def test_a_unit_that_no_number_can_count_is_refused(stated: str) -> None:
+def test_unit_with_unrepresentable_factor_is_refused(stated: str) -> None:
     with pytest.raises(InputError, match=r"is too many powers of ten away from 'm'$"):
         parse(f"1 {stated}", "m", "1 m")
 
 
-def test_a_tower_of_powers_is_answered_with_how_powers_are_written() -> None:
+def test_nested_powers_error_shows_valid_notation() -> None:
     with pytest.raises(InputError, match=r"write a power as one whole number of one or two digits, such as s\^2$"):
         parse("1 s^9^9^9^9", "s", "1 s")
 
 
-def test_an_unknown_unit_is_answered_with_the_units_there_are() -> None:
+def test_unknown_unit_error_lists_valid_units() -> None:
     with pytest.raises(InputError) as caught:
         parse("60 hz", "rad/s", "377 rad/s")
     assert "unknown unit 'hz'; units are m, in, ft," in str(caught.value)
@@ -316,17 +316,17 @@ def finite_or_refused(text: str) -> bool:
 
 
 @given(st.text())
-def test_any_text_is_a_finite_number_or_an_input_error(text: str) -> None:
+def test_random_text_is_finite_number_or_input_error(text: str) -> None:
     assert finite_or_refused(text)
 
 
 @given(st.text(alphabet="09.eE+-*/^()% °²⁻minlbsradHzkgNPVA", max_size=30))
-def test_any_unit_like_text_is_a_finite_number_or_an_input_error(text: str) -> None:
+def test_random_unit_text_is_finite_number_or_input_error(text: str) -> None:
     assert finite_or_refused(f"7 {text}")
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(SI_OF)))
-def test_a_number_written_out_in_full_is_read_exactly(number: float, text: str) -> None:
+def test_full_precision_number_is_read_exactly(number: float, text: str) -> None:
     rows = MEASURED.values()
     unit_si = next(row.unit_si for row in rows if text in (row.unit_si, row.unit_metric, row.unit_us))
     expected = number * factor(text, unit_si)
@@ -367,12 +367,12 @@ def test_a_number_written_out_in_full_is_read_exactly(number: float, text: str) 
         (math.nan, 4, "undefined"),
     ],
 )
-def test_numbers_as_people_write_them(value: float, digits: int, text: str) -> None:
+def test_common_number_notations_are_read(value: float, digits: int, text: str) -> None:
     assert to_text(value, digits) == text
 
 
 @given(st.floats(-1e300, 1e300), st.integers(min_value=1, max_value=12))  # beyond, rounding may end at infinity
-def test_text_of_a_number_is_right_to_its_digits_and_no_longer(value: float, digits: int) -> None:
+def test_number_text_has_exactly_needed_digits(value: float, digits: int) -> None:
     text = to_text(value, digits)
     half_unit = 5 * 10.0**-digits * (1 + 1e-9)  # of the last digit, relative at worst; a few last bits beside it
     if value == 0 or abs(value) > 1e-300:  # below, floats themselves have fewer digits
@@ -395,7 +395,7 @@ def test_text_of_a_number_is_right_to_its_digits_and_no_longer(value: float, dig
         (RATIO, 0.5, 0.5, 0.5),
     ],
 )
-def test_numbers_for_people(unit: Unit, value: float, metric: float, us: float) -> None:
+def test_numbers_are_formatted_for_display(unit: Unit, value: float, metric: float, us: float) -> None:
     assert unit.from_si(value, UnitSystem.SI) == pytest.approx(metric, rel=ROUNDING)
     assert unit.from_si(value, UnitSystem.US) == pytest.approx(us, rel=ROUNDING)
     assert (unit.shown(UnitSystem.SI), unit.shown(UnitSystem.US)) == (unit.metric, unit.us)
@@ -417,11 +417,11 @@ def test_numbers_for_people(unit: Unit, value: float, metric: float, us: float) 
         ("x" * 1000, f"'{'x' * 55}...'"),
     ],
 )
-def test_what_came_is_shown_in_a_line(given: object, text: str) -> None:
+def test_refused_value_is_shown_in_one_line(given: object, text: str) -> None:
     assert show(given) == text
 
 
-def test_the_table_of_common_factors_is_pints():
+def test_common_factors_match_pint():
     """`make docs` writes it; a loader then need not wait for Pint."""
     text = (resources.files("forcefeel") / "data" / "factors.csv").read_text(encoding="utf-8")
     rows = [row.split(",") for row in text.splitlines()[1:]]

@@ -12,12 +12,12 @@ ROOT = Path(__file__).parents[1]
 VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]["version"]
 
 
-def test_the_change_log_begins_with_the_version():
+def test_changelog_starts_with_current_version():
     heading = re.search(r"^## (.+)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert heading[1].split(", ")[0] == VERSION
 
 
-def test_the_wheel_takes_its_version_from_there():
+def test_wheel_version_is_dynamic():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert "version" not in project
     assert project["dynamic"] == ["version"]

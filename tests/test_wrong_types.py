@@ -100,7 +100,7 @@ def test_a_wrong_type_is_named(argument, call):
     assert len(str(caught.value)) < 4000 if argument.startswith("unknown") else len(str(caught.value)) < 300
 
 
-def test_what_came_is_said_by_its_type():
+def test_refused_value_is_named_by_its_type():
     with pytest.raises(ff.InputError, match=r"got a value of type ndarray$"):
         ff.Scenario(ARRAY)
     with pytest.raises(ff.InputError, match=r"got the class Step itself$"):

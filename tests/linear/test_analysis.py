@@ -46,7 +46,7 @@ def low(loader):
     ("model", "derivative", "states"),
     [(ff.linear.rigid_model, witness.rigid, 7), (ff.compliant_model, witness.compliant, 8)],
 )
-def test_step_response_is_that_of_the_equations_integrated(loader, model, derivative, states):
+def test_step_response_matches_integrated_equations(loader, model, derivative, states):
     """Against an implicit solver on the hand-written equations in U.S. units."""
     response = ff.step_response(model(loader), loader["pilot.force"], duration_s=1.0, samples=101)
     solved = scipy.integrate.solve_ivp(
@@ -78,7 +78,7 @@ def test_frequency_response_is_the_transfer_function(loader):
 
 
 @pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
-def test_gain_margin_takes_the_loop_to_the_edge(loader, low, linkage):
+def test_loop_gain_at_margin_is_at_stability_limit(loader, low, linkage):
     build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
     for one in (loader, low):
         law = ff.laws.GainLaw.original(one.si_values)
@@ -91,7 +91,7 @@ def test_gain_margin_takes_the_loop_to_the_edge(loader, low, linkage):
 
 
 @pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
-def test_phase_margin_is_the_lag_that_makes_the_loop_minus_one(low, linkage):
+def test_loop_with_phase_margin_lag_equals_minus_one(low, linkage):
     loop = ff.linear.overall_open_loop(low, linkage)
     found = ff.linear.margins(loop)
     turned = complex(loop(1j * found.gain_crossover_rad_per_s)) * np.exp(-1j * found.phase_margin_rad)
@@ -108,7 +108,7 @@ def test_margins_of_a_loop_in_closed_form():
 
 
 @pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
-def test_margins_are_those_of_python_control(loader, low, linkage):
+def test_margins_match_python_control(loader, low, linkage):
     """Which takes them from polynomials."""
     for one in (loader, low):
         loop = ff.linear.overall_open_loop(one, linkage)
@@ -122,14 +122,14 @@ def test_margins_are_those_of_python_control(loader, low, linkage):
         assert np.isfinite(found.phase_margin_rad) == bool(len(w_gain))
 
 
-def test_response_is_infinite_on_a_pole_alone():
+def test_response_is_infinite_only_on_a_pole():
     integrator = control.ss([[0.0]], [[2.0]], [[1.0]], 0.0)
     gain = ff.linear.frequency_response(integrator, np.array([0.0, 1.0, 2.0])).gain_db.values
     assert gain[0] == np.inf
     np.testing.assert_allclose(gain[1:], 20 * np.log10([1 / np.pi, 0.5 / np.pi]), atol=SOLVED_DB)
 
 
-def test_phase_margin_falls_from_stable_to_unstable_as_the_report_says(low):
+def test_phase_margin_is_positive_rigid_and_negative_compliant(low):
     rigid, compliant = (
         np.degrees(ff.linear.margins(ff.linear.overall_open_loop(low, link)).phase_margin_rad)
         for link in ff.linear.Linkage
@@ -138,7 +138,7 @@ def test_phase_margin_falls_from_stable_to_unstable_as_the_report_says(low):
     assert compliant < 0
 
 
-def test_modes_count_a_pair_once_and_keep_the_sum_of_the_poles(loader):
+def test_modes_count_conjugate_pair_once_and_keep_pole_sum(loader):
     model = ff.compliant_model(loader)
     found = ff.modes(model)
     total = sum(mode.real_per_s * (2 if mode.imaginary_per_s > 0 else 1) for mode in found)
@@ -153,7 +153,7 @@ def test_modes_of_an_oscillator_in_closed_form():
 
 
 @pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
-def test_stability_is_lost_at_the_boundary(loader, linkage):
+def test_stability_boundary_separates_stable_and_unstable(loader, linkage):
     found = ff.linear.smallest_stable_stiffness(loader, linkage)
     build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
     law = ff.laws.GainLaw.original(loader.si_values)
@@ -200,7 +200,7 @@ def test_gramian_in_closed_form_and_when_stiff():
 
 
 @pytest.mark.parametrize(("w", "zeta"), [(12.0, 0.2), (12.0, 0.999), (12.0, 1.0), (12.0, 3.0)])
-def test_the_mode_that_renders_the_feel_is_the_feel_itself_when_ideal(w, zeta):
+def test_feel_mode_of_ideal_loader_equals_programmed_feel(w, zeta):
     """Beside a fast servo pole and a fast oscillation, which are not the feel."""
     feel = np.array([[0, 1], [-w * w, -2 * zeta * w]])
     others = np.diag([-300.0, -400.0])
@@ -211,7 +211,7 @@ def test_the_mode_that_renders_the_feel_is_the_feel_itself_when_ideal(w, zeta):
 
 
 @pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
-def test_phase_of_an_undamped_feel_is_the_limit_of_a_lightly_damped_one(loader, linkage):
+def test_phase_margin_of_undamped_feel_is_limit_of_light_damping(loader, linkage):
     """A pole on the axis turns the phase by half a turn at once, and downwards."""
     found = [
         ff.linear.margins(ff.linear.overall_open_loop(loader.replace({"feel.damping": f"{b} lb in s"}), linkage))
@@ -220,7 +220,7 @@ def test_phase_of_an_undamped_feel_is_the_limit_of_a_lightly_damped_one(loader, 
     assert found[0].phase_margin_rad == pytest.approx(found[1].phase_margin_rad, abs=LIGHT_RAD)
 
 
-def test_phase_is_followed_through_light_poles_and_zeros():
+def test_phase_is_continuous_through_light_poles_and_zeros():
     w = np.array([0.5, 2.0, 4.0, 8.0])
     zeros, poles = np.poly1d([1, 2e-6 * 3, 9]), np.poly1d([1, 2e-6, 1]) * np.poly1d([1, 2e-6 * 6, 36])
     model = control.ss(control.tf(zeros.coeffs, poles.coeffs))

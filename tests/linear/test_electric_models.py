@@ -86,7 +86,7 @@ def of_witness(loader):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_the_plant_is_the_witness_s_jacobian(seed):
+def test_plant_equals_witness_jacobian(seed):
     loader = drawn(seed)
     found, (a, b) = plant_model(loader, Linkage.COMPLIANT), of_witness(loader)
     np.testing.assert_allclose(found.A, a, rtol=ROUNDING, atol=ROUNDING * np.abs(a).max())
@@ -95,7 +95,7 @@ def test_the_plant_is_the_witness_s_jacobian(seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_by_current_alone_rotor_and_column_hang_on_the_feel_s_spring(seed):
+def test_current_control_leaves_masses_on_feel_spring(seed):
     """``(J + J_m g^2) s^2 (1 + s / w_c) + B_m g^2 s (1 + s / w_c) + B s + G = 0`` with a rigid link."""
     loader = drawn(seed)
     row = loader.__getitem__
@@ -117,7 +117,7 @@ def test_by_current_alone_rotor_and_column_hang_on_the_feel_s_spring(seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_swings_on_the_link(seed):
+def test_link_mode_frequency_matches_closed_form(seed):
     loader = drawn(seed).replace({"motor.viscous_friction": None})
     row = loader.__getitem__
     k = 1 / (1 / row("linkage.stiffness") + 1 / row("transmission.stiffness"))
@@ -135,7 +135,7 @@ def test_what_swings_on_the_link(seed):
     assert found[CURRENT_LOOP].real_per_s == pytest.approx(-row("current_loop.bandwidth"), rel=ROUNDING)
 
 
-def test_each_mode_is_named_after_what_moves():
+def test_mode_names_follow_moving_masses():
     loader = linear("rudder-pedals")
     for linkage, names in (
         (Linkage.RIGID, [AS_ONE, AS_ONE, CURRENT_LOOP]),
@@ -144,7 +144,7 @@ def test_each_mode_is_named_after_what_moves():
         assert [mode.name for mode in named_modes(loader, loader_model(loader, None, linkage).A)] == names
 
 
-def test_the_loop_opened_at_the_command_closes_to_the_model():
+def test_command_loop_closes_to_model():
     for linkage in Linkage:
         opened = open_loop_model(linear("sidestick-roll"), linkage)
         closed = loader_model(linear("sidestick-roll"), None, linkage)
@@ -152,7 +152,7 @@ def test_the_loop_opened_at_the_command_closes_to_the_model():
 
 
 @pytest.mark.parametrize("periods", [0.0, 0.3, 1.0, 2.4])
-def test_the_sampled_feel_is_that_of_a_loop_written_out(periods):
+def test_sampled_feel_matches_explicit_loop(periods):
     period = 5e-4
     loader = linear("sidestick-roll", **{"controller.period": period, "controller.delay": periods * period})
     a, b = of_witness(loader)
@@ -202,7 +202,7 @@ def pushed(loader, duration_s, step_s, sample_s):
     return simulate(loader, scenario, by_current(loader)).history
 
 
-def test_the_linear_step_lies_on_the_engine_s_small_steps():
+def test_linear_step_matches_engine_for_small_steps():
     fine = 5e-5
     loader = linear("aileron-wheel", **{"controller.period": fine, "controller.delay": None})
     history = pushed(loader, 0.5, fine, fine)
@@ -217,7 +217,7 @@ def test_the_linear_step_lies_on_the_engine_s_small_steps():
     )  # an edge at the start
 
 
-def test_the_largest_stable_stiffness_is_the_engine_s():
+def test_largest_stable_stiffness_matches_engine():
     loader = linear("aileron-wheel")
     edge = ff.linear.largest_stable_stiffness(loader)
     swings = []
@@ -251,6 +251,6 @@ def test_the_largest_stable_stiffness_is_the_engine_s():
         lambda _: ff.linear.motor_modes(ff.elevator()),
     ],
 )
-def test_what_is_of_the_other_drive_says_so(call):
+def test_function_for_other_drive_raises_input_error(call):
     with pytest.raises(InputError, match=r"takes a loader with an? (hydraulic|electric) drive"):
         call(ff.loader.electric("sidestick-roll"))

@@ -56,7 +56,7 @@ def test_design_plant_is_eq_19(loader):
     assert_entries(b[:, 0], expected_b)
 
 
-def test_sign_of_the_load_cell_is_the_only_difference_from_the_printed_models(loader):
+def test_load_cell_sign_is_only_difference_from_printed_models(loader):
     for model, expected, entry in (
         (ff.linear.rigid_model(loader), printed.rigid(printed.letters(loader))[0], (6, 2)),
         (ff.compliant_model(loader), printed.compliant(printed.letters(loader))[0], (5, 1)),
@@ -72,14 +72,14 @@ COMPLIANT_UNITS = np.array(
 RIGID_UNITS = COMPLIANT_UNITS[[0, 0, 1, 2, 3, 4, 5]]
 
 
-def test_state_matrices_are_the_hand_written_equations_in_us_units(loader):
+def test_state_matrices_match_explicit_equations_in_us_units(loader):
     compliant = witness.jacobian(witness.compliant, 8) * COMPLIANT_UNITS[:, None] / COMPLIANT_UNITS
     rigid = witness.jacobian(witness.rigid, 7) * RIGID_UNITS[:, None] / RIGID_UNITS
     np.testing.assert_allclose(ff.compliant_model(loader).A, compliant, rtol=ROUNDING)
     np.testing.assert_allclose(ff.linear.rigid_model(loader).A, rigid, rtol=ROUNDING)
 
 
-def test_compensated_model_is_the_hand_written_one(loader):
+def test_compensated_model_matches_explicit_equations(loader):
     gains = np.array([-4.93, -0.000026, 22.02, 0.669, 0.506, -0.018])
     us_units = COMPLIANT_UNITS[[0, 1, 4, 5, 6, 7]]
     model = ff.compliant_model(loader, ff.linear.state_feedback(loader, gains / us_units))
@@ -115,7 +115,7 @@ def test_outputs_follow_from_the_states(loader):
     assert out["actuator_flow_m3_per_s"] == pytest.approx(x[2] - loader["valve.pressure_gain"] * x[1])
 
 
-def test_flow_into_the_actuator_is_what_pressure_leaves_of_the_commanded(loader):
+def test_actuator_flow_is_commanded_minus_pressure_loss(loader):
     x = np.array([0.01, 0.2, 2e5, 1e-4, 1e-2, 0.3, 0.1])
     flow = (ff.linear.rigid_model(loader).C @ x)[OUTPUTS.index("actuator_flow_m3_per_s")]
     assert flow == pytest.approx(x[3] - loader["valve.pressure_gain"] * x[2])
@@ -132,7 +132,7 @@ def test_overall_loop_closes_to_the_loader(loader):
     assert abs(1 + complex(loop(feel))) < 1e-9  # rounding of a pole times the slope of L there
 
 
-def test_servo_leaves_out_only_the_feel_computer(loader):
+def test_servo_model_excludes_only_feel_computer(loader):
     whole = ff.compliant_model(loader, ff.laws.GainLaw.position_loop(loader.si_values))
     alone = ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=True)
     s = 2j * np.pi * 7.0
@@ -144,7 +144,7 @@ def test_wrong_number_of_gains_is_refused(loader):
         ff.linear.state_feedback(loader, np.ones(5))
 
 
-def test_lqr_takes_the_design_plant_without_the_pilots_force():
+def test_lqr_uses_design_plant_without_pilot_force():
     """Riccati's equation and the poles; with the constant force as a state there is no such regulator."""
     loader = ff.elevator()
     plant = ff.linear.design_plant(loader, pilot_state=False)

@@ -51,7 +51,7 @@ def spread(count, decades, keys=KEYS, seed=0):
 
 @pytest.mark.parametrize("law", ["original", "feedback"])
 @pytest.mark.parametrize("decades", [0.1, 0.5, 1.0])
-def test_verdicts_are_those_of_the_eigenvalues(law, decades):
+def test_verdicts_match_eigenvalues(law, decades):
     varied = spread(1500, decades)
     found = stability_batch(LOADER, varied, law_of(law))
     poles = np.array([np.linalg.eigvals(matrix(row(varied, k), law_of(law))) for k in range(1500)])
@@ -69,13 +69,13 @@ def test_verdicts_are_those_of_the_eigenvalues(law, decades):
     st.lists(st.floats(-3, 3), min_size=5, max_size=5),
     st.sampled_from(["original", "feedback"]),
 )
-def test_any_parameters_may_be_varied_over_decades(keys, decades, law):
+def test_verdicts_match_for_parameters_varied_over_decades(keys, decades, law):
     varied = {key: np.array([LOADER[key] * 10**share]) for key, share in zip(keys, decades, strict=False)}
     found = stability_batch(LOADER, varied, law_of(law), threads=1)
     assert bool(found.stable[0]) == hurwitz(matrix(row(varied, 0), law_of(law)))
 
 
-def test_a_setting_on_the_edge_is_judged_right_to_the_last_digits():
+def test_verdict_is_exact_at_stability_limit():
     """Between two neighbours in double precision one of which is stable: exact fractions know which."""
     for key, decades in (("load_cell.gain", 2), ("actuator.bulk_modulus", -4), ("column.inertia", 3)):
         low, high = sorted((LOADER[key], LOADER[key] * 10**decades))
@@ -118,7 +118,7 @@ def product(a, b):
     return [[sum(x * y for x, y in zip(line, column, strict=True)) for column in columns] for line in a]
 
 
-def test_exact_fractions_know_polynomials():
+def test_exact_fraction_check_of_known_polynomials():
     swing = np.kron(np.eye(3), [[0.0, 1.0], [-4.0, -1.0]])
     assert hurwitz(swing)
     swing[1, 1] = 0.0
@@ -145,7 +145,7 @@ def test_gains_for_each_loop():
     assert found.stable.values.tolist() == [True, False]
 
 
-def test_result_says_what_it_is_of():
+def test_result_states_loader_and_parameter_units():
     found = stability_batch(LOADER, {"feel.damping": [100.0, 200.0]})
     assert found["feel.damping"].attrs["units"] == "N m s/rad"
     assert found.attrs["loader"] == LOADER.name
@@ -170,7 +170,7 @@ def test_bad_input_is_named(varied, gains, said):
 
 
 @pytest.mark.parametrize("law", [None, "feedback"])
-def test_damping_map_is_that_of_numpys_poles(law):
+def test_damping_map_matches_numpy_poles(law):
     grids = {"feel.stiffness": tuple(np.geomspace(30, 3000, 7)), "feel.damping": tuple(np.linspace(1, 60, 5))}
     sweep = ff.Sweep(LOADER, ff.Scenario(ff.Step(96 * LB), 1.0), grids=grids, law=law and law_of(law))
     found = damping_map(sweep)

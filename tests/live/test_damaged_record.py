@@ -79,7 +79,7 @@ MUTANTS = {
 
 
 @pytest.mark.parametrize("kind", MUTANTS)
-def test_every_damaged_record_is_refused_with_a_sentence(tmp_path, whole, kind):
+def test_damaged_record_raises_input_error(tmp_path, whole, kind):
     path = tmp_path / "run.mcap"
     path.write_bytes(whole)
     ff.qualification.read_record(path)
@@ -94,7 +94,7 @@ def test_every_damaged_record_is_refused_with_a_sentence(tmp_path, whole, kind):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MOST_GROWTH_KB
 
 
-def test_damage_under_no_check_sum_is_read_up_to_there_or_refused(tmp_path, whole):
+def test_damage_without_checksum_is_read_up_to_it_or_refused(tmp_path, whole):
     """As another program may write chunks: then every length is the first thing that is wrong."""
     path = tmp_path / "run.mcap"
     path.write_bytes(whole)
@@ -112,7 +112,7 @@ def test_damage_under_no_check_sum_is_read_up_to_there_or_refused(tmp_path, whol
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MOST_GROWTH_KB
 
 
-def test_the_length_that_made_the_library_panic(tmp_path, whole, monkeypatch, capsys):
+def test_chunk_length_that_panicked_the_library_is_refused(tmp_path, whole, monkeypatch, capsys):
     heads = list(records(whole, 8, len(whole) - 8))
     at = heads[len(heads) // 2][0] + 1
     (tmp_path / "run.mcap").write_bytes(whole[:at] + struct.pack("<Q", 2**64 - 1) + whole[at + 8 :])
@@ -131,7 +131,7 @@ def test_the_length_that_made_the_library_panic(tmp_path, whole, monkeypatch, ca
         ff.live.read_live_record(tmp_path / "head.mcap")
 
 
-def test_what_is_whole_of_a_damaged_record_is_read_where_that_is_asked_for(tmp_path):
+def test_damaged_record_is_read_up_to_damage_on_request(tmp_path):
     path = tmp_path / "run.mcap"
     # Of several flushes the last chunk is damaged.
     with ff.live.start(ff.digital_elevator(), supervised=False, record=path) as running:

@@ -32,7 +32,7 @@ def limited(most_bytes, *words, cwd):
     )
 
 
-def test_a_write_that_fails_is_told_and_what_was_written_before_stays(tmp_path):
+def test_failed_write_is_reported_and_earlier_data_kept(tmp_path):
     done = limited(500_000, *LIVE, "--duration", "3 s", cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     found = json.loads(done.stdout)
@@ -49,7 +49,7 @@ def test_a_write_that_fails_is_told_and_what_was_written_before_stays(tmp_path):
     assert len(data) <= 500_000
 
 
-def test_a_record_that_was_full_says_why_it_ended(tmp_path):
+def test_full_record_states_reason_of_its_end(tmp_path):
     path = tmp_path / "run.mcap"
     cycles = 8000
     with ff.live.start(ff.digital_elevator(), real_time=False, record=path, most_bytes=2**20) as running:
@@ -79,7 +79,7 @@ def small_disk(folder, size):
 
 
 @pytest.mark.parametrize("size", ["100k", "2m"])
-def test_a_run_is_refused_whose_record_has_no_room(tmp_path, size):
+def test_run_without_disk_space_for_record_is_refused(tmp_path, size):
     with small_disk(tmp_path / "disk", size) as disk:
         done = subprocess.run(
             [sys.executable, "-c", "from forcefeel.cli import main; main()", *LIVE, "--duration", "6 s"],
@@ -95,7 +95,7 @@ def test_a_run_is_refused_whose_record_has_no_room(tmp_path, size):
         assert not (disk / "live" / "record.mcap").exists()
 
 
-def test_a_disk_that_fills_up_ends_the_record_whole(tmp_path):
+def test_record_on_full_disk_ends_complete(tmp_path):
     with small_disk(tmp_path / "disk", "9m") as disk:
         path = disk / "run.mcap"
         with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:

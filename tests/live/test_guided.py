@@ -44,7 +44,7 @@ def guided(loader, parts, hand=()):
 
 
 @pytest.mark.parametrize("name", LOADERS)
-def test_an_autopilot_drives_the_column_back_and_a_hand_overrides_it(name):
+def test_autopilot_backdrives_column_and_hand_overrides(name):
     loader = LOADERS[name]()
     arm, stiffness = loader["column.grip_arm"], loader["feel.stiffness"]
     angle, force = 0.05, 0.05 * stiffness / arm
@@ -87,7 +87,7 @@ def driven_back(loader, force, angles):
 
 @pytest.mark.parametrize("name", LOADERS)
 @pytest.mark.parametrize("strength", [10.0, 1.3])
-def test_an_autopilot_takes_the_column_the_way_of_its_equation(name, strength):
+def test_autopilot_column_motion_matches_equation(name, strength):
     """Strong, and so weak that the clutch slips on the way; both come to their place."""
     loader, angles = LOADERS[name](), (0.03, 0.05)
     force = strength * angles[1] * loader["feel.stiffness"] / loader["column.grip_arm"]
@@ -102,7 +102,7 @@ def test_an_autopilot_takes_the_column_the_way_of_its_equation(name, strength):
 
 
 @pytest.mark.parametrize("name", LOADERS)
-def test_a_jam_holds_the_column_under_a_hand_up_to_its_force(name):
+def test_jam_holds_column_up_to_jam_force(name):
     loader = LOADERS[name]()
     arm, stiffness = loader["column.grip_arm"], loader["feel.stiffness"]
     at, breaks = 0.05, 0.1 * stiffness / arm
@@ -123,7 +123,7 @@ def test_a_jam_holds_the_column_under_a_hand_up_to_its_force(name):
         assert column[-1000:].mean() == pytest.approx(expected, abs=STANDS_RAD)
 
 
-def test_trim_and_added_force_move_the_column_to_where_the_spring_holds_them():
+def test_trim_and_added_force_move_column_to_spring_equilibrium():
     loader = ff.digital_elevator()
     found = guided(loader, [(0, ACTIVE, {"trim": 0.03, "added_force": 40.0})])
     expected = 0.03 + 40.0 * loader["column.grip_arm"] / loader["feel.stiffness"]

@@ -31,7 +31,7 @@ def host() -> ModuleType:
     return module
 
 
-def test_the_packet_has_the_bytes_of_the_rust_encoder(host: ModuleType) -> None:
+def test_packet_bytes_match_rust_encoder(host: ModuleType) -> None:
     values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0)
     expected = (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
     assert host.encode(7, host.ACTIVE | host.AUTOPILOT, values).hex() == expected
@@ -49,9 +49,7 @@ PATIENCE_S = 30.0
 TRIM_RAD = 0.02
 
 
-def test_a_simulator_guides_a_running_loop_and_its_silence_gives_the_feel_back(
-    host: ModuleType, tmp_path: Path
-) -> None:
+def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, tmp_path: Path) -> None:
     loader = ff.digital_elevator()
     path = tmp_path / "run.mcap"
     running = ff.live.start(loader, "robust", host=0, record=path)
@@ -85,7 +83,7 @@ def test_a_simulator_guides_a_running_loop_and_its_silence_gives_the_feel_back(
     assert ff.live.replay(path).same
 
 
-def test_run_listens_to_a_simulator(monkeypatch: pytest.MonkeyPatch, capsys, tmp_path: Path) -> None:
+def test_run_accepts_simulator_packets(monkeypatch: pytest.MonkeyPatch, capsys, tmp_path: Path) -> None:
     run = runner(monkeypatch, capsys, tmp_path, "run")
     asked = ("elevator-2khz", "--headless", "--duration", "20 ms", "--host")
     status, out, err = run(*asked, "0", "--json")
@@ -100,12 +98,12 @@ def test_run_listens_to_a_simulator(monkeypatch: pytest.MonkeyPatch, capsys, tmp
             assert part in err
 
 
-def test_without_a_supervisor_nobody_would_fade_a_host_out() -> None:
+def test_host_without_supervisor_raises_input_error() -> None:
     with pytest.raises(ff.InputError, match="requires the supervisor"):
         ff.live.start(ff.digital_elevator(), host=0, supervised=False)
 
 
-def test_the_damping_that_a_spring_over_the_host_takes_is_as_the_reference_states_it() -> None:
+def test_host_spring_damping_loss_matches_reference() -> None:
     """Roots of s^2 + 2 zeta w s + w^2 exp(-s tau) = 0, tau two periods of a host at 60 Hz, by Newton's method."""
     zeta, tau, lost = 0.2, 2 / 60, []
     for hertz in (1.0, 2.0, 3.0, 4.0):

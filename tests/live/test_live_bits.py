@@ -44,7 +44,7 @@ def live(loader, law, scenario, **more):
 
 
 @pytest.mark.parametrize(("name", "law"), CASES)
-def test_a_live_run_gives_the_bits_of_a_simulation(name, law):
+def test_live_run_is_bit_identical_to_simulation(name, law):
     # Dry friction and noise, so that the simulation is the nonlinear one.
     loader = LOADERS[name]().replace({"column.coulomb_friction": 1.0, "load_cell.noise": 0.2}, si=True)
     for scenario in scenarios(loader):
@@ -62,7 +62,7 @@ def test_a_live_run_gives_the_bits_of_a_simulation(name, law):
         assert np.array_equal(columns["pilot_force_n"], forces), scenario
 
 
-def test_a_record_of_it_gives_them_again(tmp_path):
+def test_record_of_live_run_replays_bit_identical(tmp_path):
     loader = ff.digital_elevator()
     scenario = list(scenarios(loader))[2]
     columns = live(loader, "robust", scenario, record=tmp_path / "run.mcap")
@@ -90,7 +90,7 @@ def without_sums(data):
 MAGIC, CHUNK = b"\x89MCAP0\r\n", 0x06
 
 
-def test_a_replay_finds_a_bit_that_differs(tmp_path):
+def test_replay_detects_one_changed_bit(tmp_path):
     path = tmp_path / "run.mcap"
     live(ff.digital_elevator(), "robust", next(scenarios(ff.digital_elevator())), record=path)
     data = bytearray(path.read_bytes())

@@ -11,7 +11,7 @@ from tests.live.run_command import run_command
 PATIENCE_S = 100.0
 
 
-def test_a_console_that_hangs_costs_the_loop_nothing():
+def test_hung_console_does_not_delay_loop():
     """The server's thread holds the interpreter's lock; the loop's thread needs none."""
     with ff.live.start(ff.digital_elevator(), real_time=False) as running, ff.live.Console(running, port=0) as console:
         running.on()
@@ -37,7 +37,7 @@ def test_a_console_that_hangs_costs_the_loop_nothing():
         assert done[0].name == "active"
 
 
-def test_a_run_that_is_stopped_counts_what_it_missed_and_ctrl_c_ends_it_whole(tmp_path):
+def test_stopped_run_counts_missed_cycles_and_ctrl_c_ends_cleanly(tmp_path):
     """SIGSTOP holds the whole process, its loop too; what is wired beside it is what acts then."""
     path = tmp_path / "live" / "record.mcap"
     until = time.monotonic() + PATIENCE_S

@@ -21,7 +21,7 @@ with ff.live.start(ff.digital_elevator(), record=sys.argv[1]) as running:
 """
 
 
-def test_a_record_is_whole_after_a_kill(tmp_path):
+def test_record_is_complete_after_kill(tmp_path):
     path = tmp_path / "run.mcap"
     process = subprocess.Popen([sys.executable, "-c", RUNS, path])
     try:
@@ -41,7 +41,7 @@ def test_a_record_is_whole_after_a_kill(tmp_path):
     assert ff.live.replay(path).same
 
 
-def test_a_record_that_was_cut_off_is_read_up_to_there(tmp_path):
+def test_truncated_record_is_read_up_to_its_end(tmp_path):
     path = tmp_path / "run.mcap"
     with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:
         running.wait(5000)
@@ -53,7 +53,7 @@ def test_a_record_that_was_cut_off_is_read_up_to_there(tmp_path):
     assert ff.live.replay(path).same
 
 
-def test_a_record_grows_no_larger_than_it_may(tmp_path):
+def test_record_size_stays_within_limit(tmp_path):
     path = tmp_path / "run.mcap"
     most = 2**20
     with ff.live.start(ff.digital_elevator(), real_time=False, record=path, most_bytes=most) as running:
@@ -64,7 +64,7 @@ def test_a_record_grows_no_larger_than_it_may(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"no record at all", b"\x89MCAP0\r\n"])
-def test_what_is_no_record_is_refused(tmp_path, content):
+def test_invalid_record_raises_input_error(tmp_path, content):
     path = tmp_path / "run.mcap"
     path.write_bytes(content)
     for read in (ff.live.read_live_record, ff.live.replay, ff.qualification.read_record):
@@ -91,7 +91,7 @@ def release(tmp_path_factory):
     return path
 
 
-def test_the_release_of_a_live_run_qualifies_where_that_of_a_simulation_does(release, tmp_path, monkeypatch, capsys):
+def test_live_release_qualifies_like_simulated_release(release, tmp_path, monkeypatch, capsys):
     record = ff.qualification.read_record(release)
     assert record.position_unit == "rad"
     assert record.force_n is not None
@@ -117,7 +117,7 @@ def test_a_live_record_is_bench_data(release):
     assert {"column_angle", "load_cell_force"} <= set(data.channels)
 
 
-def test_somebody_elses_reader_finds_every_message(tmp_path):
+def test_mcap_package_reads_every_message(tmp_path):
     """The ``mcap`` package of the format's makers: each record, its schema, its numbers by the layout that the reference states."""
     path = tmp_path / "run.mcap"
     with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:

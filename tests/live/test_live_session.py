@@ -43,7 +43,7 @@ def session(tmp_path_factory, force_n):
     return path, columns
 
 
-def test_the_release_at_the_end_of_a_session_is_the_one_that_was_made(session):
+def test_release_of_session_is_measured_at_its_instant(session):
     path, columns = session
     found = ff.qualification.measure_release(ff.qualification.read_record(path))
     assert found.release_s.value == pytest.approx(LET_GO_S, abs=SAME_S)
@@ -71,7 +71,7 @@ def test_a_session_qualifies_from_the_command_line(session, monkeypatch, capsys,
     assert "--from and --until: has no sample from 60 s to inf s; its times are" in err
 
 
-def test_a_session_of_two_releases_is_refused_until_it_is_cut(tmp_path, force_n):
+def test_session_of_two_releases_is_refused_until_cut(tmp_path, force_n):
     path = tmp_path / "two.mcap"
     force = pulled(force_n)
     planned(LOADER, np.append(force, force), [(0, "on", [])], record=path)
@@ -84,7 +84,7 @@ def test_a_session_of_two_releases_is_refused_until_it_is_cut(tmp_path, force_n)
         assert found.release_s.value == pytest.approx(begin + LET_GO_S, abs=SAME_S)
 
 
-def test_a_gap_before_the_part_that_is_read_does_not_count(tmp_path):
+def test_gap_before_selected_part_is_ignored(tmp_path):
     path = tmp_path / "session.csv"
     time = np.arange(0, 10, 0.002)
     time[300:] += 0.0165
@@ -102,7 +102,7 @@ def test_a_gap_before_the_part_that_is_read_does_not_count(tmp_path):
     assert found.overshoot_times_s[0] - 6.0 == pytest.approx(np.pi / 12, abs=1e-4)  # a twentieth of a sample
 
 
-def test_a_run_that_never_was_active_is_refused(tmp_path):
+def test_inactive_run_is_refused(tmp_path):
     path = tmp_path / "off.mcap"
     planned(LOADER, np.zeros(400), [], record=path)
     for read in (ff.qualification.read_record, ff.bench.read_bench_record):
@@ -125,7 +125,7 @@ CLOSE = 2e-3
 """Of an inertia from an exact record; one that is fitted under another law is 20 % off and more, at its bound."""
 
 
-def test_a_live_run_is_bench_data_of_its_own_law(shaken, monkeypatch, capsys, tmp_path):
+def test_live_run_is_bench_data_with_its_law(shaken, monkeypatch, capsys, tmp_path):
     record = ff.bench.read_bench_record(shaken)
     assert str(record.experiment) == "loader pilot_force"
     assert record.run["law"] == "robust"
@@ -140,7 +140,7 @@ def test_a_live_run_is_bench_data_of_its_own_law(shaken, monkeypatch, capsys, tm
     assert json.loads(out)["settings"]["law"] == "robust"
 
 
-def test_what_a_live_run_cannot_be_is_refused_with_the_remedy(shaken, monkeypatch, capsys, tmp_path):
+def test_invalid_use_of_live_run_is_refused_with_remedy(shaken, monkeypatch, capsys, tmp_path):
     idle = tmp_path / "idle.mcap"
     planned(LOADER, np.zeros(3000), [(0, "on", [])], record=idle)
     call = runner(monkeypatch, capsys, tmp_path, "identify")

@@ -16,7 +16,7 @@ READY_S = 3.0
 """Until the feel is there."""
 
 
-def test_the_slow_sweep_of_a_live_loop_passes_the_rule():
+def test_slow_sweep_of_live_loop_passes_rule():
     # Its feel takes 104 lb at the end of the throw: longer than the supervisor's usual 75 lb may last.
     loader, setup = ff.digital_elevator().replace({"safety.force_limit": "150 lb"}), QualificationSetup()
     period, programmed = loader["controller.period"], Programmed.of(loader, setup).record

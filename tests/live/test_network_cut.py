@@ -83,7 +83,7 @@ def run(tmp_path_factory):
     return loader, ff.live.read_live_record(folder / "run.mcap")
 
 
-def test_it_is_safe_in_time_and_starts_by_itself_no_more(run):
+def test_network_cut_trips_in_time_without_restart(run):
     loader, record = run
     period = loader["controller.period"]
     times = record.column("time_s")

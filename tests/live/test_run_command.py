@@ -13,7 +13,7 @@ def run(monkeypatch, capsys, tmp_path):
     return runner(monkeypatch, capsys, tmp_path, "run")
 
 
-def test_run_says_how_it_went_and_keeps_a_record(run, tmp_path):
+def test_run_prints_summary_and_writes_record(run, tmp_path):
     status, out, err = run(
         "elevator-2khz", "--law", "robust", "--headless", "--duration", "0.2", "--out", "live", "--json"
     )

@@ -41,7 +41,7 @@ STEADY_RAD = 3e-3
 """Resolution of the sensors and what is left of a transient."""
 
 
-def test_the_feel_is_what_is_programmed(running, loader):
+def test_live_angle_matches_programmed_feel(running, loader):
     running.hand_force_n = 100.0
     expected = 100.0 * loader["column.grip_arm"] / loader["feel.stiffness"]
     assert settled(running)["column_angle_rad"] == pytest.approx(expected, abs=STEADY_RAD)
@@ -52,7 +52,7 @@ def test_the_feel_is_what_is_programmed(running, loader):
     assert settled(running)["column_angle_rad"] == pytest.approx(expected / 4, abs=STEADY_RAD)
 
 
-def test_a_change_of_the_feel_leaves_no_bump(running, loader):
+def test_feel_change_is_bumpless(running, loader):
     running.hand_force_n = 50.0
     settled(running)
     before = running.history(most=4000)
@@ -70,7 +70,7 @@ def test_a_change_of_the_feel_leaves_no_bump(running, loader):
     assert np.abs(np.diff(after[:, command])).max() < 2 * noise + 1e-3  # V, a step of the converter
 
 
-def test_trim_goes_there_at_its_rate(running):
+def test_trim_moves_at_its_rate(running):
     running.trim_rad = 0.05
     running.wait(2000)
     steps = np.diff(column(running, "neutral_rad"))
@@ -78,7 +78,7 @@ def test_trim_goes_there_at_its_rate(running):
     assert settled(running)["column_angle_rad"] == pytest.approx(0.05, abs=STEADY_RAD)
 
 
-def test_the_hand_holds_an_angle_and_lets_go(running):
+def test_hand_holds_and_releases_angle(running):
     running.hand_angle_rad = 0.1
     assert settled(running)["column_angle_rad"] == pytest.approx(0.1, abs=STEADY_RAD)
     assert settled(running)["pilot_force_n"] > 50
@@ -124,7 +124,7 @@ def test_stop_cuts_the_drive_in_a_cycle(running):
     assert running.state.trips == ("emergency stop",)
 
 
-def test_history_goes_on_where_it_ended(running):
+def test_history_continues_after_last_cycle(running):
     first = running.history(most=10)
     assert first.shape == (10, len(running.columns))
     cycle = running.columns.index("cycle")
@@ -146,7 +146,7 @@ def test_history_goes_on_where_it_ended(running):
         (lambda r: r.inject_fault("stuck"), "sensor"),
     ],
 )
-def test_what_has_no_meaning_is_refused(loader, ask, part):
+def test_invalid_live_request_raises_input_error(loader, ask, part):
     with ff.live.start(loader, "robust", real_time=False) as running, pytest.raises(ff.InputError, match=part):
         ask(running)
 

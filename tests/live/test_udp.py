@@ -29,7 +29,7 @@ def served(*command):
         process.stdout.close()
 
 
-def test_a_machine_over_the_network_runs_as_the_one_in_the_process_and_trips_the_loader_when_it_is_killed():
+def test_udp_machine_matches_local_machine_and_trips_when_killed():
     # One process for both: Python takes seconds to start there.
     with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
         runs_as_the_one_in_the_process(address)
@@ -63,7 +63,7 @@ def runs_as_the_one_in_the_process(python_machine):
         assert np.abs(far.mean() - near.mean()) < least
 
 
-def test_packets_that_are_none_are_dropped():
+def test_invalid_packets_are_dropped():
     loop_s = 0.3
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as machine:
         machine.bind(("127.0.0.1", 0))
@@ -85,7 +85,7 @@ def test_packets_that_are_none_are_dropped():
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_the_machine_in_c_speaks_the_same(tmp_path):
+def test_c_machine_uses_same_protocol(tmp_path):
     program = tmp_path / "machine"
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", program, EXAMPLES / "machine.c"], check=True)
     with (
@@ -100,6 +100,6 @@ def test_the_machine_in_c_speaks_the_same(tmp_path):
 
 
 @pytest.mark.parametrize("address", ["nowhere", "127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", ":5005"])
-def test_what_is_no_address_is_refused(address):
+def test_invalid_address_raises_input_error(address):
     with pytest.raises(ff.InputError, match="host:port"):
         ff.live.Udp(address)

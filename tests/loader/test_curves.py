@@ -43,14 +43,14 @@ def dense(curve: Curve) -> np.ndarray:
 
 
 @given(curves())
-def test_a_curve_goes_through_its_points_and_never_falls(curve: Curve) -> None:
+def test_curve_passes_through_points_and_is_monotonic(curve: Curve) -> None:
     largest = max(1.0, *map(abs, curve.y))
     assert curve.at(curve.x) == pytest.approx(np.array(curve.y), abs=ROUNDING * largest)
     assert np.all(np.diff(curve.at(dense(curve))) >= -ROUNDING * largest * 3)
 
 
 @given(curves())
-def test_a_curve_is_straight_beyond_its_ends_with_the_slope_there(curve: Curve) -> None:
+def test_curve_is_extrapolated_with_end_slope(curve: Curve) -> None:
     largest = max(1.0, *map(abs, curve.y))
     for end, slope, sign in zip((0, -1), curve.end_slopes, (-1, 1), strict=True):
         far = np.array([0.5, 1.0, 7.0])
@@ -63,7 +63,7 @@ def test_a_curve_is_straight_beyond_its_ends_with_the_slope_there(curve: Curve) 
 
 
 @given(curves())
-def test_coefficients_are_scipys_a_row_for_each_piece(curve: Curve) -> None:
+def test_coefficients_match_scipy_row_per_piece(curve: Curve) -> None:
     assert np.array_equal(curve.coefficients, PchipInterpolator(curve.x, curve.y).c.T)
     assert curve.coefficients.shape == (len(curve.x) - 1, 4)
     assert not curve.coefficients.flags.writeable
@@ -124,7 +124,7 @@ TOO_CLOSE = "expected points at least a millionth of the largest x apart, got"
         ([0, 10**400], [0, 1], "expected x to be numbers, got an array"),
     ],
 )
-def test_points_that_are_no_curve_are_refused(x: object, y: object, message: str) -> None:
+def test_invalid_points_are_refused(x: object, y: object, message: str) -> None:
     with pytest.raises(InputError) as caught:
         Curve(x, y)  # type: ignore[arg-type]
     assert str(caught.value) == message
@@ -134,7 +134,7 @@ def test_points_that_are_no_curve_are_refused(x: object, y: object, message: str
 
 
 @pytest.mark.parametrize("row", CURVES.values(), ids=CURVES)
-def test_the_example_of_every_curve_is_a_good_one(tmp_path: Path, row: CurveRow) -> None:
+def test_example_of_every_curve_is_valid(tmp_path: Path, row: CurveRow) -> None:
     for units in ff.UnitSystem:
         lines = elevator().to_toml(units).splitlines()
         start = lines.index(f"# [{row.key}]")
@@ -174,7 +174,7 @@ def test_curves_of_a_file_are_in_si_units(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("units", list(ff.UnitSystem))
-def test_curves_come_back_from_a_file(tmp_path: Path, units: ff.UnitSystem) -> None:
+def test_curves_round_trip_through_file(tmp_path: Path, units: ff.UnitSystem) -> None:
     loader = read(tmp_path, with_curve(FORCE + FACTOR))
     once = read(tmp_path, loader.to_toml(units))
     for name, curve in loader.curves.items():
@@ -184,7 +184,7 @@ def test_curves_come_back_from_a_file(tmp_path: Path, units: ff.UnitSystem) -> N
 
 
 @given(curves(), st.sampled_from(list(ff.UnitSystem)))
-def test_any_curve_comes_back_from_a_file(
+def test_random_curve_round_trips_through_file(
     tmp_path_factory: pytest.TempPathFactory, curve: Curve, units: ff.UnitSystem
 ) -> None:
     span = max(map(abs, (*curve.x, *curve.y)))
@@ -259,7 +259,7 @@ UNITS = 'units: expected the two units of a point, such as ["deg", "lb"], got'
         ('units = ["lb", "deg"]\npoints = []', "units: angle: 'lb' measures a force, not an angle"),
     ],
 )
-def test_a_bad_force_curve_is_answered_in_a_line(tmp_path: Path, table: str, message: str) -> None:
+def test_bad_force_curve_gives_one_line_error(tmp_path: Path, table: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         read(tmp_path, with_curve(f"[feel.force_curve]\n{table}"))
     assert str(caught.value) == f"{tmp_path / 'my.toml'}: feel.force_curve: {message}"
@@ -273,13 +273,13 @@ def test_a_bad_force_curve_is_answered_in_a_line(tmp_path: Path, table: str, mes
         ("[[-1, 0.5], [100, 1]]", "dynamic pressure out of range: expected 0 to 100000 lb/ft^2, got -1 lb/ft^2"),
     ],
 )
-def test_a_bad_stiffness_factor_is_answered_in_a_line(tmp_path: Path, points: str, message: str) -> None:
+def test_bad_stiffness_factor_gives_one_line_error(tmp_path: Path, points: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         read(tmp_path, with_curve(f'[feel.stiffness_factor]\nunits = ["lb/ft^2", ""]\npoints = {points}'))
     assert str(caught.value) == f"{tmp_path / 'my.toml'}: feel.stiffness_factor: {message}"
 
 
-def test_a_curve_that_is_no_table_and_one_in_another_part(tmp_path: Path) -> None:
+def test_non_table_or_misplaced_curve_raises_input_error(tmp_path: Path) -> None:
     text = elevator().to_toml().replace("\n[feel]\n", "\n[feel]\nforce_curve = 5\n")
     with pytest.raises(InputError, match=r"feel\.force_curve: expected units = .+, got 5$"):
         read(tmp_path, text)
@@ -289,7 +289,7 @@ def test_a_curve_that_is_no_table_and_one_in_another_part(tmp_path: Path) -> Non
         read(tmp_path, with_curve(FORCE.replace("force_curve", "force_curv")))
 
 
-def test_a_loader_refuses_what_is_no_curve() -> None:
+def test_invalid_curve_of_loader_raises_input_error() -> None:
     with pytest.raises(InputError, match=r"^feel\.force_curve: expected a Curve, got 5$"):
         dataclasses.replace(elevator(), force_curve=5)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"^feel\.stiffness_factor: factor out of range: .+, got 0$"):

@@ -263,7 +263,7 @@ BRUSHED = (
     ],
     ids=str,
 )
-def test_what_an_electric_file_may_not_say_is_answered_in_a_line(
+def test_bad_value_of_electric_file_gives_one_line_error(
     path: Path, changes: dict[str, Any], messages: list[str] | None
 ) -> None:
     said = complaints(path, changes)
@@ -280,13 +280,13 @@ def test_what_an_electric_file_may_not_say_is_answered_in_a_line(
     [({"motor": {"inertia": "1 kg cm^2"}}, "motor"), ({"brake": {"engaged": True}}, "brake")],
     ids=str,
 )
-def test_what_a_hydraulic_file_may_not_say(path: Path, changes: dict[str, Any], key: str) -> None:
+def test_electric_key_in_hydraulic_file_raises_input_error(path: Path, changes: dict[str, Any], key: str) -> None:
     assert complaints(path, changes, elevator()) == [of_other(key, "electric", "hydraulic", SERVO_TABLES)]
     said = "tolerances.motor.inertia: is of a loader with an electric drive; this one has the other; leave it out"
     assert complaints(path, {"tolerances": {"motor.inertia": "5 %"}}, elevator()) == [said]
 
 
-def test_a_file_that_only_says_electric_is_told_what_it_needs(path: Path) -> None:
+def test_electric_file_without_tables_names_required_tables(path: Path) -> None:
     said = complaints(path, {"drive": "electric"}, elevator())
     for part in ("motor", "winding", "current_loop", "transmission"):
         assert f"{part}: missing value; add the table [{part}]" in said
@@ -310,7 +310,7 @@ def test_a_file_that_only_says_electric_is_told_what_it_needs(path: Path) -> Non
     ],
     ids=["electric", "hydraulic"],
 )
-def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, message: str) -> None:
+def test_row_of_other_drive_is_refused(loader: Loader, key: str, message: str) -> None:
     row = TABLE[key]
     with pytest.raises(InputError) as caught:
         loader.replace({key: row.default_si}, si=True)
@@ -328,7 +328,7 @@ def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, mess
     assert loader[key] == absent(row)
 
 
-def test_unknown_rows_are_answered_with_those_of_the_drive() -> None:
+def test_unknown_row_error_lists_rows_of_drive() -> None:
     with pytest.raises(InputError, match=r"'area'; the parameters are motor\.torque_constant"):
         bare(ELECTRIC).replace({"area": 1.0}, si=True)
     with pytest.raises(
@@ -340,7 +340,7 @@ def test_unknown_rows_are_answered_with_those_of_the_drive() -> None:
 # What is stated in another way
 
 
-def test_a_torque_constant_of_three_phases_is_written_with_its_kind(path: Path) -> None:
+def test_three_phase_torque_constant_is_written_as_peak(path: Path) -> None:
     """A file made from a loader that was given it per r.m.s. ampere says peak, and means the same."""
     loader = electric("aileron-wheel")
     text = loader.to_toml(UnitSystem.SI)
@@ -350,7 +350,7 @@ def test_a_torque_constant_of_three_phases_is_written_with_its_kind(path: Path) 
     assert load(path)["motor.torque_constant"] == pytest.approx(0.49 / math.sqrt(2))
 
 
-def test_a_motor_as_its_data_sheet_has_it(path: Path) -> None:
+def test_motor_data_sheet_values_are_converted(path: Path) -> None:
     loader = read(
         path,
         {
@@ -371,7 +371,7 @@ def test_a_motor_as_its_data_sheet_has_it(path: Path) -> None:
     assert loader["transmission.travel"] == pytest.approx(0.02 / (2 * math.pi), rel=ROUNDING)
 
 
-def test_values_that_follow_are_held_to_their_range(path: Path) -> None:
+def test_derived_values_are_checked_against_range(path: Path) -> None:
     changes = {"transmission": {"travel": OFF, "lead": "0.001 in"}, "motor": {"torque_constant": "0.0005 lb in/A"}}
     assert complaints(path, {"motor": changes["motor"]})[0].startswith(
         "motor.torque_constant: out of range: expected 0.001 to"
@@ -385,7 +385,7 @@ def test_values_that_follow_are_held_to_their_range(path: Path) -> None:
 
 @pytest.mark.parametrize("units", list(UnitSystem))
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
-def test_a_built_in_loader_comes_back(path: Path, name: str, units: UnitSystem) -> None:
+def test_built_in_loader_round_trips_through_file(path: Path, name: str, units: UnitSystem) -> None:
     loader = electric(name)
     path.write_text(loader.to_toml(units), encoding="utf-8")
     back = load(path)
@@ -399,16 +399,16 @@ def test_a_built_in_loader_comes_back(path: Path, name: str, units: UnitSystem) 
 
 
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
-def test_a_built_in_loader_says_what_is_illustrative(name: str) -> None:
+def test_built_in_loader_states_illustrative_values(name: str) -> None:
     assert "llustrative" in electric(name).source
 
 
-def test_an_unknown_built_in_loader_is_answered_with_those_there_are() -> None:
+def test_unknown_built_in_loader_error_lists_valid_names() -> None:
     with pytest.raises(InputError, match=r"^name: expected elevator-electric, .+, got 'rudder'$"):
         electric("rudder")
 
 
-def test_every_alternative_of_a_motor_is_tried_here() -> None:
+def test_motor_alternatives_are_all_tested() -> None:
     parts = {"motor", "winding", "transmission"}
     assert {row.name for row in ALTERNATIVES.values() if row.part in parts} == {
         "torque_constant_peak", "torque_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
@@ -419,11 +419,11 @@ def test_every_alternative_of_a_motor_is_tried_here() -> None:
 
 
 @pytest.mark.parametrize(("name", "made"), [("elevator-1974", elevator), ("elevator-2khz", digital_elevator)])
-def test_a_hydraulic_loader_is_known_by_the_same_fingerprint_as_before(name: str, made: Any) -> None:
+def test_hydraulic_loader_keeps_its_fingerprint(name: str, made: Any) -> None:
     assert made().fingerprint == FINGERPRINTS[name]
 
 
-def test_a_row_of_the_motor_is_in_its_fingerprint() -> None:
+def test_motor_row_changes_fingerprint() -> None:
     loader = ff.loader.electric("desktop-yoke")
     assert loader.replace({"motor.inertia": "81 kg cm^2"}).fingerprint != loader.fingerprint
     assert ff.loader.electric("desktop-yoke").fingerprint == loader.fingerprint
@@ -442,7 +442,7 @@ LIMITS_LB = {
 
 
 @pytest.mark.parametrize("name", LIMITS_LB)
-def test_the_supervisors_forces_are_those_of_the_axis(name):
+def test_supervisor_forces_match_axis_limits(name):
     loader = ff.loader.electric(name)
     found = loader["safety.force_limit"] / LB_N, loader["safety.absolute_force"] / LB_N
     assert found == pytest.approx(LIMITS_LB[name], rel=1e-9)  # rounding of the units

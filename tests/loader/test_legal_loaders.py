@@ -55,7 +55,7 @@ def test_every_loader_runs(force, loader):
 
 @given(loaders(REQUIRED))
 @settings(max_examples=FEW)
-def test_every_loader_is_analysed(loader):
+def test_every_loader_is_analyzed(loader):
     found = workflow.analyze(loader)
     for one in found.servos:
         assert one.column_resonance is None or one.column_resonance.frequency_rad_per_s > 0
@@ -80,7 +80,7 @@ SERVO_AT_REST = {
 }
 
 
-def test_a_servo_whose_slowest_mode_is_lost_in_rounding_is_analysed():
+def test_servo_with_slowest_mode_below_rounding_is_analyzed():
     """The pole of the position loop, 1e-9 of the others, comes out as zero: it has no peak."""
     found = workflow.analyze(PLAIN.replace(SERVO_AT_REST))
     assert any(one.column_resonance is None for one in found.servos)
@@ -116,7 +116,7 @@ SEARCHED = 1e-6
 
 
 @pytest.mark.parametrize("ends", [(), *LOST], ids=" ".join)
-def test_a_release_begins_where_it_is_held_also_where_rounding_leaves_no_equilibrium_of_the_matrices(ends):
+def test_release_starts_at_held_angle_without_matrix_equilibrium(ends):
     given = (end.split() for end in ends)
     loader = PLAIN.replace({key: limits_si(TABLE[key])[which == "highest"] for which, key in given}, si=True)
     run = ff.simulate(loader, ff.Scenario(ff.Release(0.1, 0.1), duration_s=0.2))

@@ -36,7 +36,7 @@ BEYOND = 1e-8  # relative; past a limit by more than the rounding of ten digits
 POUND_PER_INCH = 4.4482216152605 / 0.0254  # N/m
 
 
-def test_the_elevator_loader_holds_the_appendix_in_si() -> None:
+def test_elevator_loader_has_appendix_values_in_si() -> None:
     loader = elevator()
     assert loader.name == "elevator-1974"
     assert "1974" in loader.source
@@ -47,7 +47,7 @@ def test_the_elevator_loader_holds_the_appendix_in_si() -> None:
     assert [loader[key] for key in TABLE] == loader.si_values.tolist()
 
 
-def test_the_table_is_one_row_per_value_part_by_part() -> None:
+def test_parameter_table_has_one_row_per_value() -> None:
     assert list(INDEX.values()) == list(range(len(TABLE)))
     for drive in DRIVES:
         by_part = [f"{part}.{name}" for part in parts(drive) for name in main_rows(part, drive)]
@@ -74,7 +74,7 @@ def test_a_loader_cannot_be_changed() -> None:
         TABLE["linkage.slack"] = TABLE["linkage.ratio"]  # type: ignore[index]
 
 
-def test_a_loader_keeps_its_own_values() -> None:
+def test_loader_copies_its_values() -> None:
     values = elevator().si_values.copy()
     loader = Loader("mine", "", values)
     values[0] = 0.0
@@ -127,7 +127,7 @@ def test_replace_takes_text_or_si_numbers(given: str | float, expected: float) -
     assert (loader.name, loader.source) == (elevator().name, elevator().source)
 
 
-def test_replace_changes_several_values_or_none_and_not_the_original() -> None:
+def test_replace_changes_copy_and_not_original() -> None:
     loader = elevator()
     changed = loader.replace({"feel.stiffness": "4800 lb in/rad", "linkage.ratio": "60 %"})
     assert changed["feel.stiffness"] == pytest.approx(loader["feel.stiffness"] / 2, rel=ROUNDING)
@@ -189,7 +189,7 @@ def test_unknown_parameters_are_refused(key: str, message: str) -> None:
 
 
 @pytest.mark.parametrize("key", TABLE)
-def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
+def test_values_at_limit_are_valid_and_beyond_are_refused(key: str) -> None:
     low, high = limits_si(TABLE[key])
     others, loader = companions(key), bare_of(key)
     for limit, sign in ((low, -1), (high, 1)):
@@ -202,7 +202,7 @@ def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1e12])
 @pytest.mark.parametrize("key", TABLE)
-def test_no_way_past_the_checks(key: str, value: float) -> None:
+def test_constructor_checks_every_value(key: str, value: float) -> None:
     values = bare_of(key).si_values.copy()
     values[INDEX[key]] = value
     if value == OFF.get(key):
@@ -213,7 +213,7 @@ def test_no_way_past_the_checks(key: str, value: float) -> None:
 
 
 @pytest.mark.parametrize("shape", [(0,), (len(TABLE) - 1,), (len(TABLE) + 1,), (1, len(TABLE)), ()])
-def test_a_loader_has_one_value_per_parameter(shape: tuple[int, ...]) -> None:
+def test_wrong_number_of_values_is_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(InputError, match=f"^si_values: expected {len(TABLE)}, one per parameter, got shape "):
         Loader("bad", "", np.ones(shape))
 
@@ -233,7 +233,7 @@ def test_scaling_the_feel_keeps_frequency_and_damping_ratio(scale: float) -> Non
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-def test_a_loader_reads_as_a_mapping_of_its_own_rows(drive):
+def test_loader_is_mapping_of_drive_rows(drive):
     loader = elevator() if drive == "hydraulic" else electric("elevator-electric")
     own = [key for key, row in TABLE.items() if row.drive in (None, drive)]
     assert list(loader) == list(loader.keys()) == own

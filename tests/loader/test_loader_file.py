@@ -85,11 +85,11 @@ FEEL_INERTIA, FEEL_DAMPING = 'inertia = "60 lb in s^2/rad"', 'damping = "304 lb 
 # Round trips
 
 
-def test_the_built_in_loader_comes_back_from_us_units_to_rounding(path: Path) -> None:
+def test_built_in_loader_round_trips_us_units_to_rounding(path: Path) -> None:
     assert read(path, BUILT_IN).si_values == pytest.approx(elevator().si_values, rel=ROUNDING)
 
 
-def test_the_built_in_loader_comes_back_from_si_units_to_ten_digits(path: Path) -> None:
+def test_built_in_loader_round_trips_si_units_to_ten_digits(path: Path) -> None:
     assert read(path, elevator().to_toml(UnitSystem.SI)).si_values == pytest.approx(
         elevator().si_values, rel=TEN_DIGITS
     )
@@ -99,13 +99,13 @@ def test_the_built_in_loader_comes_back_from_si_units_to_ten_digits(path: Path) 
     "name",
     ['say "stick"', "back\\slash \\u0041", "Höhenruder ±1 🛩 👩\u200d✈", "\U000e0001 \u00a0 \ufeff", ""],
 )
-def test_names_and_sources_come_back_letter_by_letter(path: Path, name: str) -> None:
+def test_names_and_sources_round_trip_exactly(path: Path, name: str) -> None:
     loader = Loader(name, name[::-1], elevator().si_values)
     back = read(path, loader.to_toml())
     assert (back.name, back.source) == (name, name[::-1])
 
 
-def test_a_source_of_several_lines_comes_back(path: Path) -> None:
+def test_multiline_source_round_trips(path: Path) -> None:
     assert read(path, Loader("rig", "two\n\tlines", elevator().si_values).to_toml()).source == "two\n\tlines"
 
 
@@ -156,7 +156,7 @@ LOADERS = st.builds(loader_at, TEXTS, TEXTS, SHARES, st.sampled_from(DRIVES))
 
 
 @given(LOADERS, st.sampled_from(SYSTEMS))
-def test_any_loader_comes_back_to_ten_digits(path: Path, loader: Loader, units: UnitSystem) -> None:
+def test_random_loader_round_trips_to_ten_digits(path: Path, loader: Loader, units: UnitSystem) -> None:
     back = read(path, loader.to_toml(units))
     assert (back.name, back.source) == (loader.name, loader.source)
     assert back.si_values == pytest.approx(loader.si_values, rel=TEN_DIGITS, abs=0)
@@ -165,9 +165,7 @@ def test_any_loader_comes_back_to_ten_digits(path: Path, loader: Loader, units: 
 @pytest.mark.parametrize("end", [0, 1], ids=["smallest", "largest"])
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize("drive", DRIVES)
-def test_limits_are_accepted_and_come_back_in_both_unit_systems(
-    path: Path, drive: str, units: UnitSystem, end: int
-) -> None:
+def test_limits_round_trip_in_both_unit_systems(path: Path, drive: str, units: UnitSystem, end: int) -> None:
     loader = loader_of("limit", "", [limits[end] for limits in LIMITS], drive)
     assert read(path, loader.to_toml(units)).si_values == pytest.approx(loader.si_values, rel=TEN_DIGITS, abs=0)
 
@@ -180,7 +178,7 @@ def document_with(key: str) -> dict[str, dict[str, object]]:
 
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize("key", [key for key, row in TABLE.items() if not is_switch(row)])
-def test_a_limit_typed_as_the_message_shows_it_is_accepted(path: Path, key: str, units: UnitSystem) -> None:
+def test_limit_as_formatted_in_message_is_accepted(path: Path, key: str, units: UnitSystem) -> None:
     row = TABLE[key]
     shown = unit(row).shown(units)
     document = document_with(key)
@@ -193,7 +191,7 @@ def test_a_limit_typed_as_the_message_shows_it_is_accepted(path: Path, key: str,
         assert "out of range" in complaints(path, tomlkit.dumps(document))[0]
 
 
-def test_very_many_mistakes_are_counted(path: Path) -> None:
+def test_surplus_errors_are_counted(path: Path) -> None:
     unknown = "".join(f"x{k} = 1\n" for k in range(5000))
     path.write_text(BUILT_IN.replace("[actuator]\n", f"[actuator]\n{unknown}"), encoding="utf-8")
     with pytest.raises(InputError) as caught:
@@ -205,13 +203,13 @@ def test_very_many_mistakes_are_counted(path: Path) -> None:
 
 
 @pytest.mark.parametrize("line", ["a{} = 1", "[a{}]", "[[a{}]]", "x = {{ a{} = 1 }}", '"a"{} = 1'])
-def test_a_key_of_a_hundred_thousand_parts_is_refused_at_once(path: Path, line: str) -> None:
+def test_key_of_100000_parts_is_refused_quickly(path: Path, line: str) -> None:
     (said,) = complaints(path, BUILT_IN + "\n" + line.format(".a" * 100_000))
     assert said.endswith("has a key of more than 100 parts; expected a loader file")
 
 
 @pytest.mark.parametrize("text", ["x.y " * 999, "x.y = " * 999, "'" + "." * 999, 'say "' + "." * 999, "\\" + "." * 999])
-def test_dots_that_are_no_key_are_text(path: Path, text: str) -> None:
+def test_dots_in_strings_and_comments_are_text(path: Path, text: str) -> None:
     loader = dataclasses.replace(elevator(), source=text)
     assert read(path, loader.to_toml()).source == text
     assert read(path, BUILT_IN + "\n# " + text).name == "elevator-1974"
@@ -261,7 +259,7 @@ def assert_only_these_differ(loader: Loader, *keys: str) -> None:
             assert loader[key] == pytest.approx(elevator()[key], rel=ROUNDING), key
 
 
-def test_all_parts_in_the_other_way_at_once_and_in_other_units(path: Path) -> None:
+def test_all_alternative_values_in_other_units_are_read(path: Path) -> None:
     one = read(
         path,
         edited(
@@ -328,11 +326,13 @@ FEEL_CHOICE = "give either inertia and damping, or natural_frequency and damping
         ),
     ],
 )
-def test_parts_stated_both_ways_half_or_not_at_all(path: Path, changes: list[tuple[str, str]], message: str) -> None:
+def test_duplicate_or_incomplete_alternatives_are_refused(
+    path: Path, changes: list[tuple[str, str]], message: str
+) -> None:
     assert complaints(path, edited(*changes)) == [message]
 
 
-def test_values_that_follow_are_held_to_their_range_too(path: Path) -> None:
+def test_derived_values_are_checked_against_range(path: Path) -> None:
     text = edited(
         (STIFFNESS, 'resonance_frequency = "1000 Hz"'),
         (DAMPING, "resonance_damping_ratio = 1"),
@@ -352,7 +352,7 @@ BLOCKS = re.findall(r"```toml\n(.+?)```", DOCUMENTATION.read_text(encoding="utf-
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_what_the_documentation_shows_is_read(path: Path, block: str) -> None:
+def test_documentation_examples_are_read(path: Path, block: str) -> None:
     document = tomllib.loads(BUILT_IN)
     for part, stated in tomllib.loads(block).items():
         document[part] |= stated
@@ -400,7 +400,7 @@ AREA_RANGE = "actuator.area: out of range: expected 0.001 to 1000 in^2 (0.006451
         ('"6452 cm^2"', f"{AREA_RANGE} '6452 cm^2'"),
     ],
 )
-def test_a_bad_value_is_answered_in_a_line(path: Path, value: str, message: str) -> None:
+def test_bad_value_gives_one_line_error(path: Path, value: str, message: str) -> None:
     assert complaints(path, edited((AREA, f"area = {value}"))) == [message]
 
 
@@ -415,7 +415,7 @@ def test_a_bad_value_is_answered_in_a_line(path: Path, value: str, message: str)
         ('"101 %"', "out of range: expected 0.01 to 1, got '101 %'"),
     ],
 )
-def test_a_bad_ratio_is_answered_in_a_line(path: Path, value: str, message: str) -> None:
+def test_bad_ratio_gives_one_line_error(path: Path, value: str, message: str) -> None:
     assert complaints(path, edited(('ratio = "0.59"', f"ratio = {value}"))) == [f"linkage.ratio: {message}"]
 
 
@@ -426,7 +426,7 @@ def test_a_ratio_may_be_a_bare_number(path: Path, value: str) -> None:
 
 
 @pytest.mark.parametrize("key", [key for key, row in TABLE.items() if row.minimum_us >= 0 and not is_switch(row)])
-def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, key: str) -> None:
+def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str) -> None:
     row = TABLE[key]
     document = document_with(key)
     for number in ("0", "-1"):
@@ -483,11 +483,11 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
         ),
     ],
 )
-def test_bad_keys_are_answered_in_a_line_each(path: Path, changes: list[tuple[str, str]], messages: list[str]) -> None:
+def test_bad_keys_give_one_line_each(path: Path, changes: list[tuple[str, str]], messages: list[str]) -> None:
     assert complaints(path, edited(*changes)) == messages
 
 
-def test_several_mistakes_give_a_line_each(path: Path) -> None:
+def test_several_errors_give_one_line_each(path: Path) -> None:
     text = edited(
         (AREA, 'area = "2 lb"'),
         ("[valve]", '[valve]\noperating_current = "0.2"\nspeed = 1'),
@@ -503,7 +503,7 @@ def test_several_mistakes_give_a_line_each(path: Path) -> None:
     ]
 
 
-def test_an_empty_file_is_answered_with_all_that_it_needs(path: Path) -> None:
+def test_empty_file_error_lists_required_tables(path: Path) -> None:
     assert complaints(path, "") == [
         'name: missing value; add name = "elevator"',
         *(
@@ -532,7 +532,7 @@ def test_source_may_be_left_out(path: Path) -> None:
     ],
     ids=["no value", "twice", "no equals sign", "no quotes", "open quotes"],
 )
-def test_bad_toml_is_answered_with_its_line(path: Path, text: str, start: str) -> None:
+def test_bad_toml_error_gives_line_number(path: Path, text: str, start: str) -> None:
     number = BUILT_IN.splitlines().index(AREA) + 1
     [message] = complaints(path, text)
     assert message.startswith(start)
@@ -563,7 +563,7 @@ def test_other_encodings_are_refused(path: Path, text: bytes, message: str) -> N
     ],
     ids=["number of 5000 digits", "deep arrays", "deep tables", "zero byte", "binary"],
 )
-def test_what_no_reader_takes_is_answered_in_a_line(path: Path, text: str) -> None:
+def test_unreadable_file_gives_one_line_error(path: Path, text: str) -> None:
     [message] = complaints(path, text)
     assert message.startswith(("cannot be read (", "is not TOML: "))
     assert len(message) < 250  # a line or two of a terminal
@@ -574,11 +574,11 @@ def test_what_no_reader_takes_is_answered_in_a_line(path: Path, text: str) -> No
     [b"\xef\xbb\xbf" + BUILT_IN.encode(), BUILT_IN.replace("\n", "\r\n").encode()],
     ids=["byte order mark", "Windows line ends"],
 )
-def test_what_windows_editors_write_is_read(path: Path, text: bytes) -> None:
+def test_windows_encodings_and_line_ends_are_read(path: Path, text: bytes) -> None:
     assert read(path, text) == read(path, BUILT_IN)
 
 
-def test_files_that_are_not_there_or_no_files(tmp_path: Path) -> None:
+def test_missing_file_or_folder_raises_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot be read \(.+\); expected a loader file$") as caught:
         load(tmp_path / "none.toml")
     assert str(caught.value).startswith(f"{tmp_path / 'none.toml'}: ")
@@ -620,17 +620,17 @@ def good_or_refused(path: Path, text: str | bytes) -> bool:
     return True
 
 
-def test_of_very_many_faults_the_first_are_named(path: Path) -> None:
+def test_first_of_many_errors_are_named(path: Path) -> None:
     assert good_or_refused(path, "".join(f"key_{k} = 1\n" for k in range(100)))
 
 
 @given(st.dictionaries(KEYS | st.text(max_size=8), VALUES | TABLES, max_size=6), st.booleans())
-def test_any_toml_is_read_or_refused(path: Path, changes: dict[str, object], keep: bool) -> None:
+def test_random_toml_is_read_or_refused(path: Path, changes: dict[str, object], keep: bool) -> None:
     assert good_or_refused(path, tomlkit.dumps((tomllib.loads(BUILT_IN) if keep else {}) | changes))
 
 
 @given(st.sampled_from([*parts(HYDRAULIC), "tolerances"]), TABLES)
-def test_any_table_in_a_good_file_is_read_or_refused(path: Path, part: str, changes: dict[str, object]) -> None:
+def test_random_table_in_valid_file_is_read_or_refused(path: Path, part: str, changes: dict[str, object]) -> None:
     document = tomllib.loads(BUILT_IN)
     document[part] |= changes
     assert good_or_refused(path, tomlkit.dumps(document))

@@ -47,7 +47,7 @@ def run(monkeypatch, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_takes_a_name_with_a_dot_and_what_looks_like_markup(run, command):
+def test_every_command_accepts_name_with_dot_and_markup(run, command):
     status, out, err = run("rig [/2] v1.2", command, *COMMANDS[command])
     assert (status, err) == (0, "")
     if command in {"analyze", "simulate"}:  # those that print it
@@ -55,7 +55,7 @@ def test_every_command_takes_a_name_with_a_dot_and_what_looks_like_markup(run, c
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_name_is_printed_as_it_is(capsys, name):
+def test_name_with_markup_is_printed_literally(capsys, name):
     Terminal().print(f"{name}: programmed feel", highlight=False)
     table = Table("test", title=name)
     table.add_row(name)
@@ -66,7 +66,7 @@ def test_a_name_is_printed_as_it_is(capsys, name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_model_of_any_name_is_made(name):
+def test_linear_model_of_any_loader_name_is_made(name):
     assert ff.compliant_model(replace(ff.elevator(), name=name)).nstates == 8
 
 
@@ -80,11 +80,11 @@ def test_a_control_character_is_refused_when_the_file_is_read(run, tmp_path, c):
         replace(ff.elevator(), source=f"a\x1b{c}")
 
 
-def test_a_source_may_have_lines():
+def test_multiline_source_is_accepted():
     assert replace(ff.elevator(), source="one\n\ttwo").source == "one\n\ttwo"
 
 
-def test_no_message_steers_the_terminal(run, monkeypatch, capsys):
+def test_messages_contain_no_terminal_control_characters(run, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["forcefeel", "analyze", "a\x1b[31m\udcff.toml"])
     with pytest.raises(SystemExit):
         main()
@@ -92,7 +92,7 @@ def test_no_message_steers_the_terminal(run, monkeypatch, capsys):
     assert visible("one\ntwo\t\x9b") == "one\ntwo\t\\x9b"
 
 
-def test_only_the_terminal_prints_tables():
+def test_tables_are_printed_by_terminal_module_only():
     """A console of Rich by itself would read names as mark-up; the bars, which print no names, go to the error output."""
     for path in Path(cli.__file__).parent.glob("*.py"):
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -72,14 +72,14 @@ def test_every_row_is_required_or_optional() -> None:
     } | LIMITS == EXAMPLE_IS_OFF  # fmt: skip
 
 
-def test_the_elevator_has_none() -> None:
+def test_elevator_has_no_optional_rows() -> None:
     loader = elevator()
     assert loader.given == ()
     assert all(loader[key] == off for key, off in OFF.items())
 
 
 @pytest.mark.parametrize("key", OFF)
-def test_a_row_is_given_and_switched_off_again(key: str) -> None:
+def test_optional_row_is_set_and_switched_off(key: str) -> None:
     loader, plain = with_example(key), bare_of(key)
     set_here = {**companions(key), key: TABLE[key].default_si}
     expected = {name for name, value in set_here.items() if value != OFF[name]} | {*plain.given}
@@ -90,7 +90,7 @@ def test_a_row_is_given_and_switched_off_again(key: str) -> None:
 
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize("key", OFF)
-def test_a_given_row_stands_in_the_file_and_comes_back(tmp_path: Path, key: str, units: UnitSystem) -> None:
+def test_optional_row_round_trips_through_file(tmp_path: Path, key: str, units: UnitSystem) -> None:
     loader = with_example(key)
     text = loader.to_toml(units)
     once = read(tmp_path, text)
@@ -102,7 +102,7 @@ def test_a_given_row_stands_in_the_file_and_comes_back(tmp_path: Path, key: str,
 
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize("drive", DRIVES)
-def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, drive: str, units: UnitSystem) -> None:
+def test_uncommented_examples_are_valid_together(tmp_path: Path, drive: str, units: UnitSystem) -> None:
     optional = [key for key in OFF if key in table(drive)]
     names = "|".join(TABLE[key].name for key in optional)
     text = re.sub(rf"(?m)^# ((?:{names}) = )", r"\1", bare(drive).to_toml(units))
@@ -135,7 +135,7 @@ def test_a_part_with_optional_rows_only_may_be_absent(tmp_path: Path, drive: str
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-def test_every_other_part_may_not(tmp_path: Path, drive: str) -> None:
+def test_missing_required_part_is_refused(tmp_path: Path, drive: str) -> None:
     for part in sorted(set(parts(drive)) - OPTIONAL_PARTS[drive] - {"controller", "grip_sensor", "safety"}):
         text = re.sub(rf"\n\[{part}\]\n(?:.+\n)*", "\n", bare(drive).to_toml())
         assert complaints(tmp_path, text)[0] == f"{part}: missing value; add the table [{part}]"
@@ -165,18 +165,18 @@ def test_a_switch_is_true_or_false(tmp_path: Path) -> None:
         ("{}", "a table"),
     ],
 )
-def test_anything_else_is_no_switch(tmp_path: Path, given: str, shown: str) -> None:
+def test_non_boolean_switch_in_file_is_refused(tmp_path: Path, given: str, shown: str) -> None:
     message = f"valve.orifice: expected true or false, got {shown}"
     assert complaints(tmp_path, added("valve", f"orifice = {given}")) == [message]
 
 
 @pytest.mark.parametrize("given", ["true", "1", 0.5, 2, -1, math.nan, math.inf, [True], {}])
-def test_a_loader_takes_no_other_switch(given: str | float) -> None:
+def test_non_boolean_switch_of_loader_is_refused(given: str | float) -> None:
     with pytest.raises(InputError, match=r"^valve\.orifice: expected true or false, got "):
         elevator().replace({"valve.orifice": given}, si=True)
 
 
-def test_true_is_no_number() -> None:
+def test_boolean_as_number_is_refused() -> None:
     with pytest.raises(InputError, match=r"^column\.coulomb_friction: expected a number such as '3 lb', got true$"):
         elevator().replace({"column.coulomb_friction": True})
 
@@ -184,14 +184,14 @@ def test_true_is_no_number() -> None:
 # Off values
 
 
-def test_the_value_of_a_row_that_is_off_always_stands_in_a_loader() -> None:
+def test_off_values_are_accepted_in_loader_values() -> None:
     values = elevator().si_values
     assert np.isinf(values).sum() == sum(map(math.isinf, OFF.values())) > 10
     assert Loader("again", "", values).given == ()
 
 
 @pytest.mark.parametrize("key", [key for key, off in OFF.items() if math.isinf(off)])
-def test_endless_is_said_by_leaving_the_row_out(tmp_path: Path, key: str) -> None:
+def test_infinite_value_is_refused(tmp_path: Path, key: str) -> None:
     row = TABLE[key]
     text = added(row.part, f'{row.name} = "inf {row.unit_us}"', drive=row.drive or HYDRAULIC)
     [message] = complaints(tmp_path, text)
@@ -295,7 +295,7 @@ SAME = "; leave it out where both are the same"
         ({"column.stop_damping": "5 lb in s/rad", "column.stop_high": "5 deg"}, []),
     ],
 )
-def test_rows_that_do_not_go_together_are_named_with_what_to_do(
+def test_incompatible_rows_are_named_with_remedy(
     tmp_path: Path, changes: dict[str, str | float], messages: list[str]
 ) -> None:
     by_part: dict[str, list[str]] = {}
@@ -336,7 +336,7 @@ ALONE = [
 
 
 @pytest.mark.parametrize(("needed", "key"), ALONE)
-def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> None:
+def test_row_without_required_companion_is_refused(needed: str, key: str) -> None:
     row = TABLE[key]
     with pytest.raises(InputError) as caught:
         bare_of(key).replace({key: True if is_switch(row) else (row.default_si or row.maximum_si) * 0.9}, si=True)
@@ -344,7 +344,7 @@ def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> No
     assert f"; give {needed} too, such as '" in str(caught.value)
 
 
-def test_a_loader_made_from_values_is_held_to_the_same() -> None:
+def test_loader_from_values_has_same_row_checks() -> None:
     values = elevator().si_values.copy()
     values[list(TABLE).index("controller.delay")] = 1e-3
     with pytest.raises(InputError, match=r"^controller\.delay: has no effect without controller\.period;"):
@@ -354,7 +354,7 @@ def test_a_loader_made_from_values_is_held_to_the_same() -> None:
 # Results
 
 
-def test_results_hold_what_is_given_and_nothing_endless() -> None:
+def test_json_contains_set_rows_and_no_infinite_value() -> None:
     loader = elevator().replace({"feel.hard_stop_high": "18 deg", "valve.orifice": True})
     for units in SYSTEMS:
         found = loader.as_json(units)
@@ -367,7 +367,7 @@ def test_results_hold_what_is_given_and_nothing_endless() -> None:
         assert values["valve.orifice"] == {"value": 1.0, "unit": ""}
 
 
-def test_the_reports_table_shows_what_is_given() -> None:
+def test_report_table_shows_set_rows() -> None:
     loader = elevator().replace({"feel.hard_stop_high": "18 deg", "valve.orifice": True})
     loader = loader.with_tolerances({"column.stop_high": {"uniform": ["10 deg", "20 deg"]}})
     rows = [[str(cell.text) for cell in row] for row in parameters(loader, UnitSystem.US).rows]

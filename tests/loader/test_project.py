@@ -36,7 +36,7 @@ def cockpit(tmp_path):
     return path
 
 
-def test_the_paths_of_a_project_are_from_its_folder(cockpit):
+def test_project_paths_are_relative_to_its_folder(cockpit):
     found = ff.loader.read_project(cockpit)
     assert {axis: loader.name for axis, loader in found.loaders.items()} == {
         "pitch": "elevator-2khz",
@@ -49,7 +49,7 @@ def test_every_built_in_loader_has_an_axis():
     assert [*AXIS_OF] == [*BUILT_IN]
 
 
-def test_a_byte_order_mark_is_no_part_of_a_project(cockpit):
+def test_byte_order_mark_of_project_is_ignored(cockpit):
     cockpit.write_bytes(b"\xef\xbb\xbf" + cockpit.read_bytes())
     assert [*ff.loader.read_project(cockpit).loaders] == ["pitch", "yaw"]
 
@@ -83,7 +83,7 @@ def test_a_bad_project_is_named(cockpit, project, told):
     assert told.format(folder=cockpit.parent) in str(refused.value)
 
 
-def test_a_built_in_loader_under_another_name_may_move_another_axis(cockpit):
+def test_renamed_built_in_loader_may_have_another_axis(cockpit):
     text = (cockpit.parent / "own.toml").read_text(encoding="utf-8")
     (cockpit.parent / "own.toml").write_text(text.replace('"elevator-2khz"', '"wheel"', 1), encoding="utf-8")
     cockpit.write_text('[axes]\nroll = "own.toml"\n', encoding="utf-8")
@@ -91,14 +91,14 @@ def test_a_built_in_loader_under_another_name_may_move_another_axis(cockpit):
 
 
 @pytest.mark.parametrize("command", TAKE_A_LOADER)
-def test_a_command_on_one_loader_says_which_take_a_project(monkeypatch, capsys, cockpit, command):
+def test_single_loader_command_names_project_commands(monkeypatch, capsys, cockpit, command):
     status, out, error = runner(monkeypatch, capsys, cockpit.parent, command)("cockpit.toml", *TAKE_A_LOADER[command])
     assert (status, out) == (2, "")
     assert "cockpit.toml: is a project, which names the loader of each axis; expected one of those loaders" in error
     assert "forcefeel qualify, envelope and size take a project" in error
 
 
-def test_every_command_on_a_loader_is_known_here():
+def test_every_loader_command_is_tested():
     on_loaders = {name for name, takes in _COMMANDS.items() if "LOADER" in takes}
     assert on_loaders == {*TAKE_A_LOADER, *TAKE_A_PROJECT}
 
@@ -119,7 +119,7 @@ def test_every_command_on_a_loader_is_known_here():
         ),
     ],
 )
-def test_what_does_not_go_with_a_project_is_refused(monkeypatch, capsys, cockpit, command, more, told):
+def test_option_incompatible_with_project_is_refused(monkeypatch, capsys, cockpit, command, more, told):
     status, out, error = runner(monkeypatch, capsys, cockpit.parent, command)("cockpit.toml", *more)
     assert (status, out) == (2, "")
     assert told in error

@@ -16,12 +16,12 @@ def test_number_without_unit_is_refused_with_an_example(number):
         ff.elevator().replace({"linkage.stiffness": number})
 
 
-def test_refusal_names_si_true_and_its_unit():
+def test_error_names_si_true_and_unit():
     with pytest.raises(InputError, match=r"pass si=True for a value in N/m"):
         ff.elevator().replace({"linkage.stiffness": 7000})
 
 
-def test_si_true_takes_numbers_as_si_and_text_by_its_unit():
+def test_si_true_reads_numbers_as_si_and_text_with_unit():
     loader = ff.elevator().replace(
         {"linkage.stiffness": 7000 * LB_PER_IN, "column.inertia": "40 lb in s^2/rad"}, si=True
     )
@@ -35,10 +35,10 @@ def test_si_true_takes_numbers_as_si_and_text_by_its_unit():
     [{"linkage.ratio": 0.9}, {"column.coulomb_friction": 0}, {"valve.orifice": True}, {"feel.breakout": None}],
     ids=str,
 )
-def test_values_that_mean_the_same_in_every_unit_need_none(changes):
+def test_unit_independent_values_need_no_unit(changes):
     assert isinstance(ff.elevator().replace(changes), ff.Loader)
 
 
-def test_zero_degrees_need_a_unit():
+def test_zero_angle_without_unit_is_refused():
     with pytest.raises(InputError, match=r"thermal\.ambient"):
         ff.loader.electric("elevator-electric").replace({"thermal.ambient": 0})

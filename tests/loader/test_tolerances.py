@@ -68,7 +68,7 @@ def test_quantiles_rise_from_bound_to_bound_and_keep_the_shape(tolerance: Tolera
 
 
 @pytest.mark.parametrize("tolerance", ALL, ids=list(Distribution))
-def test_samples_have_the_distribution(tolerance: Tolerance) -> None:
+def test_samples_follow_the_distribution(tolerance: Tolerance) -> None:
     samples = tolerance.sample(np.random.default_rng(1974), 4000)
     grid = np.linspace(0, 1, 100_001)
     found = stats.kstest(samples, lambda x: np.interp(x, tolerance.quantile(grid), grid))
@@ -77,7 +77,7 @@ def test_samples_have_the_distribution(tolerance: Tolerance) -> None:
 
 
 @pytest.mark.parametrize("peak", [2.0, 5.0])
-def test_a_peak_may_stand_at_a_bound(peak: float) -> None:
+def test_peak_may_equal_a_bound(peak: float) -> None:
     for tolerance in (dataclasses.replace(TRIANGULAR, peak=peak), dataclasses.replace(NORMAL, peak=peak)):
         values = tolerance.quantile(np.linspace(0, 1, 101))
         assert np.all(np.diff(values) > 0)
@@ -85,7 +85,7 @@ def test_a_peak_may_stand_at_a_bound(peak: float) -> None:
 
 
 @pytest.mark.parametrize("deviation", [300.0, 1e-6])
-def test_a_very_wide_normal_is_uniform_and_a_very_narrow_one_its_mean(deviation: float) -> None:
+def test_wide_normal_is_uniform_and_narrow_normal_is_its_mean(deviation: float) -> None:
     values = dataclasses.replace(NORMAL, deviation=deviation).quantile(np.linspace(0.01, 0.99, 99))
     expected = UNIFORM.quantile(np.linspace(0.01, 0.99, 99)) if deviation > 1 else np.full(99, 3.0)
     assert values == pytest.approx(expected, abs=1e-5)  # (3 / 300)^2 / 2, less than that; 3 deviations
@@ -129,13 +129,13 @@ WIDTHS = "expected a standard deviation above zero and at most 100 times the dis
         ),
     ],
 )
-def test_numbers_that_are_no_tolerance_are_refused(fields: tuple[Any, ...], message: str) -> None:
+def test_invalid_tolerance_numbers_are_refused(fields: tuple[Any, ...], message: str) -> None:
     with pytest.raises(InputError) as caught:
         Tolerance(*fields)
     assert str(caught.value) == message
 
 
-def test_shares_follow_the_value_and_bounds_that_stand_by_themselves_stay() -> None:
+def test_about_scales_shares_and_keeps_absolute_bounds() -> None:
     relative = Tolerance(Distribution.NORMAL, 9.0, 12.0, 10.0, 0.5, nominal=10.0)
     moved = relative.about(20.0)
     assert (moved.low, moved.high, moved.peak, moved.deviation, moved.nominal) == (18.0, 24.0, 20.0, 1.0, 20.0)
@@ -149,7 +149,7 @@ def test_shares_follow_the_value_and_bounds_that_stand_by_themselves_stay() -> N
 # Of a loader
 
 
-def test_the_elevators_tolerances_are_assumed_and_said_to_be() -> None:
+def test_elevator_tolerances_are_stated_as_assumed() -> None:
     loader = elevator()
     assert "assumed" in loader.source
     assert len(loader.tolerances) == 13
@@ -161,7 +161,7 @@ def test_the_elevators_tolerances_are_assumed_and_said_to_be() -> None:
         assert tolerance.nominal == loader[key]
 
 
-def test_tolerances_are_part_of_a_loader_and_frozen() -> None:
+def test_tolerances_are_immutable_part_of_loader() -> None:
     loader = elevator()
     bare = dataclasses.replace(loader, tolerances={})
     assert bare != loader
@@ -177,14 +177,14 @@ def test_tolerances_are_part_of_a_loader_and_frozen() -> None:
         pickle.loads(pickle.dumps(loader)).tolerances["linkage.damping"] = UNIFORM
 
 
-def test_a_loader_keeps_its_own_tolerances() -> None:
+def test_loader_copies_its_tolerances() -> None:
     mine = dict(elevator().tolerances)
     loader = dataclasses.replace(elevator(), tolerances=mine)
     mine.clear()
     assert loader == elevator()
 
 
-def test_replacing_a_value_moves_its_tolerance() -> None:
+def test_replaced_value_scales_its_tolerance() -> None:
     loader = elevator().replace({"linkage.stiffness": 1e6}, si=True)
     assert loader.tolerances["linkage.stiffness"].low == pytest.approx(8e5, rel=ROUNDING)
     fixed = elevator().with_tolerances({"linkage.stiffness": {"uniform": ["5000 lb/in", "7000 lb/in"]}})
@@ -207,7 +207,7 @@ def test_with_tolerances_adds_changes_and_drops() -> None:
     assert again.tolerances["linkage.damping"] == loader.tolerances["linkage.damping"]
 
 
-def test_shares_go_where_the_value_becomes_nothing() -> None:
+def test_shares_are_dropped_when_value_becomes_zero() -> None:
     loader = elevator().replace({"column.coulomb_friction": "3 lb", "column.stop_high": "20 deg"})
     loader = loader.with_tolerances({"column.coulomb_friction": "20 %", "column.stop_high": "5 %"})
     for key in ("column.coulomb_friction", "column.stop_high"):
@@ -219,7 +219,7 @@ def test_shares_go_where_the_value_becomes_nothing() -> None:
     assert "column.coulomb_friction" in by_themselves.replace({"column.coulomb_friction": "0 lb"}).tolerances
 
 
-def test_a_default_that_stands_has_shares_where_it_has_an_effect() -> None:
+def test_default_value_has_shares_only_where_effective() -> None:
     with pytest.raises(
         InputError, match=r"^tolerances\.column\.stop_stiffness: has no effect without column\.stop_low"
     ):
@@ -228,7 +228,7 @@ def test_a_default_that_stands_has_shares_where_it_has_an_effect() -> None:
     assert loader.tolerances["column.stop_stiffness"].nominal == loader["column.stop_stiffness"]
 
 
-def test_a_tolerance_object_that_does_not_go_with_the_value_is_refused() -> None:
+def test_tolerance_incompatible_with_value_is_refused() -> None:
     loader, away = elevator(), elevator().replace({"linkage.stiffness": "7000 lb/in"}).tolerances["linkage.stiffness"]
     with pytest.raises(InputError) as caught:
         loader.with_tolerances({"linkage.stiffness": away})
@@ -246,7 +246,7 @@ def test_a_tolerance_object_that_does_not_go_with_the_value_is_refused() -> None
         loader.with_tolerances({"linkage.stifness": "5 %"})
 
 
-def test_a_value_may_move_to_the_end_of_its_range_though_its_shares_leave_it(tmp_path: Path) -> None:
+def test_value_at_range_end_is_valid_with_shares_out_of_range(tmp_path: Path) -> None:
     loader = elevator().replace({"amplifier.admittance": "1000 mA/V"})
     assert loader.tolerances["amplifier.admittance"].high == pytest.approx(1.2, rel=ROUNDING)
     message = (
@@ -266,7 +266,7 @@ def test_a_value_may_move_to_the_end_of_its_range_though_its_shares_leave_it(tmp
         dataclasses.replace(elevator(), tolerances={"amplifier.admittance": UNIFORM})
 
 
-def test_tolerances_stand_in_the_plain_results() -> None:
+def test_json_contains_tolerances() -> None:
     loader = elevator().with_tolerances({"pilot.force": {"normal": "5 %", "low": "-10 %", "high": "10 %"}})
     found: Any = loader.as_json(UnitSystem.US)["tolerances"]
     assert found["pilot.force"]["distribution"] == "normal"
@@ -324,7 +324,7 @@ K = 6107.86 * POUND_PER_INCH
         ),
     ],
 )
-def test_every_form_is_read_and_comes_back(tmp_path: Path, stated: str, expected: tuple[Any, ...]) -> None:
+def test_every_tolerance_form_round_trips(tmp_path: Path, stated: str, expected: tuple[Any, ...]) -> None:
     loader = read(tmp_path, f"linkage.stiffness = {stated}")
     assert_alike(loader.tolerances["linkage.stiffness"], expected, ROUNDING)
     for units in UnitSystem:
@@ -338,7 +338,7 @@ def test_every_form_is_read_and_comes_back(tmp_path: Path, stated: str, expected
 @pytest.mark.parametrize(
     "stated", ['"20 %"', '{ uniform = ["-10 %", "20 %"] }', '{ normal = "5 %", low = "-10 %", high = "10 %" }']
 )
-def test_shares_are_written_as_they_were_read(tmp_path: Path, stated: str) -> None:
+def test_shares_round_trip_as_shares(tmp_path: Path, stated: str) -> None:
     line = f"linkage.stiffness = {stated}"
     assert f"\n{line}\n" in read(tmp_path, line).to_toml(UnitSystem.SI)
 
@@ -405,7 +405,7 @@ NUMBER = "expected a number with its unit such as '6107.86 lb/in', got"
         ('{ normal = "5 %", low = true, high = "10 %" }', f"low: {NUMBER} true"),
     ],
 )
-def test_a_bad_tolerance_is_answered_in_a_line(tmp_path: Path, stated: str, message: str) -> None:
+def test_bad_tolerance_gives_one_line_error(tmp_path: Path, stated: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         read(tmp_path, f"linkage.stiffness = {stated}")
     assert str(caught.value) == f"{tmp_path / 'my.toml'}: tolerances.linkage.stiffness: {message}"
@@ -464,13 +464,13 @@ def test_a_bad_tolerance_is_answered_in_a_line(tmp_path: Path, stated: str, mess
         ),
     ],
 )
-def test_tolerances_of_what_has_none_are_answered_in_a_line(tmp_path: Path, line: str, message: str) -> None:
+def test_tolerance_of_invalid_parameter_gives_one_line_error(tmp_path: Path, line: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         read(tmp_path, line)
     assert str(caught.value) == f"{tmp_path / 'my.toml'}: {message}"
 
 
-def test_shares_of_zero_say_nothing(tmp_path: Path) -> None:
+def test_share_of_zero_value_is_refused(tmp_path: Path) -> None:
     text = dataclasses.replace(elevator(), tolerances={}).replace({"feel.damping": 0}).to_toml()
     (tmp_path / "my.toml").write_text(f'{text}feel.damping = "20 %"\n', encoding="utf-8")
     with pytest.raises(
@@ -497,7 +497,7 @@ def test_good_tolerances_are_read(tmp_path: Path, line: str) -> None:
     assert len(read(tmp_path, line).tolerances) == (1 if line else 0)
 
 
-def test_several_bad_tolerances_give_a_line_each(tmp_path: Path) -> None:
+def test_several_bad_tolerances_give_one_line_each(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read(tmp_path, 'linkage.stiffness = "x"\nlinkage.damping = "-5 %"\nactuator.aera = "5 %"')
     assert [line.split(": ")[1] for line in str(caught.value).splitlines()] == [
@@ -537,7 +537,7 @@ def tolerances(draw: st.DrawFn) -> tuple[str, Tolerance]:
 
 
 @given(tolerances(), st.sampled_from(list(UnitSystem)))
-def test_any_tolerance_comes_back_from_its_text(found: tuple[str, Tolerance], units: UnitSystem) -> None:
+def test_random_tolerance_round_trips_through_text(found: tuple[str, Tolerance], units: UnitSystem) -> None:
     key, tolerance = found
     text = tolerance_text.write(TABLE[key], tolerance, units)
     back = tolerance_text.read(key, tomllib.loads(f"it = {text}")["it"], bare_of(key)[key])
@@ -557,7 +557,7 @@ VALUES = st.recursive(
 
 
 @given(st.sampled_from(list(TABLE)), VALUES)
-def test_anything_is_a_tolerance_or_refused_in_a_line(key: str, stated: Any) -> None:
+def test_random_input_is_tolerance_or_one_line_error(key: str, stated: Any) -> None:
     assert good_or_refused(key, stated)
 
 

@@ -43,7 +43,7 @@ ON_THE_EDGE = 1e-6
 """Share of the gain to either side of the edge; poles move by some 1e-7 for it."""
 
 
-def test_the_gain_margin_is_where_the_poles_reach_the_circle(loops):
+def test_poles_at_gain_margin_lie_on_unit_circle(loops):
     for loop in loops:
         found = loop_margins(loop)
         assert loop.stable
@@ -65,7 +65,7 @@ def _turned(loop, lag_rad):
     return np.abs(np.linalg.eigvals(loop.matrix + (factor - 1) * np.outer(loop.by_command, loop.command))).max()
 
 
-def test_the_phase_margin_is_where_a_turned_command_reaches_the_circle(loops):
+def test_command_loop_is_stable_within_phase_margin(loops):
     for loop in loops:
         margin = loop_margins(loop).phase_rad
         within = np.linspace(-margin, margin, 101)[1:-1]
@@ -74,7 +74,7 @@ def test_the_phase_margin_is_where_a_turned_command_reaches_the_circle(loops):
         assert max(beyond) > 1
 
 
-def test_the_delay_margin_by_whole_periods_more():
+def test_delay_margin_matches_added_whole_periods():
     """A loader whose controller is slower by whole periods, under the same gains."""
     loader = DIGITAL.replace({"controller.delay": None})
     gains = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1]).single(loader).fixed
@@ -89,7 +89,7 @@ def _gains_loop(loader, gains, periods):
     return command_loops(late, Law.of(gains, late), SETTINGS[:1])[0]
 
 
-def test_the_disk_holds_gain_and_phase_together(loops):
+def test_disk_margin_covers_gain_and_phase_together(loops):
     """Of Seiler, Packard and Gahinet: gains from (2 - a) / (2 + a) up, and the angle 2 atan(a / 2), are within it."""
     for loop in loops:
         found = loop_margins(loop)
@@ -103,7 +103,7 @@ def test_the_disk_holds_gain_and_phase_together(loops):
             assert np.abs(np.linalg.eigvals(matrix)).max() < 1
 
 
-def test_the_analog_loop_opened_at_its_command():
+def test_analog_command_loop_matches_model():
     loader = ff.elevator()
     law = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1])
     loop = command_loops(loader, law, SETTINGS[:1])[0]
@@ -124,7 +124,7 @@ def test_the_analog_loop_opened_at_its_command():
     assert abscissa(found.gain_up * (1 - ON_THE_EDGE)) < 0 < abscissa(found.gain_up * (1 + ON_THE_EDGE))
 
 
-def test_the_modes_of_a_sampled_loop_are_those_of_what_was_sampled():
+def test_sampled_loop_modes_match_continuous_system():
     """A swing, sampled: ``s = ln(z) / T``; a delay, whose pole is at zero, is no mode."""
     period, w, zeta = 1e-3, 12.0, 0.3
     swing = expm(np.array([[0, 1], [-(w**2), -2 * zeta * w]]) * period)
@@ -134,12 +134,12 @@ def test_the_modes_of_a_sampled_loop_are_those_of_what_was_sampled():
     assert (mode.frequency_rad_per_s, mode.damping_ratio) == pytest.approx((w, zeta), rel=ROUNDING)
 
 
-def test_an_unstable_loop_has_none():
+def test_unstable_loop_has_zero_margins():
     found = loop_margins(CommandLoop(np.array([[1.1]]), np.ones(1), np.zeros(1), 1e-3))
     assert (found.gain_up, found.gain_down, found.delay_s, found.disk) == (1.0, 1.0, 0.0, 0.0)
 
 
-def test_the_least_of_several(loops):
+def test_minimum_margins_are_least_of_several_loops(loops):
     found = [loop_margins(loop) for loop in loops]
     least = minimum_margins(found)
     assert least.gain_up == min(one.gain_up for one in found)

@@ -60,7 +60,7 @@ def exact_loop(loader: ff.Loader, law: SampledLaw, gain: float = 1.0) -> np.ndar
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_poles_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> None:
+def test_poles_match_exact_plant(loader: ff.Loader, name: str) -> None:
     law = own(loader, name)
     poles = sampled_loops(loader, law).poles[0]
     for pole in np.linalg.eigvals(exact_loop(loader, law)):
@@ -69,7 +69,7 @@ def test_poles_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> Non
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_margins_are_where_the_closed_loop_turns_unstable(loader: ff.Loader, name: str) -> None:
+def test_closed_loop_becomes_unstable_at_margins(loader: ff.Loader, name: str) -> None:
     """The gain between controller and amplifier is turned until a pole of the witness leaves the circle."""
     law = own(loader, name)
     margins = loop_margins(CommandLoop.sampled(sampled_loops(loader, law)))
@@ -83,7 +83,7 @@ def test_margins_are_where_the_closed_loop_turns_unstable(loader: ff.Loader, nam
             assert largest(inside) < 1 < largest(outside)
 
 
-def test_delay_margin_is_where_more_delay_turns_it_unstable(loader: ff.Loader) -> None:
+def test_delay_beyond_margin_is_unstable(loader: ff.Loader) -> None:
     """Whole samples of delay are put between: stable with fewer than the margin, unstable with more."""
     law = own(loader, "robust")
     loop = exact_loop(loader, law)
@@ -102,7 +102,7 @@ def test_delay_margin_is_where_more_delay_turns_it_unstable(loader: ff.Loader) -
 
 
 @pytest.mark.parametrize("name", ["original", "published", *LAWS])
-def test_period_map_runs_as_the_engine_does(loader: ff.Loader, name: str) -> None:
+def test_period_map_matches_engine(loader: ff.Loader, name: str) -> None:
     """A push that stays: samples of the engine's run against powers of the map, whose steps are five times as short."""
     law = Law.of(name, loader)
     loops = sampled_loops(loader, law)
@@ -118,7 +118,7 @@ def test_period_map_runs_as_the_engine_does(loader: ff.Loader, name: str) -> Non
     )  # the step's jump falls between the samples
 
 
-def test_original_loop_tends_to_the_analog_one() -> None:
+def test_original_loop_converges_to_analog_loop() -> None:
     analog = np.linalg.eigvals(ff.compliant_model(ff.elevator()).A)
     slow = analog[np.abs(analog) < 100]
     errors = []
@@ -131,7 +131,7 @@ def test_original_loop_tends_to_the_analog_one() -> None:
     assert errors[1] < 0.3 * errors[0]  # of the first order in the period
 
 
-def test_what_has_no_slope_is_left_out(loader: ff.Loader) -> None:
+def test_nonlinear_effects_without_slope_are_excluded(loader: ff.Loader) -> None:
     law = own(loader, "robust")
     rough = loader.replace(
         {

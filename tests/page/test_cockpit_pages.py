@@ -10,15 +10,15 @@ import forcefeel as ff
 from forcefeel.envelope import find_cockpit, make_plan
 from forcefeel.qualification import QualificationSetup, qualify_cockpit
 from tests.pages import (  # noqa: F401  what is asked of every page
-    test_a_page_is_small_and_every_plot_has_its_text,
-    test_heads_name_rows_and_columns_and_keep_their_words_whole,
-    test_nothing_is_asked_for_but_the_page_and_its_script,
-    test_nothing_is_cut_off,
-    test_tables_and_drawing_stay_in_their_boxes,
-    test_the_console_is_silent,
-    test_the_navigation_stays_in_view,
-    test_the_tool_bar_leaves_the_legend_free,
+    test_browser_console_has_no_messages,
+    test_navigation_stays_in_view,
+    test_no_content_is_clipped,
+    test_page_is_small_and_every_plot_has_text,
+    test_page_requests_only_itself_and_its_script,
+    test_table_headers_have_scope_and_whole_words,
+    test_tables_and_drawings_stay_in_their_boxes,
     test_tick_labels_do_not_overlap,
+    test_tool_bar_does_not_cover_legend,
     views_of,
     words,
 )
@@ -61,7 +61,7 @@ def pages(guide, envelopes, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 page = views_of((GUIDE, ENVELOPES))
 
 
-def test_each_axis_is_tested_by_its_own_rows_and_law_as_it_is_alone(project, guide):
+def test_each_axis_has_same_rows_and_law_as_alone(project, guide):
     assert {axis: one.sections[0].name for axis, one in guide.axes.items()} == {"pitch": "original", "yaw": "robust"}
     assert [one.sections[0].results[0].trial.test.number for one in guide.axes.values()] == ["2.a.1.a", "2.a.3.a"]
     alone = ff.qualify_loader(project.loaders["yaw"], QualificationSetup(tests=TESTS, axis="yaw"))
@@ -72,7 +72,7 @@ def test_each_axis_is_tested_by_its_own_rows_and_law_as_it_is_alone(project, gui
     assert not guide.fulfilled
 
 
-def test_the_guide_has_a_row_for_each_test_of_each_axis_and_leads_to_it(pages, guide):
+def test_guide_has_linked_row_per_test_and_axis(pages, guide):
     text = pages[GUIDE].read_text(encoding="utf-8")
     articles = re.findall(r'<article class="test" id="([\w-]+)"', text)
     assert len(articles) == len(set(articles)) == sum(len(one.sections[0].results) for one in guide.axes.values())
@@ -84,7 +84,7 @@ def test_the_guide_has_a_row_for_each_test_of_each_axis_and_leads_to_it(pages, g
     assert [one["rule"]["axis"] for one in stored["axes"].values()] == ["pitch", "yaw"]
 
 
-def test_the_table_over_the_axes_leads_to_pages_that_are_there(pages, envelopes):
+def test_axes_table_links_to_existing_pages(pages, envelopes):
     folder = pages[ENVELOPES].parent
     for name in ("envelope.html", "envelope-pitch.html", "envelope-yaw.html"):
         links = [one for one in words(folder / name).references if not one.startswith(("#", "data:"))]
@@ -96,7 +96,7 @@ def test_the_table_over_the_axes_leads_to_pages_that_are_there(pages, envelopes)
     assert [row["axis"] for row in stored["table"]] == ["pitch", "yaw"]
 
 
-def test_a_loaders_envelope_takes_the_place_of_a_cockpits(envelopes, tmp_path):
+def test_loader_envelope_replaces_cockpit_envelope(envelopes, tmp_path):
     ff.envelope.write_cockpit(envelopes, tmp_path / "out", ff.UnitSystem.US)
     one = ff.envelope.write_envelope(envelopes.axes["yaw"], tmp_path / "out", ff.UnitSystem.US, replace=True)
     assert {file.name for file in one.parent.iterdir()} == {

@@ -37,7 +37,7 @@ def out(tmp_path):
     return tmp_path / "out"
 
 
-def test_a_folder_is_made_with_all_above_it(tmp_path):
+def test_folder_is_made_with_its_parents(tmp_path):
     out = tmp_path / "a" / "b" / "out"
     FOLDER.write(out, NEW)
     assert held(out) == WRITTEN
@@ -45,12 +45,12 @@ def test_a_folder_is_made_with_all_above_it(tmp_path):
     assert left(out) == left(out.parent) == []
 
 
-def test_what_an_earlier_run_left_under_the_commands_names_goes(out):
+def test_files_of_earlier_run_are_removed(out):
     FOLDER.write(out, NEW)
     assert held(out) == WRITTEN
 
 
-def test_files_of_others_stay_where_they_are(out):
+def test_unrelated_files_are_kept(out):
     (out / "notes.txt").write_text("mine")
     (out / "empty").mkdir()
     inode = out.stat().st_ino
@@ -62,7 +62,7 @@ def test_files_of_others_stay_where_they_are(out):
 
 
 @pytest.mark.parametrize("within", [".", "tables"])
-def test_a_folder_that_somebody_works_in_is_not_exchanged(out, monkeypatch, within):
+def test_working_folder_of_a_process_is_not_exchanged(out, monkeypatch, within):
     (out / within).mkdir(exist_ok=True)
     monkeypatch.chdir(out / within)
     inode = out.stat().st_ino
@@ -71,14 +71,14 @@ def test_a_folder_that_somebody_works_in_is_not_exchanged(out, monkeypatch, with
     assert held(out) == WRITTEN
 
 
-def test_a_system_that_cannot_exchange_folders_moves_the_files(out, monkeypatch):
+def test_files_are_moved_where_exchange_is_unsupported(out, monkeypatch):
     monkeypatch.setattr(staging, "_exchange", lambda *_: False)
     FOLDER.write(out, NEW)
     assert held(out) == WRITTEN
     assert left(out) == left(out.parent) == []
 
 
-def test_a_link_is_not_followed_but_above_the_folder(out):
+def test_link_is_followed_only_above_the_folder(out):
     link = out.parent / "link"
     link.symlink_to(out, target_is_directory=True)
     before = held(out)
@@ -91,7 +91,7 @@ def test_a_link_is_not_followed_but_above_the_folder(out):
 
 @pytest.mark.parametrize("name", ["results.json", "tables", "extra.csv", "tables/a.csv"])
 @pytest.mark.parametrize("notes", [False, True])
-def test_a_link_in_the_folder_is_neither_followed_nor_replaced(out, tmp_path, name, notes):
+def test_link_in_folder_is_neither_followed_nor_replaced(out, tmp_path, name, notes):
     """Whether files move in one by one, or the whole folder is exchanged."""
     if notes:
         (out / "notes.txt").write_text("mine")
@@ -107,7 +107,7 @@ def test_a_link_in_the_folder_is_neither_followed_nor_replaced(out, tmp_path, na
 
 
 @pytest.mark.parametrize("name", ["x" * 255, "é" * 127])
-def test_a_folder_of_any_legal_name_is_written_and_replaced(tmp_path, name):
+def test_folder_of_any_legal_name_is_written_and_replaced(tmp_path, name):
     for _ in range(2):
         FOLDER.write(tmp_path / name, NEW)
         assert held(tmp_path / name) == WRITTEN
@@ -115,7 +115,7 @@ def test_a_folder_of_any_legal_name_is_written_and_replaced(tmp_path, name):
 
 
 @pytest.mark.parametrize("notes", [False, True])
-def test_a_full_disk_leaves_what_was_there(out, monkeypatch, notes):
+def test_full_disk_leaves_folder_unchanged(out, monkeypatch, notes):
     if notes:
         (out / "notes.txt").write_text("mine")
     before, write = held(out), Path.write_text
@@ -167,7 +167,7 @@ def _killed_at(monkeypatch, call: int) -> None:
 
 
 @forking
-def test_a_run_that_is_killed_leaves_the_old_folder_or_the_new_one_and_the_next_clears_up(tmp_path):
+def test_killed_run_leaves_old_or_new_folder_and_next_run_cleans_up(tmp_path):
     out, seen = tmp_path / "out", []
     for call in range(100):
         FOLDER.write(out, OLD)
@@ -183,7 +183,7 @@ def test_a_run_that_is_killed_leaves_the_old_folder_or_the_new_one_and_the_next_
 
 
 @forking
-def test_a_run_that_is_killed_loses_no_file_of_others(tmp_path):
+def test_killed_run_keeps_unrelated_files(tmp_path):
     out = tmp_path / "out"
     for call in range(100):
         FOLDER.write(out, OLD)
@@ -196,7 +196,7 @@ def test_a_run_that_is_killed_loses_no_file_of_others(tmp_path):
     assert left(out) == left(tmp_path) == []
 
 
-def test_what_killed_runs_left_is_cleared_but_not_what_another_folder_is_made_of(out):
+def test_leftovers_of_killed_run_are_removed_for_same_folder_only(out):
     mine, others = (out.parent / f".forcefeel-{name}-01234567" for name in ("out", "other"))
     for path in (mine, others, out / ".forcefeel-abcd1234"):
         path.mkdir()
@@ -207,19 +207,19 @@ def test_what_killed_runs_left_is_cleared_but_not_what_another_folder_is_made_of
     assert sorted(left(out.parent)) == [".forcefeel-file", others.name]
 
 
-def test_a_text_with_half_a_letter_is_written(out):
+def test_text_with_lone_surrogate_is_written(out):
     FOLDER.write(out, {"page.html": "the file a\udcff.csv"})
     assert (out / "page.html").read_text() == r"the file a\udcff.csv"
 
 
 @pytest.mark.parametrize("name", FOLDER.files)
-def test_a_folder_where_a_file_goes(tmp_path, name):
+def test_folder_in_place_of_file_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file of that name"):
         FOLDER.check(tmp_path)
 
 
-def test_a_file_where_a_folder_goes(tmp_path):
+def test_file_in_place_of_folder_is_refused(tmp_path):
     (tmp_path / "tables").write_text("mine")
     with pytest.raises(InputError, match="tables: is a file; expected a folder"):
         FOLDER.check(tmp_path)
@@ -227,7 +227,7 @@ def test_a_file_where_a_folder_goes(tmp_path):
         FOLDER.check(tmp_path / "tables")
 
 
-def test_files_are_replaced_only_where_that_is_said(out):
+def test_files_are_replaced_only_on_request(out):
     FOLDER.check(out)
     with pytest.raises(
         InputError, match=r"out: holds page\.html already; name another folder with --out, or --replace"
@@ -235,7 +235,7 @@ def test_files_are_replaced_only_where_that_is_said(out):
         FOLDER.check(out, replace=False)
 
 
-def test_the_script_of_the_plots_comes_with_the_page_and_holds_nobody_up(tmp_path):
+def test_plot_script_is_written_and_foreign_script_is_refused(tmp_path):
     pages = OutputFolder("the test", ("page.html",))
     pages.write(tmp_path / "out", {"page.html": "old"})
     assert sorted(held(tmp_path / "out")) == ["page.html", SCRIPT]

@@ -41,7 +41,7 @@ def legend(ax):
     return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
-def test_a_run_draws_the_columns_angle_beside_the_programmed_one(run):
+def test_run_plots_column_and_programmed_angle(run):
     ax = run.plot()
     column, programmed = ax.get_lines()
     np.testing.assert_allclose(column.get_ydata(), np.degrees(run.history["column_angle_rad"]), rtol=ROUNDING)
@@ -53,14 +53,14 @@ def test_a_run_draws_the_columns_angle_beside_the_programmed_one(run):
     assert run.note in ax.get_title()
 
 
-def test_a_run_draws_what_is_named_in_the_units_asked_for(run):
+def test_run_plots_named_outputs_in_requested_units(run):
     _, ax = plt.subplots()
     assert run.plot("pilot_force_n", units=ff.UnitSystem.US, ax=ax) is ax
     np.testing.assert_allclose(ax.get_lines()[0].get_ydata(), run.history["pilot_force_n"] / POUND, rtol=ROUNDING)
     assert ax.get_ylabel() == "Pilot force, lb"
 
 
-def test_a_run_refuses_what_it_has_not(run):
+def test_run_plot_of_unknown_output_raises_input_error(run):
     with pytest.raises(ff.InputError, match=r"^outputs: expected names such as .*, got 'angle'$"):
         run.plot("angle")
     with pytest.raises(ff.InputError, match=r"^outputs: expected one kind of quantity on one axis, got A, N$"):
@@ -69,7 +69,7 @@ def test_a_run_refuses_what_it_has_not(run):
         run.plot(ax=3)
 
 
-def test_bode_is_that_of_python_control():
+def test_bode_matches_python_control():
     loader = ff.elevator()
     gain, phase = loader.plot_bode(frequency_hz=[0.5, 2.0, 11.4])
     models = (ff.compliant_model(loader), ff.linear.ideal_feel(loader))
@@ -84,7 +84,7 @@ def test_bode_is_that_of_python_control():
     assert (gain.get_ylabel(), phase.get_ylabel()) == ("Angle per force, deg/N", "Phase, deg")
 
 
-def test_bode_on_axes_that_are_given_and_what_is_refused():
+def test_bode_uses_passed_axes_and_refuses_invalid_axes():
     _, pair = plt.subplots(2, 1)
     assert list(ff.elevator().plot_bode(units=ff.UnitSystem.US, ax=pair)) == list(pair)
     assert pair[0].get_ylabel() == "Angle per force, deg/lb"
@@ -97,7 +97,7 @@ def test_bode_on_axes_that_are_given_and_what_is_refused():
         ff.elevator().plot_bode("robust")
 
 
-def test_an_envelope_draws_the_map_nearest_to_the_damping(envelope):
+def test_envelope_plots_map_nearest_to_damping(envelope):
     ax = envelope.plot("original", damping=0.6, worst=False)
     drawn = np.asarray(ax.collections[0].get_array()).reshape(4, 5)
     np.testing.assert_array_equal(drawn, envelope.kinds("original", worst=False)[1])
@@ -120,7 +120,7 @@ def found(*statuses):
     return Identification(loader, estimates, np.eye(2), (), (), (), (), None, ())
 
 
-def test_an_identification_draws_its_intervals_over_the_tolerances():
+def test_identification_plots_intervals_over_tolerances():
     ax = found(Status.DETERMINED, Status.UNDETERMINED).plot()
     assert [text.get_text() for text in ax.get_yticklabels()] == ["k", "c"]
     assert [text.get_text() for text in ax.texts] == ["not determined"]
@@ -130,7 +130,7 @@ def test_an_identification_draws_its_intervals_over_the_tolerances():
     assert ax.get_xlabel() == "Off the file's value, %"
 
 
-def test_results_read_well(run, envelope):
+def test_results_have_readable_repr(run, envelope):
     assert repr(run) == f"<Run of 'elevator-1974', 0.5 s, {run.method}: {run.note}>"
     assert repr(envelope).startswith("<Envelope of 'elevator-1974', 40 settings: original passes at ")
     assert "c not determined" in repr(found(Status.DETERMINED, Status.UNDETERMINED))
@@ -168,7 +168,7 @@ def _qualification():
         ),
     ],
 )
-def test_results_read_well_as_text_and_in_a_notebook(make, text, shown):
+def test_results_have_text_and_notebook_repr(make, text, shown):
     result = make()
     assert repr(result).startswith(text)
     assert "\n" not in repr(result)
@@ -189,7 +189,7 @@ def test_notebooks_show_tables_and_pictures(run):
     assert plt.get_fignums() == []
 
 
-def test_computing_does_not_plot():
+def test_computation_does_not_import_plots():
     code = "import sys, forcefeel as ff; repr(ff.simulate(ff.elevator(), ff.Scenario(duration_s=0.01)));"
     code += "print('forcefeel.plots.draw' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -67,7 +67,7 @@ def near(figure, expected, fine):
 
 @pytest.mark.parametrize("noise_n", [0.0, 0.5])
 @pytest.mark.parametrize("feel", FEELS, ids=lambda feel: "-".join(f"{value:g}" for value in feel.values()))
-def test_what_is_programmed_is_what_is_measured(feel, noise_n):
+def test_measured_statics_match_programmed_statics(feel, noise_n):
     found = measure_sweep(swept(**feel, noise_n=noise_n))
     breakout, friction, deadband, preload = feel.values()
     # The line beyond the knee, where the control rests: a preload moves it off the spring's own zero.
@@ -86,7 +86,7 @@ def test_what_is_programmed_is_what_is_measured(feel, noise_n):
     assert found.breakout_high.uncertainty < 1.0
 
 
-def test_too_few_samples_near_neutral_are_no_figure():
+def test_too_few_samples_near_neutral_give_no_breakout():
     """Two samples a degree: the knee is not in the record."""
     record = swept(53.0, 0.0, 0.0, 0.0)
     few = Record(record.time_s[::40], record.position[::40], record.force_n[::40])
@@ -94,7 +94,7 @@ def test_too_few_samples_near_neutral_are_no_figure():
     assert not found.breakout_low.known
 
 
-def test_a_force_that_falls_as_the_control_goes_on_is_read_above_what_follows():
+def test_breakout_of_falling_force_is_read_above_next_line():
     """25 N/deg up to 0.3 deg, 15 back, 5 from 0.5 deg on: 7.5 N at its peak, where the last line, laid back, has 3.5."""
     x = np.linspace(0.001, 1.6, 1000)
     force = np.interp(x, [0.0, 0.3, 0.5, 1.6], [0.0, 7.5, 4.5, 10.0])

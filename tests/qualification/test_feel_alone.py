@@ -142,7 +142,7 @@ ELEVATORS = ("elevator-1974", "elevator-2khz")
 
 @pytest.mark.parametrize("built_in", ELEVATORS)
 @pytest.mark.parametrize("name", ROWS)
-def test_each_row_moves_as_its_equation(references, built_in, name):
+def test_each_feel_row_matches_its_equation(references, built_in, name):
     alone = FeelAlone(open_loader(built_in).replace(ROWS[name], si=True))
     released, swept = references[name]
     time = np.linspace(0, SWEEP_S, 8001)
@@ -160,7 +160,7 @@ def test_each_row_moves_as_its_equation(references, built_in, name):
 
 
 @pytest.mark.parametrize("built_in", ELEVATORS)
-def test_curves_of_the_feel_are_part_of_it(built_in):
+def test_feel_alone_includes_feel_curves(built_in):
     """A straight curve of twice G, and a factor of a half on it at the pressure that is given: G again."""
     loader = open_loader(built_in)
     at = (-0.5, 0.0, 0.5)

@@ -30,7 +30,7 @@ def near(figure, expected):
 @pytest.mark.parametrize("noise", [0.0, 0.5])
 @pytest.mark.parametrize("rate", [50, 100, 1000])
 @pytest.mark.parametrize(("breakout", "friction"), [(10.0, 5.0), (0.0, 8.0), (10.0, 0.0), (20.0, 20.0)])
-def test_a_loop_of_known_parts(breakout, friction, rate, noise):
+def test_sweep_of_known_parts_is_measured(breakout, friction, rate, noise):
     features = measure_sweep(swept(breakout=breakout, friction=friction, rate=rate, noise_n=noise))
     assert near(features.friction, friction)
     assert near(features.gradient, 400.0)
@@ -52,14 +52,14 @@ def test_a_loop_of_known_parts(breakout, friction, rate, noise):
 
 @pytest.mark.parametrize("freeplay", [0.004, 0.01, 0.03])
 @pytest.mark.parametrize("noise", [0.0, 0.2])
-def test_freeplay(freeplay, noise):
+def test_freeplay_is_measured(freeplay, noise):
     features = measure_sweep(swept(breakout=0.0, friction=2.0, freeplay=freeplay, noise_n=noise))
     assert near(features.freeplay, freeplay)
     assert near(features.friction, 2.0)
     assert features.freeplay.uncertainty < 0.003
 
 
-def test_static_friction_breaks_away_at_its_peak():
+def test_breakout_is_read_at_static_friction_peak():
     """20 N hold it, 5 N drag it: the first move is at 20 N, not on the line through what follows."""
     record = swept(breakout=0.0, friction=5.0)
     force = np.array(record.force_n)
@@ -69,7 +69,7 @@ def test_static_friction_breaks_away_at_its_peak():
     assert found.value == pytest.approx(20.0, rel=FINE)
 
 
-def test_both_orders_of_the_stops():
+def test_sweep_is_measured_in_both_orders_of_stops():
     record = swept(breakout=10.0, friction=5.0)
     one, other = measure_sweep(record), measure_sweep(Record(record.time_s, -record.position, -record.force_n))
     assert other.breakout_low.value == pytest.approx(one.breakout_high.value)
@@ -85,7 +85,7 @@ def test_both_orders_of_the_stops():
     scale=st.floats(0.1, 10),
     offset=st.floats(-1, 1),
 )
-def test_loops_of_any_size(stiffness, breakout, friction, scale, offset):
+def test_sweeps_of_any_size_are_measured(stiffness, breakout, friction, scale, offset):
     record = swept(stiffness=stiffness, breakout=breakout, friction=friction, duration_s=40.0)
     moved = Record(record.time_s + 7, record.position * scale + offset, record.force_n)
     features = measure_sweep(moved)
@@ -94,7 +94,7 @@ def test_loops_of_any_size(stiffness, breakout, friction, scale, offset):
     assert features.duration_s == pytest.approx(record.duration_s)
 
 
-def test_the_surface_goes_with_the_control():
+def test_surface_position_follows_control():
     features = measure_sweep(swept(surface_gain=1.5))
     known = np.isfinite(features.surface_up_rad)
     assert features.surface_up_rad[known] == pytest.approx(1.5 * features.position[known], abs=A_POSITION)
@@ -116,12 +116,12 @@ def test_the_surface_goes_with_the_control():
         ),
     ],
 )
-def test_what_is_no_sweep_is_refused(record, message):
+def test_invalid_sweep_raises_input_error(record, message):
     with pytest.raises(InputError, match=message):
         measure_sweep(record)
 
 
-def test_points():
+def test_sweep_has_requested_points_within_range():
     assert len(measure_sweep(swept(), points=101).position) == 101
     with pytest.raises(InputError, match="points: expected 21 to 10001, got 3"):
         measure_sweep(swept(), points=3)

@@ -19,15 +19,15 @@ from forcefeel.qualification.page.release_plot import release
 from forcefeel.units import UnitSystem
 from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    test_a_page_is_small_and_every_plot_has_its_text,
-    test_heads_name_rows_and_columns_and_keep_their_words_whole,
-    test_nothing_is_asked_for_but_the_page_and_its_script,
-    test_nothing_is_cut_off,
-    test_tables_and_drawing_stay_in_their_boxes,
-    test_the_console_is_silent,
-    test_the_navigation_stays_in_view,
-    test_the_tool_bar_leaves_the_legend_free,
+    test_browser_console_has_no_messages,
+    test_navigation_stays_in_view,
+    test_no_content_is_clipped,
+    test_page_is_small_and_every_plot_has_text,
+    test_page_requests_only_itself_and_its_script,
+    test_table_headers_have_scope_and_whole_words,
+    test_tables_and_drawings_stay_in_their_boxes,
     test_tick_labels_do_not_overlap,
+    test_tool_bar_does_not_cover_legend,
     views_of,
     words,
     words_cut,
@@ -118,7 +118,7 @@ def _articles(text):
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_the_summary_leads_to_every_test_and_names_the_others(pages, made, name):
+def test_summary_links_every_test_and_names_missing_tests(pages, made, name):
     text, found = pages[name].read_text(encoding="utf-8"), made[name]
     (table,) = re.findall(r'<table class="outcomes">.*?</table>', text, flags=re.DOTALL)
     assert sorted(re.findall(r'<a href="#([\w-]+)">', table)) == sorted(_articles(text))
@@ -146,7 +146,7 @@ def test_the_verdict_is_the_second_column(pages, made, name):
     assert all(head[1] == "Verdict" for head in features)
 
 
-def test_simulator_operator_date_and_signature_have_their_lines(pages):
+def test_page_has_lines_for_simulator_operator_date_signature(pages):
     for name, simulator in (("friction", ""), ("recorded", "FFS 4 &lt;left seat&gt;")):
         text = pages[name].read_text(encoding="utf-8")
         lines = dict(re.findall(r"<dt>(\w+)</dt><dd>(.*?)</dd>", text))
@@ -154,7 +154,7 @@ def test_simulator_operator_date_and_signature_have_their_lines(pages):
 
 
 @pytest.mark.parametrize("edition", ["cs-fstd-a", "icao-9625", "part60-a-2016"])
-def test_rows_that_nobody_has_checked_are_named_on_the_page_and_under_each_sheet(tmp_path, edition):
+def test_unverified_rows_are_named_on_page_and_each_sheet(tmp_path, edition):
     frequency, damping = 2.0, 0.2
     records = {"release-25-positive": released(damping, frequency, 200, way=0.1, name="mine")}
     setup = ff.qualification.QualificationSetup(rule=edition, records=records, references=records, tests=tuple(records))
@@ -175,7 +175,7 @@ def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
     assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
 
 
-def test_every_test_has_its_plot_and_its_table(pages, made):
+def test_every_test_has_a_plot_and_a_table(pages, made):
     text = pages["compare"].read_text(encoding="utf-8")
     drawn = set(re.findall(r'<div id="plot-([\w-]+)"', text))
     assert drawn == {f"{law}-{key}" for law in SECTIONS["compare"] for key in COMPARED}
@@ -183,7 +183,7 @@ def test_every_test_has_its_plot_and_its_table(pages, made):
     assert text.count('<article class="test"') == tests
 
 
-def test_the_page_says_which_laws_qualify_and_why_the_others_do_not(pages):
+def test_page_states_qualifying_laws_and_reasons_against_others(pages):
     told = {name: _told(path) for name, path in pages.items()}
     assert (
         "By 14 CFR Part 60, Appendix A (2014) none of 3 laws qualifies (asked for: static, release-25-positive, "
@@ -199,7 +199,7 @@ def test_the_page_says_which_laws_qualify_and_why_the_others_do_not(pages):
     assert "incomplete 1 of 9 tests passed, 8 not evaluated." in told["recorded"]
 
 
-def test_rule_conditions_versions_and_day_are_there(pages, made):
+def test_page_states_rule_conditions_versions_and_date(pages, made):
     told = _told(pages["compare"])
     assert "14 CFR Part 60, Appendix A, edition 2014, aeroplane" in told
     assert "take-off" in told
@@ -215,13 +215,13 @@ def test_names_are_text_not_markup(made, tmp_path):
     assert "a &amp; b &lt; c" in text
 
 
-def test_the_same_qualification_gives_the_same_bytes(made, tmp_path):
+def test_equal_qualifications_give_equal_bytes(made, tmp_path):
     first, second = (ff.qualification.write_qualification(made["friction"], tmp_path / name) for name in "ab")
     for name in ("qualification.html", "results.json"):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
 
 
-def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
+def test_failed_write_leaves_folder_unchanged(made, tmp_path, monkeypatch):
     out = ff.qualification.write_qualification(made["unstable"], tmp_path).parent
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     write_text = Path.write_text
@@ -238,13 +238,13 @@ def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["qualification.html", "results.json", "qualification.pdf"])
-def test_a_folder_where_a_file_goes(tmp_path, name):
+def test_folder_in_place_of_file_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
         qualification_folder.FOLDER.check(tmp_path)
 
 
-def test_a_chromium_that_prints_nothing(made, tmp_path, monkeypatch):
+def test_chromium_without_pdf_output_raises_input_error(made, tmp_path, monkeypatch):
     dumb = tmp_path / "browser"
     dumb.write_text("#!/bin/sh\necho cannot print >&2\nexit 3\n", encoding="utf-8")
     dumb.chmod(0o755)
@@ -263,7 +263,7 @@ MARK_S = 1 / RATE  # times are drawn from the release, which is found within a s
 
 
 @pytest.mark.parametrize("case", DAMPED)
-def test_a_release_shows_where_what_is_judged_lies(case):
+def test_release_plot_marks_judged_features(case):
     """Arrow heads and circles beside the closed form of a column of second order."""
     damping, overdamped = DAMPED[case]
     hertz, way, held = 2.0, 0.1, 0.5037
@@ -326,14 +326,14 @@ def test_every_curve_is_drawn(page):
 
 
 @pytest.mark.browser
-def test_the_plots_show_their_words_whole(page):
+def test_plot_text_is_not_clipped(page):
     """Titles, legend and ticks lie inside their plot; the legend lies above the curves."""
     selector = ".legendtext, .annotation-text, [class*=title] text, [class*=tick] text"
     assert words_cut(page, selector, ROUNDING_PX) == []
 
 
 @pytest.mark.browser
-def test_no_heading_is_left_alone_at_the_foot_of_a_sheet(page):
+def test_heading_is_not_separated_from_its_text_in_print(page):
     """Each stands in a block that is not broken, with what follows it, and that fits on a sheet of A4 within its margins."""
     page.emulate_media(media="print")
     loose = page.evaluate(

@@ -39,7 +39,7 @@ def _passed(keys):
     return dict.fromkeys(keys, Outcome.PASSED)
 
 
-def test_every_set_of_records_is_complete_exactly_where_the_rule_is_met():
+def test_record_set_is_complete_exactly_when_rule_is_met():
     keys = sorted(STATIC | SURFACE | SMALL | UP | DOWN | SWEEPS)
     sets = [set(some) for size in range(len(keys) + 1) for some in combinations(keys, size)]
     assert len(sets) == 2**9
@@ -54,20 +54,20 @@ def test_every_set_of_records_is_complete_exactly_where_the_rule_is_met():
 
 
 @pytest.mark.parametrize("other", [Outcome.PASSED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED])
-def test_one_failure_does_not_qualify_whatever_the_others_came_to(other):
+def test_single_failure_does_not_qualify(other):
     keys = STATIC | SURFACE | SMALL | UP | DOWN | SWEEPS
     outcomes = dict.fromkeys(keys, other) | {"fast": Outcome.FAILED}
     assert _section(outcomes).status is QualificationStatus.DOES_NOT_QUALIFY
 
 
-def test_a_test_that_is_too_close_to_call_leaves_it_incomplete_and_is_named():
+def test_too_close_test_leaves_qualification_incomplete_and_named():
     keys = STATIC | SURFACE | SMALL | UP | DOWN
     section = _section(_passed(keys) | {"release-50-negative": Outcome.TOO_CLOSE})
     assert section.status is QualificationStatus.INCOMPLETE
     assert [[trial.key for trial in one] for one in section.missing] == [["release-50-negative"]]
 
 
-def test_surface_and_body_are_outside_the_programme_of_a_simulated_loader_alone():
+def test_simulated_loader_program_excludes_surface_and_body():
     loader, simulator = (rule_plan(RULE, "pitch", recorded=recorded) for recorded in (False, True))
     assert {trial.key for trial in loader.outside} == SURFACE | SMALL | TRIM
     assert {trial.key for trial in simulator.outside} == TRIM
@@ -78,7 +78,7 @@ def test_surface_and_body_are_outside_the_programme_of_a_simulated_loader_alone(
     assert _section(_passed(STATIC | UP | DOWN | SWEEPS)).status is QualificationStatus.INCOMPLETE
 
 
-def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
+def test_only_named_tests_run_and_others_stay_missing():
     section = _section(_passed(STATIC), named=("static",))
     assert [result.trial.key for result in section.results] == ["static"]
     assert section.fulfilled
@@ -104,7 +104,7 @@ def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
         ),
     ],
 )
-def test_a_name_that_cannot_be_made(named, said):
+def test_unavailable_test_name_is_refused(named, said):
     with pytest.raises(InputError, match=said):
         rule_plan(RULE, "pitch", recorded=False, named=named)
 
@@ -116,7 +116,7 @@ def test_a_name_that_cannot_be_made(named, said):
         *product(("part60-a-2014", "part60-a-2016"), ("pitch", "roll", "yaw", "nosewheel", "brake")),
     ],
 )
-def test_no_test_of_an_axis_is_left_out_of_the_programme(edition, axis):
+def test_program_contains_every_test_of_axis(edition, axis):
     rules = load_rules(edition)
     planned = rule_plan(rules, axis, recorded=False)
     numbers = {trial.test.number for trial in (*planned.trials, *planned.outside)}
@@ -138,7 +138,7 @@ def test_freeplay_of_a_helicopter_is_measured_at_the_grip():
         assert figure.value == pytest.approx(arm * 2 * math.radians(1), rel=0.2)  # of the right size: no factor is lost
 
 
-def test_sentences_use_the_words_as_they_are_meant():
+def test_conclusions_use_status_words():
     said = {}
     for name, outcomes in {
         "qualifies": _passed(STATIC | SURFACE | SMALL | UP | DOWN),

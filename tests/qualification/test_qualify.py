@@ -73,7 +73,7 @@ def elevator():
     return qualify_loader(ff.elevator(), QualificationSetup(laws=("original", "published", "converged")))
 
 
-def test_the_programme_is_that_of_the_rule():
+def test_test_program_matches_rule():
     planned = trials(load_rules("part60-a-2014"), "pitch")
     assert [trial.key for trial in planned] == [
         "static",
@@ -92,7 +92,7 @@ def test_the_programme_is_that_of_the_rule():
 
 
 @pytest.mark.parametrize("law", ["original", "published", "converged"])
-def test_periods_are_those_of_the_linear_loop(elevator, law):
+def test_periods_match_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
     loader = ff.elevator()
     loop = compliant_model(loader, named_laws(loader, [law])[law].fixed)
@@ -121,7 +121,7 @@ def test_periods_are_those_of_the_linear_loop(elevator, law):
         assert outcome[name] is (Outcome.PASSED if good else Outcome.FAILED)
 
 
-def test_the_elevator_does_not_qualify_and_why(elevator):
+def test_elevator_does_not_qualify_with_reasons(elevator):
     told = {section.name: _by(section.results) for section in elevator.sections}
     assert not elevator.qualifies
     assert all(section.status is QualificationStatus.DOES_NOT_QUALIFY for section in elevator.sections)
@@ -149,7 +149,7 @@ def test_the_reference_of_a_sweep_is_the_programmed_spring(elevator):
     assert swept.stops[1] == pytest.approx(0.97 * THROW, rel=10 * ROUNDING)
 
 
-def test_a_nonlinear_feel_is_judged_too():
+def test_nonlinear_feel_is_judged():
     loader = ff.elevator().replace({"feel.breakout": "3 lb", "feel.coulomb_friction": "1 lb"})
     found = qualify_loader(loader)
     outcomes = {result.trial.key: result.outcome for result in found.sections[0].results}
@@ -169,7 +169,7 @@ def test_a_digital_controller_of_any_period_is_judged(period):
 # Throw.
 
 
-def test_the_throw_is_that_of_the_stops():
+def test_throw_equals_stops():
     loader = ff.elevator()
     assert Throw.of(loader).source.startswith("assumed")
     feel = loader.replace({"feel.hard_stop_low": "-12 deg", "feel.hard_stop_high": "16 deg"})
@@ -185,7 +185,7 @@ def test_the_throw_is_that_of_the_stops():
 
 
 @pytest.mark.parametrize("bad", [0.0, -0.1, math.nan, 3.0])
-def test_a_bad_throw(bad):
+def test_invalid_throw_is_refused(bad):
     with pytest.raises(InputError, match="throw: expected"):
         Throw.of(ff.elevator(), bad)
 
@@ -216,7 +216,7 @@ def _ideal_records():
     return records
 
 
-def test_a_recording_of_the_ideal_response_passes_all_that_a_loader_is_about():
+def test_ideal_response_recording_passes_all_loader_tests():
     found = qualify_loader(ff.elevator(), QualificationSetup(records=_ideal_records()))
     outcomes = {result.trial.key: result.outcome for result in found.sections[0].results}
     assert {key for key, outcome in outcomes.items() if outcome is not Outcome.PASSED} == {"surface", "small-inputs"}
@@ -225,7 +225,7 @@ def test_a_recording_of_the_ideal_response_passes_all_that_a_loader_is_about():
     assert "surface (both static sweeps require a column" in conclusions(found).verdict
 
 
-def test_a_simulator_recorded_in_everything_qualifies_against_its_aircraft_and_not_without_a_part():
+def test_complete_recording_qualifies_and_incomplete_does_not():
     """Each record is its own reference. One release each way will do, and the alternate sweeps need not be there."""
     loop, time = _ideal_records(), np.arange(0.0, 5.0, 0.02)
     whole = {key: loop[key] for key in ("release-25-positive", "release-50-negative")}
@@ -292,7 +292,7 @@ def test_a_recorded_aircraft_is_the_reference():
     assert found.reference == "recorded aircraft"
 
 
-def test_a_recorded_aircraft_that_was_swept_is_the_reference():
+def test_recorded_aircraft_sweep_is_reference():
     """The loader is swept to the aircraft's stops in its time, and moved by its force; the published gains hold the spring."""
     swept = {key: record for key, record in _ideal_records().items() if not key.startswith("release")}
     found = qualify_loader(ff.elevator(), QualificationSetup(laws=("published",), references=swept))
@@ -306,14 +306,14 @@ def test_a_recorded_aircraft_that_was_swept_is_the_reference():
     assert results["release-25-positive"].reason == "no reference"
 
 
-def test_sweeps_need_the_slow_one_too():
+def test_sweeps_require_slow_sweep():
     only = {"medium": _ideal_records()["medium"]}
     result = _by(qualify_loader(ff.elevator(), QualificationSetup(records=only)).sections[0].results)["medium"]
     assert result.outcome is Outcome.NOT_EVALUATED
     assert result.reason == "requires the slow sweep too: add a record for the test static"
 
 
-def test_a_release_from_too_little_is_remarked():
+def test_small_release_angle_gives_remark():
     frequency, damping = _feel(ff.elevator())
     record = _release(0.1 * THROW, frequency, damping)
     found = qualify_loader(ff.elevator(), QualificationSetup(records={"release-25-positive": record}))
@@ -324,7 +324,7 @@ def test_a_release_from_too_little_is_remarked():
 # What is wrong.
 
 
-def test_an_unstable_loop_has_failed_and_says_when():
+def test_unstable_loop_fails_and_states_time():
     loader = ff.elevator()
     soft = loader.replace(
         {key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")}, si=True
@@ -336,7 +336,7 @@ def test_an_unstable_loop_has_failed_and_says_when():
     assert results["static"].outcome is Outcome.FAILED
 
 
-def test_a_column_that_friction_holds_has_failed():
+def test_column_held_by_friction_fails():
     found = qualify_loader(
         ff.elevator().replace({"column.coulomb_friction": "80 lb", "column.static_friction": "80 lb"})
     )
@@ -359,13 +359,13 @@ def _bad(change):
         (lambda t, x: (t, np.full_like(x, 0.1)), "simulator: has no release"),
     ],
 )
-def test_a_record_that_cannot_be_measured_is_named_with_its_time(change, said):
+def test_unmeasurable_record_error_gives_name_and_time(change, said):
     record = Record(*_bad(change), name="simulator")
     with pytest.raises(InputError, match=said):
         qualify_loader(ff.elevator(), QualificationSetup(records={"release-25-positive": record}))
 
 
-def test_a_record_that_ends_while_its_reference_moves():
+def test_record_ending_before_reference_rests_is_refused():
     frequency, damping = _feel(ff.elevator())
     long = {"release-25-positive": _release(ANGLE, frequency / 6, damping, seconds=20.0, name="aircraft")}
     short = {"release-25-positive": _release(ANGLE, 4 * frequency, damping, seconds=1.0)}
@@ -373,7 +373,7 @@ def test_a_record_that_ends_while_its_reference_moves():
         qualify_loader(ff.elevator(), QualificationSetup(records=short, references=long))
 
 
-def test_records_of_unknown_tests_and_bad_setups():
+def test_unknown_tests_and_bad_setups_are_refused():
     with pytest.raises(InputError, match="records: unknown test 'wheel'; expected some of static"):
         qualify_loader(ff.elevator(), QualificationSetup(records={"wheel": _ideal_records()["static"]}))
     with pytest.raises(InputError, match="laws: expected different ones"):
@@ -384,7 +384,7 @@ def test_records_of_unknown_tests_and_bad_setups():
         qualify_loader(ff.elevator(), QualificationSetup(rule="part60-z"))
 
 
-def test_the_arm_is_left_out():
+def test_pilot_arm_is_excluded():
     loader = ff.elevator().replace(
         {"pilot.arm_mass": 3.0, "pilot.arm_damping": 40.0, "pilot.arm_stiffness": 1000.0}, si=True
     )

@@ -126,7 +126,7 @@ def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
     assert {key: value for key, value in found.items() if key != "page"} == kept
 
 
-def test_an_unverified_rule_says_so(run):
+def test_unverified_rule_is_stated(run):
     test = ("--test", "release-25-positive")
     found = json.loads(run("--rule", "cs-fstd-a", "--law", "published", *test, "--json")[1])
     assert not found["rule"]["verified"]
@@ -134,7 +134,7 @@ def test_an_unverified_rule_says_so(run):
     assert any("Not verified against the document: test" in line for line in found["conclusions"]["findings"])
 
 
-def test_one_release_alone_is_incomplete_unless_it_is_all_that_is_asked_for(run, tmp_path):
+def test_single_release_is_incomplete_unless_only_test_requested(run, tmp_path):
     _csv(tmp_path / "one.csv", *_free())
     status, out, err = run("--record", "one.csv", "--json")  # the test is told from what is in the file
     found = json.loads(out)
@@ -201,7 +201,7 @@ def test_a_folder_of_files_named_after_tests(run, tmp_path):
     }
 
 
-def test_sweeps_are_told_apart_by_what_is_in_them(run, tmp_path):
+def test_sweeps_are_identified_by_content(run, tmp_path):
     loader = ff.elevator()
     per_degree = math.radians(loader["feel.stiffness"] / loader["column.grip_arm"])  # N for a degree
     for name, lasts in (("a", 98.0), ("b", 10.0), ("c", 4.0)):
@@ -241,7 +241,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", [*BAD, "unit.csv", "missing.csv"])
-def test_a_bad_record_is_named_with_its_time_and_nothing_is_written(run, tmp_path, name):
+def test_bad_record_error_gives_time_and_writes_nothing(run, tmp_path, name):
     if name == "unit.csv":
         _csv(tmp_path / name, *_free(), head="time (s),position (parsec)")
         said = "unit.csv: line 1: position: unknown unit 'parsec'"
@@ -279,7 +279,7 @@ def test_the_history_of_a_simulated_release_is_a_record(run, tmp_path, monkeypat
     assert first["measured"]["value"] == pytest.approx(PUBLISHED_P0_S, abs=FIVE_DIGITS_S)
 
 
-def test_files_with_names_and_units_of_their_own(run, tmp_path):
+def test_files_with_custom_names_and_units_are_read(run, tmp_path):
     """As ``identify`` has it: for all files, or for one by its stem."""
     time, angle = _free()
     _csv(tmp_path / "sim.csv", 1000 * time, np.radians(angle), head="# of the simulator\nt,theta")
@@ -312,7 +312,7 @@ def test_files_with_names_and_units_of_their_own(run, tmp_path):
         assert said in err
 
 
-def test_a_time_in_another_unit_than_is_said(run, tmp_path):
+def test_time_in_wrong_unit_raises_input_error(run, tmp_path):
     time, angle = _free()
     _csv(tmp_path / "one.csv", 1e-3 * time, angle, head="time (s),position (deg)")
     status, _, err = run("--record", "one.csv")
@@ -351,7 +351,7 @@ def test_bad_input_is_refused_in_a_line(run, tmp_path, words, said):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_two_files_of_one_test(run, tmp_path):
+def test_two_files_for_same_test_are_refused(run, tmp_path):
     for name in ("a.csv", "b.csv"):
         _csv(tmp_path / name, *_free())
     status, _, err = run("--record", "a.csv", "--record", "b.csv")
@@ -367,7 +367,7 @@ def test_a_pdf_without_a_chromium_is_refused_before_the_work(run, tmp_path, monk
     assert list(tmp_path.iterdir()) == []
 
 
-def test_output_folder_that_is_a_file(run, tmp_path):
+def test_file_as_output_folder_is_refused(run, tmp_path):
     (tmp_path / "out").write_text("mine", encoding="utf-8")
     status, _, err = run("--out", "out")
     assert status == 2

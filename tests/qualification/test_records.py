@@ -35,7 +35,7 @@ WRITERS = {"csv": write_csv, "parquet": write_parquet}
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_columns_come_with_their_units(tmp_path, kind):
+def test_columns_are_converted_from_their_units(tmp_path, kind):
     columns = {
         "time (ms)": 1000 * T,
         "position [deg]": X,
@@ -61,7 +61,7 @@ def test_a_position_may_be_a_length(tmp_path, kind):
     assert record.position == pytest.approx(0.0254 * X)
 
 
-def test_a_release_from_a_file_is_measured_as_it_is(tmp_path):
+def test_release_from_file_equals_release_from_arrays(tmp_path):
     record = released(0.2, 2.0, 100)
     columns = {"time (s)": record.time_s, "position (deg)": np.degrees(record.position)}
     for kind, write in WRITERS.items():
@@ -90,7 +90,7 @@ def test_a_release_from_a_file_is_measured_as_it_is(tmp_path):
         ({"time (s)": T[:1], "position (deg)": X[:1]}, "expected two rows of numbers at least, got 1"),
     ],
 )
-def test_a_bad_file_is_refused_with_its_place(tmp_path, kind, columns, message):
+def test_bad_file_error_gives_location(tmp_path, kind, columns, message):
     path = WRITERS[kind](tmp_path / f"bad.{kind}", columns)
     with pytest.raises(InputError, match=message) as caught:
         read_record(path)
@@ -105,7 +105,7 @@ def test_the_row_at_fault_is_named(tmp_path):
         read_record(write_parquet(tmp_path / "bad.parquet", columns))
 
 
-def test_what_is_no_table_is_refused(tmp_path):
+def test_non_table_file_raises_input_error(tmp_path):
     (tmp_path / "text.parquet").write_text("time (s)", encoding="utf-8")
     with pytest.raises(InputError, match=r"text\.parquet: cannot be read as Parquet"):
         read_record(tmp_path / "text.parquet")
@@ -122,7 +122,7 @@ def test_what_is_no_table_is_refused(tmp_path):
         read_record(words)
 
 
-def test_a_missing_sample_in_parquet_is_no_number(tmp_path):
+def test_missing_parquet_sample_is_nan(tmp_path):
     table = pyarrow.table({"time (s)": T, "position (deg)": pyarrow.array([None, *X[1:]], pyarrow.float64())})
     parquet.write_table(table, tmp_path / "hole.parquet")
     with pytest.raises(InputError, match=r"hole\.parquet: row 1: expected finite numbers, got 0 s and nan rad"):
@@ -144,7 +144,7 @@ def test_a_missing_sample_in_parquet_is_no_number(tmp_path):
         ({"position": ["a"]}, "mine: expected position to be a row of numbers"),
     ],
 )
-def test_arrays_that_make_no_record_are_refused(arguments, message):
+def test_invalid_arrays_are_refused(arguments, message):
     with pytest.raises(InputError, match=message):
         Record(T, name="mine", **arguments)
 
@@ -160,7 +160,7 @@ def test_arrays_in_other_units():
         Record.of(T, X, time_unit="jiffy")
 
 
-def test_noise_and_steps_are_found():
+def test_noise_and_resolution_are_estimated():
     rng = np.random.default_rng(3)
     t = np.arange(20_000) / 1000
     noisy = Record(t, np.exp(-t) + 0.003 * rng.standard_normal(len(t)))

@@ -49,7 +49,7 @@ def figures(features):
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize(("zeta", "frequency"), UNDERDAMPED)
-def test_a_record_without_noise_is_met_well_within_the_tolerance(zeta, frequency, rate):
+def test_noiseless_record_is_measured_within_tolerance(zeta, frequency, rate):
     features = measure_release(released(zeta, frequency, rate))
     fall, cycles, sizes = exact(zeta, frequency)
     assert features.underdamped
@@ -66,7 +66,7 @@ def test_a_record_without_noise_is_met_well_within_the_tolerance(zeta, frequency
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize(("zeta", "frequency"), OVERDAMPED)
-def test_without_overshoot_the_way_back_is_timed(zeta, frequency, rate):
+def test_overdamped_release_has_fall_time(zeta, frequency, rate):
     features = measure_release(released(zeta, frequency, rate))
     assert not features.underdamped
     assert features.count_range == (0, 0)
@@ -80,7 +80,7 @@ def test_without_overshoot_the_way_back_is_timed(zeta, frequency, rate):
 
 @pytest.mark.parametrize("noise", [0.001, 0.01])
 @pytest.mark.parametrize("rate", [60, 1000])
-def test_the_stated_uncertainty_covers_what_noise_does(rate, noise):
+def test_stated_uncertainty_covers_noise_scatter(rate, noise):
     """Of repetitions, about 95 % lie within two standard uncertainties, and these are not many times too wide."""
     _, cycles, sizes = exact(0.2, 2.0)
     off, stated = [], []
@@ -96,7 +96,7 @@ def test_the_stated_uncertainty_covers_what_noise_does(rate, noise):
     assert np.all(np.median(stated, axis=0) < 3 * np.std(off, axis=0))
 
 
-def test_steps_of_the_sensor_are_found_and_carried():
+def test_sensor_resolution_enters_uncertainty():
     record = released(0.2, 2.0, 200)
     step = 0.002
     stepped = Record(record.time_s, np.round(record.position / step) * step)
@@ -110,7 +110,7 @@ def test_steps_of_the_sensor_are_found_and_carried():
         assert figure.uncertainty > 0
 
 
-def test_samples_at_irregular_times():
+def test_irregular_samples_are_measured():
     rng = np.random.default_rng(5)
     t = np.cumsum(rng.uniform(0.004, 0.016, 1200))
     features = measure_release(Record(t, 0.2 * second_order(0.2, 2.0, t - 0.5)))
@@ -119,7 +119,7 @@ def test_samples_at_irregular_times():
     assert [size.value / 0.2 for size in features.overshoots[:4]] == pytest.approx(sizes[:4], abs=UNEVEN)
 
 
-def test_an_overshoot_at_the_edge_of_the_band_counts_by_its_size():
+def test_overshoot_near_band_edge_counts_by_size():
     """4.9 % and 5.1 %: damping ratios from A1 = exp(-pi z / sqrt(1 - z^2))."""
     for size, count in ((0.049, 0), (0.051, 1)):
         log = math.log(size)
@@ -136,7 +136,7 @@ def test_an_overshoot_at_the_edge_of_the_band_counts_by_its_size():
     offset=st.floats(-2, 2),
     shift=st.floats(-50, 50),
 )
-def test_neither_scale_nor_offset_nor_side_nor_time_of_day_matter(scale, mirror, offset, shift):
+def test_features_are_independent_of_scale_offset_side_and_time(scale, mirror, offset, shift):
     record = released(0.2, 2.0, 100)
     moved = Record(record.time_s + shift, mirror * scale * record.position + offset)
     one, other = measure_release(record), measure_release(moved)
@@ -147,7 +147,7 @@ def test_neither_scale_nor_offset_nor_side_nor_time_of_day_matter(scale, mirror,
     assert [it.value for it in other.overshoots[:4]] == pytest.approx(sizes, rel=MOVED)
 
 
-def test_a_batch_is_measured_as_one_is():
+def test_batch_measurement_equals_single_measurement():
     t = np.arange(0, lasts(0.1, 2.0), 1 / 200)
     settings = [(0.1, 2.0), (0.2, 2.0), (0.6, 3.0), (1.0, 2.0), (1.5, 2.0)]
     runs = np.stack([-0.1 + 0.3 * second_order(zeta, frequency, t) for zeta, frequency in settings])
@@ -169,7 +169,7 @@ def test_a_batch_is_measured_as_one_is():
         assert batch.cycles_s[k, :kept] == pytest.approx(cycles[:kept], rel=EVEN)
 
 
-def test_a_run_without_numbers_or_rest_is_said_to_be_so():
+def test_runs_with_nan_or_without_rest_are_marked_unmeasured():
     t = np.arange(0, 20, 1 / 100)
     runs = np.tile(second_order(0.2, 2.0, t), (5, 1))
     runs[1, 700] = np.nan
@@ -193,7 +193,7 @@ def test_a_run_without_numbers_or_rest_is_said_to_be_so():
         (np.zeros(30), np.zeros((2, 30)), {}, "time_s: expected rising numbers"),
     ],
 )
-def test_a_batch_that_cannot_be_is_refused(time, runs, options, message):
+def test_invalid_batch_is_refused(time, runs, options, message):
     with pytest.raises(InputError, match=message):
         measure_releases(time, runs, **options)
 
@@ -229,7 +229,7 @@ def cut(record, end_s):
         ),
     ],
 )
-def test_a_record_that_says_too_little_is_refused(record, message):
+def test_insufficient_record_raises_input_error(record, message):
     with pytest.raises(InputError, match=message):
         measure_release(record)
 
@@ -246,7 +246,7 @@ def test_a_clipped_record_is_refused_with_the_time():
 
 @pytest.mark.parametrize("end", np.linspace(0.56, 1.6, 14))
 @pytest.mark.parametrize("zeta", [0.1, 0.2, 0.4])
-def test_no_record_that_ends_while_it_swings_passes_for_one_at_rest(zeta, end):
+def test_record_truncated_while_moving_is_not_at_rest(zeta, end):
     """Wherever it is cut: the figures of a record that is taken are those of the whole."""
     whole = released(zeta, 2.0, 200)
     try:

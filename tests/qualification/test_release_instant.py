@@ -61,7 +61,7 @@ def within(measured, reference, step, time_share, size):
 
 
 @pytest.mark.parametrize(("name", "law", "noisy"), LAWS)
-def test_a_simulated_release_is_where_it_was_let_go(name, law, noisy):
+def test_simulated_release_is_detected_at_its_instant(name, law, noisy):
     _, record = released(name, law, noisy)
     found = measure_release(record, settle_check=False)
     assert found.release_s.value == HELD_S
@@ -70,7 +70,7 @@ def test_a_simulated_release_is_where_it_was_let_go(name, law, noisy):
 
 @pytest.mark.parametrize("rate", [1000, 100, 60])
 @pytest.mark.parametrize(("name", "law", "noisy"), LAWS)
-def test_a_recorded_release_is_found_within_a_sample(name, law, noisy, rate):
+def test_recorded_release_is_detected_within_one_sample(name, law, noisy, rate):
     """Of a record alone, at other instants than the loader's own."""
     loader, record = released(name, law, noisy)
     for phase in (0.0, 0.3, 0.7):
@@ -88,7 +88,7 @@ def test_a_recorded_release_is_found_within_a_sample(name, law, noisy, rate):
 
 @pytest.mark.parametrize("damping", [None, OVERDAMPED["feel.damping"]])
 @pytest.mark.parametrize(("name", "law", "noisy"), LAWS)
-def test_a_release_that_passes_overlays_its_reference(name, law, noisy, damping):
+def test_passing_release_overlays_reference(name, law, noisy, damping):
     loader, record = released(name, law, noisy, damping)
     time = record.time_s
     exact = programmed(loader, time - HELD_S)

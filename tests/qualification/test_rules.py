@@ -27,7 +27,7 @@ STATIC = {
 
 
 @pytest.mark.parametrize("number", STATIC)
-def test_static_rows_stand_as_printed(number):
+def test_static_rows_match_printed_rule(number):
     test = load_rules("part60-a-2014").test(number)
     breakout, force, surfaces = STATIC[number]
     assert test.verified
@@ -40,7 +40,7 @@ def test_static_rows_stand_as_printed(number):
 
 
 @pytest.mark.parametrize("number", ["2.b.1", "2.b.2", "2.b.3"])
-def test_dynamic_rows_stand_as_printed(number):
+def test_dynamic_rows_match_printed_rule(number):
     test = load_rules("part60-a-2014").test(number)
     assert test.verified
     shares = {
@@ -55,7 +55,7 @@ def test_dynamic_rows_stand_as_printed(number):
     assert math.isinf(float(test.tolerance("first overshoot").limit(1.0)))
 
 
-def test_other_rows_of_2014_stand_as_printed():
+def test_other_rows_of_2014_match_printed_rule():
     rules = load_rules("part60-a-2014")
     increment = rules.of("dynamic sweep", "pitch").tolerance("dynamic increment")
     assert (increment.relative, increment.absolute.lb, increment.absolute.dan) == (0.1, 2.0, 0.9)
@@ -67,7 +67,7 @@ def test_other_rows_of_2014_stand_as_printed():
 
 
 @pytest.mark.parametrize("edition", ["part60-c-2014", "part60-d-2014"])
-def test_helicopters(edition):
+def test_helicopter_rows_match_printed_rule(edition):
     rules = load_rules(edition)
     assert rules.category == "helicopter"
     release = rules.of("release", "pitch")
@@ -86,7 +86,7 @@ def test_helicopters(edition):
     assert float(freeplay.limit(0.0)) == pytest.approx(0.00254)
 
 
-def test_after_2016_is_the_paragraph_that_was_read_and_no_other_document():
+def test_edition_2016_matches_verified_paragraph_only():
     """Attachment 2, paragraph 4, of the 2019 print: 10 %, 10 (n + 1) %, 10 % of A1, no amount beside them."""
     release = load_rules("part60-a-2016").of("release", "roll")
     assert all(row.absolute is None or row.absolute.count == 1 for row in release.tolerances)
@@ -132,7 +132,7 @@ def test_newer_tables_are_not_verified(edition):
 
 
 @pytest.mark.parametrize("edition", editions())
-def test_every_row_says_where_it_is_from(edition):
+def test_every_row_states_its_source(edition):
     rules = load_rules(edition)
     assert rules.id == edition
     assert rules.verified is False  # the durations of the sweeps at least
@@ -143,7 +143,7 @@ def test_every_row_says_where_it_is_from(edition):
             assert "None" not in row.text(UnitSystem.SI)
 
 
-def test_words():
+def test_tolerance_text_of_rows():
     test = load_rules().test("2.a.1.a")
     assert test.tolerance("force").text(UnitSystem.US) == "10 % or 5 lb, whichever is larger"
     assert test.tolerance("force").text(UnitSystem.SI) == "10 % or 2.2 daN, whichever is larger"
@@ -170,7 +170,7 @@ def test_words():
         ({"quantity": "first overshoot", "required": True, "absolute": {"count": 1}}, "states a share or an amount"),
     ],
 )
-def test_a_row_that_breaks_a_law_is_refused(row, message):
+def test_invalid_row_is_refused(row, message):
     with pytest.raises(ValueError, match=message):
         Tolerance.model_validate(row)
 
@@ -195,7 +195,7 @@ tolerances = [{ quantity = "breakout", absolute = { lb = 2.0 } }]
 """
 
 
-def test_a_table_can_take_another_ones_rows():
+def test_table_can_inherit_rows_of_another_table():
     assert parse_rules(TABLE, "mine").tests == load_rules("part60-a-2014").tests
 
 
@@ -219,12 +219,12 @@ def test_a_table_can_take_another_ones_rows():
         ),
     ],
 )
-def test_a_table_that_breaks_a_law_is_refused(text, message):
+def test_invalid_table_is_refused(text, message):
     with pytest.raises(InputError, match=re.escape(message)):
         parse_rules(text, "mine")
 
 
-def test_what_is_not_there_is_said():
+def test_unknown_edition_or_test_raises_input_error():
     rules = load_rules(DEFAULT_EDITION)
     with pytest.raises(InputError, match=r"rule: expected one of cs-fstd-a, .* got 'part61'"):
         load_rules("part61")

@@ -94,7 +94,7 @@ def check(found, breakout, friction):
 
 
 @pytest.mark.parametrize("name", FEELS)
-def test_reference_reads_the_statics_of_its_feel(name):
+def test_reference_statics_match_feel(name):
     rows, breakout, friction = FEELS[name]
     curve = SOFTER if "curve" in name else None
     loader, found = reference(rows, curve=curve)
@@ -108,13 +108,13 @@ def test_reference_reads_the_statics_of_its_feel(name):
 
 @pytest.mark.parametrize("built_in", ["aileron-wheel", "rudder-pedals", "sidestick-pitch"])
 @pytest.mark.parametrize("name", ELECTRIC)
-def test_the_same_on_loaders_with_a_motor(name, built_in):
+def test_electric_reference_statics_match_feel(name, built_in):
     rows, breakout, friction = FEELS[name]
     _, found = reference(rows, built_in)
     check(found, breakout, friction)
 
 
-def test_preload_moves_breakout_from_one_side_to_the_other():
+def test_preload_shifts_breakout_between_sides():
     """It holds the control ``x = -P / (F_b / t_b + k)`` off, from where the line beyond the knee is laid back."""
     loader, found = reference({"preload": "1 lb", "breakout": "3 lb"})
     spring = loader["feel.stiffness"] / loader["column.grip_arm"] / LB * DEG
@@ -127,7 +127,7 @@ def test_preload_moves_breakout_from_one_side_to_the_other():
 @pytest.mark.parametrize(
     ("rows", "expected_deg"), [({"deadband": "0.5 deg"}, 1.0), ({"deadband": "2 deg"}, 4.0), ({}, 0.0)]
 )
-def test_a_deadband_is_freeplay(rows, expected_deg):
+def test_deadband_is_measured_as_freeplay(rows, expected_deg):
     _, found = reference(rows)
     assert found.freeplay.value / DEG == pytest.approx(expected_deg, abs=NEAR_DEG)
 
@@ -168,7 +168,7 @@ def moved_by_hand(breakout=0.0, friction=0.0, deadband=0.0, *, noise_lb=0.0, noi
     ("breakout", "friction", "deadband"),
     [(0.0, 0.0, 0.0), (0.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0), (0.0, 1.0, 0.5), (3.0, 0.0, 0.5)],
 )
-def test_measured_records_too(breakout, friction, deadband, noise_lb, noise_deg, step_deg, up):
+def test_statics_of_hand_moved_record_match_feel(breakout, friction, deadband, noise_lb, noise_deg, step_deg, up):
     record = moved_by_hand(
         breakout, friction, deadband, noise_lb=noise_lb, noise_deg=noise_deg, step_deg=step_deg, up=up
     )

@@ -34,7 +34,7 @@ def figure(quantity, zeta, frequency_hz):
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
-def test_releases_at_two_rates(noise):
+def test_releases_at_two_rates_are_judged(noise):
     test, judged = RULES.of("release", "pitch"), 0
     for feel, change, (mine, theirs) in itertools.product(FEELS, CHANGES, RATES):
         other = feel[0] * change[0], feel[1] * change[1]
@@ -56,7 +56,7 @@ def test_releases_at_two_rates(noise):
 
 @pytest.mark.parametrize(("share", "expected"), [(1.09, Outcome.PASSED), (1.11, Outcome.FAILED)])
 @pytest.mark.parametrize("rates", RATES)
-def test_static_sweeps_at_two_rates(share, expected, rates):
+def test_static_sweeps_at_two_rates_are_judged(share, expected, rates):
     """F = k x: 10 % of itself, from where that is more than 5 lb."""
     stiff = {"stiffness": 4000.0, "breakout": 0.0, "friction": 0.0}
     mine = measure_sweep(swept(**{**stiff, "stiffness": share * 4000.0}, rate=rates[0], name="simulator"))
@@ -70,7 +70,7 @@ def test_static_sweeps_at_two_rates(share, expected, rates):
 
 @pytest.mark.parametrize("rates", RATES)
 @pytest.mark.parametrize(("share", "expected"), [(1.199, Outcome.PASSED), (1.201, Outcome.FAILED)])
-def test_body_rates_at_two_rates(share, expected, rates):
+def test_body_rates_at_two_rates_are_judged(share, expected, rates):
     """Straight lines between samples at 60 Hz cut off 1.2 % of a swing at 3 Hz, and with it the verdict."""
 
     def record(rate, gain, name):

@@ -275,7 +275,7 @@ def test_small_input_rows(edition, number, k, sign, expected):
         check(found, expected, test.verified, JUST[expected] * limit)
 
 
-def test_every_kind_of_row_is_among_those():
+def test_every_kind_of_row_is_tested():
     kinds = {test.kind for edition in editions() for test in load_rules(edition).tests}
     measured = {"release", "static", "freeplay", "dynamic sweep", "small inputs"}
     assert kinds == measured | {"pedal steering", "trim indicator", "trim rate"}  # the last three are judged by hand
@@ -315,7 +315,7 @@ def test_a_record_that_does_not_rest_is_not_evaluated():
     assert overall(found) == Outcome.NOT_EVALUATED
 
 
-def test_a_response_without_a_cycle_fails_where_the_reference_has_one():
+def test_response_without_cycle_fails_against_reference_with_cycle():
     """The reference swings, the record creeps: its first zero crossing is missing or far off, never passed."""
     test = load_rules().of("release", "pitch")
     found = {it.quantity: it for it in judge_release(CREEPS.features, SWINGS.features, test)}
@@ -327,7 +327,7 @@ def test_a_response_without_a_cycle_fails_where_the_reference_has_one():
     assert overall(found.values()) == Outcome.FAILED
 
 
-def test_surface_and_body_rate_that_nobody_recorded_are_not_evaluated():
+def test_unrecorded_surface_and_body_rate_are_not_evaluated():
     sweep = measure_sweep(swept())
     found = {it.quantity: it for it in judge_sweep(sweep, sweep, load_rules().test("2.a.1.a"))}
     assert found["elevator"].outcome == Outcome.NOT_EVALUATED
@@ -347,7 +347,7 @@ def test_curves_that_hardly_overlap_are_not_evaluated():
     assert "overlap over" in found["force, up"].reason
 
 
-def test_what_cannot_be_compared_is_refused():
+def test_incomparable_records_raise_input_error():
     rules = load_rules()
     left = measure_release(released(0.2, 2.0, 100, way=-0.2, name="left"))
     with pytest.raises(InputError, match=r"expected releases from the same side .* left at 0\.5\d* s from -0\.2 rad"):
@@ -385,7 +385,7 @@ def test_runs_that_cannot_be_measured_do_not_pass():
     assert np.isnan(found.margin[1:]).all()
 
 
-def test_a_cycle_that_may_be_off_by_itself_is_no_test():
+def test_cycles_with_100_percent_tolerance_are_not_compared():
     """The tolerance of Pn is 10 (n + 1) %: from P9 on nothing is compared, so a column that swings for long can pass."""
     test = load_rules().of("release", "pitch")
     swings = measure_release(released(0.03, 2.0, 200))
@@ -395,7 +395,7 @@ def test_a_cycle_that_may_be_off_by_itself_is_no_test():
     assert overall(found) == Outcome.PASSED
 
 
-def test_outcomes_of_several():
+def test_outcome_and_overall_outcome_of_figures():
     rule = load_rules().test("2.b.1").tolerance("P0")
     made = Row("1", rule, True)
     one = Figure(1.0, 0.01, "s")

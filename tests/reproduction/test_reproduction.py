@@ -50,7 +50,7 @@ def test_every_constant_of_the_appendix_is_in_the_parameter_table_and_the_compar
         ("c_3", 22.03, 0.005),
     ],
 )
-def test_known_figures(rows, item, value, tolerance):
+def test_known_figures_are_reproduced(rows, item, value, tolerance):
     assert rows[item].value == pytest.approx(value, abs=tolerance)
 
 
@@ -69,7 +69,7 @@ def test_agreement_is_to_the_printed_digits(printed_digits, value, agrees):
     assert (number("x", "y", printed_digits, value, "").verdict is Verdict.OPEN) is not agrees
 
 
-def test_a_reason_explains_only_what_it_predicts():
+def test_reason_explains_only_predicted_value():
     def judged(predicts):
         return number("x", "y", "15.22", 15.226, "cm^2", Reason("why", predicts)).verdict
 
@@ -77,5 +77,5 @@ def test_a_reason_explains_only_what_it_predicts():
     assert judged(15.4) is Verdict.OPEN
 
 
-def test_validation_page_is_what_the_program_prints(sections):
+def test_validation_page_matches_program_output(sections):
     assert markdown(sections) in VALIDATION.read_text(encoding="utf-8")

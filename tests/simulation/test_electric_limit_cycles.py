@@ -107,7 +107,7 @@ def cycle(loader, loop, signal):
 
 
 @pytest.mark.parametrize(("spring", "play_m"), [(1.3, PLAY_M), (1.6, PLAY_M), (1.9, PLAY_M), (1.6, PLAY_M / 4)])
-def test_backlash_cycles_as_its_describing_function_says(spring, play_m):
+def test_backlash_limit_cycle_matches_describing_function(spring, play_m):
     """A loop that is stable on the stiff link and not on a soft one settles at the stretch whose mean stiffness is between."""
     soft = bare(ELECTRIC).replace(
         {"motor.inertia": 0.03, "linkage.damping": 1.0, "transmission.backlash": play_m}, si=True
@@ -131,7 +131,7 @@ def test_backlash_cycles_as_its_describing_function_says(spring, play_m):
 
 
 @pytest.mark.parametrize("share", [0.9, 0.7, 0.5])
-def test_cogging_cycles_as_its_describing_function_says(share):
+def test_cogging_limit_cycle_matches_describing_function(share):
     """A loop that is softer at the slot's edge than the cogging is stiff swings until J_1 has taken it back."""
     changes = {"motor.inertia": 0.01, "motor.cogging_torque": COGGING_N_M, "linkage.damping": 2000.0}
     loader = bare(ELECTRIC).replace(changes, si=True)

@@ -81,7 +81,7 @@ def both(changes, law, duration_s, step_s):
 
 
 @pytest.mark.parametrize("effect", [name for name in EFFECTS if name not in {"stops", "nothing"}])
-def test_the_engine_agrees_with_its_witness(law, effect):
+def test_engine_matches_witness(law, effect):
     history, expected = both(EFFECTS[effect], law, 0.2, 1e-3)
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
     if effect == "limits":  # the back-EMF drives the current beyond its limit while the voltage is at its own
@@ -92,7 +92,7 @@ def test_the_engine_agrees_with_its_witness(law, effect):
         assert np.abs(warm - expected["winding"]).max() < WARMS * expected["winding"].max()
 
 
-def test_the_engine_agrees_with_its_witness_with_everything_on(law):
+def test_engine_matches_witness_with_all_effects(law):
     """In steps of 0.25 ms. Play that closes inside a step while the column bounces is of the first order in it: 1.5e-4 at 0.5."""
     history, expected = both(EVERYTHING, law, 0.4, 2.5e-4)
     angle = expected["column_angle_rad"]
@@ -101,7 +101,7 @@ def test_the_engine_agrees_with_its_witness_with_everything_on(law):
     assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < AGREES
 
 
-def test_the_engine_runs_a_law_that_knows_the_friction_as_its_witness_does():
+def test_engine_matches_witness_with_friction_compensating_law():
     changes = {"column.coulomb_friction": 5.0}
     law = ff.Law.of("robust", LOADER.replace(changes, si=True)).numbers
     assert law.knows_friction
@@ -109,7 +109,7 @@ def test_the_engine_runs_a_law_that_knows_the_friction_as_its_witness_does():
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
 
 
-def test_half_a_step_is_a_multiple_better(law):
+def test_half_step_reduces_error_by_multiple(law):
     errors = []
     for step_s in (5e-4, 2.5e-4):
         history, expected = both({}, law, 0.2, step_s)
@@ -142,7 +142,7 @@ def test_without_limits_the_current_is_a_first_order_lag_at_any_step(bandwidth_h
     assert run.history.motor_current_a.values == pytest.approx(1 - np.exp(-w * time), rel=EXACT, abs=EXACT)
 
 
-def test_a_light_rotor_on_a_damped_link_is_followed():
+def test_light_rotor_on_damped_link_is_independent_of_step():
     """Its fastest pole is at 6000 rad/s, beyond what steps of 0.5 ms can follow."""
     loader = bare(ELECTRIC)
     runs = [
@@ -154,7 +154,7 @@ def test_a_light_rotor_on_a_damped_link_is_followed():
     assert np.abs(coarse - fine).max() / TRAVEL < AGREES
 
 
-def test_the_linear_plant_has_the_poles_of_its_parts():
+def test_linear_plant_poles_match_its_parts():
     loader = bare(ELECTRIC)
     a, b, c, _ = _core.electric_plant(loader.si_values)
     row = loader.__getitem__
@@ -229,7 +229,7 @@ def test_energy_balance_closes(changes):
     assert fine < coarse / 3
 
 
-def test_energy_balance_closes_with_a_damped_link_that_meets_the_end_of_its_play():
+def test_energy_balance_closes_with_damped_link_at_play_end():
     """The damper's force comes in with a jump, which the step, and Simpson's rule here, know to the first order: finer steps."""
     loose = STUCK | LOOSE | {"linkage.damping": LOADER["linkage.damping"]}
     assert imbalance(loose, 1.25e-5) < CLOSES
@@ -250,7 +250,7 @@ def heated(current, changes):
     return loader, simulate(loader, scenario, deaf(loader)).history
 
 
-def test_a_held_current_warms_two_masses_as_the_closed_form():
+def test_constant_current_heating_matches_closed_form():
     loader, history = heated(3.0, {})
     row = loader.__getitem__
     power = row("winding.resistance") * 3.0**2  # of a brushed motor
@@ -265,7 +265,7 @@ def test_a_held_current_warms_two_masses_as_the_closed_form():
     assert np.abs(warm - expected).max() < WARMS * settled[0]
 
 
-def test_a_warm_winding_takes_current_back():
+def test_hot_winding_derates_current():
     changes = {"current_loop.current_limit": 8.0, "thermal.derating_from": 60.0, "thermal.winding_limit": 100.0}
     _, history = heated(8.0, changes)
     warm, current = history.winding_temperature_degc.values, history.motor_current_a.values

@@ -62,7 +62,7 @@ def held(loader, law, angle):
 
 @pytest.mark.parametrize("antiwindup", [0.0, 100.0])
 @pytest.mark.parametrize("limit", [14.5, 10.0])
-def test_a_release_from_beyond_the_motors_holding_torque_is_the_witness_s(limit, antiwindup):
+def test_release_beyond_holding_torque_matches_witness(limit, antiwindup):
     loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup}, si=True)
     law = ff.Law.of("robust", loader).numbers
     run = simulate(loader, Scenario(Release(ANGLE), 0.5, sample_s=loader["controller.period"]), law)
@@ -73,7 +73,7 @@ def test_a_release_from_beyond_the_motors_holding_torque_is_the_witness_s(limit,
 
 
 @pytest.mark.parametrize("limit", [14.5, 14.3, 10.0, 3.0])
-def test_a_release_beyond_the_holding_torque_comes_back(limit):
+def test_release_beyond_holding_torque_returns_to_neutral(limit):
     loader = LOADER.replace({"current_loop.current_limit": limit}, si=True)
     run = simulate(loader, Scenario(Release(ANGLE), 4.0), ff.Law.of("robust", loader).numbers)
     assert run.status is RunStatus.SETTLED
@@ -91,7 +91,7 @@ BEYOND = [
 
 @pytest.mark.parametrize("antiwindup", [0.0, 100.0])
 @pytest.mark.parametrize(("name", "share", "degrees"), BEYOND)
-def test_loaders_with_too_weak_a_motor_come_back(name, share, degrees, antiwindup):
+def test_release_with_weak_motor_returns_to_neutral(name, share, degrees, antiwindup):
     loader, law = at_setting(name, share, antiwindup=antiwindup)
     run = simulate(loader, Scenario(Release(math.radians(degrees)), 3.0), law)
     assert run.status is RunStatus.SETTLED
@@ -100,7 +100,7 @@ def test_loaders_with_too_weak_a_motor_come_back(name, share, degrees, antiwindu
 
 @pytest.mark.parametrize("antiwindup", [0.0, 3.0, 100.0, 1e4])
 @pytest.mark.parametrize(("name", "share", "degrees"), BEYOND)
-def test_held_at_the_limit_is_at_rest(name, share, degrees, antiwindup):
+def test_column_held_at_limit_is_at_rest(name, share, degrees, antiwindup):
     """Column and feel stay where they are as long as the hand holds on."""
     loader, law = at_setting(name, share, antiwindup=antiwindup)
     angle = math.radians(degrees)
@@ -116,7 +116,7 @@ def test_held_at_the_limit_is_at_rest(name, share, degrees, antiwindup):
 
 @pytest.mark.parametrize("antiwindup", [100.0, 1e3, 1e5])
 @pytest.mark.parametrize(("name", "share"), [("elevator-electric", 1 / 3), ("rudder-pedals", 0.3)])
-def test_no_antiwindup_is_too_quick_for_the_period(name, share, antiwindup):
+def test_fast_antiwindup_yields_no_more_than_excess_command(name, share, antiwindup):
     """A push beyond what the motor holds, against a stop: the feel gives way by no more than its command is beyond."""
     loader, law = at_setting(name, share, antiwindup=antiwindup)
     stops = {
@@ -151,12 +151,12 @@ def verdict(run):
     return ff.simulation.run_conclusions(run, UnitSystem.SI).verdict
 
 
-def test_settled_is_said_where_the_column_rests_where_its_feel_does():
+def test_verdict_is_settled_when_column_rests_at_feel_angle():
     law = ff.Law.of("robust", LOADER).numbers
     assert verdict(simulate(LOADER, Scenario(Release(ANGLE), 3.0), law)).startswith("Settled at ")
 
 
-def test_a_column_that_hangs_says_where_and_what_holds_it():
+def test_verdict_of_held_column_names_angle_and_cause():
     """Pushed on its stop by a force that the motor does not hold; one of 19 A holds it there, where its feel then stands too."""
     loader = ff.loader.electric("elevator-electric")
     strong = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
@@ -171,7 +171,7 @@ def test_a_column_that_hangs_says_where_and_what_holds_it():
     assert "with the current at its limit of 8 A" in text
 
 
-def test_dry_friction_that_the_motor_does_not_overcome_is_named():
+def test_verdict_names_dry_friction_beyond_motor_force():
     """A motor of 1 A against 60 N of friction at the grip."""
     loader = ff.loader.electric("elevator-electric").replace(
         {"column.coulomb_friction": 60.0, "current_loop.current_limit": 1.0}, si=True

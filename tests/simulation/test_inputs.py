@@ -131,7 +131,7 @@ def test_continuous_kinds_do_not_jump(kind):
 
 
 @pytest.mark.parametrize(**of_kind([kind for kind in KINDS if not isinstance(kind, Recorded)]))
-def test_a_shorter_run_is_the_beginning_of_a_longer_one(kind):
+def test_shorter_run_equals_start_of_longer_run(kind):
     short, long = kind.sample(0.7, H), kind.sample(1.9, H)
     for one, other in zip(short, long, strict=True):
         np.testing.assert_array_equal(one, other[:700])
@@ -150,14 +150,14 @@ def test_step_from_the_first_moment():
     np.testing.assert_array_equal(Step(2.0).sample(0.003, H), np.full((2, 3), 2.0))
 
 
-def test_pulse_and_its_area():
+def test_pulse_has_its_area():
     start, end = sampled = Pulse(0.1, 0.002, 0.003).sample(0.007, H)
     np.testing.assert_array_equal(start, [0, 0, 0.1, 0.1, 0.1, 0, 0])
     np.testing.assert_array_equal(end, start)
     assert area(sampled) == pytest.approx(0.1 * 0.003, rel=ROUNDING)
 
 
-def test_doublet_has_two_halves_and_no_mean():
+def test_doublet_has_two_halves_and_zero_mean():
     start, end = sampled = Doublet(0.1, 0.001, 0.002).sample(0.006, H)
     np.testing.assert_array_equal(start, [0, 0.1, 0.1, -0.1, -0.1, 0])
     np.testing.assert_array_equal(end, start)
@@ -168,7 +168,7 @@ STEPS = st.sampled_from([1e-3, 5e-4, 2.5e-4, 1e-4, 1 / 3000, 1 / 1024, 0.1, 0.01
 
 
 @given(STEPS, st.integers(0, 5000), st.integers(1, 5000), st.sampled_from(["product", "decimal", "quotient"]))
-def test_a_jump_on_the_grid_is_found_however_it_was_rounded(step_s, first, wide, how):
+def test_jump_on_grid_is_found_despite_rounding(step_s, first, wide, how):
     rounded = {
         "product": lambda k: k * step_s,
         "decimal": lambda k: float(f"{k * step_s:.12g}"),
@@ -205,7 +205,7 @@ def test_a_jump_within_a_step_is_refused_with_the_nearest_times(kind, name, at, 
 
 
 @pytest.mark.parametrize(("kind", "at"), [(jump[0], jump[2]) for jump in JUMPS])
-def test_a_jump_after_the_run_does_not_matter_nor_one_on_a_finer_grid(kind, at):
+def test_jump_after_run_or_on_finer_grid_is_accepted(kind, at):
     kind.sample(1.0, 1e-4)
     if float(at) > 0.02:
         assert np.isfinite(kind.sample(0.02, H)).all()
@@ -213,7 +213,7 @@ def test_a_jump_after_the_run_does_not_matter_nor_one_on_a_finer_grid(kind, at):
 
 @pytest.mark.parametrize("start_s", [0.0, 0.5])
 @pytest.mark.parametrize("width_s", [1e-30, 1e-17, 1e-12])
-def test_what_comes_and_goes_within_rounding_is_not_lost_in_silence(start_s, width_s):
+def test_input_shorter_than_rounding_raises_input_error(start_s, width_s):
     for kind in (Pulse(1.0, start_s, width_s), Doublet(1.0, start_s, width_s)):
         with pytest.raises(InputError, match=f"comes and goes within 1e-06 of a step at {start_s:g} s"):
             kind.sample(1.0, H)
@@ -224,7 +224,7 @@ def test_what_comes_and_goes_within_rounding_is_not_lost_in_silence(start_s, wid
 @pytest.mark.parametrize(
     "kind", [Pulse(1.0, 0.0, 1e308), Doublet(1.0, 0.0, 1e308), Doublet(1.0, 1e308, 1e308), StopToStop(1.0, 1e308)]
 )
-def test_what_lasts_for_ever_is_sampled(kind):
+def test_infinite_duration_is_sampled(kind):
     assert np.isfinite(kind.sample(0.01, H)).all()
 
 
@@ -232,7 +232,7 @@ def test_what_lasts_for_ever_is_sampled(kind):
 
 
 @pytest.mark.parametrize("duration_s", [1.0, 60.0])
-def test_sweep_goes_from_stop_to_stop_at_one_rate(duration_s):
+def test_sweep_moves_stop_to_stop_at_constant_rate(duration_s):
     force = at_steps(StopToStop(90.0, duration_s).sample(duration_s, H))
     t = grid(duration_s)
     triangle = 90 * 2 / np.pi * np.arcsin(np.sin(2 * np.pi * t / duration_s))
@@ -248,7 +248,7 @@ def test_sweep_goes_from_stop_to_stop_at_one_rate(duration_s):
     assert abs(force.sum()) < 90 * ROUNDING * len(t)
 
 
-def test_sweep_ends_in_zero_and_begins_the_other_way_if_negative():
+def test_negative_sweep_starts_in_negative_direction_and_ends_at_zero():
     sweep = StopToStop(-90.0, 1.0).sample(2.0, H)
     assert sweep.start[1] < 0
     assert not sweep.start[1000:].any()
@@ -262,7 +262,7 @@ def test_a_corner_within_a_step_is_cut_by_no_more_than_promised():
     assert 0 < 90 + force.min() <= promised * (1 + ROUNDING)
 
 
-def test_sweep_and_chirp_that_no_step_shows_are_refused():
+def test_sweep_and_chirp_too_fast_for_step_are_refused():
     with pytest.raises(
         InputError, match=r"^StopToStop: expected duration_s to be 4 steps of 0.001 s at least, got 0.0035 s; "
     ):
@@ -321,12 +321,12 @@ def test_chirp_crosses_zero_when_the_integral_of_the_frequency_is_whole(chirp):
 
 
 @pytest.mark.parametrize("chirp", CHIRPS[:-1])  # the last is where SciPy's formula cancels
-def test_chirp_agrees_with_scipys(chirp):
+def test_chirp_matches_scipy(chirp):
     expected = 5 * scipy.signal.chirp(grid(10.0), chirp.from_hz, 10.0, chirp.to_hz, chirp.spacing, phi=-90)
     np.testing.assert_allclose(at_steps(chirp.sample(10.0, H)), expected, atol=5 * PHASE_ROUNDING)
 
 
-def test_chirp_that_does_not_end_in_zero_jumps_there():
+def test_chirp_with_nonzero_end_jumps_to_zero():
     start, end = Chirp(5.0, 0.25, 0.25, 1.0).sample(2.0, 0.5)  # a quarter of a cycle
     np.testing.assert_allclose(start, [0, 5 * math.sqrt(0.5), 0, 0], rtol=ROUNDING)
     np.testing.assert_allclose(end, [5 * math.sqrt(0.5), 5, 0, 0], rtol=ROUNDING)
@@ -335,7 +335,7 @@ def test_chirp_that_does_not_end_in_zero_jumps_there():
 @pytest.mark.parametrize(
     "kind", [Chirp(1.0, 500.0, 1.0, 1.0), Chirp(1.0, 1.0, 500.0, 1.0), Multisine(1.0, (1.0, 500.0), 1.0)]
 )
-def test_a_frequency_that_the_steps_cannot_show_is_refused(kind):
+def test_frequency_too_high_for_step_is_refused(kind):
     message = (
         f"{type(kind).__name__}: has 500 Hz; a step of 0.001 s shows only what is below 500 Hz; take a smaller step"
     )
@@ -358,7 +358,7 @@ MULTISINES = [
 
 
 @pytest.mark.parametrize("multisine", MULTISINES)
-def test_multisine_has_its_lines_all_equal_and_no_others(multisine):
+def test_multisine_has_only_its_lines_with_equal_amplitude(multisine):
     force = multisine.sample(10.0, H).start
     spectrum = np.abs(np.fft.rfft(force)) * 2 / len(force)
     expected = np.zeros(len(spectrum))
@@ -367,7 +367,7 @@ def test_multisine_has_its_lines_all_equal_and_no_others(multisine):
 
 
 @pytest.mark.parametrize("multisine", MULTISINES)
-def test_multisine_reaches_its_peak_and_not_more(multisine):
+def test_multisine_reaches_and_does_not_exceed_peak(multisine):
     highest = round(10 * multisine.lines_hz[-1])
     force = at_steps(multisine.sample(10.0, 10.0 / (2000 * highest)))
     assert np.abs(force).max() == pytest.approx(4.0, rel=PEAK)
@@ -375,7 +375,7 @@ def test_multisine_reaches_its_peak_and_not_more(multisine):
 
 
 @given(st.sets(st.integers(1, 60), min_size=1, max_size=12), st.none() | st.integers(0, 2**32))
-def test_peak_of_any_lines_is_found(harmonics, seed):
+def test_peak_of_random_lines_is_found(harmonics, seed):
     multisine = Multisine(1.0, tuple(k / 8 for k in sorted(harmonics)), 8.0, seed)
     points = 2000 * max(harmonics)
     force = np.abs(at_steps(multisine.sample(8.0, 8.0 / points)))
@@ -393,7 +393,7 @@ def crest(multisine: Multisine) -> float:
     return multisine.force_n / (abs(multisine.amplitude_n) * math.sqrt(len(multisine.lines_hz) / 2))
 
 
-def test_schroeders_phases_are_his():
+def test_schroeder_phases_match_formula():
     # phi_i = phi_1 - 2 pi sum over l < i of (i - l) p_l, his equation (10), with equal powers p_l = 1 / N.
     count = len(LINES)
     expected = [-2 * math.pi * sum((i - line) / count for line in range(1, i)) for i in range(1, count + 1)]
@@ -403,7 +403,7 @@ def test_schroeders_phases_are_his():
 
 @pytest.mark.parametrize("lines", [LINES, SPREAD], ids=["even", "spread"])
 @pytest.mark.parametrize("seed", range(4))
-def test_seeded_phases_have_lower_peaks_than_schroeders_and_than_chance(lines, seed):
+def test_seeded_phases_have_lower_peak_than_schroeder_and_random(lines, seed):
     seeded = Multisine(1.0, lines, 10.0, seed)
     chance = np.random.default_rng(7).uniform(0, 2 * np.pi, (200, len(lines)))
     t = np.arange(0, 10, 0.005)
@@ -412,7 +412,7 @@ def test_seeded_phases_have_lower_peaks_than_schroeders_and_than_chance(lines, s
     assert crest(seeded) < min(lowest, crest(Multisine(1.0, lines, 10.0)))
 
 
-def test_a_seed_gives_the_same_force_again_and_another_seed_another():
+def test_equal_seeds_give_equal_force_and_other_seeds_differ():
     one, again, other = (Multisine(1.0, LINES, 10.0, seed).sample(1.0, H).start for seed in (5, 5, 6))
     np.testing.assert_array_equal(one, again)
     assert np.abs(one - other).max() > 0.1
@@ -421,7 +421,7 @@ def test_a_seed_gives_the_same_force_again_and_another_seed_another():
 # Hands off, release, schedule
 
 
-def test_nobody_at_the_grip_is_zero_force():
+def test_hands_off_and_release_have_zero_force():
     assert not np.any(HandsOff().sample(1.0, H))
     assert not np.any(Release(-0.2, 0.5).sample(1.0, H))
     assert (Release(-0.2, 0.5).angle_rad, Release(-0.2, 0.5).start_s, Release(1.0).start_s) == (-0.2, 0.5, 0.0)
@@ -445,7 +445,7 @@ def test_schedule_jumps_between_ramps():
     np.testing.assert_allclose(end, [1, 2, 7, 6], atol=8 * ROUNDING)
 
 
-def test_one_point_is_a_constant():
+def test_schedule_of_single_point_is_constant():
     np.testing.assert_array_equal(Schedule((0.0,), (0.1,)).sample(0.01, H), np.full((2, 10), 0.1))
     np.testing.assert_array_equal(Schedule((99.0,), (0.1,)).sample(0.01, H), np.full((2, 10), 0.1))
 
@@ -454,7 +454,7 @@ VALUES = st.floats(-1e6, 1e6)
 
 
 @given(st.lists(st.floats(-1.0, 2.0), min_size=1, max_size=8, unique=True), st.data())
-def test_schedule_without_jumps_is_numpys_interpolation(times, data):
+def test_schedule_without_jumps_matches_numpy_interp(times, data):
     times = sorted(times)
     if np.any(np.diff(times) < 1e-6):  # so near that rounding to the grid shows
         return
@@ -573,7 +573,7 @@ BUILT = [
 
 
 @pytest.mark.parametrize(("build", "message"), BUILT, ids=range(len(BUILT)))
-def test_what_makes_no_sense_is_refused_when_built(build, message):
+def test_invalid_input_raises_at_construction(build, message):
     with pytest.raises(InputError) as caught:
         build()
     assert str(caught.value) == message
@@ -587,7 +587,7 @@ def test_what_makes_no_sense_is_refused_when_built(build, message):
     st.floats(-0.5, 0.0),
     st.data(),
 )
-def test_recorded_force_is_numpys_interpolation_of_any_sampling(steps, first, data):
+def test_recorded_force_matches_numpy_interp_at_any_sampling(steps, first, data):
     times = first + np.cumsum([0.0, *steps]) * 0.1
     force = np.array(data.draw(st.lists(VALUES, min_size=len(times), max_size=len(times))))
     n = int(times[-1] / 0.01)
@@ -604,7 +604,7 @@ def test_recorded_force_at_its_own_points_is_exact():
     np.testing.assert_array_equal(at_steps(Recorded(time, force).sample(5.0, H)), force)
 
 
-def test_recorded_data_is_kept_as_it_was():
+def test_recorded_data_is_copied_and_read_only():
     time = np.array([0.0, 1.0])
     recorded = Recorded(time, [2, 3], "bench")
     time[0] = 99.0
@@ -629,7 +629,7 @@ def test_a_run_beyond_the_recording_is_refused():
         shifted.sample(1.251, H)
 
 
-def test_what_was_recorded_before_the_run_is_passed_over():
+def test_recording_before_run_start_is_skipped():
     start, _ = Recorded([-1.0, 1.0], [0.0, 2.0]).sample(0.5, 0.25)
     np.testing.assert_allclose(start, [1.0, 1.25], rtol=ROUNDING)
 
@@ -680,7 +680,7 @@ ROWS = "0,1\n0.5,-2.5\n1.5e0,+.25\n"
         ("time (s),force (kg m/s^2)", 1.0, 1.0),
     ],
 )
-def test_headers_and_their_units(path, header, second, newton):
+def test_headers_with_units_are_read(path, header, second, newton):
     recorded = read(path, f"{header}\n{ROWS}")
     np.testing.assert_allclose(recorded.time_s, np.array([0, 0.5, 1.5]) * second, rtol=ROUNDING)
     np.testing.assert_allclose(recorded.force_n, np.array([1, -2.5, 0.25]) * newton, rtol=ROUNDING)
@@ -700,12 +700,12 @@ def test_headers_and_their_units(path, header, second, newton):
         'time_s,force_n\n"0","1"\n" 1 ", 2 \n',
     ],
 )
-def test_files_as_other_programs_write_them(path, text):
+def test_files_of_other_programs_are_read(path, text):
     recorded = read(path, text)
     assert (recorded.time_s.tolist(), recorded.force_n.tolist()) == ([0.0, 1.0], [1.0, 2.0])
 
 
-def test_path_may_be_text(path):
+def test_text_path_is_accepted(path):
     read(path, f"time_s,force_n\n{ROWS}")
     assert len(read_recorded(str(path)).time_s) == 3
 
@@ -714,7 +714,7 @@ def test_path_may_be_text(path):
     st.lists(st.tuples(st.floats(1.0, 4.9), st.floats(-1e9, 1e9)), min_size=2, max_size=20),
     st.sampled_from([("s", "N", 1.0, 1.0), ("ms", "lb", 1e-3, POUND)]),
 )
-def test_numbers_written_out_in_full_come_back(path, points, units):
+def test_full_precision_numbers_round_trip(path, points, units):
     second, newton, s, n = units
     times = np.cumsum([step for step, _ in points])
     rows = "".join(f"{t!r},{f!r}\n" for t, f in zip(times.tolist(), (f for _, f in points), strict=True))
@@ -856,7 +856,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("text", "message"), BAD.values(), ids=BAD)
-def test_bad_file_is_refused_with_its_line(path, text, message):
+def test_bad_file_error_gives_line_number(path, text, message):
     with pytest.raises(InputError) as caught:
         read(path, text)
     found = str(caught.value)
@@ -889,17 +889,17 @@ def is_recorded_or_refused(path: Path, text: str | bytes) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_any_bytes_are_recorded_or_refused(path, data):
+def test_random_bytes_are_read_or_refused(path, data):
     is_recorded_or_refused(path, data)
 
 
 @given(st.text(alphabet='0123456789.,eE+-"\n\r \t()[]_smNlbtimeforc\0;'))
-def test_any_rows_are_recorded_or_refused(path, text):
+def test_random_rows_are_read_or_refused(path, text):
     is_recorded_or_refused(path, text)
     is_recorded_or_refused(path, f"{HEADER}\n{text}")
 
 
 @given(st.lists(st.tuples(st.floats(), st.floats()), max_size=6))
-def test_any_numbers_are_recorded_or_refused(path, numbers):
+def test_random_numbers_are_read_or_refused(path, numbers):
     rows = "".join(f"{t!r},{f!r}\n" for t, f in numbers)
     is_recorded_or_refused(path, f"time_s,force_n\n{rows}")

@@ -41,7 +41,7 @@ def assert_close(found, expected, share=EXACT):
 
 
 @pytest.mark.parametrize("law", [None, LAW], ids=["original", "feedback"])
-def test_runs_are_forced_responses(law):
+def test_runs_match_forced_response(law):
     values = draws(11)
     names = ("column_angle_rad", "piston_position_m", "load_cell_force_n", "valve_current_a")
     found = simulate_linear_batch(LOADER, STEP, values, law, keep=names)
@@ -66,7 +66,7 @@ def test_runs_are_forced_responses(law):
     ],
     ids=lambda force: type(force).__name__,
 )
-def test_runs_are_single_runs(force, law):
+def test_batch_runs_equal_single_runs(force, law):
     values = draws(9, seed=1)
     for scenario in (Scenario(force, 1.0), Scenario(force, 1.0, step_s=5e-4, sample_s=2e-3)):
         keep = tuple(outputs("V" if law is None else "rad"))
@@ -82,7 +82,7 @@ def test_runs_are_single_runs(force, law):
                 assert_close(found[name].values[run], single.history[name].values, share)
 
 
-def test_a_step_is_that_of_scipys_exponential():
+def test_step_matches_scipy_matrix_exponential():
     values = draws(3, seed=2)
     found = simulate_linear_batch(LOADER, STEP, values).column_angle_rad.values
     for run in range(3):

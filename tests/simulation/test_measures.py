@@ -43,7 +43,7 @@ def swing(zeta, omega=10.0):
 
 
 @pytest.mark.parametrize(("start", "end"), [(0.0, 0.2), (0.0, -0.2), (0.2, 0.0), (-0.1, 0.3)])
-def test_a_column_that_goes_somewhere_is_measured_by_its_way(start, end):
+def test_measures_of_moved_column_are_relative_to_travel(start, end):
     """A step and a release alike: the overshoot of second order is exp(-pi z / sqrt(1 - z^2))."""
     zeta = 0.3
     found = measures(end + (start - end) * swing(zeta), end)
@@ -53,7 +53,7 @@ def test_a_column_that_goes_somewhere_is_measured_by_its_way(start, end):
 
 
 @pytest.mark.parametrize("size", [1e-9, 0.1, 1.0])
-def test_a_column_that_comes_back_has_no_overshoot_and_settles_by_its_largest_excursion(size):
+def test_returning_column_settles_relative_to_largest_excursion(size):
     bump = np.exp(-2 * TIME) * np.sin(10 * TIME)
     found = measures(0.3 + size * bump, 0.3)
     assert math.isnan(found.overshoot)
@@ -64,13 +64,13 @@ def test_a_column_that_comes_back_has_no_overshoot_and_settles_by_its_largest_ex
 
 @pytest.mark.parametrize(("left", "has"), [(0.04, False), (0.06, True)])
 @pytest.mark.parametrize("side", [-1, 1])
-def test_coming_back_means_to_within_five_percent_of_the_largest_excursion(left, has, side):
+def test_return_threshold_is_5_percent_of_largest_excursion(left, has, side):
     angle = side * np.where(TIME < 1.0, np.sin(math.pi * TIME) * (1 - left), 0.0) + side * left * np.minimum(TIME, 1.0)
     angle /= np.abs(angle).max()
     assert math.isfinite(measures(angle, float(angle[-1])).overshoot) == has
 
 
-def test_a_column_that_does_not_move_has_settled_and_has_no_overshoot():
+def test_motionless_column_is_settled_without_overshoot():
     found = measures(np.full(4001, 0.1), 0.1)
     assert (math.isnan(found.overshoot), found.settling_time_s) == (True, 0.0)
 
@@ -84,7 +84,7 @@ FORCES = {
 
 
 @pytest.mark.parametrize("name", FORCES)
-def test_inputs_that_return_and_inputs_that_lead_somewhere(name):
+def test_returning_inputs_have_no_overshoot_measure(name):
     run = simulate(ff.elevator(), Scenario(FORCES[name], 4.0))
     returns = name in {"doublet", "pulse"}
     assert math.isnan(run.measures.overshoot) == returns
@@ -101,7 +101,7 @@ def test_inputs_that_return_and_inputs_that_lead_somewhere(name):
     assert 0.3 < run.measures.settling_time_s < 3.5
 
 
-def test_lanes_of_a_batch_choose_by_themselves():
+def test_batch_lanes_choose_measures_independently():
     """Pulls of all sizes side by side: dry friction lets some columns go, and holds others where they began."""
     loader = ff.elevator().replace({"column.coulomb_friction": "10 lb", "valve.orifice": True})
     values = np.tile(loader.si_values, (17, 1))
@@ -116,7 +116,7 @@ def test_lanes_of_a_batch_choose_by_themselves():
     assert not held.all()
 
 
-def test_a_step_that_leads_back_says_so():
+def test_step_held_by_friction_states_missing_overshoot():
     """Held by friction: the pull never breaks away."""
     loader = ff.elevator().replace({"column.coulomb_friction": "40 lb"})
     run = simulate(loader, Scenario(Step(50.0, 0.1), 1.0))
@@ -125,7 +125,7 @@ def test_a_step_that_leads_back_says_so():
     assert "undefined" not in " ".join(sum(measure_rows(run, UnitSystem.US), ()))
 
 
-def test_a_step_against_its_way_back_says_so_in_the_verdict():
+def test_verdict_states_step_against_return():
     trim = ff.simulation.Schedule((0.0, 1.0, 1.0), (0.0, 0.0, -0.1))
     loader = ff.elevator()
     pull = Scenario(Step(100.0, 0.1), 6.0)
@@ -139,7 +139,7 @@ def test_a_step_against_its_way_back_says_so_in_the_verdict():
     assert "undefined" not in verdict
 
 
-def test_every_measure_is_still_there():
+def test_measures_list_matches_fields():
     for drive, kind in (("hydraulic", Measures), ("electric", MotorMeasures)):
         assert list(measures_of(drive)) == [field.name for field in fields(kind)]
     step = simulate(ff.elevator(), Scenario(Step(100.0, 0.1)))

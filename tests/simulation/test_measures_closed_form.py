@@ -113,7 +113,7 @@ def _loader(name, mode):
 
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("name", DIGITAL)
-def test_release_is_within_one_percent_of_the_programmed_feel_or_has_no_number(name, mode):
+def test_release_measures_match_feel_within_1_percent_or_are_nan(name, mode):
     loader, angle = _loader(name, mode), _angle(name)
     law, feel = ff.laws.Law.of("robust", loader), Feel.of(loader)
     extrema, crossings = feel.swings(angle)
@@ -139,7 +139,7 @@ def test_release_is_within_one_percent_of_the_programmed_feel_or_has_no_number(n
 
 @pytest.mark.parametrize("duration_s", DURATIONS_S)
 @pytest.mark.parametrize("force", [Release(0.1), Step(300.0)], ids=["release", "step"])
-def test_linear_loader_is_within_one_percent_of_its_exponential_or_has_no_number(force, duration_s):
+def test_linear_loader_measures_match_exponential_or_are_nan(force, duration_s):
     """The original loop swings as ``exp(A t)`` says, not as its feel: read from a spline through that, twenty times as fine."""
     loader = ff.elevator()
     model = loader_model(loader, GainLaw.original(loader.si_values), Linkage.COMPLIANT)
@@ -177,7 +177,7 @@ def _settled_s(feel, angle):
 
 @pytest.mark.parametrize("mode", ["quiet", "noise"])
 @pytest.mark.parametrize("name", DIGITAL)
-def test_settling_time_is_within_one_percent_of_the_closed_form_or_has_no_number(name, mode):
+def test_settling_time_matches_closed_form_or_is_nan(name, mode):
     loader, angle = _loader(name, mode), _angle(name)
     expected = _settled_s(Feel.of(loader), angle)
     if math.isnan(expected):
@@ -195,7 +195,7 @@ ROUNDING_RAD = 1e-9
 
 
 @pytest.mark.parametrize("name", DIGITAL)
-def test_equilibrium_is_where_a_long_run_without_friction_ends(name):
+def test_equilibrium_matches_end_of_long_frictionless_run(name):
     """A weight, an offset of a sensor and a force move it; the search in the loader's equations meets what time gives."""
     loader = _quiet(BUILT_IN[name]()).replace({"load_cell.offset": "3 N", "column.gravity_torque": "2 N m"})
     force = loader["feel.stiffness"] / loader["column.grip_arm"] * _angle(name)
@@ -218,7 +218,7 @@ def test_column_on_a_stop_has_no_overshoot_and_no_frequency(force_lb):
 
 @pytest.mark.parametrize("force", [HandsOff(), Release(1e-5), Step(0.01, 0.1)], ids=["hands-off", "release", "step"])
 @pytest.mark.parametrize("name", DIGITAL)
-def test_motion_within_noise_is_said_to_be(name, force):
+def test_verdict_states_motion_within_noise(name, force):
     loader = BUILT_IN[name]()
     run = simulate(loader, Scenario(force, 1.0), "robust")
     told = run_conclusions(run, UnitSystem.SI)
@@ -226,7 +226,7 @@ def test_motion_within_noise_is_said_to_be(name, force):
     assert "Hz" not in " ".join((told.verdict, *told.findings))
 
 
-def test_a_batch_and_a_sweep_measure_as_a_single_run():
+def test_batch_and_sweep_measures_equal_single_run():
     loader = BUILT_IN["elevator-electric"]().replace({"feel.coulomb_friction": "1 N"})
     scenario = Scenario(Release(0.1), 1.4)
     run = simulate(loader, scenario, "robust")

@@ -145,7 +145,7 @@ def test_all_effects_off_is_the_linear_witness(gains):
     assert not np.any(run["theta"][:101])
 
 
-def test_linear_additions_are_the_linear_witness_with_another_column():
+def test_linear_additions_match_linear_witness_with_changed_column():
     m = Machine(arm_mass=4.0, arm_damping=0.1, arm_stiffness=2.0, viscous_friction=30.0, load_cell_bandwidth=1500.0)
     inertia = witness.J + 4.0 / GRAVITY * witness.RP**2
 
@@ -204,7 +204,7 @@ def test_converters_round_to_steps_of_their_range_and_clip():
     assert np.abs(run["e"]).max() == 0.5
 
 
-def test_fast_digital_controller_tends_to_the_analog_one():
+def test_fast_digital_controller_converges_to_analog():
     machine = replace(CASE, gains=GAINS)
     analog = simulate(machine, STEP, 0.4, times(0.4), solver=FAST)["theta"]
     errors = [
@@ -274,7 +274,7 @@ def test_stuck_column_is_at_rest_exactly_and_below_the_static_level(nominal):
     assert np.count_nonzero(np.diff(run["theta"])[both]) < 5  # only where it moved in between
 
 
-def test_feel_has_the_same_friction():
+def test_feel_friction_matches_column_friction():
     m = replace(FEEL, feel_damping=0.0, feel_stiffness=6000.0, feel_coulomb_friction=3.0, feel_static_friction=4.0)
     twin = replace(
         COLUMN,
@@ -359,7 +359,7 @@ def test_backlash_is_the_limit_of_a_small_damper_in_the_gap():
     assert errors[1] < 1e-6  # of 0.02 in
 
 
-def test_small_backlash_tends_to_none():
+def test_small_backlash_converges_to_no_backlash():
     runs = [simulate(replace(CASE, backlash=b), STEP, 0.5, times(0.5), solver=FAST)["theta"] for b in (0.0, 1e-5, 1e-4)]
     near, far = (np.abs(run - runs[0]).max() for run in runs[1:])
     assert near < 1e-5  # measured: 2e-6
@@ -439,7 +439,7 @@ def test_soft_stop_and_breakout_are_springs_in_pieces():
     np.testing.assert_allclose(*runs, rtol=0, atol=ROUNDING)
 
 
-def test_equivalent_springs_are_one():
+def test_equivalent_springs_give_equal_motion():
     """A straight curve, a q-feel factor, a wide deadband's force: each as a plain number, in V and in rad."""
     for gains in (None, GAINS):
         machine = Machine(gains=gains)
@@ -595,7 +595,7 @@ def test_released_state_is_at_rest():
                 np.testing.assert_allclose(held[name], start[name], rtol=0, atol=ROUNDING)
 
 
-def test_release_lets_go_of_the_column():
+def test_release_frees_the_column():
     start = release(CASE, 0.1)
     run = simulate(CASE, [], 1.0, times(1.0), start, solver=FAST)
     assert run["theta"][0] == 0.1
@@ -639,13 +639,13 @@ def test_energy_is_conserved_and_dissipated():
     ],
     ids=["halved", "LSODA", "Radau"],
 )
-def test_tighter_tolerances_and_other_methods_give_the_same(nominal, solver, duration, close):
+def test_tighter_tolerances_and_other_methods_give_same_motion(nominal, solver, duration, close):
     other = simulate(CASE, STEP, duration, times(duration), solver=solver)
     for name, scale in {"theta": 1.0, "delta": 50.0, "p": 1e5}.items():
         np.testing.assert_allclose(other[name], nominal[name][: len(other[name])], rtol=0, atol=scale * close)
 
 
-def test_full_machine_gives_the_same_by_another_method(full):
+def test_full_machine_gives_same_motion_by_another_method(full):
     run, _ = full
     other = simulate(FULL, STEP, 0.6, times(0.6), signals=SIGNALS)
     np.testing.assert_allclose(run["theta"][::100], other["theta"], rtol=0, atol=METHODS_RAD)

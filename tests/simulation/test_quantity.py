@@ -25,7 +25,7 @@ POUND = 4.4482216152605  # N, by definition
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_text_with_a_unit_is_the_number_in_si(given, expected):
+def test_text_with_unit_is_converted_to_si(given, expected):
     for value, number in zip(dataclasses.astuple(given), dataclasses.astuple(expected), strict=True):
         assert value == (number if isinstance(number, str) else pytest.approx(number, rel=1e-12))  # digits of POUND
 
@@ -38,7 +38,7 @@ def test_bad_text_names_input_field_and_remedy(text, reason):
         ff.Step(text)
 
 
-def test_bounds_hold_for_text_too():
+def test_bounds_apply_to_text():
     with pytest.raises(InputError, match="start_s"):
         ff.Step("1 N", start_s="-1 s")
 
@@ -48,7 +48,7 @@ def test_a_required_field_stays_required():
         ff.Step()
 
 
-def test_an_input_is_a_value_as_before():
+def test_converted_input_is_a_plain_value():
     step = ff.Step("100 N")
     assert (step, hash(step)) == (ff.Step(100.0), hash(ff.Step(100.0)))
     assert pickle.loads(pickle.dumps(step)) == step

@@ -25,7 +25,7 @@ def scenario(loader=None, **options):
     return ScenarioOptions(**options).scenario(loader)
 
 
-def test_nothing_given_is_a_step_of_the_loaders_force():
+def test_default_input_is_step_of_pilot_force():
     loader = ff.elevator()
     found = scenario(loader)
     assert found.force == ff.Step(loader["pilot.force"], 0.1)
@@ -63,7 +63,7 @@ def test_nothing_given_is_a_step_of_the_loaders_force():
         ({"input": InputKind.HANDS_OFF}, ff.simulation.HandsOff()),
     ],
 )
-def test_every_input(options, force):
+def test_every_input_option_gives_its_input(options, force):
     found = scenario(**options).force
     assert type(found) is type(force)
     numbers, expected = (list(vars(one).values()) for one in (found, force))
@@ -72,7 +72,7 @@ def test_every_input(options, force):
 
 
 @pytest.mark.parametrize("kind", InputKind)
-def test_a_run_lasts_as_long_as_its_input_needs(kind):
+def test_default_duration_covers_input(kind):
     angle = {"angle": "1 deg"} if kind is InputKind.RELEASE else {}
     assert scenario(input=kind, **angle).duration_s == pytest.approx(DURATION_S[kind], **EXACT)
 
@@ -87,7 +87,7 @@ def test_an_option_for_another_input_is_refused(option, kind):
         scenario(input=kind, **{field: "1"})
 
 
-def test_a_digital_controller_gets_times_on_its_steps():
+def test_digital_controller_times_are_multiples_of_period():
     loader = ScenarioOptions(set_=["controller.period=0.3 ms"]).changed(ff.elevator())
     found = scenario(loader, input=InputKind.DOUBLET)
     steps = [time / 3e-4 for time in (found.duration_s, found.sample_s, found.force.start_s, found.force.width_s)]
@@ -98,7 +98,7 @@ def test_a_digital_controller_gets_times_on_its_steps():
     )
 
 
-def test_a_recording_begins_with_its_first_point_and_is_played_whole(tmp_path):
+def test_recording_starts_at_first_point_and_plays_completely(tmp_path):
     path = tmp_path / "force.csv"
     path.write_text("time (s),force (lb)\n12.0,0\n12.5,10\n13.0004,0\n", encoding="utf-8")
     found = scenario(record=path)
@@ -126,7 +126,7 @@ def test_set_and_arm_change_the_loader():
 
 
 @pytest.mark.parametrize("arm", Arm)
-def test_arms_are_within_the_parameters_ranges(arm):
+def test_arm_values_are_within_parameter_ranges(arm):
     assert all(in_range(TABLE[row], value) for row, value in zip(ARM_ROWS, ARMS[arm], strict=True))
     assert arm_of(ScenarioOptions(arm=arm).changed(ff.elevator())) is arm
 
@@ -140,7 +140,7 @@ def test_laws_are_designed_for_the_changed_loader():
     assert ScenarioOptions(law="original").law_of(loader).numbers is None
 
 
-def test_schedules():
+def test_schedule_options_are_read():
     shaken = ff.elevator().replace({"feel.shaker_force": "10 lb"})
     found = scenario(shaken, trim="0 s: 0 deg, 1 s: 5 deg", shaker="1: 0, 1: 0.5")
     assert found.trim_rad.times_s == (0.0, 1.0)
@@ -149,7 +149,7 @@ def test_schedules():
     assert scenario(shaken, trim="3 deg").trim_rad.values == pytest.approx((math.radians(3),), **EXACT)
 
 
-def test_dynamic_pressure_for_a_feel_that_depends_on_it():
+def test_feel_with_stiffness_factor_requires_dynamic_pressure():
 
     loader = replace(ff.elevator(), stiffness_factor=ff.loader.Curve((0.0, 5000.0), (0.5, 1.5)))
     assert scenario(loader, dynamic_pressure="2 kPa").dynamic_pressure_pa.values == (2000.0,)
@@ -157,7 +157,7 @@ def test_dynamic_pressure_for_a_feel_that_depends_on_it():
         ff.simulate(loader, scenario(loader))
 
 
-def test_changes_of_the_feel():
+def test_feel_change_options_are_read():
     found = scenario(change=["1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad"], fade_time="0.25 s")
     assert found.feel_changes == (
         ff.simulation.FeelChange(1.0, {"feel.stiffness": "5000 lb in/rad", "feel.damping": "200 lb in s/rad"}, 0.25),
@@ -242,13 +242,13 @@ def test_bad_changes_of_the_loader_are_named(options, said):
         ScenarioOptions(**options).changed(ff.elevator())
 
 
-def test_a_recursion_that_does_not_settle_gives_no_law(monkeypatch):
+def test_unconverged_recursion_raises_input_error(monkeypatch):
     monkeypatch.setattr(compensation, "MOST_STEPS", 10)
     with pytest.raises(InputError, match="--law: the recursion does not give the converged gains"):
         ScenarioOptions(law="converged").law_of(ff.elevator())
 
 
-def test_text():
+def test_option_text_is_read():
     assert seconds("--x", "0.5") == 0.5
     assert seconds("--x", "5 ms") == pytest.approx(0.005, **EXACT)
     assert over_time("--x", "2 deg", "rad", "5 deg")[0] == (0.0,)

@@ -78,7 +78,7 @@ def test_the_terminal_does_not_wait_for_plots():
     assert out.splitlines()[-1] == "False"
 
 
-def test_a_step_prints_measures_and_what_to_conclude(run, tmp_path):
+def test_step_prints_measures_and_conclusions(run, tmp_path):
     status, out, err = run()
     assert (status, err) == (0, "")
     assert "a step of 96 lb at 0.1 s" in out
@@ -90,13 +90,13 @@ def test_a_step_prints_measures_and_what_to_conclude(run, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_units(run):
+def test_units_option_selects_units(run):
     _, out, _ = run("--units", "si")
     assert "a step of 427 N at 0.1 s" in out
     assert "2.32 MPa" in out
 
 
-def test_a_loader_file(run, tmp_path):
+def test_loader_file_is_simulated(run, tmp_path):
     loader = ff.elevator().replace({"column.coulomb_friction": "3 lb", "feel.stiffness": "12000 lb in/rad"})
     (tmp_path / "my.toml").write_text(loader.to_toml(), encoding="utf-8")
     found = json.loads(run("my.toml", "--json")[1])
@@ -122,7 +122,7 @@ def test_json_holds_every_number_with_its_unit(run):
     assert found["conclusions"]["ok"] is True
 
 
-def test_limits_are_told_in_words(run):
+def test_limits_are_stated_in_sentences(run):
     status, out, _ = run(
         *_set("column.coulomb_friction=3 lb", "column.static_friction=4 lb", "column.stop_high=12 deg"),
         *_set("column.stop_low=-12 deg", "valve.orifice=true", "amplifier.current_limit=2 mA"),
@@ -134,7 +134,7 @@ def test_limits_are_told_in_words(run):
     assert re.search(r"Dry friction held the column for [\d.]+ s in all", told)
 
 
-def test_a_run_that_diverges_is_a_bad_answer_with_its_time(run, tmp_path):
+def test_diverged_run_exits_with_status_1_and_states_time(run, tmp_path):
     status, out, _ = run(*_set(*UNSTABLE), "--out", "run")
     assert status == 1
     assert "Diverged at 0.236 s: the column left every bound." in out
@@ -186,7 +186,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
         )
 
 
-def test_a_history_can_be_played_again(run, tmp_path):
+def test_history_can_be_used_as_recording(run, tmp_path):
     words = ["--duration", "1", "--law", "published"]
     run("--input", "chirp", "--force", "10 lb", "--to", "5 Hz", *words, "--out", "first")
     run("--record", "first/history.csv", *words, "--out", "second")
@@ -211,7 +211,7 @@ def test_a_history_can_be_played_again(run, tmp_path):
         ["--law", "converged"],
     ],
 )
-def test_every_kind_of_run(run, words):
+def test_every_kind_of_run_succeeds(run, words):
     status, out, err = run(*words)
     assert (status, err) == (0, "")
     assert "The column" in out or "Settled" in out or "Still moving" in out
@@ -224,13 +224,13 @@ def test_results_name_the_input_as_the_command_does(run, kind):
     assert json.loads(out)["scenario"]["force"]["kind"] == kind
 
 
-def test_the_old_word_of_the_stop_to_stop_input_is_refused_with_those_there_are(run):
+def test_former_name_of_stop_to_stop_input_lists_valid_names(run):
     status, _, err = run("--input", "sweep")
     assert status == 2
     assert "stop-to-stop" in err
 
 
-def test_the_seed_is_that_of_the_noise(run):
+def test_seed_option_sets_noise_seed(run):
     words = [*_set("controller.period=0.5 ms", "load_cell.noise=2 lb"), "--duration", "0.3", "--json"]
     first, again, other = (json.loads(run(*words, "--seed", seed)[1])["measures"] for seed in (1, 1, 2))
     assert first == again
@@ -264,7 +264,7 @@ RECORDS = {
 
 
 @pytest.mark.parametrize("name", [*RECORDS, "missing.csv"])
-def test_a_bad_recording_is_named_and_nothing_is_lost(run, tmp_path, name):
+def test_bad_recording_is_named_and_output_is_kept(run, tmp_path, name):
     assert run("--duration", "0.2", "--out", "run")[0] == 0
     before = _files(tmp_path)
     text, said = RECORDS.get(name, ("", "missing.csv: cannot be read"))
@@ -330,11 +330,11 @@ def test_bad_input_is_refused_in_a_line(run, tmp_path, words, said):
 
 
 @pytest.mark.parametrize("words", [["--input", "steps"], ["--arm", "tight"], ["--law", "best"], ["--seed", "x"]])
-def test_unknown_words_are_bad_input(run, words):
+def test_unknown_names_are_refused(run, words):
     assert run(*words)[0] == 2
 
 
-def test_output_folder_that_is_a_file(run, tmp_path):
+def test_file_as_output_folder_is_refused(run, tmp_path):
     (tmp_path / "run").write_text("mine", encoding="utf-8")
     status, _, err = run("--out", "run")
     assert status == 2

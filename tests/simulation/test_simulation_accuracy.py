@@ -94,7 +94,7 @@ LEFT = {"median": (6e-5, 3e-5, 1.5e-5), "worst": (2e-4, 2e-4, 2e-4)}
 
 
 @pytest.mark.parametrize("case_of", [step_case, release_case])
-def test_everything_at_once(case_of):
+def test_all_effects_match_witness_at_every_step_size(case_of):
     """The full machine is within the claim at every step, and so are most around it.
 
     Where static friction all but holds, a force that is a millionth larger frees the column a moment earlier: such single runs
@@ -149,7 +149,7 @@ def test_step_is_of_fourth_order(gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_smooth_nonlinear_step_is_of_fourth_order_where_it_matters(gains):
+def test_smooth_nonlinear_step_is_of_fourth_order_above_kink_error(gains):
     """Orifice and quadratic damping have a kink where flow or speed change sign; its share is seen below 1e-7."""
     machine = Machine(
         gains=gains, link_damping=1e-3, orifice=True, feel_quadratic_damping=200.0, gravity_torque=100.0, arm_mass=2.0
@@ -161,7 +161,7 @@ def test_smooth_nonlinear_step_is_of_fourth_order_where_it_matters(gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_slaving_costs_a_millionth_at_any_step(gains):
+def test_slaved_states_cost_1e_6_at_any_step(gains):
     exact = Machine(gains=gains)
     _, truth = angles(exact, 2e-3)
     errors = [np.abs(angles(replace(exact, current_limit=1e4), h)[1] - truth).max() / TRAVEL for h in (*STEPS, 2e-5)]

@@ -83,7 +83,7 @@ def test_noise_belongs_to_the_run(cut):
     np.testing.assert_array_equal(whole.column_angle_rad[0], simulate(NOISY, SCENARIO).history.column_angle_rad)
 
 
-def test_member_that_diverges_leaves_the_others_alone(batch, values):
+def test_diverged_member_does_not_change_other_members(batch, values):
     broken = values.copy()
     broken[5, INDEX["load_cell.gain"]] *= 1000
     broken[5, INDEX["feel.stiffness"]] *= 1e-4
@@ -98,7 +98,7 @@ def test_member_that_diverges_leaves_the_others_alone(batch, values):
     assert np.abs(angle[round(at * 1000) - 1]) < 10
 
 
-def test_run_of_not_a_numbers_is_no_settled_run(batch, values):
+def test_run_of_nan_is_not_settled(batch, values):
     broken = values.copy()
     broken[7, INDEX["linkage.stiffness"]] = np.nan
     found = simulate_batch(LOADER, SCENARIO, broken, keep=KEEP)
@@ -115,7 +115,7 @@ def rest_of(values):
     return force * float(np.asarray(model.C)[0] @ equilibrium(model))
 
 
-def test_measures_are_those_of_the_histories():
+def test_measures_match_histories():
     values = draws(PLAIN, 21)
     batch = simulate_batch(PLAIN, replace(SCENARIO, duration_s=2.5), values, keep=KEEP)
     time = batch.time_s.values

@@ -21,20 +21,20 @@ FLOOR = 1.5e-5
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0, 2.5])
-def test_delay_is_the_witness_s(share, gains):
+def test_delay_matches_witness(share, gains):
     case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
     assert max(case.errors(case.witness(), 1e-3, 2.5e-4)) < FLOOR
 
 
 @pytest.mark.parametrize("period", [1e-3, 5e-4, 2e-4])
-def test_period_is_the_witness_s(period):
+def test_period_matches_witness(period):
     case = Case(
         Machine(gains=GAINS, orifice=True, period=period, coulomb_friction=2.0, feel_coulomb_friction=1.0), *FORCE
     )
     assert max(case.errors(case.witness(), 1e-3)) < FLOOR
 
 
-def test_converters_and_limits_are_the_witness_s():
+def test_converters_and_limits_match_witness():
     machine = Machine(
         period=1e-3, orifice=True, input_range=10.0, input_bits=14, output_range=1.0, output_bits=12, current_limit=1.2
     )
@@ -42,7 +42,7 @@ def test_converters_and_limits_are_the_witness_s():
     assert max(case.errors(case.witness(), 1e-3)) < FLOOR
 
 
-def test_command_stands_on_the_converter_s_steps():
+def test_command_is_multiple_of_converter_step():
     machine = Machine(period=2e-3, orifice=True, output_range=0.5, output_bits=8)
     run = simulate(loader_of(machine), Scenario(FORCE[1], 0.4))
     steps = run.history.valve_current_a.values / 1.56e-3 / (2 * 0.5 / 2**8)
@@ -51,7 +51,7 @@ def test_command_stands_on_the_converter_s_steps():
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_short_period_tends_to_the_analog_loop(gains):
+def test_short_period_converges_to_analog_loop(gains):
     machine = Machine(gains=gains, orifice=True)
     scenario = Scenario(FORCE[1], 0.4)
     analog = simulate(loader_of(machine), scenario, law_of(machine)).history.column_angle_rad.values
@@ -64,7 +64,7 @@ def test_short_period_tends_to_the_analog_loop(gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_antiwindup_is_the_witness_s(gains):
+def test_antiwindup_matches_witness(gains):
     machine = Machine(gains=gains, period=1e-3, orifice=True, current_limit=0.3)
     case = Case(replace(machine, antiwindup=100.0), *FORCE[:2], 1.5)
     reference = case.witness()
@@ -75,7 +75,7 @@ def test_antiwindup_is_the_witness_s(gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_antiwindup_lets_the_column_follow_the_pilot_back(gains):
+def test_antiwindup_lets_column_return_with_pilot(gains):
     """Without it the programmed control is far ahead of the column when the force turns, and the column comes back late."""
     found = []
     for rate in (0.0, 300.0):
@@ -85,7 +85,7 @@ def test_antiwindup_lets_the_column_follow_the_pilot_back(gains):
     assert found[1] < 0.8 * found[0]
 
 
-def test_noise_has_its_spread_and_belongs_to_its_seed():
+def test_noise_has_its_deviation_and_depends_on_seed():
     """The load cell's noise seen in c_2 p of a law that does nothing else, through the amplifier to the current."""
     sigma, loader = (
         2.0,
@@ -136,7 +136,7 @@ def digital_release(machine, duration=1.2):
 @pytest.mark.parametrize(
     ("case_of", "gains"), [(digital_step, None), (digital_release, GAINS)], ids=["step-original", "release-feedback"]
 )
-def test_everything_at_once_under_a_digital_controller(case_of, gains):
+def test_all_effects_match_witness_with_digital_controller(case_of, gains):
     events = []
     case = case_of(digital(gains, 5e-4))
     reference = case.witness(Solver("LSODA", 1e-9, events))
@@ -147,7 +147,7 @@ def test_everything_at_once_under_a_digital_controller(case_of, gains):
     assert max(errors) < CLAIM  # found 2.5e-5, 1e-5, 7e-6, 3e-5
 
 
-def test_antiwindup_with_everything_is_of_first_order_in_the_period():
+def test_antiwindup_with_all_effects_is_first_order_in_period():
     """As alone, see above. Without the velocity limit: under it the witness's control does not slow down when it gives way.
 
     The column is back after 0.4 s, where the errors are largest.

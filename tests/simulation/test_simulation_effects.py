@@ -119,7 +119,7 @@ def without():
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
 @pytest.mark.parametrize("name", EFFECTS)
-def test_effect_is_the_witness_s(name, gains, without):
+def test_effect_matches_witness(name, gains, without):
     effect, events = EFFECTS[name], []
     case = case_of(effect, gains)
     reference = case.witness(replace(WITNESS, events=events))
@@ -133,7 +133,7 @@ def test_effect_is_the_witness_s(name, gains, without):
     assert errors[1] < fine
 
 
-def test_orifice_is_met_in_all_four_quadrants():
+def test_orifice_operates_in_all_four_quadrants():
     """The pilot overpowers the servo: with either sign of q_i the load pressure passes the supply's and the flow turns."""
     run = case_of(EFFECTS["orifice overpowered"], GAINS).witness()
     beyond = np.sign(run["q_i"]) * run["p"] / 120.0

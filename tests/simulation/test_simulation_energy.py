@@ -86,7 +86,7 @@ def test_balance_closes_with_the_square_of_the_step(name):
 
 
 @pytest.mark.parametrize("name", ["backlash", "stops"])
-def test_contact_makes_no_energy(name):
+def test_contact_generates_no_energy(name):
     """What a contact takes within a step the audit does not see, so energy may be missing; it must not be made."""
     machine = Machine(**CLOSED | PASSIVE[name])
     for step in (1e-3, 2.5e-4):
@@ -97,7 +97,7 @@ def test_contact_makes_no_energy(name):
 @pytest.mark.parametrize(
     "effect", [{"feel_hysteresis": 3.0}, {"feel_coulomb_friction": 3.0}, {"coulomb_friction": 3.0}]
 )
-def test_force_displacement_loop_is_run_through_the_lossy_way(effect):
+def test_force_displacement_loop_dissipates_energy(effect):
     """Up and down once, slowly: the loop's area is the work lost, and 4 F times the travel at the most."""
     machine = Machine(orifice=True, **effect)
     run = simulate(loader_of(machine), Scenario(StopToStop(40 * LB, 16.0), 16.0))

@@ -20,7 +20,7 @@ KEEP = ("column_angle_rad", "load_pressure_pa", "valve_current_a")
 
 
 @pytest.mark.parametrize("feedback", [False, True])
-def test_linear_run_is_forced_response(feedback):
+def test_linear_run_matches_forced_response(feedback):
     loader = ff.elevator()
     law = ff.linear.state_feedback(loader, ff.design_gains(loader).gains) if feedback else None
     run = simulate(loader, Scenario(Pulse(96 * LB, 0.1, 0.3), 1.0), law)
@@ -54,7 +54,7 @@ def test_stepped_engine_agrees_with_the_exact_run(gains, force):
 @pytest.mark.parametrize(
     "name", [name for name, effect in EFFECTS.items() if effect.signals is None and name != "force curve"]
 )
-def test_lane_without_the_effect_has_the_bits_of_a_run_without_it(name, period, gains):
+def test_lane_without_effect_is_bit_identical_to_run_without_effect(name, period, gains):
     """Two runs side by side, one with the effect and one without, against each alone."""
     fields = EFFECTS[name].fields
     off = Machine(gains=gains, orifice=fields.get("orifice", False), period=period, current_limit=1e4)
@@ -70,7 +70,7 @@ def test_lane_without_the_effect_has_the_bits_of_a_run_without_it(name, period, 
                 np.testing.assert_array_equal(both[output].values[lane], alone[output].values[0])
 
 
-def test_row_given_as_off_changes_no_bit():
+def test_row_set_to_off_value_changes_no_bit():
     machine = Machine(orifice=True)
     loader = loader_of(machine)
     given = loader.replace({"column.coulomb_friction": None, "linkage.backlash": "0 in", "feel.hysteresis": "0 lb"})

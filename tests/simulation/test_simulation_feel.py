@@ -29,7 +29,7 @@ def acceleration(run):
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_change_does_not_bump_and_then_is_the_new_feel(name):
+def test_feel_change_is_bumpless_and_reaches_new_feel(name):
     change = FeelChange(1.2, CHANGES[name], 0.5)
     changed = simulate(LOADER, Scenario(PULL, 6.0, feel_changes=(change,)))
     before = simulate(LOADER, Scenario(PULL, 6.0))
@@ -61,7 +61,7 @@ def control(run):
 
 
 @pytest.mark.parametrize("done", [1700, 1900])
-def test_a_velocity_limit_takes_hold_without_a_jump_of_velocity(done):
+def test_velocity_limit_engages_without_velocity_jump(done):
     """Programmed while the control is slower than it (1.7 s) and twice as fast (1.9 s)."""
     change = FeelChange(done * 1e-3 - 0.5, {"feel.velocity_limit": LIMIT}, 0.5)
     run, free = (simulate(LOADER, Scenario(PULL, 6.0, feel_changes=changes)) for changes in ((change,), ()))
@@ -77,7 +77,7 @@ def test_a_velocity_limit_takes_hold_without_a_jump_of_velocity(done):
     assert np.abs(np.diff(column))[done - 3 : done + 300].max() < 0.1 * max(LIMIT, abs(velocity[done]))
 
 
-def test_a_stop_programmed_behind_the_control_lets_it_come_back():
+def test_stop_programmed_behind_control_lets_control_return():
     """At 1.7 s the control is at -0.056 rad on its way back: nothing moves it but the pull, and then the stop holds."""
     stops = {"feel.hard_stop_low": -STOP, "feel.hard_stop_high": STOP}
     run, free = (
@@ -91,7 +91,7 @@ def test_a_stop_programmed_behind_the_control_lets_it_come_back():
     assert (angle[back:] <= STOP + ROUNDING).all()
 
 
-def test_a_stop_never_throws_the_control():
+def test_stop_change_does_not_accelerate_control():
     """At 1.5 s it moves on outwards, beyond the new stop: it slows down over some hundredths of a second, and comes back."""
     stops = {"feel.hard_stop_low": -STOP, "feel.hard_stop_high": STOP}
     run = simulate(LOADER, Scenario(PULL, 6.0, feel_changes=(FeelChange(1.0, stops, 0.5),)))
@@ -107,7 +107,7 @@ def test_a_stop_never_throws_the_control():
     assert angle[back + 10 :].max() < STOP * 1.001
 
 
-def test_a_trim_rate_is_not_switched_off_while_it_is_followed():
+def test_trim_rate_cannot_be_switched_off_while_trimming():
     loader = LOADER.replace({"feel.trim_rate": 0.02}, si=True)
     trim = Schedule((0.0, 1.0, 1.0), (0.0, 0.0, 0.1))
     change = FeelChange(1.7, {"feel.trim_rate": None}, 0.5)
@@ -116,7 +116,7 @@ def test_a_trim_rate_is_not_switched_off_while_it_is_followed():
 
 
 @pytest.mark.parametrize(("before", "after"), [(0.02, 0.05), (0.02, 0.001), (None, 0.02)])
-def test_a_trim_rate_programmed_while_the_neutral_moves_does_not_bump(before, after):
+def test_trim_rate_change_while_trimming_is_bumpless(before, after):
     """The neutral goes on from where it is: its velocity changes, the spring's force does not jump."""
     trim = Schedule((0.0, 1.0, 1.0), (0.0, 0.0, 0.1))
     loader = LOADER.replace({"feel.trim_rate": before}, si=True)
@@ -133,7 +133,7 @@ def test_a_trim_rate_programmed_while_the_neutral_moves_does_not_bump(before, af
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
 @pytest.mark.parametrize("angle", [-0.1, 0.1])
-def test_grip_is_held_until_it_is_let_go(angle, gains):
+def test_grip_is_held_until_release(angle, gains):
     machine = Machine(gains=gains, orifice=True, coulomb_friction=2.0, backlash=0.002, gravity_torque=50.0)
     run = simulate(loader_of(machine), Scenario(Release(angle, 0.1), 1.0), law_of(machine))
     theta = run.history.column_angle_rad.values
@@ -146,7 +146,7 @@ def test_grip_is_held_until_it_is_let_go(angle, gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_nobody_at_the_grip_is_rest(gains):
+def test_hands_off_run_stays_at_rest(gains):
     machine = Machine(
         gains=gains,
         orifice=True,

@@ -51,7 +51,7 @@ def test_column_breaks_away_at_the_static_and_slides_at_the_coulomb_level():
 
 
 @pytest.mark.parametrize("static", [3.0, 5.0])
-def test_spring_with_dry_friction_loses_as_much_every_half_swing(static):
+def test_spring_with_dry_friction_loses_equal_amplitude_per_half_cycle(static):
     """Closed form: half cosines about +-F_c / k, the amplitude 2 F_c / k less after each, then rest for good."""
     machine = replace(COLUMN, arm_stiffness=6.0, coulomb_friction=3.0, static_friction=static)
     stiffness, friction = 6.0 * machine.grip_arm**2, 3.0 * machine.grip_arm
@@ -97,7 +97,7 @@ def test_stuck_column_does_not_drift(gains):
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-def test_hunting_of_a_stuck_column_is_the_witness_s(gains):
+def test_hunting_of_stuck_column_matches_witness(gains):
     """Without friction in the feel the servo hunts behind the stuck column, which slips each time: a true limit cycle."""
     case = Case(
         Machine(gains=gains, orifice=True, coulomb_friction=4.0), [(0.1, 10.0)], Step(10 * LB, 0.1), duration=4.0
@@ -142,7 +142,7 @@ def test_friction_law_holds_at_every_step(coulomb, extra, amplitude, step_s):
 
 
 @given(st.floats(0.2, 5.0), st.floats(-0.25, 0.25))
-def test_released_column_ends_where_friction_holds_it(coulomb, angle):
+def test_released_column_rests_within_friction_zone(coulomb, angle):
     """Of a column on a spring, from whatever angle: it ends at rest within the zone |k theta| <= F_s."""
     machine = replace(COLUMN, arm_stiffness=6.0, coulomb_friction=coulomb, viscous_friction=100.0)
     theta, rate = angle_and_velocity(run_of(machine, Release(angle), 3.0, 1e-3, 1e-2))

@@ -20,15 +20,15 @@ from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
 from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    test_a_page_is_small_and_every_plot_has_its_text,
-    test_heads_name_rows_and_columns_and_keep_their_words_whole,
-    test_nothing_is_asked_for_but_the_page_and_its_script,
-    test_nothing_is_cut_off,
-    test_tables_and_drawing_stay_in_their_boxes,
-    test_the_console_is_silent,
-    test_the_navigation_stays_in_view,
-    test_the_tool_bar_leaves_the_legend_free,
+    test_browser_console_has_no_messages,
+    test_navigation_stays_in_view,
+    test_no_content_is_clipped,
+    test_page_is_small_and_every_plot_has_text,
+    test_page_requests_only_itself_and_its_script,
+    test_table_headers_have_scope_and_whole_words,
+    test_tables_and_drawings_stay_in_their_boxes,
     test_tick_labels_do_not_overlap,
+    test_tool_bar_does_not_cover_legend,
     views_of,
     words,
     words_cut,
@@ -87,7 +87,7 @@ def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
     assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
 
 
-def test_the_page_says_what_came_of_the_run_and_what_limited_it(pages):
+def test_page_states_result_and_limits_of_run(pages):
     told = {name: " ".join(" ".join(words(path).words).split()) for name, path in pages.items()}
     assert re.search(r"Settled at 1\.\d+ s, no overshoot to measure: the column met a stop\.", told["stops"])
     assert "at the amplifier’s limit of 2 mA" in told["stops"]
@@ -105,7 +105,7 @@ def test_names_are_text_not_markup(tmp_path):
     assert "a &amp; b &lt; c" in text
 
 
-def test_the_same_run_gives_the_same_bytes(tmp_path):
+def test_equal_runs_give_equal_bytes(tmp_path):
     first, second = (ff.simulation.write_simulation(_run(STOPS), tmp_path / name, UnitSystem.SI) for name in "ab")
     for name in ("simulation.html", "history.csv", "results.json"):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
@@ -147,7 +147,7 @@ def test_the_ideal_feel_after_a_release_is_the_free_response():
     np.testing.assert_allclose(ideal_angle(run), expected, atol=ROUNDING)
 
 
-def test_the_ideal_feel_is_left_out_where_it_says_nothing():
+def test_ideal_feel_is_omitted_where_undefined():
     trim = ff.simulation.Schedule((0.0,), (0.1,))
     assert ideal_angle(_run(trim_rad=trim)) is None
     assert ideal_angle(_run(feel_changes=(ff.simulation.FeelChange(1.0, {"feel.damping": "200 lb in s/rad"}),))) is None
@@ -166,7 +166,7 @@ def _synthetic(changes, **signals):
     return replace(run, history=history)
 
 
-def test_limits_count_samples():
+def test_limit_times_count_samples():
     angle = np.radians([0, 6, 11, 12.1, 12.2, 11, 0, -12.5, -11, 0])
     current = np.array([0, 1, 2, 2, 2, 0, -2, 0, 0, 0]) * 1e-3
     velocity = np.array([0, 1, 1, 1, 0, 0, 1, 1, 0, 0])
@@ -181,7 +181,7 @@ def test_limits_count_samples():
     assert found.stuck_at_end
 
 
-def test_limits_of_the_feel_and_of_what_has_no_limit():
+def test_limit_times_include_feel_and_skip_missing_limits():
     stops = {"feel.hard_stop_low": "-5 deg", "feel.hard_stop_high": "5 deg"}
     per_angle = np.prod([ff.elevator()[key] for key in ("potentiometer.gain", "linkage.ratio", "column.base_arm")])
     feel = per_angle * np.radians([0, 4, 5, 5, 4, 0, -5, -4, 0, 0])
@@ -194,12 +194,12 @@ def test_limits_of_the_feel_and_of_what_has_no_limit():
     assert found.stuck_s == 0  # at rest, but without dry friction
 
 
-def test_limits_of_a_run_that_diverged_end_with_it():
+def test_limit_times_of_diverged_run_end_at_divergence():
     found = ff.simulation.limit_times(_run(UNSTABLE))
     assert 0 < found.over_current < 1
 
 
-def test_measures_that_mean_nothing_are_left_out():
+def test_meaningless_measures_are_omitted():
     diverged = known_measures(_run(UNSTABLE))
     assert diverged.diverged_at_s == pytest.approx(0.236)
     assert math.isnan(diverged.maximum_angle_rad)
@@ -229,11 +229,11 @@ def test_measures_that_mean_nothing_are_left_out():
         (lambda: _run(UNSTABLE), r"Diverged at 0.236 s: the column left every bound\."),
     ],
 )
-def test_verdicts(run, said):
+def test_verdicts_match_run_results(run, said):
     assert re.search(said, ff.simulation.run_conclusions(run(), UnitSystem.US).verdict)
 
 
-def test_findings():
+def test_findings_match_run_results():
     def told(*given, **named):
         return " ".join(ff.simulation.run_conclusions(_run(*given, **named), UnitSystem.US).findings)
 
@@ -277,7 +277,7 @@ def test_findings():
         (ff.Recorded([0, 1], [-3 * LB, 5 * LB], "bench"), "the recording bench, -3 lb to 5 lb"),
     ],
 )
-def test_inputs_in_words(force, told):
+def test_inputs_are_described_in_words(force, told):
     assert input_text(force, UnitSystem.US) == told
 
 
@@ -308,7 +308,7 @@ def test_every_curve_is_drawn(page):
 
 
 @pytest.mark.browser
-def test_the_plots_show_their_words_whole(page):
+def test_plot_text_is_not_clipped(page):
     """Titles, legend, ticks and the names of limits lie inside their plot; the legend lies above the curves."""
     selector = ".legendtext, .annotation-text, [class*=title] text, [class*=tick] text"
     assert words_cut(page, selector, ROUNDING_PX) == []

@@ -79,7 +79,7 @@ def by_hand(values, linkage, law):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("linkage", ["rigid", "compliant"])
-def test_linear_models_and_their_slopes_are_those_by_hand(linkage, law):
+def test_linear_models_and_slopes_match_explicit_formulas(linkage, law):
     values = ff.elevator().si_values
     every = range(len(TABLE))
     found = _core.linear_slopes(values, every, linkage=linkage, law=law)
@@ -102,7 +102,7 @@ def test_linear_models_and_their_slopes_are_those_by_hand(linkage, law):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_linear_models_are_those_without_slopes(law):
+def test_linear_models_equal_models_without_slopes(law):
     values = ff.elevator().si_values
     for linkage in ("rigid", "compliant"):
         a, b, c, _, *_ = _core.linear_slopes(values, [], linkage=linkage, law=law)
@@ -112,7 +112,7 @@ def test_linear_models_are_those_without_slopes(law):
         np.testing.assert_array_equal(c[[0, 2, 3, 7, 6, 5]], matrices[2][[0, 2, 3, 4, 5, 6]])
 
 
-def test_fixed_law_does_not_move_with_the_parameters():
+def test_fixed_law_is_independent_of_parameters():
     values, gain = ff.elevator().si_values, INDEX["potentiometer.gain"]
     by_name = _core.linear_slopes(values, [gain], linkage="compliant", law="position")
     fixed = _core.linear_slopes(values, [gain], linkage="compliant", law=GainLaw.position_loop(values))
@@ -142,7 +142,7 @@ def differenced(of, values, key, step=DIFFERENCE):
 
 @pytest.mark.parametrize("lag", [False, True], ids=["plain", "lagging"])
 @pytest.mark.parametrize("law", LAWS)
-def test_slopes_of_a_period_are_finite_differences(law, lag):
+def test_period_slopes_match_finite_differences(law, lag):
     loader = ff.elevator().replace(
         {"controller.period": "1 ms", "controller.delay": "0.5 ms", "pilot.arm_mass": "5 lbm"}
     )
@@ -171,7 +171,7 @@ def whole(matrices):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_period_is_the_one_without_slopes(law):
+def test_period_matrices_equal_matrices_without_slopes(law):
     loader = ff.elevator().replace(DIGITAL)
     period = loader["controller.period"]
     m, b, *_ = _core.sampled_slopes(loader.si_values, [], period, (1, 1), law=law)
@@ -181,7 +181,7 @@ def test_period_is_the_one_without_slopes(law):
 
 @pytest.mark.parametrize(("push", "within"), [(0.0, 1e-9), (20.0, 1e-5)])
 @pytest.mark.parametrize("law", LAWS)
-def test_period_goes_through_the_samples_of_a_run(law, push, within):
+def test_period_matrices_reproduce_samples_of_run(law, push, within):
     """Some hundred periods of roundings, on pressures that are differences of ten times their size; a force that comes with a jump
     is a period old to the matrix, and not to the oil."""
     loader = ff.elevator().replace(DIGITAL)
@@ -249,7 +249,7 @@ RECORD_ERROR = 5e-8
 
 
 @pytest.mark.parametrize("name", RECORDS)
-def test_slopes_of_records_are_finite_differences(name):
+def test_record_slopes_match_finite_differences(name):
     changes, scenario, law = RECORDS[name]
     loader = ff.elevator().replace(changes, si=True)
     keys = [key for key in KEYS if key not in ("valve.current_gain", "valve.pressure_gain") or "orifice" not in name]
@@ -272,7 +272,7 @@ def test_slopes_of_records_are_finite_differences(name):
 
 
 @pytest.mark.parametrize("name", RECORDS)
-def test_channels_are_the_outputs_of_a_run(name):
+def test_channels_match_run_outputs(name):
     changes, scenario, law = RECORDS[name]
     loader = ff.elevator().replace(changes, si=True)
     outputs = [k for k, (output, _) in enumerate(_core.simulation_outputs()) if output in CHANNELS]
@@ -293,7 +293,7 @@ def test_channels_are_the_outputs_of_a_run(name):
         np.testing.assert_array_equal(slope[0, 0], slopes[run, 1])
 
 
-def test_many_pairs_are_each_pair_alone():
+def test_batched_pairs_equal_single_pairs():
     loader = ff.elevator().replace(ORIFICE)
     simulation = engine(loader, Scenario(PUSH, duration_s=0.5, sample_s=0.005))
     values = np.repeat(loader.si_values[np.newaxis], 7, axis=0)
@@ -308,7 +308,7 @@ def test_many_pairs_are_each_pair_alone():
             np.testing.assert_array_equal(slope[0, 0], slopes[run, k])
 
 
-def test_noise_and_steps_of_the_sensors_are_left_out():
+def test_sensor_noise_and_resolution_are_excluded():
     plain = ff.elevator().replace(DIGITAL)
     rough = plain.replace(
         {
@@ -332,7 +332,7 @@ def test_noise_and_steps_of_the_sensors_are_left_out():
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_run_under_a_small_test_signal_is_the_linear_model(law):
+def test_run_with_small_test_signal_matches_linear_model(law):
     loader = ff.elevator()
     drives = LAWS[law](loader.si_values)
     signal = swept(0.01)
@@ -348,7 +348,7 @@ def test_run_under_a_small_test_signal_is_the_linear_model(law):
 
 
 @pytest.mark.parametrize(("place", "arrives"), [("test_signal_v", 3), ("command_signal_v", 5)])
-def test_digital_controller_samples_and_delays_what_is_added_to_its_command_alone(place, arrives):
+def test_only_command_signal_is_sampled_and_delayed(place, arrives):
     """A step at 3 ms: at the amplifier it is there at once, on the command at the sample of 4 ms and a millisecond later."""
     loader = ff.elevator().replace({"controller.period": "2 ms", "controller.delay": "1 ms"})
     signal = Schedule((0.0, 0.0031, 0.0031, 1.0), (0.0, 0.0, 0.5, 0.5))
@@ -362,7 +362,7 @@ def test_digital_controller_samples_and_delays_what_is_added_to_its_command_alon
 
 
 @pytest.mark.parametrize("delay_ms", [0.5, 1.0, 1.5])
-def test_responses_of_a_sampled_loop_are_the_integrals_of_its_continuous_plant(delay_ms):
+def test_sampled_loop_responses_match_plant_integrals(delay_ms):
     """``Gamma = int exp(A (T - s)) b exp(j w s) ds`` of what comes in at the amplifier; the command's staircase by two such."""
     period, delay = 2e-3, delay_ms * 1e-3
     loader = ff.elevator().replace({"controller.period": "2 ms", "controller.delay": f"{delay_ms} ms"})
@@ -396,7 +396,7 @@ def test_responses_of_a_sampled_loop_are_the_integrals_of_its_continuous_plant(d
             np.testing.assert_allclose(value, expected, rtol=6e-4, err_msg=f"{name} {frequency[k]}")
 
 
-def test_open_servo_begins_at_neutral_under_whatever_force():
+def test_open_servo_starts_at_neutral_for_any_force():
     loader = ff.elevator().replace({"column.gravity_torque": "100 lb in"})
     (found,), _ = engine(loader, Scenario(PUSH, duration_s=0.5)).slopes(
         loader.si_values[np.newaxis], [0], channels=[0, 4], law="open"
@@ -409,7 +409,7 @@ def test_open_servo_begins_at_neutral_under_whatever_force():
 # Errors --------------------------------------------------------------------------------------------------------------
 
 
-def test_what_does_not_fit_is_refused():
+def test_invalid_arguments_are_refused():
     values = ff.elevator().si_values
     for bad, message in (
         ({"linkage": "stiff"}, "linkage: expected 'rigid' or 'compliant', got \"stiff\""),
@@ -428,7 +428,7 @@ def test_what_does_not_fit_is_refused():
         _core.sampled_slopes(values, [0], 1e-3, (1, 1), observers=np.zeros((1, 3)))
 
 
-def test_what_does_not_fit_a_simulation_is_refused():
+def test_invalid_simulation_arguments_raise_value_error():
     values = ff.elevator().si_values[np.newaxis]
     with pytest.raises(ValueError, match=r"inputs: trim: expected shape \(4, 2\) as of the others, got \(5, 2\)"):
         _core.Simulation({"force": np.zeros((4, 2)), "trim": np.zeros((5, 2))}, 1e-3)

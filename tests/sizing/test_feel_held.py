@@ -56,7 +56,7 @@ def at_angles(loader, force, angle, probes):
 
 
 @pytest.mark.parametrize("row", ROWS)
-def test_a_slow_push_and_pull_feels_what_is_told_to_hold(row):
+def test_slow_push_and_pull_match_holding_force(row):
     loader = DAMPED.replace(EVERY | {row: OTHER * EVERY.get(row, DAMPED[row])}, si=True)
     probes = PROBES_DEG * DEG
     within = (probes > loader["feel.hard_stop_low"]) & (probes < loader["feel.hard_stop_high"])
@@ -95,7 +95,7 @@ def sum_of_forces(rows, phi, way):
         {"soft_stop_low": -4 * DEG, "soft_stop_high": 6 * DEG, "soft_stop_stiffness": 2e4},
     ],
 )
-def test_it_is_the_sum_of_the_forces(rows):
+def test_holding_force_is_sum_of_feel_forces(rows):
     def text(key, value):
         return value if key.endswith(ANGLES) else f"{value!r} {'lb in/rad' if key.endswith('stiffness') else 'lb'}"
 
@@ -107,7 +107,7 @@ def test_it_is_the_sum_of_the_forces(rows):
     np.testing.assert_allclose(programmed_force(loader, angles), np.abs(told).max(axis=1) * POUND_N)
 
 
-def test_a_control_at_rest_breaks_away_at_what_holds_it():
+def test_control_at_rest_breaks_away_at_holding_force():
     loader = ELEVATOR.replace({"feel.coulomb_friction": "2 lb", "feel.static_friction": "6 lb"})
     time, force, angle = swept(loader, 200.0)
     moves = int(np.argmax(np.abs(angle) > 1e-9))
@@ -117,7 +117,7 @@ def test_a_control_at_rest_breaks_away_at_what_holds_it():
     assert force[moves] == pytest.approx(held, abs=2 * 200.0 * 4 / SWEEP_S * SAMPLE_S)  # a sample or two
 
 
-def test_a_shaker_takes_its_swing_to_either_side():
+def test_shaker_widens_holding_force_by_its_amplitude():
     """So slow that the control follows: at its turns, the constant force is what holds it against the full swing."""
     loader = ELEVATOR.replace({"feel.shaker_force": "10 lb", "feel.shaker_frequency": "0.1 Hz"})
     scenario = ff.Scenario(ff.Step(100.0), 40.0, shaker=Schedule((0.0, 40.0), (1.0, 1.0)))
@@ -127,7 +127,7 @@ def test_a_shaker_takes_its_swing_to_either_side():
     assert high == pytest.approx(100.0, abs=NEAR_N)
 
 
-def test_a_curve_takes_the_place_of_the_spring_and_the_largest_factor_counts():
+def test_curve_replaces_spring_and_largest_factor_applies():
     curve = Curve((radians(-20), 0.0, radians(20)), (-300.0, 0.0, 200.0))
     loader = replace(ELEVATOR, force_curve=curve, stiffness_factor=Curve((0.0, 5e3), (0.4, 2.2)))
     angles = np.array([-15.0, -5.0, 5.0, 25.0]) * DEG
@@ -137,7 +137,7 @@ def test_a_curve_takes_the_place_of_the_spring_and_the_largest_factor_counts():
 DETENT = ff.digital_elevator().replace({"feel.detent_force": "20 lb", "feel.detent_angle": "9 deg"})
 
 
-def test_the_demand_is_what_the_engine_holds_at_that_angle():
+def test_feel_demand_matches_engine_holding_force():
     """With a detent on the way: under the force of the demand the engine's programmed control stands where the demand says."""
     (demand,) = (one for one in ff.sizing.size_drive(DETENT).demands if one.name == "feel at 10 deg")
     loader = DETENT.replace(QUIET, si=True)
@@ -149,7 +149,7 @@ def test_the_demand_is_what_the_engine_holds_at_that_angle():
     assert demand.force_n == pytest.approx(9600 * radians(10) / 31.375 * POUND_N + 20 * POUND_N, rel=ROUNDING)
 
 
-def test_the_feel_is_asked_where_it_is_hardest_on_the_way():
+def test_feel_demand_is_largest_force_along_travel():
     """A detent of 100 lb at 3 deg takes more at its largest than the feel at the stop; beyond it there is less."""
     stops = {"column.stop_low": "-12 deg", "column.stop_high": "12 deg"}
     loader = ELEVATOR.replace(stops | {"feel.detent_force": "100 lb", "feel.detent_angle": "3 deg"})

@@ -87,7 +87,7 @@ def falls_through(loader, command):
 
 
 @pytest.mark.parametrize("loader", [SOFT, MOTOR])
-def test_no_command_keeps_the_column_up_longer(loader):
+def test_no_command_holds_column_beyond_fall_time(loader):
     (latest,) = falls_through_s(loader, ANGLE, np.array([loader["feel.maximum_stiffness"]]), LEVEL)
     assert falls_through(loader, lambda t: 1.0) <= latest * (1 + FINE) < np.inf
     random = np.random.default_rng(1)
@@ -96,19 +96,19 @@ def test_no_command_keeps_the_column_up_longer(loader):
         assert falls_through(loader, lambda t, pieces=pieces: pieces[min(int(t / 2e-3), 7)]) <= latest * (1 + FINE)
 
 
-def test_of_a_motor_it_is_the_time_itself():
+def test_motor_fall_time_is_exact():
     (latest,) = falls_through_s(MOTOR, ANGLE, np.array([MOTOR["feel.maximum_stiffness"]]), LEVEL)
     assert np.isfinite(latest)
     assert falls_through(MOTOR, lambda t: 1.0) == pytest.approx(latest, rel=FINE)
 
 
-def test_of_a_valve_it_is_the_time_itself():
+def test_valve_fall_time_is_exact():
     """The spool's rise and the load's help are all in it."""
     (latest,) = falls_through_s(SOFT, ANGLE, np.array([SOFT["feel.maximum_stiffness"]]), LEVEL)
     assert falls_through(SOFT, lambda t: 1.0) == pytest.approx(latest, rel=FINE)
 
 
-def test_a_stiff_link_throws_nothing_and_of_some_loaders_nothing_is_known():
+def test_fall_time_of_stiff_link_or_unknown_loader_is_infinite():
     stiffness = np.array([SOFT["feel.maximum_stiffness"]])
     assert np.isinf(falls_through_s(ff.digital_elevator(), ANGLE, stiffness / 10, LEVEL)).all()
     unknown = SOFT.replace({"linkage.backlash": "0.01 in"}), SOFT.replace({"valve.orifice": False})
@@ -160,7 +160,7 @@ def highest(loader, until, volts):
     return (state[0, 0] - found.fun) / ANGLE
 
 
-def test_no_commands_within_current_and_voltage_keep_the_column_up():
+def test_no_command_within_limits_prevents_fall():
     """By what the voltage takes away alone: a linear program over all commands, which knows no law, without it stays above."""
     stiffness, period = np.array([YOKE["feel.maximum_stiffness"]]), YOKE["controller.period"]
     (latest,) = falls_through_s(YOKE, ANGLE, stiffness, LEVEL)

@@ -32,7 +32,7 @@ def quiet(loader):
     ("name", "share"),
     [("sidestick-pitch", 0.969), ("desktop-yoke", 0.339), ("elevator-electric", 0.382), ("rudder-pedals", None)],
 )
-def test_a_release_takes_what_it_takes_in_a_run(name, share):
+def test_release_demand_matches_simulated_run(name, share):
     loader = ff.loader.electric(name)
     row, angle = release_of(loader)
     law = ff.Law.of("robust", loader).sampled
@@ -48,7 +48,7 @@ def test_a_release_takes_what_it_takes_in_a_run(name, share):
 
 
 @pytest.mark.parametrize("name", ["desktop-yoke", "elevator-electric"])
-def test_an_integrator_of_its_own_takes_as_much(name):
+def test_release_demand_matches_independent_integrator(name):
     """The loader's and the law's equations written out: a hand that pushes as hard as the angle asks, and lets go at a sample."""
     loader = ff.loader.electric(name)
     row, angle = release_of(loader)
@@ -66,7 +66,7 @@ def test_an_integrator_of_its_own_takes_as_much(name):
     assert peak == pytest.approx(row.of_peak, rel=WITNESS)
 
 
-def test_a_drive_at_its_limit_uses_all_and_no_more():
+def test_release_demand_saturates_at_drive_limit():
     loader = ff.loader.electric("sidestick-pitch").replace(
         {"current_loop.current_limit": 20.0, "pilot.force": "40 N"}, si=True
     )
@@ -75,7 +75,7 @@ def test_a_drive_at_its_limit_uses_all_and_no_more():
     assert row.available
 
 
-def test_a_valve_holds_before_it_moves():
+def test_release_demand_includes_pressure_of_held_valve():
     loader = ff.digital_elevator()
     row, angle = release_of(loader)
     run = ff.simulate(quiet(loader), ff.Scenario(Release(angle), 0.6), ff.Law.of("robust", loader).sampled)
@@ -84,6 +84,6 @@ def test_a_valve_holds_before_it_moves():
     assert ff.sizing.sizing_conclusions(ff.sizing.size_drive(ff.elevator()), ff.UnitSystem.SI).ok
 
 
-def test_the_report_s_loader_is_released_by_its_own_loop():
+def test_elevator_release_uses_original_loop():
     row, _ = release_of(ff.elevator())
     assert row.law == "original"

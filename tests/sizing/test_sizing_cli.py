@@ -26,12 +26,12 @@ def run(monkeypatch, capsys, tmp_path):
     return runner(monkeypatch, capsys, tmp_path, "size")
 
 
-def test_the_built_in_loaders_give_their_programmed_feel():
+def test_built_in_loaders_are_large_enough():
     for name, make in BUILT_IN.items():
         assert ff.sizing.size_drive(make()).good, name
 
 
-def test_the_folder_and_what_is_printed_agree(run, tmp_path):
+def test_written_files_agree_with_printed_json(run, tmp_path):
     status, out, err = run("elevator-electric", "--json", "--units", "si")
     found = json.loads(out)
     assert (status, err) == (0, "")
@@ -46,7 +46,7 @@ def test_the_folder_and_what_is_printed_agree(run, tmp_path):
     assert run("elevator-electric", "--replace")[0] == 0
 
 
-def test_a_motor_that_cannot_hold_the_programmed_force_is_named_with_what_would(run):
+def test_motor_too_small_for_programmed_force_has_remedy(run):
     """And what would does: with the named travel the motor holds the force, to the digits that are shown."""
     given = ("elevator-electric", "--set", "pilot.force=600 N", "--units", "si")
     status, out, err = run(*given)
@@ -61,7 +61,7 @@ def test_a_motor_that_cannot_hold_the_programmed_force_is_named_with_what_would(
     assert f"takes {torque:.1f} N m at the motor; its peak limit is 6.58 N m" in said
 
 
-def test_what_would_do_does_with_the_digits_that_are_shown(run):
+def test_displayed_remedy_is_sufficient(run):
     """Rounded to the side that passes, in either units: 1.577 cm, or 0.6209 in, are told as a little less."""
     loader = ff.loader.electric("desktop-yoke")
     for units, unit in (("si", "cm"), ("us", "in")):
@@ -82,17 +82,17 @@ def test_what_would_do_does_with_the_digits_that_are_shown(run):
         (1234.5, "1240 N m", "1230 N m"),
     ],
 )
-def test_what_is_enough_is_rounded_to_the_side_that_does(value, least, most):
+def test_sufficient_value_is_rounded_to_passing_side(value, least, most):
     assert enough(value, TORQUE, ff.UnitSystem.SI) == least
     assert enough(value, TORQUE, ff.UnitSystem.SI, most=True) == most
 
 
-def test_a_motor_that_turns_hardly_faster_is_not_told_to_turn_once_as_fast(run):
+def test_small_speed_increase_is_stated_in_percent(run):
     said = " ".join(run("elevator-electric", "--set", "pilot.force=390 N", "--units", "si")[1].split())
     assert re.search(r"and the motor turns 0\.[0-9]+ % faster\.", said)
 
 
-def test_a_valve_that_cannot_is_named_with_the_piston_that_would():
+def test_valve_too_small_has_piston_remedy():
     loader = ff.digital_elevator().replace({"valve.supply_pressure": "200 lb/in^2"})
     found = ff.sizing.size_drive(loader)
     assert not found.good
@@ -100,7 +100,7 @@ def test_a_valve_that_cannot_is_named_with_the_piston_that_would():
     assert ff.sizing.size_drive(would).demands[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
 
 
-def test_a_release_that_is_too_fast_is_told(run):
+def test_release_beyond_voltage_limit_is_stated(run):
     status, out, _ = run("elevator-electric", "--set", "current_loop.voltage_limit=21 V", "--angle", "20 deg")
     assert status == 1
     said = " ".join(out.split())
@@ -110,7 +110,7 @@ def test_a_release_that_is_too_fast_is_told(run):
     )
 
 
-def test_without_the_heat_the_continuous_torque_is_not_known():
+def test_continuous_torque_is_unknown_without_thermal_data():
     loader = ff.loader.electric("elevator-electric")
     found = ff.sizing.size_drive(loader.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"])))
     assert found.missing == HEAT
@@ -123,7 +123,7 @@ def test_without_the_heat_the_continuous_torque_is_not_known():
     assert any(line.startswith(f"The continuous torque is unknown: state {', '.join(HEAT)}") for line in said)
 
 
-def test_the_rule_goes_by_the_axis():
+def test_pilot_force_rule_depends_on_axis():
     """14 CFR 25.143(d): short term by two hands, one hand, long term; lb."""
     expected = {"pitch": [75, 50, 10], "roll": [50, 25, 5], "yaw": [150, 20], "stick": []}
     loader = ff.loader.electric("rudder-pedals")
@@ -168,7 +168,7 @@ def test_a_project_has_a_row_for_each_axis(run, tmp_path):
     assert "Every drive of the cockpit is large enough for its programmed feel." in said
 
 
-def test_a_project_with_a_drive_that_is_too_small_ends_with_one(run, tmp_path):
+def test_project_with_undersized_drive_exits_with_status_1(run, tmp_path):
     small = ff.loader.electric("desktop-yoke").replace({"pilot.force": "250 N"})
     (tmp_path / "small.toml").write_text(small.to_toml(), encoding="utf-8")
     (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "small.toml"\nyaw = "rudder-pedals"\n', encoding="utf-8")
@@ -177,7 +177,7 @@ def test_a_project_with_a_drive_that_is_too_small_ends_with_one(run, tmp_path):
     assert "Too small for the programmed feel: the drive of roll." in " ".join(out.split())
 
 
-def test_each_side_of_the_feel_is_asked_at_its_own_stop():
+def test_feel_demand_uses_stop_of_each_side():
     """A soft stop on the nearer side, beyond which the farther end does not lie."""
     stops = {"column.stop_low": "-15 deg", "column.stop_high": "12 deg", "feel.soft_stop_high": "13 deg"}
     loader = ff.loader.electric("elevator-electric").replace(stops)

@@ -38,20 +38,20 @@ def _held(loader: ff.Loader) -> dict[str, float]:
     return {str(name): float(value) for name, value in end.items()}
 
 
-def test_what_holds_a_force_is_what_a_run_settles_at():
+def test_holding_demand_matches_settled_run():
     end = _held(ELECTRIC)
     needs = Motor(ELECTRIC).needs(np.array([100.0]), np.zeros(1), held=True)
     assert needs.current_a == pytest.approx(-end["motor_current_a"], rel=ENGINE)
     assert needs.voltage_v == pytest.approx(-end["motor_voltage_v"], rel=ENGINE)
 
 
-def test_the_programmed_force_is_what_a_run_settles_at():
+def test_programmed_force_matches_settled_run():
     """With breakout and deadband: the force at the grip that belongs to the angle where the column stands."""
     loader = ELECTRIC.replace({"feel.breakout": "20 N", "feel.deadband": "0.5 deg"})
     assert programmed_force(loader, _held(loader)["column_angle_rad"]) == pytest.approx(100.0, rel=ENGINE)
 
 
-def test_a_speed_takes_what_a_run_takes():
+def test_speed_demand_matches_simulated_run():
     """Of a release with viscous friction, where the speed is largest: nothing is accelerated there; the winding's lag is known."""
     loader = ELECTRIC.replace({"motor.viscous_friction": "0.02 N m s/rad"})
     motor, history = (
@@ -72,7 +72,7 @@ def test_a_speed_takes_what_a_run_takes():
 
 
 @pytest.mark.parametrize("current", [4.0, 5.5, 12.0])
-def test_the_winding_warms_as_its_equations_say(current):
+def test_winding_temperature_matches_thermal_equations(current):
     """``C_w T_w' = P - (T_w - T_h) / R_wh``, ``C_h T_h' = (T_w - T_h) / R_wh - T_h / R_ha``, by an integrator."""
     motor, row = Motor(ELECTRIC), ELECTRIC
     hot = row["winding.temperature_coefficient"]
@@ -98,7 +98,7 @@ def test_the_winding_warms_as_its_equations_say(current):
         assert motor.winding_degc(current) == pytest.approx(found.y[0, -1] + row["thermal.ambient"], rel=INTEGRATED)
 
 
-def test_the_continuous_current_is_where_derating_begins():
+def test_continuous_current_is_derating_limit():
     motor = Motor(ELECTRIC)
     assert motor.winding_degc(motor.continuous_current_a) == pytest.approx(
         ELECTRIC["thermal.derating_from"], rel=ROUNDING
@@ -110,7 +110,7 @@ def test_the_continuous_current_is_where_derating_begins():
 
 
 @pytest.mark.parametrize("loader", [ELECTRIC, LOSSY])
-def test_the_force_of_a_current_takes_that_current(loader):
+def test_force_and_current_are_inverse(loader):
     """At each point of the curve, the torque of the force is that of the current, and there one limit is reached."""
     motor = Motor(loader)
     speed, force = motor.curve(inf, loader["current_loop.current_limit"])
@@ -121,13 +121,13 @@ def test_the_force_of_a_current_takes_that_current(loader):
     assert speed[-1] == motor.capability.fastest_m_per_s
 
 
-def test_the_rotor_at_the_grip_is_its_inertia_times_the_square_of_force_per_torque():
+def test_rotor_mass_at_grip_is_inertia_times_squared_ratio():
     capability = Motor(ELECTRIC).capability
     expected = ELECTRIC["motor.inertia"] * (capability.peak_force_n / capability.peak_torque_n_m) ** 2
     assert capability.added_mass_kg == pytest.approx(expected, rel=ROUNDING)
 
 
-def test_losses_help_a_load_that_drives():
+def test_losses_reduce_demand_of_driving_load():
     motor = Motor(LOSSY)
     force, speed = np.array([100.0, 100.0]), np.array([0.5, -0.5])
     driven, driving = motor.torque(force, speed)
@@ -137,7 +137,7 @@ def test_losses_help_a_load_that_drives():
 
 
 @pytest.mark.parametrize("loader", [ff.elevator(), ff.digital_elevator()])
-def test_the_valve_gives_what_its_flow_leaves(loader):
+def test_valve_curve_uses_full_flow(loader):
     """Along the curve the flow at no load that a point takes is all that the spool lets through."""
     valve = Valve(loader)
     speed, force = valve.curve()
@@ -151,7 +151,7 @@ def test_the_valve_gives_what_its_flow_leaves(loader):
     assert speed[-1] == pytest.approx(valve.capability.fastest_m_per_s)
 
 
-def test_a_motor_without_its_heat_has_no_continuous_force():
+def test_motor_without_thermal_data_has_no_continuous_force():
     capability = Motor(ELECTRIC.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"]))).capability
     assert isnan(capability.continuous_force_n)
     assert capability.peak_force_n == Motor(ELECTRIC).capability.peak_force_n

@@ -45,7 +45,7 @@ def test_random_numbers_are_uniform_and_independent():
 
 
 @pytest.mark.parametrize(("first", "count"), [(0, 1), (1, 6), (4, 8), (777, 223), (999, 1), (3, 0)])
-def test_random_numbers_are_told_by_their_index(first, count):
+def test_random_numbers_depend_on_index_only(first, count):
     whole = shares(7, "linkage.stiffness", 0, 1000)
     assert np.array_equal(shares(7, "linkage.stiffness", first, count), whole[first : first + count])
 
@@ -55,13 +55,13 @@ def test_random_numbers_differ_by_seed_and_parameter():
     assert len({tuple(row) for row in drawn}) == len(drawn)
 
 
-def test_a_parameter_keeps_its_numbers_when_another_is_varied_too():
+def test_parameter_samples_are_independent_of_other_parameters():
     alone, more = small(), small(vary={"column.base_arm": "1 %"})
     runs = range(13, 77)
     assert np.array_equal(alone.drawn(runs)["linkage.stiffness"], more.drawn(runs)["linkage.stiffness"])
 
 
-def test_what_is_drawn_keeps_to_bounds_and_distribution():
+def test_samples_follow_bounds_and_distribution():
     sweep = small(20_000, vary={"load_cell.gain": {"normal": "5 %", "low": "-8 %", "high": "10 %"}})
     drawn = sweep.drawn(range(sweep.total))
     assert set(drawn) == set(sweep.varied) == set(nonlinear().tolerances)
@@ -73,7 +73,7 @@ def test_what_is_drawn_keeps_to_bounds_and_distribution():
     assert scipy.stats.kstest(gain, bounds.cdf).pvalue > SIGNIFICANCE
 
 
-def test_values_of_any_piece_are_those_of_the_whole():
+def test_values_of_piece_equal_values_of_whole():
     for sweep in (
         small(300),
         small(7, grids={"feel.stiffness": "5000..9000 lb in/rad:13", "feel.damping": "100..300 lb in s/rad:3"}),
@@ -84,7 +84,7 @@ def test_values_of_any_piece_are_those_of_the_whole():
             assert np.array_equal(sweep.values(range(start, stop)), whole[start:stop])
 
 
-def test_at_every_point_of_a_grid_stand_the_same_machines():
+def test_every_grid_point_has_same_machines():
     sweep = small(5, grids={"feel.stiffness": [800.0, 900.0, 1000.0], "feel.damping": [20.0, 30.0]})
     drawn = sweep.drawn(range(sweep.total))
     assert sweep.total == 30
@@ -105,7 +105,7 @@ def test_a_grid_alone_draws_no_machines():
     assert (values == nonlinear().si_values).all()
 
 
-def test_a_grid_alone_does_not_ask_what_tolerances_there_are():
+def test_grid_without_runs_ignores_tolerances():
     loader = nonlinear().with_tolerances({"controller.period": "5 %"})
     assert Sweep(loader, PUSH, grids={"feel.damping": [20.0, 30.0]}).total == 2
     with pytest.raises(InputError, match=r"vary: controller\.period: all runs of a sweep share it; .* \(none\)"):
@@ -113,13 +113,13 @@ def test_a_grid_alone_does_not_ask_what_tolerances_there_are():
     assert "controller.period" not in Sweep(loader, PUSH, vary={"controller.period": "none"}).varied
 
 
-def test_the_tolerance_of_a_grid_s_parameter_is_left_out():
+def test_tolerance_of_grid_parameter_is_ignored():
     sweep = small(5, grids={"linkage.stiffness": "5000..7000 lb/in:3"})
     assert "linkage.stiffness" not in sweep.varied
     assert "linkage.damping" in sweep.varied
 
 
-def test_a_run_of_a_sweep_is_that_loader_s_run():
+def test_sweep_run_equals_single_run():
     """By the second route: the loader of that run, simulated alone."""
     sweep = Sweep(nonlinear().replace({"load_cell.noise": None}), PUSH, law="original", runs=40)
     found = run_sweep(sweep).runs
@@ -145,7 +145,7 @@ def test_the_numbers_do_not_depend_on_threads_or_pieces():
     assert np.array_equal(whole[:, 0], one["maximum_angle_rad"].values)
 
 
-def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
+def test_chunks_cover_every_run_once_and_depend_only_on_sweep():
     for runs in (1, 9, 400, 100_003):
         chunks = small(runs).chunks
         assert [run for chunk in chunks for run in chunk] == list(range(runs))
@@ -153,14 +153,14 @@ def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
     assert len(small(400).chunks) > 8
 
 
-def test_a_sweep_can_be_sent():
+def test_sweep_can_be_pickled():
     sweep = small(30, vary={"feel.damping": "5 %"}, law=ff.laws.GainLaw.original(nonlinear().si_values), seed=3)
     sent = pickle.loads(pickle.dumps(sweep))
     assert np.array_equal(sent.values(range(30)), sweep.values(range(30)))
     assert np.array_equal(measure(sent, range(30)), measure(sweep, range(30)), equal_nan=True)
 
 
-def test_results_are_labelled():
+def test_results_are_labeled():
     found = run_sweep(small(20)).runs
     assert found.sizes == {"run": 20}
     assert found["linkage.stiffness"].attrs["units"] == "N/m"
@@ -169,7 +169,7 @@ def test_results_are_labelled():
     assert set(map(str, found.coords)) == {"run", *nonlinear().tolerances}
 
 
-def test_a_law_holds_for_all_machines():
+def test_fixed_law_is_used_for_all_machines():
     loader = ff.elevator()
     law = ff.laws.GainLaw.original(loader.si_values)
     own, fixed = (run_sweep(Sweep(loader, PUSH, given, runs=16)).runs for given in (None, law))
@@ -179,7 +179,7 @@ def test_a_law_holds_for_all_machines():
 # What can go wrong with a member.
 
 
-def test_a_run_that_diverges_is_a_status_and_the_others_stand():
+def test_diverged_run_has_status_and_other_runs_are_kept():
     sweep = Sweep(ff.elevator(), Scenario(Step(427.0, 0.1)), grids={"feel.inertia": "2..200 lb in s^2/rad:9:log"})
     found = run_sweep(sweep)
     status = found.runs["status"].values
@@ -192,7 +192,7 @@ def test_a_run_that_diverges_is_a_status_and_the_others_stand():
     assert ((damping.values < 0) >= (status == "diverged")).all()
 
 
-def test_a_machine_that_cannot_be_is_a_status_and_the_others_stand():
+def test_impossible_machine_has_status_and_other_runs_are_kept():
     vary = {"column.coulomb_friction": "1 lb..3 lb", "column.static_friction": "2..4 lb"}
     sweep = small(300, vary=vary)
     found = run_sweep(sweep)
@@ -219,7 +219,7 @@ def result():
     return run_sweep(Sweep(ff.elevator(), Scenario(Step(427.0, 0.1), duration_s=1.0), runs=1500))
 
 
-def test_quantiles_and_correlations_are_scipy_s(result):
+def test_quantiles_and_correlations_match_scipy(result):
     summary, runs = summarize(result), result.runs
     for name in ("overshoot", "final_angle_rad", "peak_flow_m3_per_s"):
         spread = summary.spreads[name]
@@ -231,7 +231,7 @@ def test_quantiles_and_correlations_are_scipy_s(result):
     assert summary.chance == pytest.approx(noise, rel=ROUNDING)
 
 
-def test_shares_have_wilson_s_interval(result):
+def test_shares_have_wilson_interval(result):
     for share in summarize(result).shares:
         want = scipy.stats.binomtest(share.runs, 1500).proportion_ci(method="wilson")
         assert (share.low, share.high) == pytest.approx((want.low, want.high), abs=ROUNDING)
@@ -274,14 +274,14 @@ def test_the_damping_map_changes_sign_where_the_loader_becomes_unstable():
     assert damping[0, 0] < 0 < damping[1, 1]
 
 
-def test_the_envelope_holds_the_runs(result):
+def test_envelope_contains_the_runs(result):
     envelope = result.envelope["column_angle_rad"]
     assert (np.diff(envelope.values, axis=0) >= 0).all()
     first = result.runs["maximum_angle_rad"].values[:400]
     assert float(envelope.sel(edge="highest").max()) == pytest.approx(first.max(), rel=ROUNDING)
 
 
-def test_conclusions_name_what_matters(result):
+def test_conclusions_name_largest_effect(result):
     summary = summarize(result)
     found = sweep_conclusions(result, summary, UnitSystem.US)
     assert "of 1,500 loaders" in found.verdict or "All 1,500 loaders" in found.verdict
@@ -293,7 +293,7 @@ def test_conclusions_name_what_matters(result):
 @pytest.mark.parametrize(
     ("share", "said"), [(1.0, "100 %"), (0.99996, "99.996 %"), (0.9712, "97.1 %"), (0.0, "0 %"), (2e-5, "0.002 %")]
 )
-def test_what_is_not_all_never_reads_as_all(share, said):
+def test_incomplete_share_is_not_formatted_as_all(share, said):
     assert share_text(share) == said
 
 
@@ -305,7 +305,7 @@ def test_the_headline_measure_fits_the_input(force, first):
     assert main_measures(found, summarize(found))[0] == first
 
 
-def test_inputs_that_lead_nowhere_are_measured_by_settling_and_not_by_overshoot():
+def test_returning_inputs_use_settling_time_not_overshoot():
     found = run_sweep(Sweep(ff.elevator(), Scenario(Doublet(100.0, 0.1, 0.2), duration_s=3.0), runs=24))
     assert np.isnan(found.runs["overshoot"].values).all()
     measures = main_measures(found, summarize(found))
@@ -323,7 +323,7 @@ def test_runs_without_an_overshoot_are_counted_and_the_reason_is_given():
     assert f"{none} have none: the column ends where it began, meets a stop," in said
 
 
-def test_a_sweep_in_which_nothing_moves_has_nothing_to_say():
+def test_sweep_without_motion_reports_all_settled():
     found = run_sweep(Sweep(ff.elevator(), Scenario(HandsOff(), duration_s=0.2), runs=8))
     assert "All 8 loaders settle" in sweep_conclusions(found, summarize(found), UnitSystem.SI).verdict
 
@@ -398,7 +398,7 @@ def test_bad_sweeps_are_refused_with_a_remedy(options, said):
     assert "\n" not in str(refused.value)
 
 
-def test_a_loader_without_tolerances_says_what_to_do():
+def test_loader_without_tolerances_raises_error_with_remedy():
     loader = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
     with pytest.raises(
         InputError, match=r"nothing varies: elevator-1974 has no tolerances; add a section \[tolerances\]"
@@ -408,7 +408,7 @@ def test_a_loader_without_tolerances_says_what_to_do():
         Sweep(loader, PUSH, runs=4, grids={"feel.damping": [1.0, 2.0]})
 
 
-def test_shares_that_lead_out_of_the_range_are_refused():
+def test_shares_beyond_parameter_range_are_refused():
     """A loader may hold them, because they follow a value that moves; no machine may have them."""
     loader = nonlinear().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95}, si=True)
     with pytest.raises(InputError, match=r"tolerances\.linkage\.ratio: out of range: .* narrow it"):
@@ -416,7 +416,7 @@ def test_shares_that_lead_out_of_the_range_are_refused():
     assert Sweep(loader, PUSH, vary={"linkage.ratio": "5 %"}).total == 10_000
 
 
-def test_a_grid_over_what_has_no_effect_is_refused():
+def test_grid_of_ineffective_parameter_is_refused():
     angles = {"column.gravity_angle": "0..90 deg:3"}
     with pytest.raises(InputError, match=r"grid: column\.gravity_angle: has no effect without column\.gravity_torque"):
         Sweep(nonlinear(), PUSH, grids=angles)
@@ -429,7 +429,7 @@ PIECES = st.sampled_from(
 
 
 @given(st.sampled_from(list(TABLE)), st.lists(PIECES, max_size=6).map("".join))
-def test_any_text_is_a_sweep_or_refused_in_a_line(key, stated):
+def test_random_text_is_sweep_or_one_line_error(key, stated):
     assert good_or_refused(key, vary={key: stated})
     assert good_or_refused(key, grids={key: stated})
 
@@ -449,7 +449,7 @@ def test_a_feel_that_varies_and_changes_is_refused():
     assert bad(scenario=scenario).total == 10_000
 
 
-def test_a_tolerance_can_be_taken_back():
+def test_tolerance_can_be_removed():
     sweep = bad(vary={"linkage.stiffness": "none", "linkage.damping": None})
     assert not {"linkage.stiffness", "linkage.damping"} & set(sweep.varied)
 
@@ -458,13 +458,13 @@ def test_a_tolerance_can_be_taken_back():
     ("stated", "low", "high"),
     [("20 %", 0.8, 1.2), ("-10 %..20 %", 0.9, 1.2), ('{ uniform = ["-5 %", "5 %"] }', 0.95, 1.05)],
 )
-def test_tolerances_as_text(stated, low, high):
+def test_tolerance_text_is_read(stated, low, high):
     tolerance = bad(vary={"feel.damping": stated}).varied["feel.damping"]
     nominal = nonlinear()["feel.damping"]
     assert (tolerance.low, tolerance.high) == pytest.approx((low * nominal, high * nominal))
 
 
-def test_the_first_bound_may_leave_its_unit_to_the_last():
+def test_first_bound_takes_unit_of_last_bound():
     per_lb = TABLE["column.coulomb_friction"].default_si / TABLE["column.coulomb_friction"].default_us
     for stated in ("1 lb..5 lb", "1..5 lb", "1.0e0 .. 5 lb"):
         tolerance = bad(vary={"column.coulomb_friction": stated}).varied["column.coulomb_friction"]
@@ -477,5 +477,5 @@ def test_an_assignment_needs_both_sides(given):
         text.assignment(given, "a=b")
 
 
-def test_statuses_are_those_of_runs():
+def test_statuses_match_run_statuses():
     assert {str(status) for status in RunStatus} | {IMPOSSIBLE} == {"settled", "moving", "diverged", "impossible"}

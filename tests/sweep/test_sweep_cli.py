@@ -70,7 +70,7 @@ def test_help_has_an_example_and_every_option(run):
         assert option in out
 
 
-def test_a_monte_carlo_sweep_says_what_it_found(run, tmp_path):
+def test_monte_carlo_sweep_prints_results(run, tmp_path):
     status, out, err = run(
         *small("--vary", "column.coulomb_friction=1 lb..3 lb", "--vary", "column.static_friction=none")
     )
@@ -82,7 +82,7 @@ def test_a_monte_carlo_sweep_says_what_it_found(run, tmp_path):
     assert there == {"plan.json", "runs.nc", "summary.json", "envelope.csv", "sweep.html", "plotly.min.js"}
 
 
-def test_json_alone_is_printed(run, tmp_path):
+def test_json_option_prints_json_only(run, tmp_path):
     status, out, err = run(*small("--json", "--units", "si", "--out", "mc"))
     found = json.loads(out)
     assert (status, err) == (0, "")
@@ -95,7 +95,7 @@ def test_json_alone_is_printed(run, tmp_path):
     }
 
 
-def test_units_are_those_asked_for_but_runs_are_si(run, tmp_path):
+def test_output_has_requested_units_and_runs_file_si(run, tmp_path):
     us, si = (json.loads(run(*small("--json", "--units", units, "--out", units))[1]) for units in ("us", "si"))
     flow = [found["measures"]["peak_flow_m3_per_s"]["quantiles"]["0.5"] for found in (us, si)]
     assert flow[1] / flow[0] == pytest.approx(2.54**3)
@@ -114,7 +114,7 @@ def test_a_grid_makes_a_map(run, tmp_path):
     assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="scipy").sizes == {"run": 20}
 
 
-def test_a_law_for_each_setting(run, tmp_path):
+def test_law_is_designed_for_each_setting(run, tmp_path):
     words = ["--set", "load_cell.noise=off", "--grid", "feel.stiffness=5000..15000 lb in/rad:4", *PUSH_WORDS]
     found = {}
     for name, more in (("one", []), ("own", ["--redesign"])):
@@ -132,20 +132,20 @@ def test_a_law_for_each_setting(run, tmp_path):
     assert "law" in run("my.toml", *words, "--law", "published", "--out", "own", "--resume")[2]
 
 
-def test_machines_at_each_point(run):
+def test_runs_are_repeated_at_each_grid_point(run):
     status, out, _ = run(*small("--grid", "feel.stiffness=8000..12000 lb in/rad:3", "--json"))
     assert status == 0
     assert json.loads(out)["runs"] == 192
 
 
-def test_the_seed_is_the_sweep_s(run, tmp_path):
+def test_seed_option_sets_sweep_seed(run, tmp_path):
     for seed in ("0", "1"):
         assert run(*small("--seed", seed, "--out", seed))[0] == 0
     runs = [xr.load_dataset(tmp_path / seed / "runs.nc", engine="scipy") for seed in ("0", "1")]
     assert not runs[0]["linkage.stiffness"].equals(runs[1]["linkage.stiffness"])
 
 
-def test_a_diverging_loader_is_a_bad_answer(run):
+def test_diverging_loader_exits_with_status_1(run):
     words = ("--set", "feel.inertia=2 lb in s^2/rad", "--runs", "16")
     status, out, _ = run(*words)  # the built-in loader, which is linear
     assert status == 1
@@ -188,7 +188,7 @@ def test_a_folder_that_cannot_be_written_is_named(run, tmp_path):
     assert "locked/sweep: cannot be made (Permission denied)" in err
 
 
-def test_a_loader_file_without_tolerances_says_what_to_do(run, tmp_path):
+def test_loader_file_without_tolerances_gives_remedy(run, tmp_path):
     bare = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
     (tmp_path / "bare.toml").write_text(bare.to_toml(), encoding="utf-8")
     status, _, err = run("bare.toml")
@@ -222,7 +222,7 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
-def test_ctrl_c_and_kill_keep_what_is_finished(run, tmp_path):
+def test_interrupted_or_killed_sweep_keeps_finished_pieces(run, tmp_path):
     """Real processes, interrupted or killed once some pieces are there; then they go on to the same end."""
     words = ("my.toml", "--runs", "8000", *PUSH_WORDS)
     assert run(*words, "--out", "whole")[0] == 0

@@ -27,7 +27,7 @@ def here():
     return run_sweep(small(RUNS)).runs
 
 
-def test_a_killed_worker_costs_nothing(workers, here, tmp_path):
+def test_killed_worker_does_not_change_result(workers, here, tmp_path):
     """Nothing is counted twice and nothing lost: the result is the embedded one, bit for bit."""
     victim = next(iter(workers.workers.values())).pid
     told, killed = [], []
@@ -46,7 +46,7 @@ def test_a_killed_worker_costs_nothing(workers, here, tmp_path):
     assert sorted(np.diff(told)) == sorted(map(len, small(RUNS).chunks))
 
 
-def test_a_sweep_begun_here_goes_on_there(workers, here, tmp_path):
+def test_local_sweep_resumes_on_cluster(workers, here, tmp_path):
     def stop(done, total):
         if done > total / 3:
             raise KeyboardInterrupt
@@ -57,14 +57,14 @@ def test_a_sweep_begun_here_goes_on_there(workers, here, tmp_path):
     assert found.runs.identical(here)
 
 
-def test_laws_of_each_setting_are_the_same_there(workers):
+def test_cluster_laws_equal_local_laws(workers):
     loader = nonlinear()
     vary = {"feel.damping": "30 %"}
     sweep = Sweep(loader, PUSH, published_settings(loader), runs=200, vary=vary)
     assert run_sweep(sweep, scheduler=workers.scheduler_address).runs.identical(run_sweep(sweep).runs)
 
 
-def test_an_interruption_keeps_what_came_back(workers, here, tmp_path):
+def test_interrupted_cluster_sweep_keeps_finished_chunks(workers, here, tmp_path):
     def stop(done, total):
         if done > total / 3:
             raise KeyboardInterrupt
@@ -87,7 +87,7 @@ def test_another_engine_on_a_worker_is_named(workers, monkeypatch):
     ("found", "said"),
     [("0.0.1", "has forcefeel 0.0.1, expected"), (PackageNotFoundError("forcefeel"), "has no forcefeel; install")],
 )
-def test_a_worker_with_another_forcefeel_or_none_is_named(workers, monkeypatch, found, said):
+def test_worker_with_other_or_missing_forcefeel_is_named(workers, monkeypatch, found, said):
     monkeypatch.setattr("distributed.Client.run", lambda self, *args, **options: {"tcp://far:1": found})
     with pytest.raises(InputError, match=said):
         run_sweep(small(64), scheduler=workers.scheduler_address)
@@ -117,7 +117,7 @@ def test_an_unreachable_scheduler_is_named_and_nothing_is_lost(monkeypatch, tmp_
     assert len(list((tmp_path / "chunks").iterdir())) == 1
 
 
-def test_without_dask_it_is_said_what_to_install(monkeypatch):
+def test_missing_dask_error_gives_install_command(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
     with pytest.raises(InputError, match=r"--scheduler: needs Dask .*pip install 'forcefeel\[cluster\]'"):
         run_sweep(small(64), scheduler="tcp://127.0.0.1:8786")

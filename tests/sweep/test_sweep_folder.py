@@ -54,13 +54,13 @@ def test_a_finished_sweep_leaves_plan_and_runs(tmp_path, whole):
     assert progress.told == [0, *np.cumsum([len(chunk) for chunk in small().chunks])]
 
 
-def test_a_plan_lists_the_rows_that_its_loader_has():
+def test_plan_lists_rows_of_drive():
     for loader in (ff.digital_elevator(), ff.loader.electric("sidestick-pitch")):
         document = identity.identity(Sweep(loader, PUSH, runs=8))
         assert [*document["loader"]["values"]] == [*table(loader.drive)]
 
 
-def test_units_and_coordinates_survive_the_file(tmp_path, whole):
+def test_units_and_coordinates_round_trip_through_file(tmp_path, whole):
     run_sweep(small(), tmp_path)
     stored = xr.load_dataset(io.BytesIO((tmp_path / "runs.nc").read_bytes()), engine="scipy")
     assert set(stored.coords) == set(whole.coords)
@@ -70,7 +70,7 @@ def test_units_and_coordinates_survive_the_file(tmp_path, whole):
     assert stored.attrs["loader"] == "elevator-1974"
 
 
-def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path, whole):
+def test_interrupted_sweep_resumes_at_last_chunk(tmp_path, whole):
     first = interrupt(small(), tmp_path)
     assert names(tmp_path) == {"plan.json", "chunks"}
     assert len(names(tmp_path / "chunks")) == 3
@@ -92,13 +92,13 @@ def test_an_interrupted_replacement_leaves_no_script_without_a_page(tmp_path, ot
     assert names(tmp_path) == {"plan.json", "chunks", *(["plotly.min.js"] if other else []), *other}
 
 
-def test_going_on_often_gives_the_same(tmp_path, whole):
+def test_repeated_resume_gives_same_result(tmp_path, whole):
     for _ in range(3):
         interrupt(small(), tmp_path, after=2)
     assert run_sweep(small(), tmp_path, resume=True, threads=1).runs.identical(whole)
 
 
-def test_a_finished_sweep_is_read_not_run_again(tmp_path, whole, monkeypatch):
+def test_finished_sweep_is_read_and_not_repeated(tmp_path, whole, monkeypatch):
     run_sweep(small(), tmp_path)
     monkeypatch.setattr("forcefeel.sweep.run.measure", None)
     progress = Interrupted()
@@ -142,7 +142,7 @@ def test_a_damaged_piece_is_computed_again(tmp_path, whole, damage):
     assert len(progress.told) == 1 + len(small().chunks) - 2
 
 
-def test_a_piece_is_written_whole(tmp_path, monkeypatch):
+def test_chunk_on_full_disk_is_not_partly_written(tmp_path, monkeypatch):
     """A full disk in the midst of a piece: it is named, and no part of the piece is there."""
     interrupt(small(), tmp_path)
     before = names(tmp_path / "chunks")
@@ -205,7 +205,7 @@ def test_a_folder_with_another_sweep_is_refused(tmp_path, other, resume):
     assert len(names(tmp_path / "chunks")) == 3
 
 
-def test_the_same_sweep_goes_on_only_if_told(tmp_path):
+def test_same_sweep_resumes_only_with_resume(tmp_path):
     interrupt(small(), tmp_path)
     kept = sum(map(len, small().chunks[:3]))
     with pytest.raises(InputError, match=f"holds {kept} of 400 runs of this very sweep; --resume to go on with it"):
@@ -223,7 +223,7 @@ def test_another_engine_is_another_sweep(tmp_path, monkeypatch):
         run_sweep(small(), tmp_path, resume=True)
 
 
-def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
+def test_replace_restarts_sweep_and_keeps_other_files(tmp_path, whole):
     run_sweep(small(30), tmp_path)
     for name in ("sweep.html", "mine.txt"):
         (tmp_path / name).write_text("there", encoding="utf-8")
@@ -242,7 +242,7 @@ def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
         (["plan.json", "chunks"], "chunks: is no folder that a sweep made"),
     ],
 )
-def test_chunks_of_somebody_else_are_never_removed(tmp_path, held, said):
+def test_foreign_chunks_are_never_removed(tmp_path, held, said):
     run_sweep(small(8), tmp_path / "own")
     for name in held:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -262,7 +262,7 @@ def test_a_folder_of_chunks_that_is_a_link_is_not_followed(tmp_path):
     assert (tmp_path / "mine" / "00000.npy").read_text() == "mine"
 
 
-def test_what_a_killed_run_was_writing_is_cleared(tmp_path):
+def test_partial_files_of_killed_run_are_removed(tmp_path):
     for name in (".runs.nc.abcd1234", ".plan.json._b_d_2_4", ".bashrc", ".runs.nc.mine"):
         (tmp_path / name).write_text("half")
     run_sweep(small(8), tmp_path)
@@ -278,7 +278,7 @@ def test_a_seed_of_any_size_is_kept(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["runs.nc", "sweep.html", "summary.json", "envelope.csv"])
-def test_files_of_somebody_else_are_kept(tmp_path, name):
+def test_foreign_files_are_kept(tmp_path, name):
     (tmp_path / name).write_text("mine", encoding="utf-8")
     for resume in (False, True):
         with pytest.raises(InputError, match=rf"holds {name}, but no plan\.json .*; name another folder, or --replace"):
@@ -287,20 +287,20 @@ def test_files_of_somebody_else_are_kept(tmp_path, name):
 
 
 @pytest.mark.parametrize("plan", ["", "[1]", "{", "\xff", pytest.param("[" * 100_000, id="deep")])
-def test_a_plan_that_is_none_is_refused(tmp_path, plan):
+def test_invalid_plan_raises_input_error(tmp_path, plan):
     (tmp_path / "plan.json").write_bytes(plan.encode("latin-1"))
     with pytest.raises(InputError, match=r"plan\.json: (cannot be read|is no plan)"):
         run_sweep(small(), tmp_path, resume=True)
 
 
-def test_results_that_cannot_be_read_are_named(tmp_path):
+def test_unreadable_results_are_named(tmp_path):
     run_sweep(small(), tmp_path)
     (tmp_path / "runs.nc").write_bytes((tmp_path / "runs.nc").read_bytes()[:1000])
     with pytest.raises(InputError, match=r"runs\.nc: cannot be read .*; --replace to begin anew"):
         run_sweep(small(), tmp_path, resume=True)
 
 
-def test_a_file_where_the_folder_should_be(tmp_path):
+def test_file_in_place_of_folder_is_refused(tmp_path):
     (tmp_path / "sweep").write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="sweep: is a file; expected a folder"):
         run_sweep(small(), tmp_path / "sweep")
@@ -319,7 +319,7 @@ def test_options_without_a_folder_are_refused():
         run_sweep(small(8), threads=2, scheduler="tcp://127.0.0.1:1")
 
 
-def test_the_plan_holds_every_number_and_its_version(tmp_path):
+def test_plan_contains_all_values_and_version(tmp_path):
     sweep = small(16, grids={"feel.damping": [20.0, 30.0]})
     interrupt(sweep, tmp_path, after=1)
     plan = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
@@ -331,7 +331,7 @@ def test_the_plan_holds_every_number_and_its_version(tmp_path):
     assert plan["sweep"] == identity.digest(identity.identity(sweep))
 
 
-def test_a_long_recording_is_told_by_its_hash():
+def test_long_recording_is_identified_by_hash():
     time = np.linspace(0.0, 0.5, 500)
     forces = [Recorded(time, np.sin(time)), Recorded(time, np.sin(time) + 1e-15)]
     plans = [identity.identity(Sweep(nonlinear(), dataclasses.replace(PUSH, force=force), runs=8)) for force in forces]

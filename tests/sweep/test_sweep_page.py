@@ -20,15 +20,15 @@ from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
 from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    test_a_page_is_small_and_every_plot_has_its_text,
-    test_heads_name_rows_and_columns_and_keep_their_words_whole,
-    test_nothing_is_asked_for_but_the_page_and_its_script,
-    test_nothing_is_cut_off,
-    test_tables_and_drawing_stay_in_their_boxes,
-    test_the_console_is_silent,
-    test_the_navigation_stays_in_view,
-    test_the_tool_bar_leaves_the_legend_free,
+    test_browser_console_has_no_messages,
+    test_navigation_stays_in_view,
+    test_no_content_is_clipped,
+    test_page_is_small_and_every_plot_has_text,
+    test_page_requests_only_itself_and_its_script,
+    test_table_headers_have_scope_and_whole_words,
+    test_tables_and_drawings_stay_in_their_boxes,
     test_tick_labels_do_not_overlap,
+    test_tool_bar_does_not_cover_legend,
     views_of,
     words_cut,
 )
@@ -101,13 +101,13 @@ def test_the_page_has_a_headline_tables_and_plots(pages):
         assert table in said
 
 
-def test_no_number_has_more_digits_than_people_read(pages):
+def test_numbers_have_limited_digits(pages):
     for page in pages.values():
         numbers = re.findall(r"\d[\d.]*\d", words(page))
         assert [one for one in numbers if len(one.replace(".", "").lstrip("0")) > MOST_DIGITS] == []
 
 
-def test_what_diverged_or_cannot_be_is_said(pages, results):
+def test_page_states_diverged_and_impossible_runs(pages, results):
     said = words(pages["unstable"])
     status = results["unstable"].runs["status"].values
     assert {"diverged", "impossible"} <= set(status)
@@ -126,7 +126,7 @@ def test_a_grid_has_maps_and_the_boundary_of_stability(pages):
     assert "6 machines, of which the maps show the median" in words(pages["machines"])
 
 
-def test_the_summary_holds_what_the_page_says(pages):
+def test_summary_json_agrees_with_page(pages):
     found = json.loads((pages["unstable"].parent / "summary.json").read_text(encoding="utf-8"))
     assert sum(one["runs"] for one in found["statuses"]) == 600
     assert found["varied"]["column.static_friction"]["high"] == {"value": pytest.approx(17.792886), "unit": "N"}
@@ -136,7 +136,7 @@ def test_the_summary_holds_what_the_page_says(pages):
     assert grid["grid"]["feel.stiffness"]["values"][-1] == pytest.approx(28800)
 
 
-def test_the_band_is_a_table_too(pages, results):
+def test_band_has_a_table(pages, results):
     rows = np.genfromtxt(pages["tolerances"].parent / "envelope.csv", delimiter=",", names=True)
     assert len(rows) == 501
     assert rows["median_deg"][-1] == pytest.approx(
@@ -162,7 +162,7 @@ def test_even_steps_in_proportion_have_a_logarithmic_axis(values, expected):
     assert sweep_maps.logarithmic(SweepResult(sweep, None), "feel.damping") is expected
 
 
-def test_an_input_that_goes_on_has_its_own_measures(tmp_path):
+def test_input_without_end_has_its_own_measures(tmp_path):
     scenario = Scenario(StopToStop(200.0, 1.0), duration_s=1.0)
     result = run_sweep(Sweep(nonlinear(), scenario, law="original", runs=40))
     page = write_sweep(result, summarize(result), tmp_path, UnitSystem.SI)
@@ -171,7 +171,7 @@ def test_an_input_that_goes_on_has_its_own_measures(tmp_path):
 
 
 @pytest.mark.parametrize("name", [sweep_folder.PAGE, sweep_folder.SUMMARY, "plan.json", "runs.nc"])
-def test_a_folder_where_a_file_is_to_be_is_refused(tmp_path, name):
+def test_folder_in_place_of_file_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     whose = FOLDER if name in FOLDER.files else RUNS_FOLDER
     with pytest.raises(InputError, match="is a folder; expected to write a file of that name"):
@@ -200,7 +200,7 @@ def test_every_plot_shows_something(page):
 
 
 @pytest.mark.browser
-def test_the_plots_show_their_words_whole(page):
+def test_plot_text_is_not_clipped(page):
     """Titles, legend and ticks lie inside their plot; the legend lies above the curves."""
     selector = ".legendtext, [class*=title] text, [class*=tick] text, .cbaxis text"
     assert words_cut(page, selector, ROUNDING_PX) == []

@@ -55,7 +55,7 @@ def assert_same(runs, k, run):
 
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("machine", [ff.elevator, analog], ids=["linear", "nonlinear"])
-def test_each_point_of_a_grid_has_the_law_of_its_setting(name, machine):
+def test_each_grid_point_uses_law_of_its_setting(name, machine):
     loader = machine()
     design = DESIGNS[name](loader)
     runs = run_sweep(Sweep(loader, PUSH, design, grids=GRID)).runs
@@ -65,7 +65,7 @@ def test_each_point_of_a_grid_has_the_law_of_its_setting(name, machine):
         assert_same(runs, k, alone(loader, design, at))
 
 
-def test_the_laws_differ_from_one_for_all():
+def test_laws_per_setting_differ_from_fixed_law():
     loader = analog()
     one = run_sweep(Sweep(loader, PUSH, ff.design_gains(loader).law(loader), grids=GRID)).runs
     own = run_sweep(Sweep(loader, PUSH, published_settings(loader), grids=GRID)).runs
@@ -73,7 +73,7 @@ def test_the_laws_differ_from_one_for_all():
     assert apart.max() > 1e-3
 
 
-def test_a_machine_that_is_not_nominal_meets_the_law_of_its_feel():
+def test_varied_machine_uses_law_of_its_feel():
     """A varied feel is designed anew; a varied plant meets what was designed for the nominal one at that feel."""
     loader = analog()
     design = published_settings(loader)
@@ -85,7 +85,7 @@ def test_a_machine_that_is_not_nominal_meets_the_law_of_its_feel():
         assert_same(runs, k, alone(loader, design, at))
 
 
-def test_grid_of_settings_and_of_a_plant():
+def test_grid_of_feel_and_plant_parameters_uses_setting_laws():
     loader = analog()
     sweep = Sweep(
         loader, PUSH, published_settings(loader), grids={"feel.stiffness": STIFFNESS, "column.inertia": [2.0, 3.0]}
@@ -108,7 +108,7 @@ def test_the_numbers_do_not_depend_on_threads_or_pieces():
     assert np.array_equal(np.concatenate(pieces), whole, equal_nan=True)
 
 
-def test_the_nominal_law_is_the_one_designed_for_the_nominal_loader():
+def test_nominal_law_matches_design_for_nominal_loader():
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids=GRID)
     want = ff.design_gains(loader).law(loader)
@@ -116,7 +116,7 @@ def test_the_nominal_law_is_the_one_designed_for_the_nominal_loader():
     assert sweep.nominal_law.fixed.load_cell_arm == want.load_cell_arm
 
 
-def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):
+def test_sweep_resumes_only_with_same_design(tmp_path):
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids={"feel.stiffness": "2000..20000 lb in/rad:64"})
 
@@ -151,14 +151,14 @@ def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):
         ),
     ],
 )
-def test_what_cannot_be_designed_anew_is_refused(options, said):
+def test_unsupported_redesign_is_refused(options, said):
     with pytest.raises(InputError) as refused:
         Sweep(nonlinear(), PUSH, ff.laws.DesignSettings(), **options)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
-def test_a_design_that_cannot_be_is_refused_before_the_sweep():
+def test_impossible_design_is_refused_before_sweep():
     whole = ff.laws.DesignSettings(q=tuple(map(tuple, np.eye(7).tolist())))
     with pytest.raises(InputError, match="leave out q"):
         Sweep(nonlinear(), Scenario(PUSH.force), whole, grids=GRID)

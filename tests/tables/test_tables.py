@@ -70,7 +70,7 @@ READERS = {
 
 @SOON
 @pytest.mark.parametrize(("read", "ending", "most"), READERS.values(), ids=READERS)
-def test_every_reader_refuses_what_has_no_end_and_what_is_too_large(tmp_path, read, ending, most):
+def test_endless_and_oversized_files_are_refused(tmp_path, read, ending, most):
     os.mkfifo(tmp_path / f"pipe{ending}")
     (tmp_path / f"zero{ending}").symlink_to("/dev/zero")
     for name in (f"pipe{ending}", f"zero{ending}"):
@@ -100,7 +100,7 @@ def test_a_file_that_grows_is_refused(tmp_path, monkeypatch):
 
 
 @SOON
-def test_a_cell_of_many_digits_and_a_header_of_many_brackets(tmp_path):
+def test_cell_of_many_digits_and_header_of_many_brackets_are_fast(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text(f"{EXAMPLE}\n0,{'1' * 50_000}x\n1,2\n")
     with pytest.raises(InputError, match=r"line 2: force: expected a number such as '0\.25', got '1111") as refused:
@@ -132,7 +132,7 @@ def test_too_many_columns_and_rows_are_refused(tmp_path, kind, monkeypatch):
         read_recorded(written(tmp_path, kind))
 
 
-def test_a_large_file_takes_little_more_memory_than_it_is_long(tmp_path):
+def test_reading_large_file_needs_little_more_memory_than_its_size(tmp_path):
     path = tmp_path / "run.csv"
     rows = "".join(f"{t / 1000:.3f},{t % 7},some words,-0.123456789,0.987654321,-17.5\n" for t in range(20_000))
     path.write_text(f"time (s),force (lb),note,x,y,z\n{rows}")
@@ -172,7 +172,7 @@ def test_a_damaged_file_is_read_or_refused(tmp_path, kind, drawn):
     assert refusal.startswith(f"{path}: ")
 
 
-def test_the_schema_of_a_damaged_parquet_file(tmp_path):
+def test_damaged_parquet_schema_is_refused(tmp_path):
     path = tmp_path / "run.parquet"
     write_parquet(path, compression="none", store_schema=False)
     path.write_bytes(path.read_bytes().replace(b"time (s)", b"\xffime (s)"))
@@ -182,7 +182,7 @@ def test_the_schema_of_a_damaged_parquet_file(tmp_path):
         read_recorded(path)
 
 
-def test_the_tag_of_a_damaged_matlab_file(tmp_path):
+def test_damaged_matlab_tag_is_refused(tmp_path):
     """A reader in C ended the program on it."""
     path = tmp_path / "run.mat"
     scipy.io.savemat(path, {"t": np.arange(3.0)})
@@ -223,7 +223,7 @@ LEVEL_4 = ("column", "row", "single", "complex", "int16", "int32", "uint8", "uin
 @pytest.mark.parametrize(
     "options", [{}, {"do_compression": True}, {"format": "4"}], ids=["plain", "compressed", "level 4"]
 )
-def test_matlab_files_are_read_as_scipy_does(options):
+def test_matlab_reader_matches_scipy(options):
     held = {name: HELD[name] for name in LEVEL_4} if "format" in options else {**HELD, **PASSED_OVER}
     file = io.BytesIO()
     scipy.io.savemat(file, {**held, "note": "servo-closed", "sign": "µ 12°"}, **options)
@@ -260,7 +260,7 @@ def level_5(order, *elements):
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
-def test_either_order_of_bytes(order):
+def test_matlab_file_of_either_byte_order_is_read(order):
     parts = matrix(order, b"t", T), matrix(order, b"", T), matrix(order, b"k", np.array([1, 2, 3], np.int16), 3)
     data = level_5(order, *parts)
     (t, times), (k, small) = read_variables(data)
@@ -275,7 +275,7 @@ def test_either_order_of_bytes(order):
     np.testing.assert_array_equal(values[:, 0], T)
 
 
-def test_what_a_matlab_file_says_of_itself_is_not_believed(monkeypatch):
+def test_stated_sizes_of_matlab_file_are_verified(monkeypatch):
     good = matrix("<", b"t", T)
     for data, message in (
         (level_5("<", good[:-8]), "and 16.. are left"),
@@ -299,7 +299,7 @@ def test_what_a_matlab_file_says_of_itself_is_not_believed(monkeypatch):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_one_table_from_three_formats_as_often_as_it_is_asked(tmp_path, kind):
+def test_three_formats_give_same_table_repeatedly(tmp_path, kind):
     opened = open_table(written(tmp_path, kind), EXAMPLE)
     found = {"time": Located(0, "s", 1.0, "s"), "force": Located(1, "N", 2.0, "half a pair")}
     for _ in range(2):

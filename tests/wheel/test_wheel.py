@@ -32,20 +32,20 @@ def audited(tool: str, *words: str | Path) -> str:
     return said.stdout + said.stderr
 
 
-def test_it_asks_for_nothing_but_the_stable_interface_of_python(wheel):
+def test_wheel_uses_only_stable_python_abi(wheel):
     assert "-cp311-abi3-" in wheel.name
     assert "0 ABI version mismatches and 0 ABI violations" in audited("abi3audit", "--strict", "--summary", wheel)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="auditwheel reads Linux wheels")
-def test_it_runs_on_every_linux_that_its_name_says(wheel):
+def test_wheel_symbols_match_its_manylinux_tag(wheel):
     words = " ".join(audited("auditwheel", "show", wheel).split())
     tag = re.search(r'following platform tag: "(\w+)"', words)[1]
     assert tag.startswith("manylinux_")
     assert tag in wheel.stem.split("-")[-1].split(".")
 
 
-def test_it_holds_every_file_of_the_package(wheel):
+def test_wheel_contains_every_package_file(wheel):
     package = ROOT / "python"
     sources = {path for path in (package / "forcefeel").rglob("*") if path.is_file()}
     wanted = {path.relative_to(package).as_posix() for path in sources if path.suffix not in {".pyc", ".so", ".pyd"}}
@@ -78,7 +78,7 @@ def ran(clean: Path, *words: str, folder: Path) -> str:
     return said.stdout.strip()
 
 
-def test_it_designs_the_built_in_loader(clean, wheel, tmp_path):
+def test_installed_wheel_designs_built_in_loader(clean, wheel, tmp_path):
     place = ran(clean, "python", "-c", "import forcefeel; print(forcefeel.__file__)", folder=tmp_path)
     assert Path(place).is_relative_to(clean.parent)
     ran(clean, "forcefeel", "design", "--out", "report", folder=tmp_path)

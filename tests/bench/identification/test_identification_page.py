@@ -12,15 +12,15 @@ from forcefeel.units import UnitSystem
 from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
 from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    test_a_page_is_small_and_every_plot_has_its_text,
-    test_heads_name_rows_and_columns_and_keep_their_words_whole,
-    test_nothing_is_asked_for_but_the_page_and_its_script,
-    test_nothing_is_cut_off,
-    test_tables_and_drawing_stay_in_their_boxes,
-    test_the_console_is_silent,
-    test_the_navigation_stays_in_view,
-    test_the_tool_bar_leaves_the_legend_free,
+    test_browser_console_has_no_messages,
+    test_navigation_stays_in_view,
+    test_no_content_is_clipped,
+    test_page_is_small_and_every_plot_has_text,
+    test_page_requests_only_itself_and_its_script,
+    test_table_headers_have_scope_and_whole_words,
+    test_tables_and_drawings_stay_in_their_boxes,
     test_tick_labels_do_not_overlap,
+    test_tool_bar_does_not_cover_legend,
     views_of,
     words_cut,
 )

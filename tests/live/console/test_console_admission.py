@@ -24,7 +24,7 @@ def asked(console, path="/", **headers):
     return response.status, response.headers, body
 
 
-def test_a_token_is_long_and_of_its_own():
+def test_tokens_are_long_and_unique():
     first, second = Admission(1), Admission(1)
     tokens = {first.control, first.watch, second.control, second.watch}
     assert len(tokens) == 4
@@ -32,7 +32,7 @@ def test_a_token_is_long_and_of_its_own():
     assert first.control not in repr(first)
 
 
-def test_without_or_with_a_wrong_token_there_is_no_page(console):
+def test_missing_or_wrong_token_returns_403(console):
     for path, headers in (("/", {}), ("/?token=x", {}), ("/console.js", {}), ("/", {"Authorization": "Bearer é"})):
         status, _, body = asked(console, path, **headers)
         assert status == 403
@@ -40,7 +40,7 @@ def test_without_or_with_a_wrong_token_there_is_no_page(console):
         assert console.admission.control not in body
 
 
-def test_the_token_of_the_address_becomes_a_cookie(console):
+def test_address_token_sets_cookie(console):
     path = console.address.partition(address(console))[2]
     status, headers, _ = asked(console, path)
     cookie = headers["Set-Cookie"]
@@ -54,7 +54,7 @@ def test_the_token_of_the_address_becomes_a_cookie(console):
     assert "unsafe" not in headers["Content-Security-Policy"]
 
 
-def test_every_file_that_the_page_asks_for_is_there_and_nothing_else(console):
+def test_server_serves_only_page_files(console):
     shown = {"Authorization": f"Bearer {console.admission.watch}"}
     for name in ("console.js", "console.css", "style.css", "uplot.js", "uplot.css"):
         assert asked(console, f"/{name}", **shown)[0] == 200
@@ -68,18 +68,18 @@ def test_another_host_is_refused(console, host):
 
 
 @pytest.mark.parametrize("host", ["localhost:9999", "127.0.0.1:80", "[::1]:8731"])
-def test_a_tunnel_may_have_another_port(host):
+def test_tunnel_with_another_port_is_accepted(host):
     admission = Admission(8731)
     assert admission.role(f"/?token={admission.watch}", {"Host": host}) is Role.WATCH
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
-def test_another_site_opens_no_connection(console, origin):
+def test_connection_from_another_site_is_refused(console, origin):
     with pytest.raises(InvalidStatus, match="403"), Talk(console, origin=origin):
         pass
 
 
-def test_a_page_without_an_origin_needs_more_than_its_cookie(console):
+def test_cookie_without_origin_is_refused(console):
     cookie = f"{console.admission.cookie}={console.admission.control}"
     url = address(console, "ws") + "/live"
     with pytest.raises(InvalidStatus, match="403"), connect(url, additional_headers={"Cookie": cookie}, proxy=None):
@@ -88,20 +88,20 @@ def test_a_page_without_an_origin_needs_more_than_its_cookie(console):
         assert json.loads(socket_.recv(timeout=10))["kind"] == "hello"
 
 
-def test_a_wrong_token_opens_no_connection(console):
+def test_connection_with_wrong_token_is_refused(console):
     for token in ("", "wrong", console.admission.control[:-1]):
         with pytest.raises(InvalidStatus, match="403"), Talk(console, token):
             pass
 
 
-def test_an_origin_of_digits_is_checked_too():
+def test_numeric_origin_is_checked():
     admission = Admission(8731, token_required=False)
     admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://127.0.0.1:8731"})
     with pytest.raises(Refused, match="another site"):
         admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://localhost:8731"})
 
 
-def test_no_token_but_on_this_machine(running):
+def test_no_token_is_allowed_only_on_this_machine(running):
     with pytest.raises(InputError, match=r"--no-token: any host that reaches 0\.0\.0\.0"):
         Console(running, port=0, bind="0.0.0.0", token=False)
     with Console(running, port=0, token=False) as console:
@@ -109,7 +109,7 @@ def test_no_token_but_on_this_machine(running):
         assert asked(console)[0] == 200
 
 
-def test_a_port_that_is_taken_is_told(running, console):
+def test_port_in_use_raises_input_error(running, console):
     with pytest.raises(InputError, match=f"--port {console.admission.port}.*use another"):
         Console(running, port=console.admission.port)
 
@@ -134,7 +134,7 @@ def test_a_port_that_is_taken_is_told(running, console):
         b"\xff\x00",
     ],
 )
-def test_a_command_that_is_none_is_refused_and_does_nothing(talk, running, message):
+def test_invalid_command_is_refused_without_effect(talk, running, message):
     before = list(running.calls)
     talk.socket.send(message)
     assert talk.notice("refused")["reason"]
@@ -155,7 +155,7 @@ def flooded(talk, message):
     talk.notice("never")
 
 
-def test_rubbish_and_floods_end_the_connection(console, running):
+def test_invalid_messages_and_floods_end_the_connection(console, running):
     for message in ('{"do": "rubbish"}', '{"do": "hand"}'):
         with Talk(console) as bad, pytest.raises(ConnectionClosedError) as closed:
             flooded(bad, message)
@@ -164,7 +164,7 @@ def test_rubbish_and_floods_end_the_connection(console, running):
         assert good.frame()
 
 
-def test_bytes_that_are_no_http_cost_nothing(console):
+def test_non_http_bytes_do_not_disturb_the_server(console):
     with socket.create_connection(("127.0.0.1", console.admission.port)) as raw:
         raw.sendall(b"\x16\x03\x01" + b"\x00" * 300 + b"\r\n\r\n")
         raw.settimeout(10)

@@ -75,7 +75,7 @@ def grip(page):
     return box["x"] + box["width"] / 2, box["y"] + 40
 
 
-def test_the_hand_drags_the_column(page, running):
+def test_hand_drag_moves_the_column(page, running):
     x, y = grip(page)
     page.mouse.move(x, y)
     page.mouse.down()
@@ -91,7 +91,7 @@ def push(page, axis):
     until(page, lambda: page.evaluate("window.looks") > 1)
 
 
-def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, running):
+def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
     push(page, [0.0, -0.8])
     page.wait_for_timeout(200)
     assert running.hand_force_n == 0  # it was pushed when it came
@@ -123,7 +123,7 @@ def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, runnin
     until(page, lambda: running.hand_force_n == 0)
 
 
-def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, console, running):
+def test_closed_browser_releases_hand_and_loop_continues(page, browser, console, running):
     page.click("#take")
     page.locator("#holder", has_text="No client").wait_for()
     other = browser.new_context(viewport=page.viewport_size)
@@ -143,7 +143,7 @@ def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, con
     page.locator("#holder", has_text="You have control.").wait_for()
 
 
-def test_the_feel_is_changed(page, running):
+def test_feel_sliders_change_the_feel(page, running):
     before = running.loader["feel.stiffness"]
     number = page.locator("[id='number-feel.stiffness']")
     number.fill("8000" if before > 950 else "9000")
@@ -153,7 +153,7 @@ def test_the_feel_is_changed(page, running):
     assert running.loader["feel.stiffness"] == pytest.approx(wanted, rel=1e-4)  # the factor's six digits
 
 
-def test_a_release_is_made_and_judged_and_told_to_who_comes_later(page):
+def test_release_verdict_is_shown_also_to_later_pages(page):
     side, earlier = ("positive", None) if page.viewport_size["width"] == WIDTHS[0] else ("negative", "positive")
     if earlier:
         page.locator("#judged strong", has_text=f"{earlier}: passed").wait_for()
@@ -163,7 +163,7 @@ def test_a_release_is_made_and_judged_and_told_to_who_comes_later(page):
     assert page.locator("#judged tbody tr").count() > 5
 
 
-def test_a_stop_is_seen_cleared_and_left(page):
+def test_stop_is_shown_cleared_and_followed_by_restart(page):
     page.keyboard.press("Escape")
     page.locator("#state.tripped").wait_for()
     assert "stop" in page.inner_text("#trips").lower()
@@ -174,7 +174,7 @@ def test_a_stop_is_seen_cleared_and_left(page):
     page.locator("#state.active").wait_for()
 
 
-def test_a_stop_without_a_connection_is_the_first_thing_of_the_next(page, running):
+def test_stop_without_connection_is_sent_first_on_reconnect(page, running):
     """The page's socket is closed under it, which opens another a second later."""
     page.evaluate("() => { for (const one of window.sockets) one.close(); }")
     page.locator("#state.lost").wait_for()
@@ -188,7 +188,7 @@ def test_a_stop_without_a_connection_is_the_first_thing_of_the_next(page, runnin
     page.locator("#state.active").wait_for()
 
 
-def test_a_fault_is_made_and_repaired(page, running):
+def test_fault_is_injected_and_cleared(page, running):
     page.locator("#fault").select_option("no_samples")
     page.click("#break")
     page.locator("#state.tripped").wait_for()
@@ -203,12 +203,12 @@ def test_a_fault_is_made_and_repaired(page, running):
     assert running.state.name == "active"
 
 
-def test_the_simulator_is_told(page):
+def test_simulator_status_is_shown(page):
     page.locator("#simulator:not([hidden])").wait_for()
     assert page.inner_text("#host") == "none yet; share in the feel 0.00"
 
 
-def test_it_fits_its_window_and_fingers(page):
+def test_page_fits_window_and_touch_targets(page):
     assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     small = page.evaluate(
         """least => [...document.querySelectorAll('button, select, .slider input, .choice label')].filter(one => one.offsetParent)
@@ -218,14 +218,14 @@ def test_it_fits_its_window_and_fingers(page):
     assert small == []
 
 
-def test_nothing_is_asked_for_beyond_the_machine_and_nothing_is_complained_of(page, console):
+def test_page_makes_no_external_request_and_no_console_error(page, console):
     assert page.complaints == []
     own = console.address.partition("?")[0]
     assert {url for url in page.requested if not url.startswith((own, "data:"))} == set()
     assert "token" not in page.url
 
 
-def test_a_mark_of_an_axis_is_printed_as_it_is(page):
+def test_axis_ticks_keep_their_decimals(page):
     """Marks 2.5 apart, as uPlot places them, with the decimal that they have."""
     marks = {2.5: ("0", "2.5", "5.0", "7.5"), 0.25: ("0", "0.25", "0.50", "0.75"), 0.2: ("0", "0.2", "0.4", "0.6")}
     marks |= {5: ("0", "5", "10", "15"), 250: ("0", "250", "500", "750")}

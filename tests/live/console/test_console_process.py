@@ -62,7 +62,7 @@ def console(running):
             yield found
 
 
-def test_a_server_that_is_stopped_costs_the_loop_nothing_and_does_nothing_late(running, console):
+def test_stopped_server_neither_delays_loop_nor_acts_late(running, console):
     with Talk(console, open_timeout=PATIENCE_S) as talk:
         talk.send(do="on")
         talk.status(state="active")
@@ -115,7 +115,7 @@ def test_a_server_that_is_killed_is_replaced_at_the_same_address(running, consol
     assert "same address" in console.told[0]
 
 
-def test_one_that_ends_at_once_is_not_started_for_ever(running, console):
+def test_server_that_ends_at_once_is_not_restarted(running, console):
     while (server := console.process.process_id) is not None:
         told = len(console.told)
         os.kill(server, signal.SIGKILL)
@@ -136,7 +136,7 @@ def servers(process):
 
 
 @pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM], ids=lambda told: told.name)
-def test_a_run_is_ended_in_good_order_though_its_server_is_stopped(told):
+def test_run_with_stopped_server_ends_cleanly(told):
     with run_command("elevator-2khz", "--port", "0", "--json") as process:
         address, watch = process.stderr.readline(), process.stderr.readline()
         (server,) = servers(process)

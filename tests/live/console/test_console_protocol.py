@@ -35,7 +35,7 @@ def test_a_frame_keeps_the_extremes_in_their_order():
     assert np.isnan(found[2]).all()
 
 
-def test_frames_come_sixty_times_a_second_and_miss_no_row(talk):
+def test_frames_arrive_at_60_hz_without_missing_rows(talk):
     talk.frame()
     begin, frames = time.monotonic(), [talk.frame() for _ in range(60)]
     assert time.monotonic() - begin == pytest.approx(1.0, abs=0.5)  # of a machine that others use too
@@ -45,7 +45,7 @@ def test_frames_come_sixty_times_a_second_and_miss_no_row(talk):
     assert sum(rows[1:]) == round((times[-1] - times[0]) / 1e-3)
 
 
-def test_frames_begin_though_the_history_lags_behind_the_loop(running):
+def test_frames_begin_when_history_lags_behind_loop(running):
     """As the real one does: its rows come to the history some milliseconds after the cycle is counted."""
     until(lambda: running.state.cycle > LAG)
     told = SimpleNamespace(
@@ -58,7 +58,7 @@ def test_frames_begin_though_the_history_lags_behind_the_loop(running):
     assert HEADER.unpack(frames.frame()[: HEADER.size])[1:] == (1, 1)  # rows, number
 
 
-def test_the_force_that_the_law_finds_is_read_over_a_tenth_of_a_second(running):
+def test_estimated_force_is_averaged_over_a_tenth_of_a_second(running):
     rng, cycles = np.random.default_rng(7), 600
     rows = np.zeros((cycles, len(running.columns)))
     rows[:, running.columns.index("cycle")] = np.arange(cycles)
@@ -79,7 +79,7 @@ def test_the_force_that_the_law_finds_is_read_over_a_tenth_of_a_second(running):
     assert shown[place].label == "estimate of the law, mean of 0.1 s"
 
 
-def test_the_page_is_told_all_that_it_shows(talk):
+def test_hello_and_status_contain_all_page_fields(talk):
     hello = talk.notice("hello")
     assert (hello["loader"], hello["law"], hello["role"]) == ("elevator-2khz", "robust", "control")
     assert [one["unit"] for one in hello["channels"]][:1] == ["deg"]
@@ -106,7 +106,7 @@ def test_feel_trim_and_hand_reach_the_loop(talk, running):
     assert running.loader["feel.stiffness"] == 700.0
 
 
-def test_one_holds_control_and_anyone_may_stop(console, running):
+def test_one_client_holds_control_and_every_client_may_stop(console, running):
     with Talk(console) as first, Talk(console) as second, Talk(console, console.admission.watch) as looker:
         mine, its = (one.notice("hello")["you"] for one in (first, second))
         first.status(watchers=3, holder=mine)
@@ -127,7 +127,7 @@ def test_one_holds_control_and_anyone_may_stop(console, running):
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_frame_that_cannot_be_made_ends_the_server_and_not_the_pictures_alone(console, running, monkeypatch):
+def test_frame_error_ends_the_server(console, running, monkeypatch):
     def none(_):
         raise ZeroDivisionError
 
@@ -141,7 +141,7 @@ def test_a_frame_that_cannot_be_made_ends_the_server_and_not_the_pictures_alone(
             mine.notice("never")
 
 
-def test_a_hand_lapses_and_goes_with_its_page(console, running):
+def test_hand_force_expires_and_ends_with_its_page(console, running):
     with Talk(console) as mine:
         mine.send(do="hand", force_n=30.0)
         until(lambda: running.hand_force_n == 30.0)
@@ -157,7 +157,7 @@ def test_a_hand_lapses_and_goes_with_its_page(console, running):
         assert other.status(watchers=1)["holder"] == you
 
 
-def test_a_watcher_that_stalls_holds_nobody_up(console):
+def test_stalled_watcher_does_not_delay_other_clients(console):
     """It reads nothing at all, with all the room that its system gives; the other has every frame."""
     with socket.create_connection(("127.0.0.1", console.admission.port)) as stalled, Talk(console) as good:
         token, host = console.admission.watch, f"127.0.0.1:{console.admission.port}"
@@ -171,7 +171,7 @@ def test_a_watcher_that_stalls_holds_nobody_up(console):
         assert np.diff(numbers).tolist() == [1] * 119
 
 
-def test_a_release_is_made_and_judged():
+def test_release_returns_a_verdict():
     with StandIn(speed=8.0) as running, Console(running, port=0) as console, Talk(console) as talk:
         running.on()
         talk.send(do="test", test="release", side="negative")
@@ -185,7 +185,7 @@ def test_a_release_is_made_and_judged():
         assert running.hand_force_n == 0
 
 
-def test_a_test_is_broken_off_by_a_stop(talk, running):
+def test_stop_aborts_a_test(talk, running):
     talk.send(do="test", test="release")
     until(lambda: running.hand_force_n != 0)
     talk.send(do="stop")
@@ -193,7 +193,7 @@ def test_a_test_is_broken_off_by_a_stop(talk, running):
     assert running.hand_force_n == 0
 
 
-def test_a_sweep_is_made_and_judged():
+def test_sweep_returns_a_verdict():
     strong = ff.digital_elevator().replace({"safety.force_limit": "150 lb"})
     with StandIn(strong, speed=None) as fast, Console(fast, port=0) as console, Talk(console) as talk:
         fast.on()
@@ -204,7 +204,7 @@ def test_a_sweep_is_made_and_judged():
         assert found["judged"]["plot"]["kind"] == "sweep"
 
 
-def test_a_sweep_that_the_supervisor_would_stop_is_refused_with_the_remedy(running, talk):
+def test_sweep_beyond_supervisor_limit_is_refused_with_remedy(running, talk):
     talk.send(do="test", test="sweep")
     reason = talk.notice("test")["reason"]
     assert "up to 104 lb" in reason
@@ -212,7 +212,7 @@ def test_a_sweep_that_the_supervisor_would_stop_is_refused_with_the_remedy(runni
     assert running.hand_force_n == 0
 
 
-def test_leaving_the_console_leaves_the_loop_and_lets_go(running):
+def test_closing_console_releases_hand_and_loop_continues(running):
     with Console(running, port=0) as console, Talk(console) as talk:
         talk.send(do="hand", force_n=25.0)
         until(lambda: running.hand_force_n == 25.0)
