@@ -20,13 +20,15 @@ def on_the_report_loader(words) -> list[str]:
     return [*map(str, words)] if named or "--help" in words else [REPORT_LOADER, *map(str, words)]
 
 
-def runner(monkeypatch, capsys, folder, command: str, columns: int = 120) -> Run:
-    """Runs ``forcefeel COMMAND ...`` in a folder; gives exit status, output and error output."""
+def runner(monkeypatch, capsys, folder, command: str, columns: int = 120, *, report: bool = False) -> Run:
+    """Runs ``forcefeel COMMAND ...`` in a folder, with ``report`` the report's loader by default; gives status, output and error output."""
     monkeypatch.chdir(folder)
     monkeypatch.setenv("COLUMNS", str(columns))
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", command, *map(str, words)])
+        monkeypatch.setattr(
+            sys, "argv", ["forcefeel", command, *(on_the_report_loader(words) if report else map(str, words))]
+        )
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()

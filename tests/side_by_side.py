@@ -65,7 +65,7 @@ KEYS = _keys()
 
 def _si(name, value):
     if math.isinf(value):
-        return "original"
+        return None
     if name == "feel_shaker_frequency":
         return 2 * math.pi * value
     row = TABLE[KEYS[name]]
@@ -100,7 +100,7 @@ def law_of(machine):
 def schedule(steps):
     """Steps of the witness as an input of the engine."""
     if not steps:
-        return "original"
+        return None
     times, values, last = [], [], 0.0
     for time, value in steps:
         times += [time, time] if time > 0 else [time]

@@ -57,7 +57,7 @@ def test_law_reports_the_demand_on_the_motor(monkeypatch, capsys, tmp_path):
     assert status == 0
     assert "% of the current and" in out
     assert "% of the voltage available" in " ".join(out.split())
-    found = json.loads((tmp_path / "forcefeel-compensate" / "results.json").read_text(encoding="utf-8"))
+    found = json.loads((tmp_path / "forcefeel-law" / "results.json").read_text(encoding="utf-8"))
     assert '"demand": {"current"' in json.dumps(found)
     assert '"pressure"' not in json.dumps(found)
 

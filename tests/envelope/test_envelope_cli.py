@@ -25,7 +25,7 @@ COUNT, CASES, DRAWN = 30, 32, 40
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel envelope ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "envelope")
+    return runner(monkeypatch, capsys, tmp_path, "envelope", report=True)
 
 
 def test_built_in_loader_is_compared(run, tmp_path):

@@ -206,5 +206,5 @@ def test_invalid_draws_raise_input_error(given):
 
 def test_zero_draws_have_no_shares():
     few = ff.find_envelope(ff.elevator(), ("original",), GRID, changes={}, arms=())
-    with pytest.raises(InputError, match="machines that were drawn"):
+    with pytest.raises(InputError, match="draws: expected drawn machines, got none"):
         few.drawn_shares("original")

@@ -25,13 +25,13 @@ COUNT = 8
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel frontier ...``; gives exit status, output and error output."""
     monkeypatch.setattr(frontier_run, "ERRORS", (0.02, 0.1))  # the others have their own tests
-    return runner(monkeypatch, capsys, tmp_path, "frontier")
+    return runner(monkeypatch, capsys, tmp_path, "frontier", report=True)
 
 
 def test_built_in_loader_has_a_frontier(run, tmp_path):
     status, out, err = run(*SMALL, "--out", "found")
     assert (status, err) == (0, "")
-    assert f"Of {COUNT} programmed feels" in out
+    assert f"of {COUNT} programmed feels" in " ".join(out.split())
     assert "bound on any linear law" in " ".join(out.split())
     assert "column half as heavy" in out
     assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, "plotly.min.js"}

@@ -100,7 +100,7 @@ def test_motor_frontier_names_the_motor():
     assert found.drive.forbidden.any()
     told = frontier_conclusions(found, ff.UnitSystem.SI)
     said = " ".join((told.verdict, *told.findings))
-    assert "The motor forbids" in said
+    assert "The motor excludes" in said
     assert found.text(Limit.DRIVE) == "forbidden by the motor"
     page = frontier_page(found, ff.UnitSystem.SI)
     assert "What the motor must give" in page

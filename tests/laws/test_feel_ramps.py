@@ -9,6 +9,8 @@ from forcefeel.laws.sampled import torque_mode
 from forcefeel.loader.consistency import without_effect
 from forcefeel.loader.parameters import TABLE
 
+ROUNDING = 1e-12  # relative
+
 STICK = ff.loader.electric("sidestick-pitch")
 TRAVEL = "_travel"
 TRAVELS = [key for key, row in TABLE.items() if row.part == "feel" and key.endswith(TRAVEL)]
@@ -31,7 +33,7 @@ def test_ramp_increases_the_feel_slope_of_a_motor(travel):
     force, length = 3.0, 0.01
     steep = plain.replace({force_of(travel): force, travel: length}, si=True)
     added = torque_mode._steepest(steep, np.ones(1)) - torque_mode._steepest(plain, np.ones(1))
-    assert added == pytest.approx(force / length * STICK["column.grip_arm"], rel=1e-12)
+    assert added == pytest.approx(force / length * STICK["column.grip_arm"], rel=ROUNDING)
     assert {travel, force_of(travel)} <= design_rows(steep).keys()
 
 

@@ -202,7 +202,7 @@ def test_saved_law_replaces_a_law_name(run, tmp_path):
     by_name, by_file = (run("simulate", "elevator-2khz", "--law", law)[1] for law in ("robust", "law.json"))
     assert by_name == by_file
     said = run("qualify", "elevator-2khz", "--law", "law.json", "--test", "release-25-positive")[1]
-    assert "the law of law.json" in " ".join(said.split())
+    assert "law of law.json" in " ".join(said.split())
     saved = (tmp_path / "law.json").read_text(encoding="utf-8")
     for method in ([], ["--law", "observer", "--out", "other"]):
         status, _, err = run("law", "elevator-2khz", *method, "--save-law", "law.json")

@@ -68,7 +68,7 @@ def test_noise_declared_as_zero_is_reported_with_the_default(monkeypatch, capsys
     silent = [f"--set=column_sensor.{row}=0 deg" for row in ("noise", "resolution")]
     status, out, _ = call("elevator-2khz", *silent, "--law", "robust", "--json")
     assert status == 0
-    assert "Noise declared as zero, and no smallest step: column_sensor." in out
+    assert "Sensors without noise or resolution: column_sensor." in out
     assert "deg r.m.s. State noise and resolution in the loader file (column_sensor.noise)" in out
     _, out, _ = call("elevator-2khz", "--law", "robust", "--json", "--replace")
-    assert "Noise declared as zero" not in out
+    assert "Sensors without noise" not in out

@@ -72,7 +72,7 @@ def run(tmp_path, monkeypatch, capsys):
     Law.of("robust", ff.digital_elevator()).save(tmp_path / "law.json")
     other = ff.digital_elevator().replace({OTHER: "7000 lb/in"})
     (tmp_path / "other.toml").write_text(other.to_toml(ff.UnitSystem.US), encoding="utf-8")
-    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
+    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command, report=True)(*words)
 
 
 COMMANDS = {

@@ -124,7 +124,7 @@ def test_original_loop_converges_to_analog_loop() -> None:
     errors = []
     for period in (0.4e-3, 0.1e-3):
         loader = ff.elevator().replace({"controller.period": period}, si=True)
-        poles = sampled_loops(loader, None).poles[0]
+        poles = sampled_loops(loader, "original").poles[0]
         s = np.log(poles[np.abs(poles) > 0.3]) / period
         errors.append(max(np.abs(s - pole).min() for pole in slow))
     assert errors[0] < 0.1 * 100
@@ -146,7 +146,7 @@ def test_nonlinear_effects_without_slope_are_excluded(loader: ff.Loader) -> None
 
 
 def test_unstable_loop_has_no_margins(loader: ff.Loader) -> None:
-    unstable = sampled_loops(loader.replace(LIGHT), None)
+    unstable = sampled_loops(loader.replace(LIGHT), "original")
     assert not unstable.stable[0]
     margins = loop_margins(CommandLoop.sampled(unstable))
     assert (margins.gain_up, margins.delay_s) == (1.0, 0.0)

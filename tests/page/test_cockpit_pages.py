@@ -37,7 +37,9 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> ff.loader.Project:
 
 @pytest.fixture(scope="module")
 def guide(project):
-    return qualify_cockpit(project, lambda _: QualificationSetup(tests=TESTS))
+    return qualify_cockpit(
+        project, lambda axis: QualificationSetup(tests=TESTS, laws=("original",) if axis == "pitch" else ("robust",))
+    )
 
 
 @pytest.fixture(scope="module")

@@ -93,7 +93,7 @@ def test_bode_uses_passed_axes_and_refuses_invalid_axes():
     for given in (0.0, ["a"], []):
         with pytest.raises(ff.InputError, match=r"^frequency_hz: expected frequencies above 0 Hz"):
             ff.elevator().plot_bode(frequency_hz=given)
-    with pytest.raises(ff.InputError, match=r"^compensator: expected an analog law"):
+    with pytest.raises(ff.InputError, match=r"^law: expected an analog law"):
         ff.elevator().plot_bode("robust")
 
 
@@ -103,7 +103,7 @@ def test_envelope_plots_map_nearest_to_damping(envelope):
     np.testing.assert_array_equal(drawn, envelope.kinds("original", worst=False)[1])
     assert set(legend(ax)) == {list(COLORS)[k] for k in np.unique(drawn)} | {"the loader's own setting"}
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("Stiffness, % of $G_{max}$", "Natural frequency, Hz")
-    with pytest.raises(ff.InputError, match=r"^compensator: expected one of original, converged, got 'best'$"):
+    with pytest.raises(ff.InputError, match=r"^law: expected one of original, converged, got 'best'$"):
         envelope.plot("best")
 
 
@@ -160,7 +160,7 @@ def _qualification():
             "<Sweep of 'elevator-1974', 32 runs: 32 moving>",
             '<th scope="row">moving</th><td>32</td>',
         ),
-        (_frontier, "<Frontier of 'elevator-1974' with published, 8 settings: ", "<b>elevator with published</b>"),
+        (_frontier, "<Frontier of 'elevator-1974' with published, 8 settings: ", "<b>elevator-1974 with published</b>"),
         (
             _qualification,
             "<Qualification of 'elevator-1974', pitch, by part60-a-2014: original loop does not qualify, 0 of 1 tests passed>",

@@ -299,7 +299,7 @@ def test_files_with_custom_names_and_units_are_read(run, tmp_path):
         ),
         (
             ("--column", "simulator:time=t"),
-            "--column: 'simulator' is none of the files; expected one of aircraft, sim before",
+            "--column: 'simulator' matches no file; expected one of aircraft, sim before",
         ),
         (
             ("--column", "sim:angle=theta"),
@@ -333,7 +333,7 @@ def test_time_in_wrong_unit_raises_input_error(run, tmp_path):
         (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
         (["--record", "a.csv", "--law", "published"], "--law: is about the simulated loader"),
         (["--compare", "--law", "published"], "--compare: takes every law"),
-        (["--column", "position=theta"], "--column: is about a file's columns, and no file is given"),
+        (["--column", "position=theta"], "--column: requires a data file"),
         (["--record", "wheel=a.csv"], "--record: unknown test 'wheel'; expected NAME=FILE"),
         (["--test", "wheel"], "test: unknown test 'wheel'; expected some of static"),
         (["--test", "surface"], "test: surface cannot be simulated: a control loader has no surface"),

@@ -74,13 +74,15 @@ def test_bits_do_not_depend_on_the_lane(batch, values):
 @pytest.mark.parametrize("cut", [3, 8, 11])
 def test_noise_belongs_to_the_run(cut):
     values = np.repeat(NOISY.si_values[np.newaxis], 20, axis=0)
-    whole = simulate_batch(NOISY, SCENARIO, values, keep=KEEP)
-    first = simulate_batch(NOISY, SCENARIO, values[:cut], keep=KEEP)
-    rest = simulate_batch(NOISY, SCENARIO, values[cut:], keep=KEEP, first_run=cut)
+    whole = simulate_batch(NOISY, SCENARIO, values, "original", keep=KEEP)
+    first = simulate_batch(NOISY, SCENARIO, values[:cut], "original", keep=KEEP)
+    rest = simulate_batch(NOISY, SCENARIO, values[cut:], "original", keep=KEEP, first_run=cut)
     assert_same(whole, first, slice(cut))
     assert_same(whole, rest, slice(cut, None))
     assert len({row.tobytes() for row in whole.column_angle_rad.values}) == 20
-    np.testing.assert_array_equal(whole.column_angle_rad[0], simulate(NOISY, SCENARIO).history.column_angle_rad)
+    np.testing.assert_array_equal(
+        whole.column_angle_rad[0], simulate(NOISY, SCENARIO, "original").history.column_angle_rad
+    )
 
 
 def test_diverged_member_does_not_change_other_members(batch, values):

@@ -44,7 +44,7 @@ def test_converters_and_limits_match_witness():
 
 def test_command_is_multiple_of_converter_step():
     machine = Machine(period=2e-3, orifice=True, output_range=0.5, output_bits=8)
-    run = simulate(loader_of(machine), Scenario(FORCE[1], 0.4))
+    run = simulate(loader_of(machine), Scenario(FORCE[1], 0.4), "original")
     steps = run.history.valve_current_a.values / 1.56e-3 / (2 * 0.5 / 2**8)
     np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=ROUNDING)
     assert np.abs(steps).max() == pytest.approx(2**7, abs=ROUNDING)

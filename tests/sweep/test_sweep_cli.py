@@ -14,6 +14,7 @@ import xarray as xr
 import forcefeel as ff
 from forcefeel.cli import main
 from forcefeel.errors import InputError
+from tests.command_line import on_the_report_loader
 from tests.sweeps import PUSH_WORDS, nonlinear
 
 PATIENCE_S = 60
@@ -37,7 +38,7 @@ def run(monkeypatch, capsys, tmp_path):
     (tmp_path / "my.toml").write_text(nonlinear().to_toml(), encoding="utf-8")
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "sweep", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "sweep", *on_the_report_loader(words)])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()

@@ -311,7 +311,7 @@ def test_file_in_place_of_folder_is_refused(tmp_path):
 
 def test_options_without_a_folder_are_refused():
     for options in ({"resume": True}, {"replace": True}):
-        with pytest.raises(InputError, match="there is none; name it"):
+        with pytest.raises(InputError, match="resume, replace: require a folder; name it"):
             run_sweep(small(8), **options)
     with pytest.raises(InputError, match="threads: expected 1 to 1024"):
         run_sweep(small(8), threads=0)

@@ -30,8 +30,7 @@ def frontier_conclusions(frontier: Frontier, units: UnitSystem) -> Conclusions:
     good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
     verdict = (
         f"With {name_text(frontier.law)} the loader renders {share_text(tight.nominal)} of {frontier.plan.settings.count:,} "
-        "programmed feels "
-        f"nominally and {share_text(tight.worst)} in every case. With {_inertia(frontier)} known to "
+        f"programmed feels nominally and {share_text(tight.worst)} in every case. With {_inertia(frontier)} known to "
         f"{tolerance_text(frontier.inertia_tolerance)}, the bound on any linear law is "
         f"{share_text(float(frontier.possible.mean()))} (second-order responses)."
     )

@@ -70,7 +70,7 @@ def test_json_matches_the_library_result(run, tmp_path):
 def test_csv_contains_signal_and_description(tmp_path):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
     about, header, numbers = rows(write_excitation(found, tmp_path / "e.csv"))
-    assert about[:2] == ["# experiment: servo-closed test_signal", "# loader: elevator"]
+    assert about[:2] == ["# experiment: servo-closed test_signal", "# loader: elevator-1974"]
     assert sum("predicted standard error" in line for line in about) == 4
     assert sum(" predicted of " in line for line in about) == 4
     assert header == "time (s),test_signal (V)"

@@ -208,4 +208,4 @@ def test_poorly_determined_parameter_is_reported():
     found = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=100.0))
     assert set(found.vague) == {key for key, error in found.standard_errors.items() if error >= 0.5 / 1.96}
     assert found.vague
-    assert "not determined" in found.verdict
+    assert "Not determined" in found.verdict
