@@ -21,7 +21,10 @@ def on_the_report_loader(words) -> list[str]:
 
 
 def runner(monkeypatch, capsys, folder, command: str, columns: int = 120, *, report: bool = False) -> Run:
-    """Runs ``forcefeel COMMAND ...`` in a folder, with ``report`` the report's loader by default; gives status, output and error output."""
+    """Runs ``forcefeel COMMAND ...`` in a folder; gives exit status, output and error output.
+
+    With ``report`` the default loader is that of the report.
+    """
     monkeypatch.chdir(folder)
     monkeypatch.setenv("COLUMNS", str(columns))
 

@@ -103,7 +103,7 @@ def test_motor_frontier_names_the_motor():
     assert "The motor excludes" in said
     assert found.text(Limit.DRIVE) == "forbidden by the motor"
     page = frontier_page(found, ff.UnitSystem.SI)
-    assert "What the motor must give" in page
+    assert "Demand on the motor" in page
     assert "valve" not in page[page.index("<main") :].lower() + said.lower()
     kept = frontier_json(found, ff.UnitSystem.SI)
     assert kept["motor"]["peak_force"]["unit"] == "N"

@@ -25,6 +25,7 @@ from tests.pages import (  # noqa: F401  what is asked of every page
 
 GUIDE, ENVELOPES = "guide", "envelopes"
 GRID = {"stiffness": "30, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
+LAWS = {"hydraulic": "original", "electric": "robust"}
 TESTS = ("release-25-positive", "static")
 
 
@@ -37,9 +38,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> ff.loader.Project:
 
 @pytest.fixture(scope="module")
 def guide(project):
-    return qualify_cockpit(
-        project, lambda axis: QualificationSetup(tests=TESTS, laws=("original",) if axis == "pitch" else ("robust",))
-    )
+    return qualify_cockpit(project, lambda loader: QualificationSetup(tests=TESTS, laws=(LAWS[loader.drive],)))
 
 
 @pytest.fixture(scope="module")

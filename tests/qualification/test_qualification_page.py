@@ -122,12 +122,12 @@ def test_summary_links_every_test_and_names_missing_tests(pages, made, name):
     text, found = pages[name].read_text(encoding="utf-8"), made[name]
     (table,) = re.findall(r'<table class="outcomes">.*?</table>', text, flags=re.DOTALL)
     assert sorted(re.findall(r'<a href="#([\w-]+)">', table)) == sorted(_articles(text))
-    assert table.count("not asked for") == len(found.sections) * (
+    assert table.count("not requested") == len(found.sections) * (
         len(found.test_plan.trials) - len(found.test_plan.made)
     )
     for trial in found.test_plan.outside:
         assert trial.title.replace("'", "&#39;") in table
-    assert table.count("outside the programme: ") == len(found.test_plan.outside) * len(found.sections)
+    assert table.count("cannot be simulated: ") == len(found.test_plan.outside) * len(found.sections)
     for section in found.sections:
         assert f">{section.status}<" in table
 
@@ -186,11 +186,11 @@ def test_every_test_has_a_plot_and_a_table(pages, made):
 def test_page_states_qualifying_laws_and_reasons_against_others(pages):
     told = {name: _told(path) for name, path in pages.items()}
     assert (
-        "By 14 CFR Part 60, Appendix A (2014) none of 3 laws qualifies (asked for: static, release-25-positive, "
+        "By 14 CFR Part 60, Appendix A (2014) none of 3 laws qualifies (requested: static, release-25-positive, "
         in told["compare"]
     )
     assert "frequency 1.58 Hz, 1.97 Hz programmed" in told["compare"]
-    assert "assumed, since the loader has no stops" in told["compare"]
+    assert "assumed, because the loader has no stops" in told["compare"]
     assert re.search(r"the programmed feel alone: I ?, B ?, G ?, feel breakout F b", told["friction"])
     assert "diverged at" in told["unstable"]
     assert "the rule's rows are not verified" in told["unstable"]

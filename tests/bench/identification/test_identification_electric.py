@@ -66,7 +66,7 @@ def test_position_and_current_leave_the_scale_undetermined(yoke, by_current_alon
     seen = bench.measured(by_current_alone, "motor_angle", "column_angle", "motor_current")
     found = identify(yoke, [seen], "K_t,J_m,k,c,J", starts=1)
     assert found.loader is None
-    assert any("only their ratios to one another" in one.sentence for one in found.inseparable)
+    assert any("only their mutual ratios" in one.sentence for one in found.inseparable)
 
 
 def test_load_cell_determines_the_scale(yoke, truth, by_current_alone):

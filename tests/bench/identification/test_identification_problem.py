@@ -264,7 +264,7 @@ def test_symbols_and_rows_name_the_parameters():
     ("key", "said"),
     [
         ("valve.orifice", "is a switch"),
-        ("controller.period", "is what the controller is told"),
+        ("controller.period", "is a setting of the controller"),
         ("F_c", "to begin from"),
     ],
 )
