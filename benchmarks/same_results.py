@@ -12,6 +12,7 @@ draw of the noise to a loader whose sensors round: there a run differs as betwee
 import io
 import json
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
@@ -83,14 +84,20 @@ def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
         yield f"new-{loader}", ("new", f"{loader}.toml", "--built-in", loader)
         yield f"analyze-{loader}", ("analyze", loader)
         yield f"design-{loader}", ("design", loader)
-        yield f"compensate-{loader}", ("law", loader)
-        yield f"compensate-converge-{loader}", ("law", loader, "--converge", "--units", "si")
+        yield f"law-{loader}", ("law", loader, "--law", "report")
+        yield f"law-converge-{loader}", ("law", loader, "--law", "report", "--converge", "--units", "si")
         for law in laws:
             yield f"simulate-{loader}-{law}", ("simulate", loader, "--law", law)
-        yield f"simulate-rough-{loader}", ("simulate", loader, *ROUGH, "--input", "release", "--angle", "10 deg")
-        yield f"simulate-chirp-{loader}", ("simulate", loader, "--input", "chirp", "--units", "si")
+        yield (
+            f"simulate-rough-{loader}",
+            ("simulate", loader, "--law", "original", *ROUGH, "--input", "release", "--angle", "10 deg"),
+        )
+        yield f"simulate-chirp-{loader}", ("simulate", loader, "--law", "original", "--input", "chirp", "--units", "si")
         yield f"sweep-{loader}", ("sweep", loader, "--runs", "64", "--law", laws[-1])
-        yield f"sweep-grid-{loader}", ("sweep", loader, "--grid", "feel.stiffness=1000..9000 lb in/rad:8")
+        yield (
+            f"sweep-grid-{loader}",
+            ("sweep", loader, "--law", "original", "--grid", "feel.stiffness=1000..9000 lb in/rad:8"),
+        )
         yield f"qualify-{loader}", ("qualify", loader, "--compare")
         yield f"qualify-rough-{loader}", ("qualify", loader, "--law", laws[-1], *ROUGH)
         yield f"envelope-{loader}", ("envelope", loader, "--compare", "--draws", "8", *GRID)
@@ -102,7 +109,7 @@ def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
         )
     yield "schedule", ("schedule", LOADERS[1], "--knots", "knots.csv")
     yield "identify", ("identify", f"{EXAMPLES}/bench/loader.toml", *BENCH, "--fit", "k,c,J,C_i")
-    yield "resonance", ("resonance", *BENCH[:2])
+    yield "resonance", ("resonance", LOADERS[0], *BENCH[:2])
     yield "reproduce", ("reproduce",)
 
 
@@ -113,7 +120,7 @@ def make(folder: Path) -> None:
     Path("knots.csv").write_text(KNOTS)
     for name, words in commands():
         takes_out = words[0] not in {"new", "analyze", "reproduce", "resonance", "excite"} and (
-            words[0] != "law" or "--law" in words
+            words[:1] != ("law",) or "report" not in words
         )
         out = ("--out", name) if takes_out else ()
         status, text = _called((*words, *out, "--json"))
@@ -135,14 +142,16 @@ def _called(words: tuple[str, ...]) -> tuple[object, str]:
 def compare(before: Path, after: Path) -> int:
     """The results that differ by more than rounding, by their place; how many files do."""
     wrong, rounded, largest = 0, 0, 0.0
-    names = sorted({path.name for folder in (before, after) for path in folder.glob("*.txt")})
+    befores = {_name_now(path.name): path for path in before.glob("*.txt")}
+    afters = {path.name: path for path in after.glob("*.txt")}
+    names = sorted({*befores, *afters})
     for name in names:
-        before_path, after_path = ((folder / name) for folder in (before, after))
-        if not (before_path.exists() and after_path.exists()):
-            print(f"{name}: only in {before if before_path.exists() else after}")
+        there, here = befores.get(name), afters.get(name)
+        if there is None or here is None:
+            print(f"{name}: only in {after if there is None else before}")
             wrong += 1
             continue
-        differences = list(_differences(*(_read(path) for path in (before_path, after_path))))
+        differences = list(_differences(*(_read(path) for path in (there, here))))
         lines = [line for line, size in differences if size > ROUNDING]
         wrong += bool(lines)
         rounded += bool(differences) and not lines
@@ -161,28 +170,34 @@ def _read(path: Path) -> object:
         return [status, text]
 
 
-def _differences(before: object, after: object, path: str = "") -> Iterator[tuple[str, float]]:
+def _differences(there: object, here: object, place: str = "") -> Iterator[tuple[str, float]]:
     """Where two documents differ, and by how much of the number; infinitely where they are no numbers."""
-    if isinstance(before, dict) and isinstance(after, dict):
-        before = {_key_now(key, after): value for key, value in before.items()}
-        for key in {**before, **after}:
-            if key in before and key in after:
-                yield from _differences(before[key], after[key], f"{path}.{key}")
+    if isinstance(there, dict) and isinstance(here, dict):
+        there = {_key_now(key, here): value for key, value in there.items()}
+        for key in {**there, **here}:
+            if key in there and key in here:
+                yield from _differences(there[key], here[key], f"{place}.{key}")
             else:
-                yield f"{path}.{key}: only {'before' if key in before else 'after'}", inf
-    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
-        for k, (first, second) in enumerate(zip(before, after, strict=True)):
-            yield from _differences(first, second, f"{path}[{k}]")
-    elif before != after:
-        numbers = isinstance(before, float) and isinstance(after, float)
-        size = abs(before - after) / max(abs(before), abs(after)) if numbers else inf
-        yield f"{path}: {str(before)[:80]} before, {str(after)[:80]} after", size
+                yield f"{place}.{key}: only {'before' if key in there else 'after'}", inf
+    elif isinstance(there, list) and isinstance(here, list) and len(there) == len(here):
+        for k, (one, two) in enumerate(zip(there, here, strict=True)):
+            yield from _differences(one, two, f"{place}[{k}]")
+    elif there != here and not (isinstance(there, str) and _name_now(there) == here):
+        numbers = isinstance(there, float) and isinstance(here, float)
+        size = abs(there - here) / max(abs(there), abs(here)) if numbers else inf
+        yield f"{place}: {str(there)[:80]} before, {str(here)[:80]} after", size
 
 
-def _key_now(key: str, after: dict[str, object]) -> str:
+def _name_now(text: str) -> str:
+    """A text of BEFORE with the loader and the command of then as they are called now."""
+    text = re.sub(r"\belevator\b(?!-(2khz|electric|1974))", "elevator-1974", text)
+    return re.sub(r"\bcompensate(?=[-.])", "law", text)
+
+
+def _key_now(key: str, here: dict[str, object]) -> str:
     """What a key of before is called in the same document of now."""
     now = RENAMED.get(key, key)
-    return now if key not in after and now in after else key
+    return now if key not in here and now in here else key
 
 
 if __name__ == "__main__":
