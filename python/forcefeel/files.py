@@ -126,10 +126,10 @@ def make_folder(path: Path, expected: str = "a folder that can be written") -> N
         raise InputError(f"{path}: cannot be made ({error.strerror}); expected {expected}; name another one") from error
 
 
-def is_same(one: Path, other: Path) -> bool:
+def is_same(first: Path, other: Path) -> bool:
     """Whether two paths lead to the same; not where one of them leads nowhere."""
     try:
-        return one.samefile(other)
+        return first.samefile(other)
     except (OSError, ValueError):
         return False
 

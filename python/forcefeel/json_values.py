@@ -34,8 +34,8 @@ def json_value(result: object, system: UnitSystem) -> Json:
     """
     own = getattr(result, "as_json", None)
     if own is not None:
-        found: Json = own(system)
-        return found
+        document: Json = own(system)
+        return document
     if is_dataclass(result):
         return fields_json(result, system)
     if isinstance(result, list | tuple):
@@ -67,7 +67,7 @@ def _unit_of(hint: Any) -> Unit | None:
     """The unit in ``Annotated[float, unit]``, also inside ``... | None``."""
     if get_origin(hint) is Annotated:
         return next((extra for extra in get_args(hint)[1:] if isinstance(extra, Unit)), None)
-    return next((found for arg in get_args(hint) if (found := _unit_of(arg)) is not None), None)
+    return next((unit for arg in get_args(hint) if (unit := _unit_of(arg)) is not None), None)
 
 
 def json_text(document: Json) -> str:

@@ -32,10 +32,10 @@ def public_names(package: str, init_file: str) -> tuple[Callable[[str], Any], Ca
 def imports_of(stub: Path) -> dict[str, tuple[str, str]]:
     """Module and name there of each name that a stub imports; of a submodule, which a stub imports from its package, no name."""
     package = f"forcefeel.{stub.parent.name}" if stub.parent.name != "forcefeel" else "forcefeel"
-    found = {}
+    modules = {}
     for node in ast.parse(stub.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 home = (f"{package}.{alias.name}", "") if node.module == package else (node.module, alias.name)
-                found[alias.asname or alias.name] = home
-    return found
+                modules[alias.asname or alias.name] = home
+    return modules

@@ -228,12 +228,12 @@ def factor_by_pint(source: str, target: str) -> float:
         measures = f"measures {other}, not" if other else "does not measure"
         raise InputError(f"{source!r} {measures} {name or f'what {target!r} does'}")
     try:
-        found = float(_registry().Quantity(1.0, given).to(wanted).magnitude)
+        factor = float(_registry().Quantity(1.0, given).to(wanted).magnitude)
     except OverflowError:
-        found = math.inf
-    if not 0 < found < math.inf:
+        factor = math.inf
+    if not 0 < factor < math.inf:
         raise InputError(f"{source!r} is too many powers of ten away from {target!r}")
-    return found
+    return factor
 
 
 def parse(given: object, unit_si: str, example: str) -> float:

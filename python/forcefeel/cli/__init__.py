@@ -44,8 +44,8 @@ def main() -> None:
     except MemoryError:
         _end("this machine's memory does not suffice; ask for less at a time", BAD_INPUT)
     except BaseException as error:  # a panic of the engine is no Exception
-        if said := _not_understood(error):
-            _end(said, BAD_INPUT)
+        if message := _not_understood(error):
+            _end(message, BAD_INPUT)
         if isinstance(error, OSError) and error.filename is None:  # no file, so the output: a full disk
             _end(f"the output cannot be written ({error.strerror})", BAD_INPUT)
         if _has_no_threads(error):
@@ -68,9 +68,9 @@ def _not_understood(error: BaseException) -> str | None:
     """What is wrong with the command line, where that is the error."""
     from cyclopts import CycloptsError
 
-    from forcefeel.cli.app import told
+    from forcefeel.cli.app import command_line_error
 
-    return told(error) if isinstance(error, CycloptsError) else None
+    return command_line_error(error) if isinstance(error, CycloptsError) else None
 
 
 def _has_no_threads(error: BaseException) -> bool:

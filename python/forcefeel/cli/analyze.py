@@ -28,12 +28,12 @@ def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions(
     from forcefeel.design.motor import MotorAnalysis
 
     with all_or_nothing("analyze", silent=options.json):
-        found = workflow.analyze(options.loader(path))
+        analysis = workflow.analyze(options.loader(path))
     if options.json:
-        print_json(json_value(found, options.units))
-    elif isinstance(found, MotorAnalysis):
-        show_motor.motor_analysis(Terminal(), found, options.units)
+        print_json(json_value(analysis, options.units))
+    elif isinstance(analysis, MotorAnalysis):
+        show_motor.motor_analysis(Terminal(), analysis, options.units)
     else:
-        show.analysis(Terminal(), found, options.units)
-    if not found.configuration("compliant").programmed.assessment.stable:
+        show.analysis(Terminal(), analysis, options.units)
+    if not analysis.configuration("compliant").programmed.assessment.stable:
         raise SystemExit(BAD_ANSWER)

@@ -87,8 +87,8 @@ def _first_line(command: str) -> str:
     """The first line of a command's help, read and not run: its file would load the numerical libraries."""
     spec = find_spec(f"{_PLACE}.{command}")
     source = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
-    (found,) = (one for one in ast.parse(source).body if isinstance(one, ast.FunctionDef) and one.name == "run")
-    return (ast.get_docstring(found) or "").partition("\n")[0]
+    (function,) = (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef) and node.name == "run")
+    return (ast.get_docstring(function) or "").partition("\n")[0]
 
 
 def run(tokens: list[str]) -> None:
@@ -104,7 +104,7 @@ def run(tokens: list[str]) -> None:
     app(tokens, print_error=False, exit_on_error=False)
 
 
-def told(error: CycloptsError) -> str:
+def command_line_error(error: CycloptsError) -> str:
     """What is wrong with a command line: what was given, what was expected, the remedy."""
     chain = " ".join(("forcefeel", *(error.command_chain or ())))
     if isinstance(error.__cause__, InputError):

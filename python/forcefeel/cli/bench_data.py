@@ -142,7 +142,7 @@ def law_of_runs(data: "Sequence[Response | BenchRecord]", loader: "Loader") -> s
     """
     from forcefeel.bench.records import BenchRecord
 
-    runs = {one.name: one.run for one in data if isinstance(one, BenchRecord) and one.run}
+    runs = {record.name: record.run for record in data if isinstance(record, BenchRecord) and record.run}
     laws = {run.get("law", ""): name for name, run in runs.items()}
     if len(laws) > 1:
         came = " and ".join(f"{law} in {name}" for law, name in laws.items())
@@ -174,7 +174,7 @@ def options_named() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(_ARGUMENT.sub(lambda found: _OPTIONS[found[1]], str(error))) from error
+        raise InputError(_ARGUMENT.sub(lambda match: _OPTIONS[match[1]], str(error))) from error
 
 
 def _hold(text: str) -> "Hold":

@@ -107,7 +107,7 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
 
         return CommissionPlan(
             share=value("--required-share", self.required_share, "", "95 %"),
-            fit=tuple(one.strip() for one in self.fit.split(",") if one.strip()),
+            fit=tuple(symbol.strip() for symbol in self.fit.split(",") if symbol.strip()),
             starts=self.starts,
             rule=self.rule,
             grid={**COARSE, **text.assignments("--grid", self.grid, "stiffness=1..100 %:6:log")},
@@ -146,26 +146,30 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
     from forcefeel.commission.simulated_bench import BenchTime
     from forcefeel.loader.built_in import open_loader
 
-    inputs = [one for one in (path, options.simulate_bench, *options.data) if one is not None and input_kind(one)]
+    inputs = [
+        path_given
+        for path_given in (path, options.simulate_bench, *options.data)
+        if path_given is not None and input_kind(path_given)
+    ]
     command = options.command_line(path)
     check_folder(options.out, command, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data, plan = options.loader(path), options.measured(), options.plan()
     truth = None if options.simulate_bench is None else open_loader(options.simulate_bench)
     with Bar("commission", "steps", silent=options.json, even=False) as bar:
 
-        def told(step: str, what: str) -> None:
+        def show_step(step: str, what: str) -> None:
             bar.describe(f"{step}: {what}")
             bar.show(int(step[0]), 5)
 
         try:
-            found = commission_loader(
+            commission = commission_loader(
                 loader,
                 data,
                 options.out,
                 plan,
                 bench=truth,
                 bench_time=BenchTime(options.time_s, options.rate_hz, options.seed),
-                progress=told,
+                progress=show_step,
                 writers=_step_pages(plan),
             )
         except KeyboardInterrupt:
@@ -173,14 +177,14 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
             print(f"\nforcefeel: interrupted; the same command goes on in {options.out}", file=sys.stderr)
             raise SystemExit(INTERRUPTED) from None
         bar.describe("report")
-        page = write_commission(found, options.out, command=command)
+        page = write_commission(commission, options.out, command=command)
     answer(
         {"page": page, "loader_file": _there(options.out, "loader.toml"), "law_file": law_file(options.out)},
-        lambda: commission_json(found),
-        lambda terminal: _show(terminal, found),
+        lambda: commission_json(commission),
+        lambda terminal: _show(terminal, commission),
         as_json=options.json,
     )
-    if not found.good:
+    if not commission.good:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -210,14 +214,14 @@ def law_file(out: Path) -> Path | None:
     return _there(out, "law.json") or _there(out, "law-rejected.json")
 
 
-def _show(console: Terminal, found: "Commission") -> None:
+def _show(console: Terminal, commission: "Commission") -> None:
     from forcefeel.commission.findings import commission_conclusions, glance
 
     table = Table(
-        "step", "result", title=f"{found.before.name}, commissioned", title_justify="left", title_style="bold"
+        "step", "result", title=f"{commission.before.name}, commissioned", title_justify="left", title_style="bold"
     )
     table.add_column("good")
-    for row in glance(found):
+    for row in glance(commission):
         table.add_row(row.title, row.result, row.good)
     console.show(table)
-    console.conclude(commission_conclusions(found))
+    console.conclude(commission_conclusions(commission))

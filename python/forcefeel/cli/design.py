@@ -52,14 +52,14 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         servo = None if electric else workflow.design_servo(loader, settings, begin)
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
         best = tried.best if tried else None
-        found = servo or design_motor(loader, best.name if best else ROBUST)
+        design = servo or design_motor(loader, best.name if best else ROBUST)
         bar.describe("report")
-        page = write_report(found, options.out, units, tried, command=options.command_line(path))
-    told = conclusions(found, units, tried)
+        page = write_report(design, options.out, units, tried, command=options.command_line(path))
+    concluded = conclusions(design, units, tried)
     if options.json:
-        print_json({"report": str(page), "design": json_value(found, units), "laws": json_value(tried, units)})
+        print_json({"report": str(page), "design": json_value(design, units), "laws": json_value(tried, units)})
     else:
-        Terminal().conclude(told)
+        Terminal().conclude(concluded)
         print(f"report: {page}")
-    if not told.ok:
+    if not concluded.ok:
         raise SystemExit(BAD_ANSWER)

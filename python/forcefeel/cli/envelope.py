@@ -108,13 +108,13 @@ def _map_loader(plan: "Plan", options: EnvelopeOptions, command: str) -> None:
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("envelope", "releases", silent=options.json) as bar:
-        found = compute(plan, threads=options.threads, progress=bar.show)
+        envelope = compute(plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
-        page = write_envelope(found, options.out, options.units, replace=options.replace, command=command)
+        page = write_envelope(envelope, options.out, options.units, replace=options.replace, command=command)
     answer(
         {"page": page},
-        lambda: envelope_json(found, options.units),
-        lambda terminal: _show(terminal, found, options.units),
+        lambda: envelope_json(envelope, options.units),
+        lambda terminal: _show(terminal, envelope, options.units),
         as_json=options.json,
     )
 
@@ -126,27 +126,27 @@ def _map_cockpit(project: "Project", options: EnvelopeOptions, command: str) -> 
 
     FOLDER.check(options.out, replace=options.replace)
     with all_or_nothing("envelope", "releases", silent=options.json) as bar:
-        found = find_cockpit(project, options.plan, threads=options.threads, progress=bar.show)
+        cockpit = find_cockpit(project, options.plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
-        page = write_cockpit(found, options.out, options.units, replace=options.replace, command=command)
+        page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
     answer(
         {"page": page},
-        lambda: cockpit_json(found, options.units),
-        lambda terminal: _show_axes(terminal, found),
+        lambda: cockpit_json(cockpit, options.units),
+        lambda terminal: _show_axes(terminal, cockpit),
         as_json=options.json,
     )
 
 
-def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
+def _show_axes(console: Terminal, cockpit: "CockpitEnvelope") -> None:
     from forcefeel.envelope.cockpit import SHARES, cockpit_conclusions
     from forcefeel.envelope.findings import angle_text
 
-    title = f"{found.name}: shares of the settings"
+    title = f"{cockpit.name}: shares of the settings"
     table = Table("axis", "loader", "drive", "law", "from", title=title, title_justify="left", title_style="bold")
     for name in SHARES:
         table.add_column(name, justify="right")
     table.add_column("largest loss from")
-    for row in found.rows:
+    for row in cockpit.rows:
         table.add_row(
             row.axis,
             row.loader,
@@ -157,47 +157,51 @@ def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
             row.worst_text,
         )
     console.show(table, ["drive", "loader"])
-    console.conclude(cockpit_conclusions(found), alarming=False)
+    console.conclude(cockpit_conclusions(cockpit), alarming=False)
 
 
-def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
+def _show(console: Terminal, envelope: "Envelope", units: UnitSystem) -> None:
     from forcefeel.envelope.findings import angle_text, envelope_conclusions
 
-    title = f"Shares of the settings, released from {angle_text(found.plan.release_rad, units)}"
+    title = f"Shares of the settings, released from {angle_text(envelope.plan.release_rad, units)}"
     table = Table("law", title=title, title_justify="left", title_style="bold")
     for name in ("stable", "passes", "stable in every case", "passes in every case"):
         table.add_column(name, justify="right")
-    for name in found.laws:
-        one = found.shares(name)
-        table.add_row(name, *map(share_text, (one.stable, one.nominal_share, one.stable_worst, one.worst_case_share)))
+    for name in envelope.laws:
+        shares = envelope.shares(name)
+        table.add_row(
+            name, *map(share_text, (shares.stable, shares.nominal_share, shares.stable_worst, shares.worst_case_share))
+        )
     console.show(table)
-    if found.smaller:
-        console.show(_by_angle(found, units))
-    if found.plan.machines:
-        console.show(_drawn(found))
-    console.conclude(envelope_conclusions(found, units), alarming=False)
+    if envelope.smaller:
+        console.show(_by_angle(envelope, units))
+    if envelope.plan.machines:
+        console.show(_drawn(envelope))
+    console.conclude(envelope_conclusions(envelope, units), alarming=False)
 
 
-def _by_angle(found: "Envelope", units: UnitSystem) -> Table:
+def _by_angle(envelope: "Envelope", units: UnitSystem) -> Table:
     from forcefeel.envelope.findings import angle_text
 
     table = Table("law", title="Passes with the nominal plant, released from", title_justify="left", title_style="bold")
-    for one in found.by_angle:
-        table.add_column(angle_text(one.release_rad, units), justify="right")
-    for name in found.laws:
-        table.add_row(name, *(share_text(one.passes[name]) for one in found.by_angle))
+    for angle_shares in envelope.by_angle:
+        table.add_column(angle_text(angle_shares.release_rad, units), justify="right")
+    for name in envelope.laws:
+        table.add_row(name, *(share_text(angle_shares.passes[name]) for angle_shares in envelope.by_angle))
     return table
 
 
-def _drawn(found: "Envelope") -> Table:
+def _drawn(envelope: "Envelope") -> Table:
     from forcefeel.envelope.result import MOST
 
-    machines = f"{len(found.plan.machines):,} machines {'at the corners' if found.plan.draws.corners else 'at random'}"
+    machines = (
+        f"{len(envelope.plan.machines):,} machines {'at the corners' if envelope.plan.draws.corners else 'at random'}"
+    )
     table = Table("law", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
     most = share_text(MOST)
     for name in (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average"):
         table.add_column(name, justify="right")
-    for name in found.laws:
-        one = found.drawn_shares(name)
-        table.add_row(name, *map(share_text, (one.settings, one.good, one.passes)))
+    for name in envelope.laws:
+        drawn = envelope.drawn_shares(name)
+        table.add_row(name, *map(share_text, (drawn.settings, drawn.good, drawn.passes)))
     return table

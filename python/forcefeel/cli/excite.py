@@ -214,20 +214,20 @@ def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
         law = options.fixed_law(loader, experiment)
         plan = options.plan(experiment.drive, loader)
         try:
-            found = excite(loader, options.fit, experiment, plan, law, progress=bar.describe)
+            excitation = excite(loader, options.fit, experiment, plan, law, progress=bar.describe)
         except NotSeparableError as error:
             bar.stop()
             print(f"forcefeel: {error}", file=sys.stderr)
             raise SystemExit(BAD_ANSWER) from None
         bar.describe("file")
-        write_excitation(found, options.out, options.units, replace=options.replace)
+        write_excitation(excitation, options.out, options.units, replace=options.replace)
     answer(
         {"file": options.out},
-        lambda: excitation_json(found, options.units),
-        lambda terminal: _show(terminal, found, options.units),
+        lambda: excitation_json(excitation, options.units),
+        lambda terminal: _show(terminal, excitation, options.units),
         as_json=options.json,
     )
-    if found.vague:
+    if excitation.vague:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -237,13 +237,13 @@ def _noise(given: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:
 
     share, single = None, {}
     for text in given:
-        name, equals, said = text.rpartition("=")
+        name, equals, noise = text.rpartition("=")
         if not equals:
             if share is not None:
                 raise InputError(f"--noise: expected one share for all channels, got another, {text!r}; leave one out")
             share = value("--noise", text.strip(), "", "1 %")
         else:
-            single[channel(name)] = value("--noise", said.strip(), CHANNELS[channel(name)], "0.01 deg")
+            single[channel(name)] = value("--noise", noise.strip(), CHANNELS[channel(name)], "0.01 deg")
     return share, single
 
 
@@ -256,20 +256,22 @@ def _limit(name: str, given: str, drive: "Drive", loader: "Loader") -> float:
     return value(f"--limit-{name}", given.strip(), CHANNELS[channel], _EXAMPLES[channel])
 
 
-def _show(console: Terminal, found: "Excitation", units: UnitSystem) -> None:
+def _show(console: Terminal, excitation: "Excitation", units: UnitSystem) -> None:
     from forcefeel.bench.identification.digits import percent
     from forcefeel.loader.parameters import TABLE, with_unit
 
     parameters = Table("parameter", title="Predicted standard errors", title_justify="left", title_style="bold")
     for name in ("symbol", "value", "standard error"):
         parameters.add_column(name, justify="right")
-    for key, error in found.standard_errors.items():
-        parameters.add_row(key, TABLE[key].symbol, with_unit(TABLE[key], found.loader[key], units, 4), percent(error))
+    for key, error in excitation.standard_errors.items():
+        parameters.add_row(
+            key, TABLE[key].symbol, with_unit(TABLE[key], excitation.loader[key], units, 4), percent(error)
+        )
     limits = Table("limit", title="Peaks on the loader", title_justify="left", title_style="bold")
     for name in ("peak", "limit", "used"):
         limits.add_column(name, justify="right")
     limits.add_column("where from")
-    for use in found.uses:
+    for use in excitation.uses:
         limit = use.limit
         limits.add_row(
             limit.channel.replace("_", " "),
@@ -278,9 +280,9 @@ def _show(console: Terminal, found: "Excitation", units: UnitSystem) -> None:
             f"{use.share:.0%}",
             limit.reason,
         )
-    console.print(f"{found.experiment}: {found.words}", highlight=False)
+    console.print(f"{excitation.experiment}: {excitation.words}", highlight=False)
     console.show(parameters)
     console.show(limits)
-    console.print(found.verdict, style="bold red" if found.vague else "bold", highlight=False)
-    for finding in found.findings(units):
+    console.print(excitation.verdict, style="bold red" if excitation.vague else "bold", highlight=False)
+    for finding in excitation.findings(units):
         console.print(f"- {finding}", highlight=False)

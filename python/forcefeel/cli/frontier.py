@@ -81,39 +81,39 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
             bar.show(done, total)
 
         with law_option_named():
-            found = compute_frontier(plan, threads=options.threads, progress=show)
+            frontier = compute_frontier(plan, threads=options.threads, progress=show)
         bar.describe("report")
         page = write_frontier(
-            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+            frontier, options.out, options.units, replace=options.replace, command=options.command_line(path)
         )
     answer(
         {"page": page},
-        lambda: frontier_json(found, options.units),
-        lambda terminal: _show(terminal, found, options.units),
+        lambda: frontier_json(frontier, options.units),
+        lambda terminal: _show(terminal, frontier, options.units),
         as_json=options.json,
     )
 
 
-def _show(console: Terminal, found: "Frontier", units: UnitSystem) -> None:
+def _show(console: Terminal, frontier: "Frontier", units: UnitSystem) -> None:
     from forcefeel.frontier.findings import frontier_conclusions
 
-    console.show(_tolerances(found))
-    console.show(_hardware(found))
-    console.conclude(frontier_conclusions(found, units), alarming=False)
+    console.show(_tolerances(frontier))
+    console.show(_hardware(frontier))
+    console.conclude(frontier_conclusions(frontier, units), alarming=False)
 
 
-def _tolerances(found: "Frontier") -> Table:
+def _tolerances(frontier: "Frontier") -> Table:
     from forcefeel.frontier.findings import tolerance_text
 
-    tight, known = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
+    tight, known = frontier.tightening.inertia_and_geometry, frontier.tightening.all_in_proportion
     table = Table("inertia known to", title="Passes in every case", title_justify="left", title_style="bold")
     for name in ("inertia and geometry tightened", "all in proportion", "bound on any linear law"):
         table.add_column(name, justify="right")
-    bounds = dict(zip(found.bound.errors, found.bound.shares, strict=True))
-    for tolerance, one, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):
+    bounds = dict(zip(frontier.bound.errors, frontier.bound.shares, strict=True))
+    for tolerance, worst_share, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):
         bound = next((share for error, share in bounds.items() if abs(error - tolerance) < _SAME * tolerance), None)
         last = "" if bound is None else share_text(bound)
-        table.add_row(tolerance_text(tolerance), share_text(one), share_text(other), last)
+        table.add_row(tolerance_text(tolerance), share_text(worst_share), share_text(other), last)
     return table
 
 
@@ -121,13 +121,13 @@ _SAME = 1e-6
 """Relative; tolerances that are the same but for rounding."""
 
 
-def _hardware(found: "Frontier") -> Table:
+def _hardware(frontier: "Frontier") -> Table:
     from forcefeel.frontier.findings import points_text
 
     table = Table("change", title="Points gained", title_justify="left", title_style="bold")
     for name in ("in every case", "nominally", "stable in every case"):
         table.add_column(name, justify="right")
-    for gain in found.hardware:
+    for gain in frontier.hardware:
         gains = (gain.worst_gain, gain.nominal_gain, gain.stable_worst_gain)
         table.add_row(gain.name, *map(points_text, gains))
     return table

@@ -122,7 +122,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
             return given_law(law, loader)
         if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
-        if all(one.experiment.loop is not Loop.LOADER for one in data):
+        if all(measurement.experiment.loop is not Loop.LOADER for measurement in data):
             raise InputError("--law: is the law of the whole loader, and all data are of the servo alone; leave it out")
         return given_law(self.law, loader)
 
@@ -146,7 +146,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     law = options.fixed_law(loader, data)
     settings = options.settings(loader, law)
     with all_or_nothing("identify", "searches", silent=options.json, even=False) as bar:
-        found = identify(
+        identification = identify(
             loader,
             data,
             options.fit,
@@ -155,23 +155,23 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
         )
         bar.describe("report")
         page = write_identification(
-            found,
+            identification,
             options.out,
             options.units,
             settings,
-            estimated=_estimated(found, data),
+            estimated=_estimated(identification, data),
             inputs=inputs,
             replace=options.replace,
             command=options.command_line(path),
         )
-    written = None if found.loader is None else options.out / LOADER
+    written = None if identification.loader is None else options.out / LOADER
     answer(
         {"page": page, "loader_file": written},
-        lambda: identification_json(found, options.units, settings),
-        lambda terminal: _show(terminal, found, options.units),
+        lambda: identification_json(identification, options.units, settings),
+        lambda terminal: _show(terminal, identification, options.units),
         as_json=options.json,
     )
-    if not identification_conclusions(found, options.units).ok:
+    if not identification_conclusions(identification, options.units).ok:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -188,13 +188,17 @@ def _loader_file(path: Path | None) -> list[Path]:
     return [] if path is None or (str(path) in BUILT_IN and not input_kind(path)) else [path]
 
 
-def _estimated(found: "Identification", given: "Sequence[Response | BenchRecord]") -> "list[Response]":
+def _estimated(identification: "Identification", given: "Sequence[Response | BenchRecord]") -> "list[Response]":
     """Responses that were not given but estimated from records."""
     from forcefeel.bench.identification.result import data_of
     from forcefeel.bench.responses import Response
 
-    own = {id(one) for one in given}
-    return [one for one in data_of(found.fitted) if isinstance(one, Response) and id(one) not in own]
+    own = {id(measurement) for measurement in given}
+    return [
+        measurement
+        for measurement in data_of(identification.fitted)
+        if isinstance(measurement, Response) and id(measurement) not in own
+    ]
 
 
 _COLUMNS: Mapping[str, Literal["left", "right"]] = {
@@ -209,34 +213,36 @@ _COLUMNS: Mapping[str, Literal["left", "right"]] = {
 }
 
 
-def _show(console: Terminal, found: "Identification", units: UnitSystem) -> None:
+def _show(console: Terminal, identification: "Identification", units: UnitSystem) -> None:
     from forcefeel.bench.identification.findings import identification_conclusions
 
     table = Table(
-        title=f"{found.before.name}, identified; error is the standard error", title_justify="left", title_style="bold"
+        title=f"{identification.before.name}, identified; error is the standard error",
+        title_justify="left",
+        title_style="bold",
     )
     for name, justify in _COLUMNS.items():
         table.add_column(name, justify=justify, no_wrap=True)
-    for one in found.estimates:
-        table.add_row(*_row(one, units))
+    for estimate in identification.estimates:
+        table.add_row(*_row(estimate, units))
     console.show(table, on_the_page=("error", "95 % interval"))
-    console.conclude(identification_conclusions(found, units))
+    console.conclude(identification_conclusions(identification, units))
 
 
-def _row(one: "Estimate", units: UnitSystem) -> tuple[str, ...]:
+def _row(estimate: "Estimate", units: UnitSystem) -> tuple[str, ...]:
     from forcefeel.bench.identification.digits import error, estimated, interval, nominal, relative_error, unit_of
     from forcefeel.bench.identification.result import Status
 
-    unknown = one.unknown
-    start = (f"{unknown.symbol} {unknown.key}", nominal(one, units))
-    if one.status is Status.UNDETERMINED:
-        return (*start, _NONE, unit_of(one, units), *[_NONE] * 3, str(one.status))
+    unknown = estimate.unknown
+    start = (f"{unknown.symbol} {unknown.key}", nominal(estimate, units))
+    if estimate.status is Status.UNDETERMINED:
+        return (*start, _NONE, unit_of(estimate, units), *[_NONE] * 3, str(estimate.status))
     return (
         *start,
-        estimated(one, one.value, units),
-        unit_of(one, units),
-        error(one, units),
-        _NONE if unknown.is_phase else _percent(relative_error(one)),
-        interval(one, units),
-        str(one.status),
+        estimated(estimate, estimate.value, units),
+        unit_of(estimate, units),
+        error(estimate, units),
+        _NONE if unknown.is_phase else _percent(relative_error(estimate)),
+        interval(estimate, units),
+        str(estimate.status),
     )

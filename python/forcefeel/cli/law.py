@@ -145,21 +145,21 @@ def _recursion(loader: "Loader", options: LawOptions) -> None:
     from forcefeel.laws.law import Law
 
     settings = options.settings(loader)
-    found = design_gains(loader, settings)
-    law = found.law(loader)
-    judged = assess(loader, law, found.settings)
+    design = design_gains(loader, settings)
+    law = design.law(loader)
+    judged = assess(loader, law, design.settings)
     demand = peaks(loader, law) if judged.stable else None
-    saved = options.save_law if found.reached else None
+    saved = options.save_law if design.reached else None
     if saved:
         Law.of(settings, loader, name="recursion (22)").save(saved)
-    parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
+    parts = {"loader": loader, "compensation": design, "assessment": judged, "peaks": demand}
     answer(
         {"law_file": saved} if saved else {},
         lambda: {name: json_value(part, options.units) for name, part in parts.items()},
-        lambda terminal: show.compensation(terminal, loader, found, judged, demand, options.units),
+        lambda terminal: show.compensation(terminal, loader, design, judged, demand, options.units),
         as_json=options.json,
     )
-    if not (found.reached and judged.stable):
+    if not (design.reached and judged.stable):
         raise SystemExit(BAD_ANSWER)
 
 
@@ -216,7 +216,7 @@ def _law(loader: "Loader", scored: "LawScores", choice: "Choice | None") -> "Law
     if choice is not None:
         if choice.chosen is None:
             return None
-        (score,) = (one for one in scored.scores if one.name == choice.chosen)
+        (score,) = (score for score in scored.scores if score.name == choice.chosen)
     if score.over is None:
         return Law.of(score.name, loader)
     return Law.of(
@@ -252,13 +252,15 @@ def _table(scored: "LawScores", choice: "Choice | None") -> Table:
 def _cells(score: "Score") -> list[str]:
     own, margins = score.own, score.own.margins
     shares = score.over.shares if score.over else None
-    numbers = [100 * one for one in (shares.worst_case_share, shares.nominal_share, shares.stable)] if shares else []
-    found = [to_text(one, 3) for one in numbers]
+    numbers = (
+        [100 * share for share in (shares.worst_case_share, shares.nominal_share, shares.stable)] if shares else []
+    )
+    cells = [to_text(number, 3) for number in numbers]
     if own.stable:
         bears = (margins.gain_up, degrees(margins.phase_rad), 1e3 * margins.delay_s)
-        found += [own.outcome, *(to_text(one, 3) for one in (*bears, 100 * own.demand.current))]
+        cells += [own.outcome, *(to_text(number, 3) for number in (*bears, 100 * own.demand.current))]
     else:
-        found += [own.outcome, *[_NONE] * 4]
+        cells += [own.outcome, *[_NONE] * 4]
     if own.noise is not None:
-        found.append(to_text(1e3 * degrees(own.noise.angle_rad), 3) if isfinite(own.noise.angle_rad) else _NONE)
-    return found
+        cells.append(to_text(1e3 * degrees(own.noise.angle_rad), 3) if isfinite(own.noise.angle_rad) else _NONE)
+    return cells

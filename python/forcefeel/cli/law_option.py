@@ -61,10 +61,10 @@ def law_option_named() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        said = str(error)
-        if not said.startswith(_ARGUMENT):
+        message = str(error)
+        if not message.startswith(_ARGUMENT):
             raise
-        raise InputError(f"--law: {said.removeprefix(_ARGUMENT)}") from error
+        raise InputError(f"--law: {message.removeprefix(_ARGUMENT)}") from error
 
 
 _ARGUMENT = "law: "

@@ -109,8 +109,8 @@ class JsonOptions:
             value = getattr(self, field.name)
             if value == field.default:
                 continue
-            for one in value if isinstance(value, tuple) else (value,):
-                words += [name] if one is True else [name, _typed(one)]
+            for item_value in value if isinstance(value, tuple) else (value,):
+                words += [name] if item_value is True else [name, _typed(item_value)]
         return shlex.join(words)
 
 
@@ -126,7 +126,7 @@ def named_options(kind: type) -> Iterator[tuple[Field[Any], str, object]]:
     """The fields of an options class, each with its name on the command line and its group."""
     hints = get_type_hints(kind, include_extras=True)
     for field in fields(kind):
-        (parameter,) = (one for one in hints[field.name].__metadata__ if isinstance(one, Parameter))
+        (parameter,) = (metadata for metadata in hints[field.name].__metadata__ if isinstance(metadata, Parameter))
         (name,) = parameter.name or (f"--{field.name.replace('_', '-')}",)
         yield field, name, parameter.group
 

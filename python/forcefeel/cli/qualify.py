@@ -245,16 +245,16 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
     else:
         loader = options.loader(path)
         with _progress(options) as (bar, show), options_named(), law_option_named():
-            found = qualify_loader(loader, options.setup(loader), progress=show)
+            qualification = qualify_loader(loader, options.setup(loader), progress=show)
             show("report", bar.total, bar.total)
-            page = write_qualification(found, options.out, pdf=options.pdf, command=command)
+            page = write_qualification(qualification, options.out, pdf=options.pdf, command=command)
         answer(
             {"page": page},
-            lambda: qualification_json(found),
-            lambda terminal: _show(terminal, found),
+            lambda: qualification_json(qualification),
+            lambda terminal: _show(terminal, qualification),
             as_json=options.json,
         )
-        fulfilled = found.fulfilled
+        fulfilled = qualification.fulfilled
     if not fulfilled:
         raise SystemExit(BAD_ANSWER)
 
@@ -272,55 +272,55 @@ def _progress(options: QualifyOptions) -> "Iterator[tuple[Bar, Progress]]":
         yield bar, show
 
 
-def _show_axes(console: Terminal, found: "CockpitQualification") -> None:
+def _show_axes(console: Terminal, cockpit: "CockpitQualification") -> None:
     from forcefeel.qualification.plan.cockpit import cockpit_conclusions
 
     table = Table(
-        "axis", "test", "outcome", "law", title=f"{found.name}: test guide", title_justify="left", title_style="bold"
+        "axis", "test", "outcome", "law", title=f"{cockpit.name}: test guide", title_justify="left", title_style="bold"
     )
     table.add_column("number")
-    for axis, one in found.axes.items():
-        for section in one.sections:
+    for axis, qualification in cockpit.axes.items():
+        for section in qualification.sections:
             for result in section.results:
                 trial = result.trial
                 table.add_row(axis, trial.key, str(result.outcome), section.title, trial.test.number)
         table.add_section()
     console.show(table)
-    console.conclude(cockpit_conclusions(found))
+    console.conclude(cockpit_conclusions(cockpit))
 
 
-def _show(console: Terminal, found: "Qualification") -> None:
+def _show(console: Terminal, qualification: "Qualification") -> None:
     from forcefeel.qualification.plan.sentences import conclusions
 
-    title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
-    console.show((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
-    console.conclude(conclusions(found))
+    title = f"{qualification.loader.name}, {qualification.rules.title} ({qualification.rules.edition}), {qualification.axis}"
+    console.show((_tests if len(qualification.sections) <= _SIDE_BY_SIDE else _counts)(qualification, title))
+    console.conclude(conclusions(qualification))
 
 
 _SIDE_BY_SIDE = 3
 """Laws whose outcomes a terminal shows test by test."""
 
 
-def _tests(found: "Qualification", title: str) -> Table:
+def _tests(qualification: "Qualification", title: str) -> Table:
     """Test by test, a column for each law."""
     table = Table("test", title=title, title_justify="left", title_style="bold")
-    for section in found.sections:
+    for section in qualification.sections:
         table.add_column(section.title)
     table.add_column("number")
-    for results in zip(*(section.results for section in found.sections), strict=True):
+    for results in zip(*(section.results for section in qualification.sections), strict=True):
         trial = results[0].trial
-        table.add_row(trial.key, *(str(one.outcome) for one in results), trial.test.number)
+        table.add_row(trial.key, *(str(result.outcome) for result in results), trial.test.number)
     return table
 
 
-def _counts(found: "Qualification", title: str) -> Table:
+def _counts(qualification: "Qualification", title: str) -> Table:
     """What each law came to, and how many tests came to what."""
     from forcefeel.qualification import Outcome
 
     table = Table("law", "status", title=title, title_justify="left", title_style="bold")
     for outcome in Outcome:
         table.add_column(str(outcome), justify="right")
-    for section in found.sections:
+    for section in qualification.sections:
         counts = (str(section.count(outcome)) for outcome in Outcome)
         table.add_row(section.title, str(section.status), *counts)
     return table

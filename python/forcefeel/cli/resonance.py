@@ -79,12 +79,12 @@ def run(path: LoaderFile = None, /, *, options: ResonanceOptions) -> None:
     band_hz = read_band(options.band)
     with all_or_nothing("resonance", silent=options.json):
         response = _response(options.read((options.data,))[0], options.channel)
-        found = read_resonance(response, band_hz)
+        resonance = read_resonance(response, band_hz)
     if options.json:
-        print_json(_resonance_json(response, found, loader, options.units))
+        print_json(_resonance_json(response, resonance, loader, options.units))
     else:
-        _show(Terminal(), response, found, loader, options.units)
-    if found.frequency_hz is None:
+        _show(Terminal(), response, resonance, loader, options.units)
+    if resonance.frequency_hz is None:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -134,24 +134,25 @@ def _link(reading: "Reading", loader: "Loader") -> tuple[float, float] | None:
     return link_from_resonance(loader, reading.frequency_hz, reading.damping_ratio)
 
 
-def _lines(found: "Resonance", units: UnitSystem) -> dict[str, str]:
+def _lines(resonance: "Resonance", units: UnitSystem) -> dict[str, str]:
     """What a loader file may state in place of k and c, as it states it."""
     from forcefeel.loader.parameters import ALTERNATIVES, with_unit
 
-    if not found.frequency_hz or not found.damping_ratio or found.damping_ratio < 0:
+    if not resonance.frequency_hz or not resonance.damping_ratio or resonance.damping_ratio < 0:
         return {}
-    values = (2 * math.pi * found.frequency_hz, found.damping_ratio)
+    values = (2 * math.pi * resonance.frequency_hz, resonance.damping_ratio)
     rows = (ALTERNATIVES[key] for key in _STATED)
     return {row.name: with_unit(row, value, units, _DIGITS) for row, value in zip(rows, values, strict=True)}
 
 
-def _verdict(response: "Response", found: "Resonance") -> str:
-    if found.frequency_hz is None or found.damping_ratio is None:
-        return f"No resonance can be read off {response.name}: {found.circle.note.removeprefix('not read: ')}."
-    return f"{response.name} resonates at {_text(found.frequency_hz)} Hz with a damping ratio of {_text(found.damping_ratio)}."
+def _verdict(response: "Response", resonance: "Resonance") -> str:
+    if resonance.frequency_hz is None or resonance.damping_ratio is None:
+        return f"No resonance can be read off {response.name}: {resonance.circle.note.removeprefix('not read: ')}."
+    frequency, ratio = _text(resonance.frequency_hz), _text(resonance.damping_ratio)
+    return f"{response.name} resonates at {frequency} Hz with a damping ratio of {ratio}."
 
 
-def _show(console: Terminal, response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> None:
+def _show(console: Terminal, response: "Response", resonance: "Resonance", loader: "Loader", units: UnitSystem) -> None:
     from forcefeel.loader.parameters import TABLE, unit
 
     heads = [f"{TABLE[key].symbol}, {unit(TABLE[key]).shown(units)}" for key in _LINK]
@@ -161,16 +162,16 @@ def _show(console: Terminal, response: "Response", found: "Resonance", loader: "
         table.add_column(name, justify="right")
     table.add_column("how")
     for name, words in _METHODS.items():
-        reading: Reading = getattr(found, name)
+        reading: Reading = getattr(resonance, name)
         link = _link(reading, loader)
         numbers = [_NONE if it is None else _text(it) for it in (reading.frequency_hz, reading.damping_ratio)]
         numbers += [_NONE, _NONE] if link is None else _link_texts(link, units)
         table.add_row(words, *numbers, reading.note)
     console.show(table)
-    good = found.frequency_hz is not None
-    console.print(_verdict(response, found), style="bold" if good else "bold red", highlight=False)
-    console.print(f"- {found.note}.", highlight=False)
-    if lines := _lines(found, units):
+    good = resonance.frequency_hz is not None
+    console.print(_verdict(response, resonance), style="bold" if good else "bold red", highlight=False)
+    console.print(f"- {resonance.note}.", highlight=False)
+    if lines := _lines(resonance, units):
         console.print(f"- {_HOLDS_FOR[loader.drive]}", highlight=False)
         print("\nIn [linkage] of the loader file, in place of stiffness and damping:")
         for name, text in lines.items():
@@ -184,7 +185,9 @@ def _link_texts(link: tuple[float, float], units: UnitSystem) -> list[str]:
     return [_text(unit(TABLE[key]).from_si(value, units)) for key, value in pairs]
 
 
-def _resonance_json(response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> dict[str, Json]:
+def _resonance_json(
+    response: "Response", resonance: "Resonance", loader: "Loader", units: UnitSystem
+) -> dict[str, Json]:
     return {
         "data": response.name,
         "experiment": str(response.experiment),
@@ -192,12 +195,12 @@ def _resonance_json(response: "Response", found: "Resonance", loader: "Loader", 
         "output": response.output,
         "sha256": response.data_hash,
         "loader": loader.name,
-        "verdict": _verdict(response, found),
-        "kind": found.kind,
-        "note": found.note,
+        "verdict": _verdict(response, resonance),
+        "kind": resonance.kind,
+        "note": resonance.note,
         "holds_for": _HOLDS_FOR[loader.drive],
-        **{name: _reading_json(getattr(found, name), loader, units) for name in _METHODS},
-        "loader_file": _lines(found, units) or None,
+        **{name: _reading_json(getattr(resonance, name), loader, units) for name in _METHODS},
+        "loader_file": _lines(resonance, units) or None,
     }
 
 

@@ -82,10 +82,10 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     endpoint = Simulated() if options.machine is None else Udp(options.machine)
     with (
         start(loader, law, endpoint=endpoint, host=options.host, record=record, expected_s=lasts) as running,
-        _told_to_end() as told,
+        _told_to_end() as ended,
         _console(running, options),
     ):
-        _wait(running, lasts, told)
+        _wait(running, lasts, ended)
         running.off()
         time.sleep(_OFF_S)
     answer(
@@ -136,18 +136,18 @@ def _tell(sentence: str) -> None:
 @contextmanager
 def _told_to_end() -> Iterator[threading.Event]:
     """What Ctrl-C and SIGTERM set, at whatever moment they come: a loop is ended in its order, never in the middle of something."""
-    told = threading.Event()
-    before = {one: signal.signal(one, lambda *_: told.set()) for one in (signal.SIGINT, signal.SIGTERM)}
+    ended = threading.Event()
+    before = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield told
+        yield ended
     finally:
-        for one, handler in before.items():
-            signal.signal(one, handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
-def _wait(running: "LiveSession", lasts_s: float, told: threading.Event) -> None:
+def _wait(running: "LiveSession", lasts_s: float, end_event: threading.Event) -> None:
     end, ended = time.monotonic() + lasts_s, ""
-    while (left := end - time.monotonic()) > 0 and not running.state.ended and not told.wait(min(left, _LOOK_S)):
+    while (left := end - time.monotonic()) > 0 and not running.state.ended and not end_event.wait(min(left, _LOOK_S)):
         if (why := running.state.record_ended) != ended:
             _tell(f"the record has ended, and the loop goes on: {why}")
             ended = why
@@ -184,8 +184,8 @@ def _json(running: "LiveSession") -> dict[str, object]:
         **({} if running.host is None else {"host": asdict(running.host)}),
         "trips": [trip.name for trip in running.trips],
         **{
-            name: {key: value if isfinite(value) else None for key, value in _quantiles(one).items()}
-            for name, one in of.items()
+            name: {key: value if isfinite(value) else None for key, value in _quantiles(quantiles).items()}
+            for name, quantiles in of.items()
         },
         "quantile_error": QUANTILE_ERROR,
         "realtime_status": list(running.realtime_status),
@@ -223,8 +223,8 @@ def _show(console: Terminal, running: "LiveSession") -> None:
         title_justify="left",
         title_style="bold",
     )
-    for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
-        table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(one).values()))
+    for name, quantiles in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
+        table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(quantiles).values()))
     console.show(table)
     for line in running.realtime_status:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
@@ -233,8 +233,8 @@ def _show(console: Terminal, running: "LiveSession") -> None:
     counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
     console.print(f"- {counts}", highlight=False)
     if (host := running.host) is not None:
-        heard = f"{host.packets:,} packets, {host.refused:,} left out"
-        console.print(f"- simulator at {host.listens}: {heard}", highlight=False)
+        packets_text = f"{host.packets:,} packets, {host.refused:,} left out"
+        console.print(f"- simulator at {host.listens}: {packets_text}", highlight=False)
     if lost := state.lost_rows + state.unrecorded_rows:
         console.print(f"- {lost:,} rows were lost", highlight=False)
     if state.record_ended:

@@ -298,7 +298,7 @@ class ScenarioOptions(LoaderOptions):
         if self.fade_time is not None and not self.change:
             raise InputError("--fade-time: is how long a --change takes, and there is none; leave it out")
         fade_s = FADE_S if self.fade_time is None else seconds("--fade-time", self.fade_time)
-        found = []
+        feel_changes = []
         for text in self.change or ():
             time, colon, values = text.partition(":")
             if not colon:
@@ -307,8 +307,8 @@ class ScenarioOptions(LoaderOptions):
                     f"--change: expected a time, a colon and new values such as {example!r}, got {show(text)}"
                 )
             changes = assignments("--change", tuple(values.split(",")))
-            found.append(FeelChange(seconds("--change", time.strip()), changes, fade_s))
-        return tuple(found)
+            feel_changes.append(FeelChange(seconds("--change", time.strip()), changes, fade_s))
+        return tuple(feel_changes)
 
 
 def _grid(scenario: "Scenario", loader: "Loader") -> float:

@@ -65,19 +65,19 @@ def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
     """
     from forcefeel.loader.parameters import TABLE
 
-    found: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     for text in texts:
         key, equals, given = (part.strip() for part in text.partition("="))
         if not (key and equals and given):
             raise InputError(
                 f"{option}: expected a parameter and its value such as 'linkage.stiffness=7000 lb/in', got {show(text)}"
             )
-        if key in found:
+        if key in values:
             raise InputError(f"{option}: {key} is given twice; give it once")
-        found[key] = _WORDS.get(given.lower(), given)
-        if found[key] is None and key in TABLE and TABLE[key].off_si is None:
+        values[key] = _WORDS.get(given.lower(), given)
+        if values[key] is None and key in TABLE and TABLE[key].off_si is None:
             raise InputError(f"{option}: {key} is what every loader has; expected a value, got {show(given)}")
-    return found
+    return values
 
 
 def _is_number(text: str) -> bool:

@@ -59,7 +59,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("schedule", "loops", silent=options.json, even=False) as bar:
         schedule = design_schedule(loader, knots.axes, knots.feel, options.law)
-        found = check_schedule(
+        check = check_schedule(
             schedule,
             options.refine,
             changes=deviations,
@@ -69,29 +69,29 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
         )
         bar.describe("report")
         page = write_schedule(
-            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+            check, options.out, options.units, replace=options.replace, command=options.command_line(path)
         )
     answer(
         {"page": page},
-        lambda: schedule_json(found, options.units),
-        lambda terminal: _show(terminal, found),
+        lambda: schedule_json(check, options.units),
+        lambda terminal: _show(terminal, check),
         as_json=options.json,
     )
-    if not found.stable:
+    if not check.stable:
         raise SystemExit(BAD_ANSWER)
 
 
-def _show(console: Terminal, found: "ScheduleCheck") -> None:
+def _show(console: Terminal, check: "ScheduleCheck") -> None:
     from forcefeel.flight_schedule.findings import schedule_conclusions
 
-    console.show(_releases(found))
+    console.show(_releases(check))
     table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
     for name in ("loops", "unstable", "pole nearest to the edge"):
         table.add_column(name, justify="right")
-    for part in found.parts:
+    for part in check.parts:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
     console.show(table)
-    console.conclude(schedule_conclusions(found))
+    console.conclude(schedule_conclusions(check))
 
 
 def _releases(check: "ScheduleCheck") -> Table:

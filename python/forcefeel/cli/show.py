@@ -22,16 +22,16 @@ from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitS
 _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
 
 
-def analysis(console: Terminal, found: ServoAnalysis, units: UnitSystem) -> None:
+def analysis(console: Terminal, servo_analysis: ServoAnalysis, units: UnitSystem) -> None:
     """The original system."""
-    programmed = f"{hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
-    console.print(f"{found.loader.name}: programmed feel {programmed}")
-    for one in found.configurations:
-        console.show(_modes(f"Modes, {one.name} link", one.programmed.modes))
+    programmed = f"{hertz(servo_analysis.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(servo_analysis.feel_damping_ratio, 3)}"
+    console.print(f"{servo_analysis.loader.name}: programmed feel {programmed}")
+    for configuration in servo_analysis.configurations:
+        console.show(_modes(f"Modes, {configuration.name} link", configuration.programmed.modes))
     servo = titled(
         "Servo, position loop closed", "link", "least damped mode", "damping ratio", "gain margin", "phase margin"
     )
-    for result in found.servos:
+    for result in servo_analysis.servos:
         mode = least_damped(result.closed_modes)
         servo.add_row(
             str(result.linkage),
@@ -43,54 +43,54 @@ def analysis(console: Terminal, found: ServoAnalysis, units: UnitSystem) -> None
     loops = titled(
         "Overall loop, step of pilot force", "link, setting", "stable", "gain margin", "phase", "at rest", "r.m.s."
     )
-    show_loops(console, loops, found, _loop)
-    show_boundary(console, "Stability as G falls, I and B scaled along", "smallest stable G", found, units)
-    _say_left_out(console, found.loader)
+    show_loops(console, loops, servo_analysis, _loop)
+    show_boundary(console, "Stability as G falls, I and B scaled along", "smallest stable G", servo_analysis, units)
+    _say_left_out(console, servo_analysis.loader)
 
 
 def show_loops(
     console: Terminal,
     loops: Table,
-    found: Analysis,
+    analysis: Analysis,
     columns: Callable[[Assessment, Margins], tuple[str | Text, ...]],
 ) -> None:
     """The steps of an analysis, a row for each link and setting."""
-    for one in found.configurations:
-        for setting, loop in (("programmed", one.programmed), ("low", one.low)):
-            loops.add_row(f"{one.name}, {setting}", *columns(loop.assessment, loop.margins))
+    for configuration in analysis.configurations:
+        for setting, loop in (("programmed", configuration.programmed), ("low", configuration.low)):
+            loops.add_row(f"{configuration.name}, {setting}", *columns(loop.assessment, loop.margins))
     console.show(loops)
     console.print(
         "at rest: share of the programmed deflection; r.m.s.: deviation from the ideal over 2 s", highlight=False
     )
 
 
-def show_boundary(console: Terminal, title: str, stiffness: str, found: Analysis, units: UnitSystem) -> None:
+def show_boundary(console: Terminal, title: str, stiffness: str, analysis: Analysis, units: UnitSystem) -> None:
     """Where an analysis finds the edge of stability, a row for each link."""
     edge = titled(title, "link", f"{stiffness}, {ROTARY_STIFFNESS.shown(units)}", "")
-    for one in found.configurations:
-        found_at = ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)
-        edge.add_row(one.name, to_text(found_at), one.boundary.note)
+    for configuration in analysis.configurations:
+        found_at = ROTARY_STIFFNESS.from_si(configuration.boundary.stiffness_n_m_per_rad, units)
+        edge.add_row(configuration.name, to_text(found_at), configuration.boundary.note)
     console.show(edge)
 
 
 def compensation(
     console: Terminal,
     loader: Loader,
-    found: GainDesign,
+    design: GainDesign,
     judged: Assessment,
     demand: AnyPeaks | None,
     units: UnitSystem,
 ) -> None:
     """Gains and the loop that they close."""
     gains = titled("Feedback gains", "gain", "on", "value", "unit")
-    for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, found.gains, GAIN_UNITS, strict=True):
+    for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, design.gains, GAIN_UNITS, strict=True):
         gains.add_row(symbol, state_text(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
     console.show(gains)
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
-    console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
+    console.print(f"recursion (22): {design.note}", style="" if design.reached else "bold red", highlight=False)
     residual = (
-        f"residual of eqs. (22) at these gains over an infinite horizon: {found.riccati_residual:.1e}"
-        if isfinite(found.riccati_residual)
+        f"residual of eqs. (22) at these gains over an infinite horizon: {design.riccati_residual:.1e}"
+        if isfinite(design.riccati_residual)
         else "residual of eqs. (22): none, because a state does not decay under these gains"
     )
     console.print(residual)
@@ -130,22 +130,22 @@ def state_text(state: str) -> str:
     return words.rsplit("_", 1)[0].replace("_", " ")
 
 
-def _modes(title: str, found: tuple[Mode, ...]) -> Table:
+def _modes(title: str, modes: tuple[Mode, ...]) -> Table:
     table = titled(title, "frequency, Hz", "damping ratio", "pole, 1/s")
-    for mode in found:
+    for mode in modes:
         swing = f" ± {to_text(mode.imaginary_per_s)}j" if mode.imaginary_per_s > 0 else ""
         table.add_row(hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3), to_text(mode.real_per_s) + swing)
     return table
 
 
-def _loop(found: Assessment, loop_margins: Margins) -> tuple[str | Text, ...]:
-    if not found.stable:
+def _loop(assessment: Assessment, loop_margins: Margins) -> tuple[str | Text, ...]:
+    if not assessment.stable:
         return Text("no", "red"), *_margins(loop_margins), "-", "-"
     return (
         "yes",
         *_margins(loop_margins),
-        _percent(1 + found.static_error, ".3g"),
-        f"{100 * found.tracking_error:.3g} %",
+        _percent(1 + assessment.static_error, ".3g"),
+        f"{100 * assessment.tracking_error:.3g} %",
     )
 
 
@@ -170,9 +170,9 @@ def _closed_loop(judged: Assessment, demand: Peaks, units: UnitSystem) -> list[t
     ]
 
 
-def _margins(found: Margins) -> tuple[str, str]:
-    gain = to_text(found.gain_margin, 3)
-    phase = to_text(ANGLE.from_si(found.phase_margin_rad, UnitSystem.SI), 3)
+def _margins(margins: Margins) -> tuple[str, str]:
+    gain = to_text(margins.gain_margin, 3)
+    phase = to_text(ANGLE.from_si(margins.phase_margin_rad, UnitSystem.SI), 3)
     return gain, phase if phase == "infinite" else f"{phase} deg"
 
 

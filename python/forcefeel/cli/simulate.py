@@ -42,31 +42,31 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
     loader = options.loader(path)
     with all_or_nothing("simulate", silent=options.json):
         scenario, driven_by = options.scenario(loader), options.law_of(loader)
-        found = simulate(loader, scenario, driven_by)
+        run = simulate(loader, scenario, driven_by)
         law = driven_by.name
         page = None
         if out is not None:
             from forcefeel.simulation.page.folder import write_simulation
 
-            page = write_simulation(found, out, units, law, command=options.command_line(path))
+            page = write_simulation(run, out, units, law, command=options.command_line(path))
     files = {} if page is None else {"page": page}
     answer(
         files,
-        lambda: run_json(found, units, law),
-        lambda terminal: _show(terminal, found, units),
+        lambda: run_json(run, units, law),
+        lambda terminal: _show(terminal, run, units),
         as_json=options.json,
     )
-    if found.status is RunStatus.DIVERGED:
+    if run.status is RunStatus.DIVERGED:
         raise SystemExit(BAD_ANSWER)
 
 
 def _show(console: Terminal, run: "Run", units: UnitSystem) -> None:
     from forcefeel.simulation.findings import input_text, run_conclusions
 
-    found = run_conclusions(run, units)
+    concluded = run_conclusions(run, units)
     console.print(f"{run.loader.name}, {input_text(run.scenario.force, units)}", highlight=False)
     console.show(_measures(run, units))
-    console.conclude(found)
+    console.conclude(concluded)
 
 
 def _measures(run: "Run", units: UnitSystem) -> Table:

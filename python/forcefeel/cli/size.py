@@ -72,35 +72,37 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
         good = cockpit.good
     else:
         with all_or_nothing("size", silent=options.json):
-            found = options.sizing(path)
+            sizing = options.sizing(path)
             FOLDER.check(options.out, replace=options.replace)
-            page = write_sizing(found, options.out, options.units, replace=options.replace, command=command)
+            page = write_sizing(sizing, options.out, options.units, replace=options.replace, command=command)
         answer(
             {"page": page},
-            lambda: sizing_json(found, options.units),
-            lambda terminal: _show(terminal, found, options.units),
+            lambda: sizing_json(sizing, options.units),
+            lambda terminal: _show(terminal, sizing, options.units),
             as_json=options.json,
         )
-        good = found.good
+        good = sizing.good
     if not good:
         raise SystemExit(BAD_ANSWER)
 
 
-def _show_axes(console: Terminal, found: "CockpitSizing", units: UnitSystem) -> None:
+def _show_axes(console: Terminal, cockpit: "CockpitSizing", units: UnitSystem) -> None:
     from forcefeel.sizing.cockpit import cockpit_conclusions
     from forcefeel.sizing.columns import axis_columns
 
-    _show_table(console, ("axis", f"{found.name}: the drives of its axes"), axis_columns(units), found.axes.items())
-    console.conclude(cockpit_conclusions(found, units))
+    _show_table(console, ("axis", f"{cockpit.name}: the drives of its axes"), axis_columns(units), cockpit.axes.items())
+    console.conclude(cockpit_conclusions(cockpit, units))
 
 
-def _show(console: Terminal, found: "Sizing", units: UnitSystem) -> None:
+def _show(console: Terminal, sizing: "Sizing", units: UnitSystem) -> None:
     from forcefeel.sizing.columns import columns
     from forcefeel.sizing.findings import sizing_conclusions
 
-    title = f"{found.loader.name}, {found.plan.axis}: demand at the grip"
-    _show_table(console, ("demand", title), columns(found, units), ((one.name, one) for one in found.demands))
-    console.conclude(sizing_conclusions(found, units))
+    title = f"{sizing.loader.name}, {sizing.plan.axis}: demand at the grip"
+    _show_table(
+        console, ("demand", title), columns(sizing, units), ((demand.name, demand) for demand in sizing.demands)
+    )
+    console.conclude(sizing_conclusions(sizing, units))
 
 
 def _show_table(

@@ -89,15 +89,15 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
         from forcefeel.sweep import Sweep, text
 
         loader = self.loader(path)
-        found = self.scenario(loader)
+        scenario = self.scenario(loader)
         if self.redesign and self.law not in REDESIGNED:
             raise InputError("--redesign: is about designed gains; add --law published or converged")
         return Sweep(
             loader,
-            found,
+            scenario,
             named((str(self.law),), loader)[str(self.law)] if self.redesign else self.law_of(loader),
             runs=self.runs,
-            seed=found.seed,
+            seed=scenario.seed,
             vary=text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
             grids=text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
         )
@@ -164,11 +164,11 @@ def _kept(bar: Bar, out: Path) -> str:
 def _show(console: Terminal, result: "SweepResult", summary: "Summary", units: UnitSystem) -> None:
     from forcefeel.sweep.findings import sweep_conclusions
 
-    found = sweep_conclusions(result, summary, units)
+    concluded = sweep_conclusions(result, summary, units)
     console.show(_measures(result, summary, units))
-    ended = ", ".join(f"{one.status} {share_text(one.share)}" for one in summary.shares if one.runs)
+    ended = ", ".join(f"{share.status} {share_text(share.share)}" for share in summary.shares if share.runs)
     console.print(f"{result.sweep.total:,} runs: {ended}", highlight=False)
-    console.conclude(found)
+    console.conclude(concluded)
 
 
 def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> Table:

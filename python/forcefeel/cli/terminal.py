@@ -51,16 +51,16 @@ class Terminal(Output):
         else:
             self._print(table)
 
-    def conclude(self, found: Conclusions, *, alarming: bool = True) -> None:
+    def conclude(self, concluded: Conclusions, *, alarming: bool = True) -> None:
         """Prints the verdict and the findings below it.
 
         Args:
-            found: Both.
-            alarming: Whether a bad verdict is red: where it ends the command with status 1. A map of what can be had is neither.
+            concluded: Verdict and findings.
+            alarming: Whether a bad verdict is red: where it ends the command with status 1. A map has no bad verdict.
         """
-        red = alarming and not found.ok
-        self.print(found.verdict, style="bold red" if red else "bold", highlight=False)
-        for finding in found.findings:
+        red = alarming and not concluded.ok
+        self.print(concluded.verdict, style="bold red" if red else "bold", highlight=False)
+        for finding in concluded.findings:
             self.print(f"- {finding}", highlight=False)
 
     def _spare(self, table: Table) -> int:

@@ -63,7 +63,7 @@ class Cancellation:
     slow_rad_per_s: float = SLOW_RAD_PER_S
 
     def __post_init__(self) -> None:
-        if len(self.cogging) != HARMONICS or any(len(one) != 3 for one in self.cogging):
+        if len(self.cogging) != HARMONICS or any(len(harmonic) != 3 for harmonic in self.cogging):
             raise InputError(
                 f"cancellation: expected {HARMONICS} harmonics of amplitude, periods and phase, got {show(self.cogging)}"
             )
@@ -93,7 +93,7 @@ class Cancellation:
     @property
     def numbers(self) -> list[float]:
         """As the engine takes them."""
-        cogging = (number for one in self.cogging for number in one)
+        cogging = (number for harmonic in self.cogging for number in harmonic)
         return [self.per_travel_rad_per_m, self.lead_s, *cogging, self.friction_a, self.slow_rad_per_s]
 
 

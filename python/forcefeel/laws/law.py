@@ -312,8 +312,10 @@ def drives_of(name: str) -> tuple[str, ...]:
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
     if loader.drive == ELECTRIC:
-        return tuple(name for name, one in LAW_DESIGNS.items() if one.serves(loader))
-    sampled = [name for name, one in LAW_DESIGNS.items() if one.serves(loader)] if loader["controller.period"] else []
+        return tuple(name for name, design in LAW_DESIGNS.items() if design.serves(loader))
+    sampled = (
+        [name for name, design in LAW_DESIGNS.items() if design.serves(loader)] if loader["controller.period"] else []
+    )
     return (*NAMED_DESIGNS, *sampled)
 
 
@@ -358,10 +360,10 @@ def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, 
 
 def _gains(design: DesignSettings, loader: Loader, name: str) -> GainLaw:
     """Gains for the loader's own setting, by the recursion itself."""
-    found = design_gains(loader, design)
-    if not found.reached:
-        raise InputError(f"law: the recursion does not give the {name} gains for this loader: {found.note}")
-    return found.law(loader)
+    gain_design = design_gains(loader, design)
+    if not gain_design.reached:
+        raise InputError(f"law: the recursion does not give the {name} gains for this loader: {gain_design.note}")
+    return gain_design.law(loader)
 
 
 def _scheduled(design: DesignSettings, loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:

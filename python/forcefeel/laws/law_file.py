@@ -168,8 +168,10 @@ def read_law(path: Path) -> dict[str, Any]:
 
 
 def _fields(keys: "_Keys") -> dict[str, Any]:
-    if (found := keys.get("format", int)) != FORMAT:
-        raise InputError(f"format: expected {FORMAT}, got {show(found)}; save the law anew with this forcefeel")
+    if (version_number := keys.get("format", int)) != FORMAT:
+        raise InputError(
+            f"format: expected {FORMAT}, got {show(version_number)}; save the law anew with this forcefeel"
+        )
     time, made_for, settings = keys.part("time"), keys.part("made_for"), keys.part("settings")
     kind = keys.get("kind", str)
     if kind not in _READ:
@@ -291,14 +293,17 @@ class _Keys:
 
     def units(self, key: str, expected: object) -> None:
         """Refuses units that are not those in which the numbers are taken."""
-        found = self._value(key)
-        if found == expected:
+        actual = self._value(key)
+        if actual == expected:
             return
         name = f"{self._place}{key}"
-        if isinstance(expected, dict) and isinstance(found, dict):
-            of = {one: (expected.get(one, _NOTHING), found.get(one, _NOTHING)) for one in (*expected, *found)}
-            name, expected, found = next((f"{name}.{one}", *pair) for one, pair in of.items() if pair[0] != pair[1])
-        stated, shown = (show(", ".join(map(str, one)) if isinstance(one, list) else one) for one in (expected, found))
+        if isinstance(expected, dict) and isinstance(actual, dict):
+            of = {row: (expected.get(row, _NOTHING), actual.get(row, _NOTHING)) for row in (*expected, *actual)}
+            name, expected, actual = next((f"{name}.{row}", *pair) for row, pair in of.items() if pair[0] != pair[1])
+        stated, shown = (
+            show(", ".join(map(str, units_of)) if isinstance(units_of, list) else units_of)
+            for units_of in (expected, actual)
+        )
         raise InputError(
             f"{name}: expected {stated}, in which the numbers are taken, got {shown}; convert the numbers and write these "
             "units, or save the law anew with --save-law"
@@ -325,7 +330,7 @@ class _Keys:
     def numbers(self, key: str) -> dict[str, float]:
         """The finite numbers of an object."""
         part = _Keys(self._value(key), f"{self._place}{key}.")
-        return {one: part.get(one, float) for one in part._given}
+        return {name: part.get(name, float) for name in part._given}
 
     def part(self, key: str) -> "_Keys | None":
         """The object of a key; ``None`` where it is null."""
@@ -338,11 +343,11 @@ class _Keys:
     def array(self, key: str, dimensions: int) -> NDArray[np.float64]:
         """The finite numbers of a key."""
         try:
-            found = np.array(self.get(key, list), dtype=np.float64)
+            numbers = np.array(self.get(key, list), dtype=np.float64)
         except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"{self._place}{key}: expected numbers in rows of one length ({error})") from error
-        if found.ndim != dimensions or not np.all(np.isfinite(found)):
+        if numbers.ndim != dimensions or not np.all(np.isfinite(numbers)):
             raise InputError(
-                f"{self._place}{key}: expected finite numbers in {dimensions} dimensions, got the shape {found.shape}"
+                f"{self._place}{key}: expected finite numbers in {dimensions} dimensions, got the shape {numbers.shape}"
             )
-        return found
+        return numbers

@@ -135,13 +135,13 @@ def largest_stable_stiffness(loader: Loader, linkage: Linkage = Linkage.COMPLIAN
         scaled = loader.scale_feel(np.exp(log_share) * highest / loader["feel.stiffness"])
         if not period:
             return np.asarray(np.linalg.eigvals(loader_model(scaled, None, linkage).A), dtype=np.complex128)
-        found = np.linalg.eigvals(sampled_feel(scaled, rigid=linkage is Linkage.RIGID))
-        return np.asarray(np.log(found[found != 0].astype(complex)) / period, dtype=np.complex128)
+        eigenvalues = np.linalg.eigvals(sampled_feel(scaled, rigid=linkage is Linkage.RIGID))
+        return np.asarray(np.log(eigenvalues[eigenvalues != 0].astype(complex)) / period, dtype=np.complex128)
 
     edge = _first_crossing(lambda log_share: float(poles(log_share).real.max()), np.log(_SOFT), np.log(_STIFF))
     if edge is None:
         return StabilityBoundary(np.inf, 0.0, f"stable up to {_STIFF:g} G_max")
     if edge == np.inf:
         return StabilityBoundary(0.0, 0.0, "unstable however soft")
-    found = poles(edge)
-    return _lost(np.exp(edge) * highest, float(abs(found[np.argmax(found.real)].imag)))
+    edge_poles = poles(edge)
+    return _lost(np.exp(edge) * highest, float(abs(edge_poles[np.argmax(edge_poles.real)].imag)))

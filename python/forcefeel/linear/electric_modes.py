@@ -75,12 +75,12 @@ def named_modes(loader: Loader, a: NDArray[np.float64]) -> tuple[NamedMode, ...]
     plant = ElectricPlant.of(loader)
     poles, right = np.linalg.eig(a)
     left = np.linalg.inv(right)
-    found = [
+    named = [
         _named(_moves(plant, right[:, k], float(abs(left[k, CURRENT] * right[CURRENT, k]))), complex(poles[k]))
         for k in np.argsort(np.abs(poles))
         if poles[k].imag >= 0
     ]
-    return tuple(found)
+    return tuple(named)
 
 
 def _moves(plant: ElectricPlant, vector: NDArray[np.complex128], current: float) -> str:

@@ -108,15 +108,17 @@ def margins(loop: StateSpaceLike) -> Margins:
     w = _path(loop)
     values = response(loop, 1j * w)
 
-    def at(one: float) -> complex:
-        return complex(response(loop, np.array([1j * one]))[0])
+    def at(frequency: float) -> complex:
+        return complex(response(loop, np.array([1j * frequency]))[0])
 
-    turned = [(at(one), one) for one in crossings(w, values.imag, lambda one: at(one).imag)]
-    gains = [(-1 / value.real, one) for value, one in turned if -1 / _NOTHING < value.real < -_NOTHING]
+    turned = [
+        (at(frequency), frequency) for frequency in crossings(w, values.imag, lambda frequency: at(frequency).imag)
+    ]
+    gains = [(-1 / value.real, frequency) for value, frequency in turned if -1 / _NOTHING < value.real < -_NOTHING]
     gain = min(gains, key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
     with np.errstate(divide="ignore"):
         level = np.log(np.abs(values))
-    w_gain = crossings(w, level, lambda one: float(np.log(abs(at(one)))))
+    w_gain = crossings(w, level, lambda frequency: float(np.log(abs(at(frequency)))))
     lags = zip(np.pi + _phase(loop, np.array(w_gain)), w_gain, strict=True)
     lag, w_lag = min(lags, default=(np.inf, np.nan))
     return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))
@@ -174,8 +176,8 @@ def _path(model: StateSpaceLike) -> NDArray[np.float64]:
 def zeros(model: StateSpaceLike) -> NDArray[np.complex128]:
     """Where ``[A - s, B; C, D]`` of a model with one input and one output loses rank, in 1/s."""
     whole = np.block([[np.asarray(model.A), np.asarray(model.B)], [np.asarray(model.C), np.asarray(model.D)]])
-    found = scipy.linalg.eigvals(whole, np.diag([*np.ones(len(model.A)), 0.0]))
-    return np.asarray(found[np.isfinite(found)])
+    eigenvalues = scipy.linalg.eigvals(whole, np.diag([*np.ones(len(model.A)), 0.0]))
+    return np.asarray(eigenvalues[np.isfinite(eigenvalues)])
 
 
 def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
@@ -193,6 +195,8 @@ def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float
     if top in {0, len(w) - 1}:
         return None
     best = scipy.optimize.minimize_scalar(
-        lambda one: -abs(response(model, np.array([1j * one]))[0]), bounds=(w[top - 1], w[top + 1]), method="bounded"
+        lambda frequency: -abs(response(model, np.array([1j * frequency]))[0]),
+        bounds=(w[top - 1], w[top + 1]),
+        method="bounded",
     )
     return Peak(float(best.x), float(-best.fun))

@@ -61,12 +61,12 @@ def spectral_abscissa(a: NDArray[np.float64]) -> float:
     return float(np.max(np.linalg.eigvals(a).real))
 
 
-def least_damped(found: Iterable[Mode]) -> Mode:
+def least_damped(modes: Iterable[Mode]) -> Mode:
     """The mode of the smallest damping ratio."""
-    return min(found, key=lambda mode: mode.damping_ratio)
+    return min(modes, key=lambda mode: mode.damping_ratio)
 
 
-def feel_mode(found: tuple[Mode, ...], frequency_rad_per_s: float, damping_ratio: float) -> Mode:
+def feel_mode(modes: tuple[Mode, ...], frequency_rad_per_s: float, damping_ratio: float) -> Mode:
     """The mode of a loader that renders a feel of this frequency and damping ratio.
 
     For an underdamped feel the oscillating mode that is nearest in frequency, on a logarithmic scale. An overdamped feel
@@ -74,9 +74,9 @@ def feel_mode(found: tuple[Mode, ...], frequency_rad_per_s: float, damping_ratio
     oscillator of the same product and sum.
     """
     if damping_ratio < 1:
-        swinging = [mode for mode in found if mode.imaginary_per_s > 0] or list(found)
+        swinging = [mode for mode in modes if mode.imaginary_per_s > 0] or list(modes)
         return min(swinging, key=lambda mode: abs(np.log(mode.frequency_rad_per_s / frequency_rad_per_s)))
-    first, second = found[:2]
+    first, second = modes[:2]
     if first.imaginary_per_s > 0 or second.imaginary_per_s > 0:
         return first
     w = float(np.sqrt(abs(first.real_per_s * second.real_per_s)))

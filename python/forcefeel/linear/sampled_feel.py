@@ -28,15 +28,15 @@ def sampled_feel(loader: Loader, *, rigid: bool) -> NDArray[np.float64]:
     command = np.zeros(size)
     row = plant.feel_by_current(loader)
     command[POSITION], command[before] = -(row[POSITION] + row[RATE] / period), row[RATE] / period
-    found = np.zeros((size, size))
-    found[:states, :states] = phi
-    found[:states, -1] = older[:, 0]
+    matrix = np.zeros((size, size))
+    matrix[:states, :states] = phi
+    matrix[:states, -1] = older[:, 0]
     # The command that comes into its own in this period is the one made `whole` samples ago.
-    found[:states] += np.outer(younger[:, 0], command if whole == 0 else np.eye(size)[-2])
-    found[before, POSITION] = 1.0
-    found[first] = command
-    found[first + 1 :, first:-1] = np.eye(int(whole))
-    return found
+    matrix[:states] += np.outer(younger[:, 0], command if whole == 0 else np.eye(size)[-2])
+    matrix[before, POSITION] = 1.0
+    matrix[first] = command
+    matrix[first + 1 :, first:-1] = np.eye(int(whole))
+    return matrix
 
 
 def delayed(

@@ -36,6 +36,6 @@ def arm_of(loader: "Loader") -> Arm | None:
     matching = (
         arm
         for arm, values in ARMS.items()
-        if all(isclose(one, other, rel_tol=_SAME) for one, other in zip(held, values, strict=True))
+        if all(isclose(value, other, rel_tol=_SAME) for value, other in zip(held, values, strict=True))
     )
     return next(matching, None)

@@ -54,7 +54,7 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("motor.cogging_periods_2", ("motor.cogging_torque_2",)),
     ("motor.cogging_phase_2", ("motor.cogging_torque_2",)),
     ("winding.temperature_coefficient", ("thermal.winding_capacity",)),
-    *((one, (other,)) for one in _HEAT for other in _HEAT if one != other),
+    *((key, (other,)) for key in _HEAT for other in _HEAT if key != other),
     *((f"thermal.{name}", ("thermal.winding_capacity",)) for name in ("ambient", "derating_from", "winding_limit")),
     ("brake.engaged", ("brake.torque",)),
     ("feel.breakout_travel", ("feel.breakout",)),
@@ -142,21 +142,21 @@ def _undriven(values: Mapping[str, float]) -> list[str]:
 def _blind(values: Mapping[str, float]) -> list[str]:
     """What is wrong with a sensor at the grip that sees nothing move, or nothing pull."""
     mass, step = "grip_sensor.mass", "grip_sensor.resolution"
-    found, lever = [], values.get("column.grip_arm", 0.0)
+    sentences, lever = [], values.get("column.grip_arm", 0.0)
     if mass in values and values[mass] != OFF[mass] and values[mass] * lever**2 >= values["column.inertia"]:
         most = value_text(TABLE[mass], values["column.inertia"] / lever**2)
-        found.append(
+        sentences.append(
             f"{mass}: expected less than the whole column has, J / R_p^2 = {most} at the grip, got "
             f"{value_text(TABLE[mass], values[mass])}; what the sensor sees move is the rest of J, and nothing would be left; give "
             "the mass of the grip alone, and column.inertia with it"
         )
     if step in values and values[step] != OFF[step] and values[step] >= values["pilot.force"]:
         force, came = (value_text(TABLE[key], values[key]) for key in ("pilot.force", step))
-        found.append(
+        sentences.append(
             f"{step}: expected less than pilot.force, which is {force}, got {came}; a sensor of such steps sees no hand, give its "
             "smallest step"
         )
-    return found
+    return sentences
 
 
 def without_effect(values: Mapping[str, float]) -> dict[str, str]:
@@ -166,11 +166,11 @@ def without_effect(values: Mapping[str, float]) -> dict[str, str]:
         values: SI values by ``part.name``.
     """
     off = {key for key, value in OFF.items() if values.get(key, value) == value}
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for key, others in ONLY_WITH:
         if key not in off and off.issuperset(others):
-            found.setdefault(key, _alone(key, others))
-    return found
+            reasons.setdefault(key, _alone(key, others))
+    return reasons
 
 
 def _below(low: float, high: float) -> bool:

@@ -45,9 +45,11 @@ def misfits(contents: Contents) -> list[str]:
 
 def _unprintable(contents: Contents) -> list[str]:
     """A line for a name or a source that would steer a terminal."""
-    found = ((key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t")))
+    characters = (
+        (key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t"))
+    )
     return [
         f"{key}: has the control character U+{ord(c):04X}; expected text that prints; take it out"
-        for key, c in found
+        for key, c in characters
         if c
     ]

@@ -39,13 +39,13 @@ def _factors(row: CurveRow, given: object) -> list[float]:
         raise InputError(
             f'units: expected the two units of a point, such as ["{us[0]}", "{us[1]}"], got {_shown(given)}'
         )
-    found = []
+    factors = []
     for axis, unit in zip((row.x, row.y), given, strict=True):
         try:
-            found.append(factor(unit, axis.unit.si))
+            factors.append(factor(unit, axis.unit.si))
         except InputError as error:
             raise InputError(f"units: {axis.name}: {error}") from error
-    return found
+    return factors
 
 
 def _points(row: CurveRow, given: object) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -70,8 +70,8 @@ class Curve:
             raise InputError("expected numbers that a cubic can be put through, got numbers too large or too small")
 
     def _pair(self, k: int) -> str:
-        one, other = (f"point {j + 1} [{self.x[j]:.10g}, {self.y[j]:.10g}]" for j in (k - 1, k))
-        return f"{one} and {other}"
+        first, other = (f"point {j + 1} [{self.x[j]:.10g}, {self.y[j]:.10g}]" for j in (k - 1, k))
+        return f"{first} and {other}"
 
     @cached_property
     def coefficients(self) -> NDArray[np.float64]:

@@ -100,13 +100,13 @@ def read(path: Path) -> Contents:
             "a project"
         )
     drive = _drive(path, given)
-    complaints = [found for part in parts(drive) if (found := _contradiction(part, given.get(part), drive))]
+    complaints = [complaint for part in parts(drive) if (complaint := _contradiction(part, given.get(part), drive))]
     try:
         checked = _schema(drive).model_validate(given)
     except ValidationError as error:
         wrong = error.errors()
-        unseen = (one["msg"] for one in wrong[MOST_LINES:])  # no message shows these
-        complaints = [*(_explain(one, drive) for one in wrong[:MOST_LINES]), *unseen, *complaints]
+        unseen = (error["msg"] for error in wrong[MOST_LINES:])  # no message shows these
+        complaints = [*(_explain(error, drive) for error in wrong[:MOST_LINES]), *unseen, *complaints]
     else:
         if not complaints:
             contents, complaints = _contents(checked)
@@ -228,8 +228,8 @@ def _contradiction(part: str, given: object, drive: str) -> str | None:
 
 def _ways(part: str) -> list[list[str]]:
     """The keys of each way to state a part: of what stands for one row each by itself, of what stands for several all together."""
-    one, other = replaced(part), list(alternatives(part))
-    return [one, *([key] for key in other)] if len(one) == 1 else [one, other]
+    first, other = replaced(part), list(alternatives(part))
+    return [first, *([key] for key in other)] if len(first) == 1 else [first, other]
 
 
 def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[str, float], list[str]]:
@@ -296,10 +296,10 @@ def _hint(drive: str, *place: str) -> str:
     keys["feel"] += CURVES
     known = keys[place[0]] if len(place) > 1 else ["name", "source", "drive", *parts(drive), "tolerances"]
     name = place[-1]
-    (other,) = (one for one in DRIVES if one != drive)
+    (other,) = (candidate for candidate in DRIVES if candidate != drive)
     if name in (parts(other) if len(place) == 1 else main_rows(place[0], other)):
-        told = f'this file says drive = "{drive}", of which the tables are {", ".join(parts(drive))}'
-        return f'it is of {a_drive(other)}, and {told}; take it out, or say drive = "{other}"'
+        hint = f'this file says drive = "{drive}", of which the tables are {", ".join(parts(drive))}'
+        return f'it is of {a_drive(other)}, and {hint}; take it out, or say drive = "{other}"'
     if close := difflib.get_close_matches(name, known, n=1):
         return f"did you mean {close[0]}?"
     if tables := [f"[{part}]" for part in keys if name in keys[part]]:

@@ -279,9 +279,9 @@ class Loader(Mapping[str, float]):
             keys: The rows ``part.name`` that differ.
             values: Their SI values, (loaders, keys); not checked.
         """
-        found = np.tile(self.si_values, (len(values), 1))
-        found[:, [self._position(key) for key in keys]] = values
-        return found
+        rows = np.tile(self.si_values, (len(values), 1))
+        rows[:, [self._position(key) for key in keys]] = values
+        return rows
 
     def replace(self, changes: Mapping[str, str | float | bool | None], *, si: bool = False) -> "Loader":
         """A copy with some values changed.
@@ -307,8 +307,8 @@ class Loader(Mapping[str, float]):
             position = self._own(key)
             values[position] = _value(key, given, si=si)
             if key in tolerances:
-                told = _about(key, tolerances.pop(key), float(values[position]))
-                tolerances |= {} if told is None else {key: told}
+                tolerance = _about(key, tolerances.pop(key), float(values[position]))
+                tolerances |= {} if tolerance is None else {key: tolerance}
         return replace(self, si_values=values, tolerances=tolerances)
 
     def with_tolerances(self, changes: Mapping[str, Tolerance | str | Mapping[str, Any] | None]) -> "Loader":
@@ -425,9 +425,9 @@ def load(path: str | Path) -> Loader:
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 
     expect("path", path, (str, Path), "the path of a loader file")
-    found = read(Path(path))
-    values = np.array([found.values.get(key, absent(row)) for key, row in TABLE.items()])
-    return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)
+    contents = read(Path(path))
+    values = np.array([contents.values.get(key, absent(row)) for key, row in TABLE.items()])
+    return Loader(contents.name, contents.source, values, **contents.curves, tolerances=contents.tolerances)
 
 
 def _check_range(key: str, value: float, drive: str) -> None:

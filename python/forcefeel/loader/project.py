@@ -52,13 +52,13 @@ class Project:
         Raises:
             InputError: As ``work``, with the axis.
         """
-        found = {}
+        results = {}
         for axis, loader in self.loaders.items():
             try:
-                found[axis] = work(axis, loader)
+                results[axis] = work(axis, loader)
             except InputError as error:
                 raise InputError(f"{self.path}: axes.{axis}: {error}") from error
-        return MappingProxyType(found)
+        return MappingProxyType(results)
 
 
 def is_project(path: Path | None) -> bool:

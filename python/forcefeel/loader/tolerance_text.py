@@ -34,14 +34,14 @@ def entries(section: object) -> dict[str, Any]:
     """
     if not isinstance(section, dict):
         raise InputError(f"expected the table [tolerances], got {show(section)}")
-    found: dict[str, Any] = {}
+    entries_by_key: dict[str, Any] = {}
     for part, given in section.items():
         tables = isinstance(given, dict) and part not in TABLE  # else the key stands in quotes, dot and all
         for key, entry in ({f"{part}.{name}": it for name, it in given.items()} if tables else {part: given}).items():
-            if key in found:
+            if key in entries_by_key:
                 raise InputError(f"{show(key)} is given twice; leave one out")
-            found[key] = entry
-    return found
+            entries_by_key[key] = entry
+    return entries_by_key
 
 
 def read(key: str, given: object, value: float, known: Mapping[str, Parameter] = TABLE) -> Tolerance:

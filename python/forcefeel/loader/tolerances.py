@@ -190,13 +190,13 @@ def check(tolerances: Mapping[str, Tolerance], values: Mapping[str, float]) -> l
         tolerances: Tolerances by ``part.name``.
         values: SI values by ``part.name``.
     """
-    wrong = [found for key, it in tolerances.items() if (found := _misfit(key, it, values))]
+    wrong = [complaint for key, it in tolerances.items() if (complaint := _misfit(key, it, values))]
     if wrong := wrong or beyond({key: it for key, it in tolerances.items() if it.nominal is None}):
         return wrong
     # A row that is off, but not within its tolerance, needs what it would need if it were on.
     built = {key: it.high for key, it in tolerances.items() if values[key] == OFF.get(key)}
     alone = consistency.without_effect({**values, **built})
-    return [f"tolerances.{found}" for key, found in alone.items() if key in built]
+    return [f"tolerances.{complaint}" for key, complaint in alone.items() if key in built]
 
 
 def _misfit(key: str, tolerance: object, values: Mapping[str, float]) -> str | None:
@@ -218,7 +218,7 @@ def _misfit(key: str, tolerance: object, values: Mapping[str, float]) -> str | N
 
 def beyond(tolerances: Mapping[str, Tolerance]) -> list[str]:
     """A line for each tolerance of which a bound is out of its row's range."""
-    return [found for key, it in tolerances.items() if (found := _beyond(TABLE[key], it))]
+    return [complaint for key, it in tolerances.items() if (complaint := _beyond(TABLE[key], it))]
 
 
 def _beyond(row: Parameter, tolerance: Tolerance) -> str | None:

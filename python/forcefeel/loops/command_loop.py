@@ -86,8 +86,8 @@ class CommandLoop:
         poles = self.poles
         if self.period_s is not None:
             poles = np.asarray(np.log(poles[np.abs(poles) > _AT_ONCE]) / self.period_s, dtype=np.complex128)
-        found = sorted((complex(s) for s in poles if s.imag >= 0), key=abs)
-        return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s else 0.0) for s in found)
+        upper = sorted((complex(s) for s in poles if s.imag >= 0), key=abs)
+        return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s else 0.0) for s in upper)
 
 
 def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Sequence[CommandLoop]:
@@ -101,8 +101,8 @@ def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Seque
         1
     """
     if loader["controller.period"]:
-        found = sampled_loops(loader, laws, loader.rows(FEEL_SETTING, feel))
-        return [CommandLoop.sampled(found, loop) for loop in range(len(feel))]
+        loops = sampled_loops(loader, laws, loader.rows(FEEL_SETTING, feel))
+        return [CommandLoop.sampled(loops, loop) for loop in range(len(feel))]
     return [_analog_at(loader, laws, feel, setting) for setting in range(len(feel))]
 
 

@@ -81,8 +81,8 @@ def loop_margins(loop: CommandLoop) -> LoopMargins:
     w = seen.frequencies()
     inverse = seen.inverse(w)
     gains = seen.edges(w, inverse)
-    crossovers = crossings(w, np.log(np.abs(inverse)), lambda one: float(np.log(abs(seen.single(one)))))
-    lags = np.array([np.angle(-1 / seen.single(one)) % (2 * np.pi) for one in crossovers])
+    crossovers = crossings(w, np.log(np.abs(inverse)), lambda frequency: float(np.log(abs(seen.single(frequency)))))
+    lags = np.array([np.angle(-1 / seen.single(crossover)) % (2 * np.pi) for crossover in crossovers])
     return LoopMargins(
         gain_up=min((gain for gain in gains if gain > 1), default=np.inf),
         gain_down=max((gain for gain in gains if _NOTHING < gain < 1), default=0.0),
@@ -93,15 +93,15 @@ def loop_margins(loop: CommandLoop) -> LoopMargins:
     )
 
 
-def minimum_margins(found: Sequence[LoopMargins]) -> LoopMargins:
+def minimum_margins(margins: Sequence[LoopMargins]) -> LoopMargins:
     """The least of each margin over several loops, and the highest crossover."""
     return LoopMargins(
-        gain_up=min(one.gain_up for one in found),
-        gain_down=max(one.gain_down for one in found),
-        phase_rad=min(one.phase_rad for one in found),
-        delay_s=min(one.delay_s for one in found),
-        disk=min(one.disk for one in found),
-        crossover_rad_per_s=max(one.crossover_rad_per_s for one in found),
+        gain_up=min(each.gain_up for each in margins),
+        gain_down=max(each.gain_down for each in margins),
+        phase_rad=min(each.phase_rad for each in margins),
+        delay_s=min(each.delay_s for each in margins),
+        disk=min(each.disk for each in margins),
+        crossover_rad_per_s=max(each.crossover_rad_per_s for each in margins),
     )
 
 
@@ -122,8 +122,8 @@ class _Response:
         else:
             highest, turning = np.pi / self._period_s, np.abs(np.angle(self._poles)) / self._period_s
         about = np.outer(turning[turning > LOWEST_RAD_PER_S], 1 + _ABOUT_POLE).ravel()
-        found = np.union1d(np.geomspace(LOWEST_RAD_PER_S, highest, FREQUENCIES), about)
-        return np.asarray(found[found <= highest])
+        grid = np.union1d(np.geomspace(LOWEST_RAD_PER_S, highest, FREQUENCIES), about)
+        return np.asarray(grid[grid <= highest])
 
     def inverse(self, w: NDArray[np.float64]) -> NDArray[np.complex128]:
         """1 / L at frequencies in rad/s."""
@@ -137,12 +137,15 @@ class _Response:
     def edges(self, w: NDArray[np.float64], inverse: NDArray[np.complex128]) -> list[float]:
         """The factors on the gain at which a pole is on the edge: on the way round, at rest and at half the sampling rate."""
         ends = np.array([0j] if self._period_s is None else [1 + 0j, -1 + 0j])
-        turning = [self.single(one).real for one in crossings(w, inverse.imag, lambda one: self.single(one).imag)]
+        turning = [
+            self.single(frequency).real
+            for frequency in crossings(w, inverse.imag, lambda frequency: self.single(frequency).imag)
+        ]
         return [-gain for gain in (*turning, *self._solved(ends).real.tolist())]
 
     def _solved(self, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
         n = len(self._b)
         resolvent = points[:, None, None] * np.eye(n) - self._matrix
         states = np.linalg.solve(resolvent, np.tile(self._b[:, None], (len(points), 1, 1)))
-        heard = -(states[..., 0] @ self._c)
-        return np.asarray((1 - heard) / heard)
+        loop_response = -(states[..., 0] @ self._c)
+        return np.asarray((1 - loop_response) / loop_response)

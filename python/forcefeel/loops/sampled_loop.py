@@ -47,9 +47,9 @@ class SampledLoops:
     def poles(self) -> NDArray[np.complex128]:
         """Poles of each loop, (loops, states); not numbers where the matrix is not made of numbers."""
         good = np.isfinite(self.matrix).all(axis=(1, 2))
-        found = np.full(self.matrix.shape[:2], complex(np.nan, np.nan))
-        found[good] = np.linalg.eigvals(self.matrix[good])
-        return found
+        poles = np.full(self.matrix.shape[:2], complex(np.nan, np.nan))
+        poles[good] = np.linalg.eigvals(self.matrix[good])
+        return poles
 
     @property
     def stable(self) -> NDArray[np.bool_]:
@@ -83,15 +83,15 @@ def sampled_loops(
         raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
     step_s, timing = controller_steps(loader, _LONGEST_STEP_S)
     rows = loader.si_values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
-    states, found = _core.sampled_loops(
+    states, matrices = _core.sampled_loops(
         rows, step_s, timing, **Law.of(law, loader).engine(loader), threads=threads_or_cores(threads)
     )
     n = len(states)
     return SampledLoops(
         loader["controller.period"],
-        found[:, :, :n],
-        found[:, :, n],
-        found[:, :, n + 1],
+        matrices[:, :, :n],
+        matrices[:, :, n],
+        matrices[:, :, n + 1],
         states.index(_core.PERIOD_BASE),
         states.index(_core.PERIOD_COMMAND),
     )

@@ -88,13 +88,13 @@ def mark_level(picture: go.Figure, level: float, *, row: int) -> None:
 
 def html(picture: go.Figure, name: str) -> Markup:
     """The plot as a piece of HTML that the page's script draws; without it, a sentence that says what is missing."""
-    found = picture.to_plotly_json()
+    document = picture.to_plotly_json()
     return _PLOT.format(
         name=name,
         says=described(picture),
         script=SCRIPT,
-        data=Markup(to_json_plotly(found["data"])),
-        layout=Markup(to_json_plotly(found["layout"])),
+        data=Markup(to_json_plotly(document["data"])),
+        layout=Markup(to_json_plotly(document["layout"])),
     )
 
 

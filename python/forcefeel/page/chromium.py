@@ -23,9 +23,9 @@ def find_chromium() -> str:
         InputError: If there is none.
     """
     given = os.environ.get(VARIABLE)
-    found = shutil.which(given) if given else next(filter(None, map(shutil.which, _NAMES)), None)
-    if found:
-        return found
+    executable = shutil.which(given) if given else next(filter(None, map(shutil.which, _NAMES)), None)
+    if executable:
+        return executable
     what = f"{given!r} of {VARIABLE} is no program" if given else f"none of {', '.join(_NAMES)} is installed"
     raise InputError(
         f"--pdf: the PDF is printed by Chromium, and {what}; install one, set {VARIABLE} to it, or leave --pdf out"

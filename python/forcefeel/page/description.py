@@ -17,10 +17,10 @@ def described(picture: go.Figure) -> str:
     """Names of the axes, and along each the lowest and the highest value of every curve."""
     curves: dict[str, dict[str, None]] = {_title(axis): {} for axis in picture.select_yaxes()}
     for trace in picture.data:
-        if told := _told(trace):
-            curves.setdefault(_title(_axis(picture, trace)), {})[told] = None
+        if text := _told(trace):
+            curves.setdefault(_title(_axis(picture, trace)), {})[text] = None
     over = "; ".join(dict.fromkeys(filter(None, map(_title, picture.select_xaxes()))))
-    parts = [": ".join(filter(None, (title, "; ".join(told)))) for title, told in curves.items()]
+    parts = [": ".join(filter(None, (title, "; ".join(texts)))) for title, texts in curves.items()]
     return f"Plot{f' over {over}' if over else ''}. {'. '.join(filter(None, parts))}."
 
 
@@ -43,7 +43,7 @@ def _told(trace: Any) -> str:
         name, along = _bare(trace.name or ""), trace.x if _lies(trace) else trace.y
     if along is None or not (name or trace.type == "bar"):
         return ""
-    values = np.array([np.nan if one is None else one for one in np.ravel(along)])
+    values = np.array([np.nan if value is None else value for value in np.ravel(along)])
     if not np.issubdtype(values.dtype, np.number) or not np.isfinite(values).any():
         return ""
     return f"{name} {_range(float(np.nanmin(values)), float(np.nanmax(values)))}".lstrip()

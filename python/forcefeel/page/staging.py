@@ -84,10 +84,10 @@ def _exchanged(folder: Path, contents: Mapping[str, str | bytes]) -> bool:
     return True
 
 
-def _exchange(one: Path, other: Path) -> bool:
+def _exchange(first: Path, other: Path) -> bool:
     """Exchanges two folders in one step; whether that was possible."""
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
-    names = os.fsencode(one), os.fsencode(other)
+    names = os.fsencode(first), os.fsencode(other)
     return rename is not None and rename(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0
 
 
@@ -126,14 +126,14 @@ def _aside(where: Path, folder: Path) -> Iterator[Path]:
 def _made(out: Path) -> Iterator[Path]:
     """The folder ``out`` itself, whatever links are above it; if what follows fails, none is there that was not before."""
     folder = out.resolve()
-    missing = [one for one in (*reversed(folder.parents), folder) if not one.exists()]
+    missing = [parent for parent in (*reversed(folder.parents), folder) if not parent.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     try:
         yield folder
     except BaseException:
-        for one in reversed(missing):
+        for parent in reversed(missing):
             with contextlib.suppress(OSError):  # not empty: something of others is in it
-                one.rmdir()
+                parent.rmdir()
         raise
 
 

@@ -38,7 +38,7 @@ _POWER_IN_PROSE = re.compile(r"(?<=[a-z])\^(\d)")
 
 def unit_text(written: str) -> str:
     """``lb in s^2`` as ``lb·in·s²``."""
-    raised = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), written)
+    raised = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_RAISED), written)
     return raised.replace(" ", _MIDDLE_DOT)
 
 
@@ -127,10 +127,10 @@ def prose_html(text: str) -> Markup:
     """
     html = str(escape(text)).replace("&#39;", "\N{RIGHT SINGLE QUOTATION MARK}").replace(" %", "\N{NO-BREAK SPACE}%")
     html = _MINUS_IN_PROSE.sub(f" {_MINUS}", html)
-    html = _PRODUCT_IN_PROSE.sub(lambda found: found[0].replace(" ", _MIDDLE_DOT), html)
-    html = _POWER_IN_PROSE.sub(lambda found: found[1].translate(_RAISED), html)
-    html = _SYMBOL_IN_PROSE.sub(lambda found: str(symbol_html(found[0])), html)
-    return Markup(_PARAMETER_IN_PROSE.sub(lambda found: parameter_name(found[0]), html))
+    html = _PRODUCT_IN_PROSE.sub(lambda match: match[0].replace(" ", _MIDDLE_DOT), html)
+    html = _POWER_IN_PROSE.sub(lambda match: match[1].translate(_RAISED), html)
+    html = _SYMBOL_IN_PROSE.sub(lambda match: str(symbol_html(match[0])), html)
+    return Markup(_PARAMETER_IN_PROSE.sub(lambda match: parameter_name(match[0]), html))
 
 
 def parameter_name(key: str) -> Markup:

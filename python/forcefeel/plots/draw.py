@@ -56,7 +56,7 @@ def bode(responses: Mapping[str, tuple[NDArray[np.float64], NDArray[np.complex12
         _, pair = plt.subplots(2, 1, sharex=True, layout="constrained")
     else:
         pair = np.asarray(ax, dtype=object).ravel()
-        if len(pair) != 2 or not all(isinstance(one, Axes) for one in pair):
+        if len(pair) != 2 or not all(isinstance(axes, Axes) for axes in pair):
             raise InputError(f"ax: expected two Matplotlib axes, for gain and phase, got {show(ax)}")
     gain, phase = pair
     _lines(gain, {name: (at, np.abs(value)) for name, (at, value) in responses.items()})
@@ -102,13 +102,13 @@ def cells(
 
 
 def intervals(
-    found: Mapping[str, tuple[float, float, float]], allowed: Mapping[str, tuple[float, float]], *,
+    estimates: Mapping[str, tuple[float, float, float]], allowed: Mapping[str, tuple[float, float]], *,
     lost: Sequence[str], x_label: str, title: str, ax: Axes | None,
 ) -> Axes:  # fmt: skip
     """Values with their intervals, a row each, over what was allowed.
 
     Args:
-        found: Value, lower and upper end, by the row's name.
+        estimates: Value, lower and upper end, by the row's name.
         allowed: Ends of the band behind it; not every row has one.
         lost: Rows that have no value.
         x_label: What the values are, with their unit.
@@ -116,22 +116,22 @@ def intervals(
         ax: Axes; of a figure of its own where there are none.
     """
     ax = _axes(ax)
-    rows = {name: -k for k, name in enumerate([*found, *lost])}
+    rows = {name: -k for k, name in enumerate([*estimates, *lost])}
     if allowed:
         spans = [high - low for low, high in allowed.values()]
         lows = [low for low, _ in allowed.values()]
         ax.barh([rows[name] for name in allowed], spans, 0.5, lows, color="#C9CFD6", label="the file's tolerance")
-    if found:
-        value, low, high = np.array(list(found.values())).T
+    if estimates:
+        value, low, high = np.array(list(estimates.values())).T
         look: dict[str, Any] = {"fmt": "o", "color": "#009E73", "capsize": 4, "label": "estimate, 95 %"}
-        ax.errorbar(value, [rows[name] for name in found], xerr=[value - low, high - value], **look)
+        ax.errorbar(value, [rows[name] for name in estimates], xerr=[value - low, high - value], **look)
     for name in lost:
         ax.text(0, rows[name], "not determined", color="#B3261E", ha="center", va="center")
     ax.axvline(0, color="#5A6B7B", linewidth=0.8)
     ax.set(
         yticks=list(rows.values()), yticklabels=list(rows), xlabel=x_label, title=title, ylim=(-len(rows) + 0.4, 0.6)
     )
-    if found or allowed:
+    if estimates or allowed:
         ax.legend()
     return ax
 

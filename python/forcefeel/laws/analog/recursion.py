@@ -245,15 +245,15 @@ def design_gains(loader: Loader, settings: DesignSettings | None = None) -> Gain
     problem = SampledProblem.of(loader, settings)
     most_steps = MOST_STEPS if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
     tolerance = settings.tolerance if settings.horizon_s is None else None
-    found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
-    gains = found.gains[0] / problem.scale
+    solution = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
+    gains = solution.gains[0] / problem.scale
     gains.setflags(write=False)
     return GainDesign(
         settings=settings,
         gains=gains,
-        steps=found.steps,
-        status=Status(found.status),
-        change=found.change,
+        steps=solution.steps,
+        status=Status(solution.status),
+        change=solution.change,
         riccati_residual=problem.residual(gains),
     )
 

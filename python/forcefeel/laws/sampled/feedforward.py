@@ -81,8 +81,8 @@ def follow(
     matrix[:, : n * k, n * k :] = -np.kron(gamma[:, None], np.eye(k))
     matrix[:, n * k :, : n * k] = np.kron(reads, np.eye(k))
     right = np.concatenate([enters.ravel(), wanted])
-    found = np.linalg.solve(matrix, right[:, None]).reshape(len(moves), n + 1, k)
-    return found[:, :n], found[:, n]
+    solution = np.linalg.solve(matrix, right[:, None]).reshape(len(moves), n + 1, k)
+    return solution[:, :n], solution[:, n]
 
 
 def feel_moves(feel: NDArray[np.float64], period_s: float, torque_n_m: float) -> NDArray[np.float64]:

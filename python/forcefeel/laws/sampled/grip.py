@@ -114,9 +114,9 @@ def _hand(loader: Loader, plant: SampledPlant, estimate: NDArray[np.float64]) ->
     gained = observed(plant)[places.base_rate].copy()
     gained[places.base_rate] -= 1.0
     gained[places.held] += plant.by_command[places.base_rate]  # at rest the next command is the one before
-    found = per_rate * np.einsum("j,sjk->sk", gained, estimate)
-    found[:, places.observed + SAMPLED] += loader["column.grip_arm"] / loader["grip_sensor.gain"] / scale.torque_n_m
-    return np.asarray(found / (1 - per_rate * plant.by_torque[places.base_rate]))
+    hand = per_rate * np.einsum("j,sjk->sk", gained, estimate)
+    hand[:, places.observed + SAMPLED] += loader["column.grip_arm"] / loader["grip_sensor.gain"] / scale.torque_n_m
+    return np.asarray(hand / (1 - per_rate * plant.by_torque[places.base_rate]))
 
 
 def _followed(
@@ -153,9 +153,9 @@ class _Gains:
         def weighed(own: float) -> Tuning:
             return replace(tuning, command_weight=weight.times(by_frequency * float(np.log10(own))))
 
-        regulators = np.array([regulate(plant, weighed(own), one).gains for one, own in kinds.tolist()])
+        regulators = np.array([regulate(plant, weighed(own), ratio).gains for ratio, own in kinds.tolist()])
         ratios, of_ratio = np.unique(ratio, return_inverse=True)
-        observers = np.array([observe(plant, tuning, one).gains for one in ratios.tolist()])
+        observers = np.array([observe(plant, tuning, ratio).gains for ratio in ratios.tolist()])
         return cls(regulators[of_kind], observers[of_ratio])
 
 

@@ -122,9 +122,9 @@ def _law(
     pilot = _frequency(loader, plant) * (loader["column.inertia"] * velocity - explained)
     of_motion = gains[:, :n] / scale.states
     fed = cancel[effort] / scale.sampled[0] * force
-    said = fed - of_motion @ motion - gains[:, [n]] / scale.command_v * under_way
-    said -= gains[:, [n + 1]] * delta + gains[:, [n + 2]] * rate + gains[:, [n + 3]] / scale.torque_n_m * pilot
-    heard = torque[:, [0]] * force + torque[:, [1]] * delta + torque[:, [2]] * rate
+    command = fed - of_motion @ motion - gains[:, [n]] / scale.command_v * under_way
+    command -= gains[:, [n + 1]] * delta + gains[:, [n + 2]] * rate + gains[:, [n + 3]] / scale.torque_n_m * pilot
+    feel_torque = torque[:, [0]] * force + torque[:, [1]] * delta + torque[:, [2]] * rate
     after = np.zeros((4, 8))  # the states; F_c, x, theta; and the command
     after[0, 6] = after[2, 7] = 1.0
     after[1, [1, 2, 7]] = plant.phi[current, current], plant.by_held[current], plant.by_command[current]
@@ -134,6 +134,6 @@ def _law(
         delay_s=plant.delay_s,
         transition=np.tile(after[:, :4], (settings, 1, 1)),
         input=np.tile(after[:, 4:], (settings, 1, 1)),
-        command=scale.command_v * said,
-        torque=heard,
+        command=scale.command_v * command,
+        torque=feel_torque,
     )

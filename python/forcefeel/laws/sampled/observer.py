@@ -71,36 +71,38 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
 def observed(plant: SampledPlant) -> NDArray[np.float64]:
     """Phi_o of ``[x; T_p; d; e_h]``, (m, m)."""
     n, places = len(plant.phi), plant.places
-    found = np.zeros((places.observed, places.observed))
-    found[:n, :n] = plant.phi
+    matrix = np.zeros((places.observed, places.observed))
+    matrix[:n, :n] = plant.phi
     enters = (plant.by_torque, plant.by_disturbance, plant.by_held)
-    found[:n, [places.torque, places.disturbance, places.held]] = np.column_stack(enters)
-    found[places.torque, places.torque], found[places.disturbance, places.disturbance] = 1.0, REMEMBERED
-    return found
+    matrix[:n, [places.torque, places.disturbance, places.held]] = np.column_stack(enters)
+    matrix[places.torque, places.torque], matrix[places.disturbance, places.disturbance] = 1.0, REMEMBERED
+    return matrix
 
 
 def readings(plant: SampledPlant) -> NDArray[np.float64]:
     """C, (3, m): load cell force, the drive's displacement and the column's angle, each one state in its unit."""
-    found = np.zeros((3, plant.places.observed))
-    found[[0, 1, 2], plant.places.sampled] = 1.0
-    return found
+    matrix = np.zeros((3, plant.places.observed))
+    matrix[[0, 1, 2], plant.places.sampled] = 1.0
+    return matrix
 
 
 def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
     """Covariance of what a period adds to x, T_p, d."""
     h, places = plant.periods_per_time, plant.places
-    found = np.zeros((places.held, places.held))
+    covariance = np.zeros((places.held, places.held))
     n = len(plant.phi)
     # White noise of density s^2, held over the period, has the variance s^2 / h.
-    found[:n, :n] = np.outer(plant.by_disturbance, plant.by_disturbance) * tuning.input_noise.at(inertia_ratio) ** 2 / h
+    covariance[:n, :n] = (
+        np.outer(plant.by_disturbance, plant.by_disturbance) * tuning.input_noise.at(inertia_ratio) ** 2 / h
+    )
     walks = {
         places.torque: tuning.torque_walk,
         places.disturbance: tuning.disturbance_walk,
         places.drive: tuning.flow_walk,
     }
     for place, walk in walks.items():
-        found[place, place] += walk.at(inertia_ratio) ** 2 * h
-    return found
+        covariance[place, place] += walk.at(inertia_ratio) ** 2 * h
+    return covariance
 
 
 def sensor_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> tuple[NDArray[np.float64], list[int]]:

@@ -214,9 +214,9 @@ class SampledPlant:
     def transition(self) -> NDArray[np.float64]:
         """Transition matrix of ``[x; e_h]``, (n + 1, n + 1)."""
         n = self.places.count
-        found = np.zeros((n + 1, n + 1))
-        found[:n, :n], found[:n, n] = self.phi, self.by_held
-        return found
+        matrix = np.zeros((n + 1, n + 1))
+        matrix[:n, :n], matrix[:n, n] = self.phi, self.by_held
+        return matrix
 
     @property
     def input(self) -> NDArray[np.float64]:

@@ -187,8 +187,8 @@ def robust_tuning(loader: Loader) -> Tuning:
         >>> noisier > fine
         True
     """
-    found = _in_units(loader, _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], _knowledge(loader)))
-    return replace(found, torque_walk=found.torque_walk.times(_slower(loader)))
+    tuning = _in_units(loader, _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], _knowledge(loader)))
+    return replace(tuning, torque_walk=tuning.torque_walk.times(_slower(loader)))
 
 
 QUIET = 1e-6
@@ -237,11 +237,11 @@ def grip_tuning(loader: Loader) -> Tuning:
         >>> grip_tuning(loader).angle_noise == robust_tuning(loader).angle_noise
         True
     """
-    found = _in_units(loader, _AT_GRIP[loader.drive])
+    tuning = _in_units(loader, _AT_GRIP[loader.drive])
     # The feel's natural frequency is counted in the plant's unit of time there, in the loader's here.
     by_time = GRIP_BY_FREQUENCY[loader.drive] * log10(Units.of(loader).time)
-    weight = found.command_weight
-    return replace(found, command_weight=weight.times(by_time))
+    weight = tuning.command_weight
+    return replace(tuning, command_weight=weight.times(by_time))
 
 
 def _in_units(loader: Loader, numbers: Tuning) -> Tuning:
@@ -260,7 +260,7 @@ def _in_units(loader: Loader, numbers: Tuning) -> Tuning:
         "angle_noise": sqrt(angle * root),
     }
     given = {name: getattr(numbers, name) for name in factors}
-    return Tuning(**{name: one.times(log10(factors[name])) for name, one in given.items()})
+    return Tuning(**{name: power.times(log10(factors[name])) for name, power in given.items()})
 
 
 def _declared(loader: Loader) -> tuple[float, float]:
@@ -283,6 +283,8 @@ def undeclared_noise(loader: Loader) -> dict[str, float]:
     """
     units = dict(zip(_UNDECLARED, Scale.of(loader).sampled[[0, 2]].tolist(), strict=True))
     silent = [
-        sensor for sensor, one in zip(sensors_of(loader), sample_variance(loader).tolist(), strict=True) if not one
+        sensor
+        for sensor, variance in zip(sensors_of(loader), sample_variance(loader).tolist(), strict=True)
+        if not variance
     ]
     return {sensor: share * units[sensor] for sensor, share in _UNDECLARED.items() if sensor in silent}

@@ -132,9 +132,9 @@ class SampledLaw:
             InputError: If period, delay or number of states differ, there is more than one setting, or the share is beyond.
         """
         for name in ("period_s", "delay_s", "states", "sampled"):
-            one, two = getattr(self, name), getattr(other, name)
-            if one != two:
-                raise InputError(f"other: expected a law with the {name} {one:g} of this one, got {two:g}")
+            own, two = getattr(self, name), getattr(other, name)
+            if own != two:
+                raise InputError(f"other: expected a law with the {name} {own:g} of this one, got {two:g}")
         if (self.settings, other.settings) != (1, 1):
             raise InputError(
                 f"other: expected two single laws, got {self.settings} and {other.settings} settings; pick with some(...)"
@@ -176,36 +176,36 @@ NUMBERS = ("transition", "input", "command", "torque", FRICTION, "neutral")
 
 def _arrays(law: SampledLaw) -> dict[str, NDArray[np.float64]]:
     """The law's numbers as arrays that go together."""
-    found = {name: _array(name, getattr(law, name)) for name in NUMBERS}
-    shape = found["transition"].shape
+    arrays = {name: _array(name, getattr(law, name)) for name in NUMBERS}
+    shape = arrays["transition"].shape
     if len(shape) != 3 or shape[0] < 1 or shape[1] != shape[2] or not 1 <= shape[1] <= MOST_STATES:
         raise InputError(
             f"transition: expected the shape (settings, n, n) with 1 to {MOST_STATES} states n, got {shape}"
         )
     settings, n, _ = shape
-    at_grip = found["input"].shape == (settings, n, SAMPLED_AT_GRIP + 1)
+    at_grip = arrays["input"].shape == (settings, n, SAMPLED_AT_GRIP + 1)
     sampled = SAMPLED_AT_GRIP if at_grip else SAMPLED
-    said = (settings, n + sampled + _FEEL)
+    output_shape = (settings, n + sampled + _FEEL)
     known = (settings, 2 * n + sampled + _FEEL + OF_FRICTION)
-    if not found[FRICTION].size:
-        found[FRICTION] = np.zeros(known)
-    if not found["neutral"].size:
-        found["neutral"] = np.zeros((settings, 2))
+    if not arrays[FRICTION].size:
+        arrays[FRICTION] = np.zeros(known)
+    if not arrays["neutral"].size:
+        arrays["neutral"] = np.zeros((settings, 2))
     shapes = {
         "input": (settings, n, sampled + 1),
-        "command": said,
-        "torque": said,
+        "command": output_shape,
+        "torque": output_shape,
         FRICTION: known,
         "neutral": (settings, 2),
     }
     for name, expected in shapes.items():
-        if found[name].shape != expected:
-            raise InputError(f"{name}: expected the shape {expected}, got {found[name].shape}")
-    for name, array in found.items():
+        if arrays[name].shape != expected:
+            raise InputError(f"{name}: expected the shape {expected}, got {arrays[name].shape}")
+    for name, array in arrays.items():
         good = np.isfinite(array).reshape(settings, -1).all(axis=1)
         if not good.all():
             raise InputError(f"{name}: expected finite numbers, got one that is not in setting {int(np.argmin(good))}")
-    return found
+    return arrays
 
 
 def _array(name: str, given: ArrayLike) -> NDArray[np.float64]:

@@ -129,15 +129,15 @@ def design(loader: Loader, feel: ArrayLike) -> SampledLaw:
     """
     check_electric(loader, TORQUE_MODE, "take another method, such as robust")
     rows, coupling = feel_rows(feel), Coupling.of(loader)
-    found, open_ = np.zeros(len(rows)), np.arange(len(rows))
+    damping, open_ = np.zeros(len(rows)), np.arange(len(rows))
     for tried in _tried(coupling, rows[:, 0]):
         laws = _laws(loader, coupling, rows[open_], tried[open_])
         bears = _stable(loader, rows[open_], replace(laws, command=BEARS * laws.command))
-        found[open_[bears]] = tried[open_[bears]]
+        damping[open_[bears]] = tried[open_[bears]]
         open_ = open_[~bears]
         if not len(open_):
             break
-    return trimmed(_laws(loader, coupling, rows, found), loader)
+    return trimmed(_laws(loader, coupling, rows, damping), loader)
 
 
 def _tried(coupling: Coupling, inertia: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
@@ -166,8 +166,8 @@ def _stable(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw) -> NDAr
     for stiffness in (feel[:, 2], feel[:, 2] + _steepest(loader, feel[:, 0])):
         there = np.column_stack([feel[:, :2], stiffness, np.zeros((len(feel), len(_ARM)))])
         values = loader.rows((*FEEL_SETTING, *_ARM), there)
-        states, found = _core.sampled_loops(values, step_s, timing, observers=laws.rows(), threads=cores())
-        stable &= np.abs(np.linalg.eigvals(found[:, :, : len(states)])).max(axis=1) < 1
+        states, matrices = _core.sampled_loops(values, step_s, timing, observers=laws.rows(), threads=cores())
+        stable &= np.abs(np.linalg.eigvals(matrices[:, :, : len(states)])).max(axis=1) < 1
     return stable
 
 

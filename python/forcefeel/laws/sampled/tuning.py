@@ -108,7 +108,9 @@ class Tuning:
     def towards(self, other: "Tuning", share: float) -> "Tuning":
         """What lies between, number by number; what this one leaves out stays out."""
         given = {row.name: getattr(self, row.name) for row in fields(self)}
-        between = {name: one.towards(getattr(other, name), share) for name, one in given.items() if one is not None}
+        between = {
+            name: power.towards(getattr(other, name), share) for name, power in given.items() if power is not None
+        }
         return replace(self, **between)
 
 
