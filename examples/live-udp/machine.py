@@ -38,7 +38,7 @@ def read_command(packet: bytes) -> tuple[int, int, float, bool] | None:
 
 
 def serve(port: int, loader_name: str = "elevator-2khz") -> None:
-    """Answers whoever asks, for ever."""
+    """Answers every packet, without end."""
     machine = ff.live.Machine(BUILT_IN[loader_name]())
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.bind(("127.0.0.1", port))

@@ -24,7 +24,7 @@ _LONGEST_PART = 200
 
 
 class Kind(StrEnum):
-    """What lies at a path."""
+    """Kind of a path."""
 
     FILE = "a file"
     FOLDER = "a folder"
@@ -47,7 +47,7 @@ def input_kind(path: Path) -> Kind | None:
 
 
 def input_files(folder: Path) -> list[Path]:
-    """What lies in a folder, by name.
+    """The entries of a folder, by name.
 
     Raises:
         InputError: If it cannot be read.
@@ -59,7 +59,7 @@ def input_files(folder: Path) -> list[Path]:
 
 
 def output_kind(path: Path) -> Kind | None:
-    """What lies at a path, of a link the link itself; ``None`` where nothing does.
+    """Kind of a path, of a link the link itself; ``None`` if it does not exist.
 
     Raises:
         InputError: If nothing can be written there.
@@ -182,7 +182,7 @@ def _size(size: int) -> str:
 
 
 def write_whole(path: Path, contents: str | bytes) -> None:
-    """Writes ``contents``, text in UTF-8, to ``path``, so that nobody ever sees half of it, with the rights that the umask leaves.
+    """Writes ``contents``, text in UTF-8, to ``path``, never half of it, with the rights that the umask leaves.
 
     Raises:
         InputError: As ``check_output_file``, or if the folder is not there or cannot be written.

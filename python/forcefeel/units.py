@@ -165,7 +165,7 @@ def _known() -> str:
 
 @cache
 def _parse_unit(text: str) -> "pint.Unit":
-    # The parser would work out s^9^9^9^9 to the last digit, which takes for ever.
+    # The parser would work out s^9^9^9^9 to the last digit, which does not end.
     if _NO_POWER.search(_POWER.sub("", text.removeprefix("1/"))):
         raise InputError(f"unknown unit {text!r}; write a power as one whole number of one or two digits, such as s^2")
     if "%" in text and text.strip() != "%":
@@ -287,7 +287,7 @@ def as_float(number: SupportsFloat) -> float:
 
 
 def show(given: object) -> str:
-    """What a user handed over, as a message quotes it: one line, not too long, in the words of TOML."""
+    """A user's value as a message quotes it: one line, not too long, in the words of TOML."""
     match given:
         case bool():
             return str(given).lower()

@@ -63,7 +63,7 @@ class Camera:
                 program = find_chromium()
             except InputError as error:
                 raise ExtensionError(
-                    f"pictures are taken by a Chromium, and there is none: install one, set {VARIABLE} to it, "
+                    f"pictures are taken by a Chromium, but it is missing: install it, set {VARIABLE} to it, "
                     "or build without pictures: make site PICTURES=0"
                 ) from error
             self._running = sync_playwright().start()

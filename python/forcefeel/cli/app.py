@@ -95,7 +95,7 @@ def run(tokens: list[str]) -> None:
     """Carries out a command line.
 
     Raises:
-        CycloptsError: If it is none.
+        CycloptsError: If the command line is invalid.
         InputError: If what it gives is bad.
     """
     if tokens[:1] == ["help"]:

@@ -135,7 +135,7 @@ class BenchOptions:
 
 
 def law_of_runs(data: "Sequence[Response | BenchRecord]", loader: "Loader") -> str | None:
-    """Name of the law that live runs among the data state; ``None`` if there is none.
+    """Name of the law that live runs among the data state; ``None`` if the data state no law.
 
     Raises:
         InputError: If they state two, or were of another loader, whose law is another.

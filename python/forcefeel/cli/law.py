@@ -206,7 +206,7 @@ def _scored(loader: "Loader", law: str, options: LawOptions, command: str) -> No
 
 
 def _law(loader: "Loader", scored: "LawScores", choice: "Choice | None") -> "Law | None":
-    """The law that was chosen or asked for, at the loader's own setting and those it was tried at; ``None`` where there is none."""
+    """The chosen or requested law, at the loader's own setting and the scored ones; ``None`` without a law."""
     import numpy as np
 
     from forcefeel.laws.law import Law

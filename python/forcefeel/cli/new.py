@@ -70,7 +70,7 @@ def _chosen(options: NewOptions) -> str:
     """The name of the loader that the options mean.
 
     Raises:
-        InputError: If there is none.
+        InputError: If no loader fits.
     """
     drives = dict.fromkeys(HYDRAULIC_AXES, "hydraulic") | dict.fromkeys(ELECTRIC_AXES, "electric")
     fitting = [

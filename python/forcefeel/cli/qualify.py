@@ -69,7 +69,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         str,
         option(
             "Edition of the rule: part60-a-2014, part60-c-2014, part60-d-2014, cs-fstd-a, icao-9625, part60-a-2016. Rows that "
-            "nobody has held against the document are marked.",
+            "are not verified against the document are marked.",
             TESTS,
             metavar="EDITION",
         ),

@@ -296,7 +296,7 @@ class ScenarioOptions(LoaderOptions):
         from forcefeel.simulation import FeelChange
 
         if self.fade_time is not None and not self.change:
-            raise InputError("--fade-time: is how long a --change takes, and there is none; leave it out")
+            raise InputError("--fade-time: requires a --change; add one or leave it out")
         fade_s = FADE_S if self.fade_time is None else seconds("--fade-time", self.fade_time)
         feel_changes = []
         for text in self.change or ():

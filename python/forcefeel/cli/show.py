@@ -24,7 +24,8 @@ _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTE
 
 def analysis(console: Terminal, servo_analysis: ServoAnalysis, units: UnitSystem) -> None:
     """The original system."""
-    programmed = f"{hertz(servo_analysis.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(servo_analysis.feel_damping_ratio, 3)}"
+    frequency, ratio = hertz(servo_analysis.feel_frequency_rad_per_s), to_text(servo_analysis.feel_damping_ratio, 3)
+    programmed = f"{frequency} Hz, damping ratio {ratio}"
     console.print(f"{servo_analysis.loader.name}: programmed feel {programmed}")
     for configuration in servo_analysis.configurations:
         console.show(_modes(f"Modes, {configuration.name} link", configuration.programmed.modes))

@@ -18,7 +18,7 @@ _FRAME = 3
 
 
 class Output(Console):
-    """A console that ends a command as ``print`` does where nobody reads what it prints: ``main`` says with which status."""
+    """A console that ends a command as ``print`` does if the reader of the output has ended; ``main`` sets the status."""
 
     def on_broken_pipe(self) -> NoReturn:
         """Raises the ``BrokenPipeError`` that is being handled."""

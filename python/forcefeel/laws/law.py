@@ -109,7 +109,7 @@ class Law:
             name: What to call it; by itself if not given.
 
         Raises:
-            InputError: If the name is unknown, the file is none of a law, the design fails, or the law was made for another
+            InputError: If the name is unknown, the file is not a law file, the design fails, or the law was made for another
                 controller or for other settings.
         """
         check_given(given)
@@ -323,7 +323,7 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
     """What these names of designs, or files of laws, mean for a loader.
 
     Raises:
-        InputError: If a name is unknown, given twice, or there is none.
+        InputError: If a name is unknown, given twice, or missing.
     """
     for name in names:
         if name not in NAMED_LAWS and not str(name).endswith(LAW_FILE):

@@ -151,7 +151,7 @@ def read_law(path: Path) -> dict[str, Any]:
     """The fields of the ``Law`` in a file.
 
     Raises:
-        InputError: If the file cannot be read, or is none of a law.
+        InputError: If the file cannot be read, or is not a law file.
     """
     data = read_input(path, MOST_BYTES, "the file of a law, as --save-law writes it")
     try:
@@ -280,7 +280,7 @@ class _Keys:
         return self._given[key]
 
     def all_known(self) -> None:
-        """Refuses what nobody asked for: a key that is not understood may say that the numbers are others."""
+        """Refuses unknown keys: such a key may change the meaning of the numbers."""
         for key, value in self._given.items():
             if key not in self._asked:
                 known = ", ".join(sorted(self._asked))

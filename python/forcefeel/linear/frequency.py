@@ -125,7 +125,7 @@ def margins(loop: StateSpaceLike) -> Margins:
 
 
 _NOTHING = 1e-6
-"""A gain that is none: where the loop has none or is without bound, on a pole, the phase jumps and crosses nothing."""
+"""A gain that counts as zero: where the loop has none or is without bound, on a pole, the phase jumps and crosses nothing."""
 
 
 def crossings(w: NDArray[np.float64], values: NDArray[np.float64], at: Callable[[float], float]) -> list[float]:

@@ -201,7 +201,7 @@ def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
         matrices = plant.a, plant.b, plant.c, plant.d
         return _model(name, matrices, plant.states, ("pilot_force_n", "current_command_a"), electric.OUTPUTS)
     model = loader_model(loader, GainLaw.none(loader.si_values), linkage)
-    # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
+    # Without input the feel computer neither moves nor acts, so leaving its states out is exact.
     states, outputs = (
         [k for k, label in enumerate(labels) if not label.startswith("feel_")]
         for labels in (model.state_labels, model.output_labels)
@@ -216,7 +216,7 @@ def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearMode
     law = GainLaw.position_loop(loader.si_values) if closed else GainLaw.none(loader.si_values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
-    # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
+    # Without input the feel computer neither moves nor acts, so leaving its states out is exact.
     matrices = (
         model.A[np.ix_(kept, kept)],
         model.B[np.ix_(kept, [1])],

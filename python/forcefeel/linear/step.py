@@ -101,7 +101,7 @@ def equilibrium(model: StateSpaceLike) -> NDArray[np.float64]:
     """The state in which a model stays under a pilot force of one newton, ``0 = A x + B``.
 
     Raises:
-        numpy.linalg.LinAlgError: If there is none, or rounding leaves it fewer digits than people read.
+        numpy.linalg.LinAlgError: If it has no solution, or rounding leaves it fewer digits than people read.
     """
     # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
     balanced, (scale, _) = scipy.linalg.matrix_balance(np.asarray(model.A), permute=False, separate=True)

@@ -27,11 +27,11 @@ ARMS = {Arm.LOOSE: (1.0, 10.0, 50.0), Arm.FIRM: (3.0, 40.0, 1000.0), Arm.HANDS_O
 the middle of ranges that are known by hearsay only."""
 
 UNVERIFIED = frozenset({Arm.FIRM})
-"""Sets that nobody has held against a source yet; whatever uses them says so."""
+"""Sets not verified against a source; results that use them state so."""
 
 
 def arm_of(loader: "Loader") -> Arm | None:
-    """The set that the loader's rows hold; ``None`` if it is none of them."""
+    """The set that the loader's rows hold; ``None`` for any other."""
     held = [loader[row] for row in ARM_ROWS]
     matching = (
         arm

@@ -45,5 +45,5 @@ def rule_axis(axis: str) -> RuleAxis:
 
 
 def usual_axis(name: str) -> str:
-    """The axis of a loader of that name where nobody says: a built-in one's own, else pitch."""
+    """The axis of a loader of that name by default: that of a built-in loader, else pitch."""
     return AXIS_OF.get(name, "pitch")

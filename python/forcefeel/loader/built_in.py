@@ -91,7 +91,7 @@ def electric(name: str) -> Loader:
     """A built-in electric loader; its source says which of its numbers are illustrative.
 
     Raises:
-        InputError: If there is none of that name.
+        InputError: If the name is unknown.
 
     Example:
         >>> import forcefeel as ff

@@ -162,7 +162,7 @@ def main_rows(part: str, drive: str) -> dict[str, Parameter]:
 
 
 def did_you_mean(key: str, known: Mapping[str, Parameter] = TABLE) -> str:
-    """What may have been meant by ``part.name`` that is none of the ``known`` rows."""
+    """Suggestion for a ``part.name`` that is not one of the ``known`` rows."""
     if not isinstance(key, str):
         return "name it as text, part.name"
     if key in ALTERNATIVES:

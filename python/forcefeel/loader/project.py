@@ -62,7 +62,7 @@ class Project:
 
 
 def is_project(path: Path | None) -> bool:
-    """Whether it is a TOML file with a table of axes; what cannot be read is none, and is told by whoever reads loaders."""
+    """Whether it is a TOML file with a table of axes; an unreadable file is not a project; the reader of loaders reports it."""
     if path is None or input_kind(path) is not Kind.FILE:
         return False
     try:

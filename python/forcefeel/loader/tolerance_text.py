@@ -54,7 +54,7 @@ def read(key: str, given: object, value: float, known: Mapping[str, Parameter] =
         known: The rows that a loader of this drive has.
 
     Raises:
-        InputError: If it is none of these forms, or a share of nothing; with ``key``.
+        InputError: If it has another form, or a share of nothing; with ``key``.
     """
     if complaint := unsuited(key, known):
         raise InputError(complaint)
@@ -153,7 +153,7 @@ class _Reader:
 
 
 def _share(given: object) -> float | None:
-    """A percentage as a share; nothing if it is none."""
+    """A percentage as a share; ``None`` for other text."""
     if not isinstance(given, str) or not given.rstrip().endswith("%"):
         return None
     return parse(given, "", "20 %")

@@ -34,7 +34,7 @@ _ABOUT_POLE = np.concatenate([-np.geomspace(0.2, 1e-3, 12), [0.0], np.geomspace(
 """Frequencies about each pole, as shares of its own: the loop turns fast there."""
 
 _NOTHING = 1e-6
-"""A gain that is none: a loop that integrates has a pole at rest without it, but for rounding."""
+"""A gain that counts as zero: a loop that integrates has a pole at rest without it, but for rounding."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ def find_chromium() -> str:
     """The program.
 
     Raises:
-        InputError: If there is none.
+        InputError: If no Chromium is found.
     """
     given = os.environ.get(VARIABLE)
     executable = shutil.which(given) if given else next(filter(None, map(shutil.which, _NAMES)), None)

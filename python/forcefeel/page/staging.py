@@ -62,7 +62,7 @@ def _whose(aside: Path) -> str | None:
 
 
 def _is_free(folder: Path, own: set[str]) -> bool:
-    """Whether nobody misses ``folder`` when another takes its place."""
+    """Whether another folder may take the place of ``folder``."""
     own = own | {Path(name).parent.as_posix() for name in own}
     return (
         os.name == "posix"

@@ -219,7 +219,7 @@ class Run:
         return f"<Run of {self.loader.name!r}, {self.scenario.duration_s:g} s, {self.method}: {self.note}>"
 
     def _repr_html_(self) -> str:
-        from forcefeel.plots.draw import image, small_axes  # noqa: PLC0415  Matplotlib, for whoever looks
+        from forcefeel.plots.draw import image, small_axes  # noqa: PLC0415  Matplotlib, for notebooks
 
         overshoot = f", overshoot {self.measures.overshoot:.0%}" if isfinite(self.measures.overshoot) else ""
         verdict = f"{self.note}{overshoot}"

@@ -40,8 +40,8 @@ class FeelChange:
         at_s: Start time.
         changes: New values of ``feel.`` rows, as ``Loader.replace`` takes them.
         fade_s: Duration.
-        law: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
-            if there is none.
+        law: The sampled law that goes with the new feel; its numbers change along with the feel. By default the
+            law stays.
 
     Example:
         >>> import forcefeel as ff

@@ -100,7 +100,7 @@ def _what(demand: DemandResult, units: UnitSystem) -> str:
 
 
 def _remedies(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
-    """What would give what the drive does not, the largest of each kind."""
+    """Remedies for a drive that is too small, the largest of each kind."""
     for programmed, long in ((True, False), (False, False), (False, True)):
         lacking = [
             demand

@@ -172,7 +172,7 @@ def _valve(loader: Loader) -> _Drive:
     def held(angle_rad: float, torque: _Matrix) -> _Matrix:
         base = np.full_like(torque, angle_rad / angle[2])
         pressure = -torque / (valve.force_per_pressure * loader["column.grip_arm"])
-        # At rest the piston's velocity of eq. (9) is none.
+        # At rest the piston's velocity of eq. (9) is zero.
         piston = -(a[0, 1] * pressure + a[0, 6] * base) / a[0, 0]
         return np.array([piston, pressure, base, np.zeros_like(torque)])
 

@@ -128,7 +128,7 @@ def _most(first: float, other: float) -> float:
 
 
 def _of_continuous(drive: Motor | Valve, force: float) -> float:
-    """Share of what the drive gives for ever; by the current, which is what warms."""
+    """Share of the continuous capability of the drive; by the current, which warms the motor."""
     if isinstance(drive, Valve):
         return float(drive.share(np.array([force]), np.zeros(1))[0])
     current = drive.needs(np.array([force]), np.zeros(1), held=False).current_a
@@ -137,7 +137,7 @@ def _of_continuous(drive: Motor | Valve, force: float) -> float:
 
 
 def _remedy(drive: Motor | Valve, demand: Demand, force: float, share: float, lasting: float) -> Remedy | None:
-    """What would hold a force that the drive does not."""
+    """Remedy for a force that the drive cannot hold."""
     long = demand.duration is Duration.LONG
     beyond = lasting > 1 if long else share > 1
     if demand.duration is Duration.MOVING or not beyond:

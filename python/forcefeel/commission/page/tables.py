@@ -61,7 +61,7 @@ def shares(checked: Checked, required: float) -> Table:
 
 
 def what_ifs(checked: Checked) -> Table:
-    """What would render more."""
+    """Changes that render more."""
     now = (words("As identified"), number(share_text(checked.passes)))
     rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in checked.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))

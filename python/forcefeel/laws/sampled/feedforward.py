@@ -3,7 +3,7 @@
 ``w`` what is to be followed, ``w+ = S w`` · ``s`` plant with its held command · ``theta`` column angle
 
 The regulator equations, one linear system for each setting: with ``s = Pi w`` and ``e = Gamma_w w`` the column is at
-``theta = r w`` for ever,
+``theta = r w`` without end,
 
     Pi S = Phi Pi + Gamma Gamma_w + E,    C Pi = r
 

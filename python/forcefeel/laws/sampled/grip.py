@@ -1,4 +1,4 @@
-"""The law for a force sensor at the grip: the feel hears the hand, the servo follows the feel.
+"""The law for a force sensor at the grip: the hand's force drives the feel, and the servo follows it.
 
 ``F_g`` force that the sensor shows · ``K_g`` its gain · ``m = m_o R_p^2`` inertia outboard of it · ``T`` the hand's torque ·
 ``T_f`` torque on the column beside it · ``d`` disturbance at the command · ``x^`` the plant as estimated

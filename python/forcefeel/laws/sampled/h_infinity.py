@@ -177,7 +177,7 @@ def filter_torque(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> 
     """The filter for a programmed inertia of so many of the column's, at ``ABOVE_LEAST``.
 
     Raises:
-        numpy.linalg.LinAlgError: If there is none in double precision.
+        numpy.linalg.LinAlgError: If it has no solution in double precision.
     """
     made_for = Filtering.of(plant, tuning, inertia_ratio)
     least = made_for.least()

@@ -1,7 +1,7 @@
 """The column's dry friction as part of a sampled law: what the loader file says of it, given back, and learnt within its tolerance.
 
 To the load cell and the encoder the friction between hand and load cell looks like a hand that pulls. The observer's plant is told
-of it, so that what it estimates is the hand's torque alone, and the feel computer hears that through a play, which holds still what
+of it, so that what it estimates is the hand's torque alone, which drives the feel computer through a play, which holds still what
 friction may hold. Where the hand is off, what is still estimated of it in motion is an error of the friction, and teaches it.
 ``crates/model/src/known_friction.rs`` has the equations; here are its numbers.
 """
@@ -41,7 +41,7 @@ _OTHERS = SAMPLED + 2 + OF_FRICTION
 
 
 def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of the friction, (settings, 2 m + 15) for an observer of m states; zeros where there is none.
+    """The numbers of the friction, (settings, 2 m + 15) for an observer of m states; zeros without friction.
 
     Args:
         plant: The plant, with its friction.

@@ -114,7 +114,7 @@ _LAW_DESIGNS = (
     ),
     LawDesign(
         GRIP,
-        "the feel hears a force sensor at the grip, the servo follows the feel: what the parts are off hardly counts",
+        "a force sensor at the grip drives the feel, and the servo follows it: deviations of the parts have little effect",
         _at_grip,
         needs_grip_sensor=True,
     ),
@@ -134,7 +134,7 @@ def law_design(name: str) -> LawDesign:
     """The method of this name.
 
     Raises:
-        InputError: If there is none.
+        InputError: If the name is unknown.
 
     Example:
         >>> import forcefeel as ff

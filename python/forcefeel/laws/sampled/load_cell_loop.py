@@ -69,7 +69,7 @@ def design(loader: Loader, feel: ArrayLike) -> SampledLaw:
 
 
 def heard_torque(loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What the feel computer hears of F_c, delta, delta', (settings, 3), where the column's inertia is taken off the feel's.
+    """Torque input of the feel computer from F_c, delta, delta', (settings, 3), where the column's inertia is taken off the feel's.
 
     Raises:
         InputError: If a programmed inertia is the column's own.

@@ -1,4 +1,4 @@
-"""The load cell's loop for a motor: its position follows the feel, and the feel hears the load cell.
+"""The load cell's loop for a motor: its position follows the feel, and the load cell drives the feel.
 
 ``F`` force of the load cell · ``x = [x_m; F; i; x_b; x_b']`` the plant's states, ``e_h`` the command under way · ``r``, ``K_t``
 travel and torque constant of the motor

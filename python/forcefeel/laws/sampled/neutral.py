@@ -29,7 +29,7 @@ def trimmed(law: SampledLaw, loader: Loader) -> SampledLaw:
     """The law with its command and torque per radian of the feel's neutral.
 
     Raises:
-        InputError: If what the law comes to there is not determined: it keeps something for ever.
+        InputError: If the steady state of the law is not determined, because the law has an integrator.
     """
     n = law.states
     shown = np.zeros((law.sampled + 1, 1))
@@ -38,7 +38,7 @@ def trimmed(law: SampledLaw, loader: Loader) -> SampledLaw:
         state = np.linalg.solve(np.eye(n) - law.transition, law.input @ shown)[..., 0]
     except np.linalg.LinAlgError as error:
         raise InputError(
-            f"transition: expected a law that forgets, got one that keeps something for ever ({error}); let what integrates leak"
+            f"transition: expected a stable law, got one with an integrator ({error}); let the integrator leak"
         ) from error
     feel = np.tile([1.0, 0.0], (law.settings, 1))
     moved = np.hstack([state, np.tile(shown[:-1, 0], (law.settings, 1)), feel])

@@ -49,7 +49,7 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
     """The observer for a programmed inertia of so many of the column's.
 
     Raises:
-        numpy.linalg.LinAlgError: If there is none in double precision.
+        numpy.linalg.LinAlgError: If it has no solution in double precision.
     """
     transition, reads, estimated = observed(plant), readings(plant), plant.places.estimated
     noise, trusted = sensor_noise(plant, tuning, inertia_ratio)

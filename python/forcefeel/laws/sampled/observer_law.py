@@ -3,7 +3,7 @@
     xi^ = (1 - L C) xi + L y,      T = T_p^
     e   = Gamma_w w - K ([x^; e_h] - Pi w),    w = [delta; delta'; T_p^; d^]
 
-The feel computer hears the pilot's torque as the observer estimates it: the load cell's once the column is at rest, and not
+The feel computer takes the pilot's torque that the observer estimates: the load cell's once the column is at rest, and not
 what it takes to move the column's own inertia. The estimate has integral action on what is at the command.
 """
 
@@ -114,7 +114,7 @@ def feel_rows(feel: ArrayLike) -> NDArray[np.float64]:
     """Settings I, B, G as an array, a row each and one at least.
 
     Raises:
-        InputError: If there is none, or one is not three finite numbers with I > 0, B >= 0, G > 0.
+        InputError: If a setting is missing or is not three finite numbers with I > 0, B >= 0, G > 0.
     """
     rows = setting_rows(feel, "feel")
     if not len(rows):

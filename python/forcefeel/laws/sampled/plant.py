@@ -283,7 +283,7 @@ def _motor(loader: Loader) -> _Plant:
 
 def _servo(loader: Loader) -> _Plant:
     """Of a hydraulic drive."""
-    # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
+    # Without input the feel computer neither moves nor acts, so leaving its states out is exact.
     model = loader_model(loader, GainLaw.none(loader.si_values), Linkage.COMPLIANT)
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)

@@ -35,7 +35,7 @@ def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float, stretch:
     """The regulator for a programmed inertia of so many of the column's, and a stiffness of so many of the link's.
 
     Raises:
-        numpy.linalg.LinAlgError: If there is none in double precision.
+        numpy.linalg.LinAlgError: If it has no solution in double precision.
     """
     a, b = plant.transition, plant.input[:, None]
     q = np.zeros_like(a)

@@ -17,7 +17,7 @@ def stationary(
     """The stabilizing ``P`` of ``P = a' P a - a' P b (r + b' P b)^-1 b' P a + q``.
 
     Raises:
-        numpy.linalg.LinAlgError: If there is none, or none in double precision.
+        numpy.linalg.LinAlgError: If it has no solution, or none in double precision.
     """
     try:
         solution = np.asarray(scipy.linalg.solve_discrete_are(a, b, q, r))

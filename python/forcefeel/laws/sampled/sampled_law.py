@@ -3,7 +3,7 @@
 ``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
 and column angle (rad); of a law for a force sensor at the grip ``y = [F_c, x_p, theta, F_g]``, with its force (N) · ``delta``,
 ``delta'`` the feel computer's displacement and rate, ``n`` its neutral · ``e`` command in V, of a motor in A · ``T`` torque in N m
-that the feel computer hears in the period
+that drives the feel computer in the period
 
     T_k    = torque  [xi; y; delta; delta'] + t_n n
     e_k    = command [xi; y; delta; delta'] + c_n n

@@ -57,7 +57,7 @@ class Power:
         return replace(self, decades=self.decades + decades)
 
     def towards(self, other: "Power", share: float) -> "Power":
-        """What lies between, in decades: all of the other at a share of one."""
+        """Interpolation in decades; the other tuning at a share of one."""
         parts = {
             row.name: (1 - share) * getattr(self, row.name) + share * getattr(other, row.name) for row in fields(self)
         }
@@ -77,7 +77,7 @@ class Tuning:
         flow_walk: Noise of the valve's flow or the motor's current, a density.
         pressure_noise: Noise of the load cell, as pressure or, of a motor, as force, a density.
         angle_noise: Noise of the column's angle, a density.
-        piston_noise: Noise of the position of piston or motor, a density; ``None`` leaves it out. Who trusts it trusts stiffness
+        piston_noise: Noise of the position of piston or motor, a density; ``None`` leaves it out. A law with it relies on stiffness
             and ratio of the link too: that position less the column's is the link's stretch.
         rate_weight: Weight of the squared error of the angle's rate; ``None`` for none.
 
@@ -106,7 +106,7 @@ class Tuning:
                 raise InputError(f"{row.name}: expected a Power{' or None' if optional else ''}, got {given!r}")
 
     def towards(self, other: "Tuning", share: float) -> "Tuning":
-        """What lies between, number by number; what this one leaves out stays out."""
+        """Interpolation, number by number; a number that this tuning leaves out stays out."""
         given = {row.name: getattr(self, row.name) for row in fields(self)}
         between = {
             name: power.towards(getattr(other, name), share) for name, power in given.items() if power is not None

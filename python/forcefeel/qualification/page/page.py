@@ -34,7 +34,7 @@ class ShownTest:
         key: Its anchor.
         result: What came of it.
         summary: Its outcome in a sentence.
-        drawing: Its plot; empty where there is none.
+        drawing: Its plot; empty without a plot.
         meaning: How to read the plot.
         figures: Its features; ``None`` where nothing was compared.
     """

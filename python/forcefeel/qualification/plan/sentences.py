@@ -269,7 +269,7 @@ def unverified_tests(qualification: Qualification) -> list[str]:
 
 
 def figure_text(figure: Figure | None, system: UnitSystem) -> str:
-    """A figure as a table has it, without its unit; a dash where there is none."""
+    """A figure as a table has it, without its unit; a dash without a figure."""
     if figure is None or not figure.known:
         return "–"
     return to_text(UNITS[figure.unit].from_si(figure.value, system), 4)
