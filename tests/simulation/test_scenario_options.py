@@ -205,7 +205,7 @@ def test_feel_change_options_are_read():
         ({"input": InputKind.MULTISINE, "to": "2e307 Hz", "input_duration": "100"}, "multiples of 0.01 Hz, .* got inf"),
         ({"change": ["1e300 s: feel.breakout=2 lb"]}, "expected changes that are done by 1e\\+06 s, got 1e\\+300 s"),
         ({"change": ["1 s: feel.breakout=2 lb"], "fade_time": "1e300 s"}, "expected changes that are done by"),
-        ({"fade_time": "1 s"}, "--fade-time: is how long a --change takes, and there is none"),
+        ({"fade_time": "1 s"}, "--fade-time: requires a --change"),
         ({"change": ["feel.stiffness=3 N m/rad"]}, "--change: expected a time, a colon and new values"),
         ({"change": ["1 s: feel.stiffness"]}, "--change: expected a parameter and its value"),
         ({"change": ["1 s: feel.stiffness=off"]}, "--change: feel.stiffness is what every loader has"),
