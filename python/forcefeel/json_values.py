@@ -1,24 +1,12 @@
 """Results for machines: every number with its unit, as values that JSON can hold."""
 
 import json
-import math
 from dataclasses import fields, is_dataclass
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from forcefeel.units import Unit, UnitSystem, to_text
-
-Json = dict[str, Any] | list[Any] | str | float | int | bool | None
-
-
-def quantity(value: float, measured_in: Unit, system: UnitSystem) -> dict[str, Json]:
-    """``{"value": ..., "unit": ...}``; an infinite or undefined value is text, because JSON has no number for it."""
-    return {"value": _number(measured_in.from_si(value, system)), "unit": measured_in.shown(system)}
-
-
-def _number(value: float) -> float | str:
-    return value if math.isfinite(value) else to_text(value)
+from forcefeel.units import Json, Unit, UnitSystem, number_json, quantity
 
 
 def json_value(result: object, system: UnitSystem) -> Json:
@@ -43,7 +31,7 @@ def json_value(result: object, system: UnitSystem) -> Json:
     if isinstance(result, dict):
         return {str(key): json_value(value, system) for key, value in result.items()}
     if isinstance(result, float):
-        return _number(result)
+        return number_json(result)
     return result  # type: ignore[return-value]
 
 

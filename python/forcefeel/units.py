@@ -18,7 +18,7 @@ from enum import StrEnum
 from functools import cache
 from importlib import resources
 from numbers import Real
-from typing import TYPE_CHECKING, SupportsFloat, cast
+from typing import TYPE_CHECKING, Any, SupportsFloat, cast
 
 from forcefeel.errors import InputError, expect
 
@@ -284,6 +284,19 @@ def as_float(number: SupportsFloat) -> float:
         return float(number)
     except OverflowError:
         return math.inf
+
+
+Json = dict[str, Any] | list[Any] | str | float | int | bool | None
+
+
+def quantity(value: float, measured_in: Unit, system: UnitSystem) -> dict[str, Json]:
+    """``{"value": ..., "unit": ...}``; an infinite or undefined value is text, because JSON has no number for it."""
+    return {"value": number_json(measured_in.from_si(value, system)), "unit": measured_in.shown(system)}
+
+
+def number_json(value: float) -> float | str:
+    """A number as JSON has it; text for an infinite or undefined one."""
+    return value if math.isfinite(value) else to_text(value)
 
 
 def show(given: object) -> str:

@@ -8,12 +8,12 @@ from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
 from forcefeel.choice.score import LawScores, Score
 from forcefeel.envelope.as_json import deviations_json, grid_json
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.laws.law_file import Numbers, gain_law_json
 from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, SECONDS, UnitSystem
+from forcefeel.units import ANGLE, SECONDS, Json, UnitSystem, quantity
 
 
 def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:

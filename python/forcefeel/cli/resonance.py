@@ -15,8 +15,7 @@ from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions, opti
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json, quantity
-from forcefeel.units import HERTZ, UnitSystem, parse, show, to_text
+from forcefeel.units import HERTZ, Json, UnitSystem, parse, quantity, show, to_text
 
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord

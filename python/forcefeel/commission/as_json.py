@@ -5,8 +5,9 @@ from importlib.metadata import version
 
 from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.result import Checked, Commission
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.units import Json, quantity
 
 
 def commission_json(commission: Commission) -> dict[str, Json]:

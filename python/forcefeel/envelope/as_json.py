@@ -14,9 +14,9 @@ from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.settings import AXES, Settings
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, INERTIA, PERCENT, UnitSystem
+from forcefeel.units import ANGLE, INERTIA, PERCENT, Json, UnitSystem, quantity
 
 
 def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:

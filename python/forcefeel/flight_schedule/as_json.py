@@ -8,9 +8,9 @@ from forcefeel.envelope.as_json import deviations_json
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, INERTIA, SECONDS, UnitSystem
+from forcefeel.units import ANGLE, INERTIA, SECONDS, Json, UnitSystem, quantity
 
 FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]))
 """Units of I, B, G."""

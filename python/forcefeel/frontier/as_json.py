@@ -8,8 +8,8 @@ from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import Path
 from forcefeel.frontier.valve_limits import ValveLimits
-from forcefeel.json_values import Json, json_value, quantity
-from forcefeel.units import ANGLE, FLOW, FORCE, PERCENT, SECONDS, UnitSystem
+from forcefeel.json_values import json_value
+from forcefeel.units import ANGLE, FLOW, FORCE, PERCENT, SECONDS, Json, UnitSystem, quantity
 
 
 def frontier_json(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json
-from forcefeel.units import ANGLE, FORCE, RATIO, Unit, UnitSystem, show, to_text
+from forcefeel.units import ANGLE, FORCE, RATIO, Json, Unit, UnitSystem, show, to_text
 
 MOST_POINTS = 32
 """Most points of a curve: what the Rust engine holds."""

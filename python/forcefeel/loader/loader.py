@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, UnknownKeyError, expect, expect_number
-from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES, Curve
@@ -42,7 +41,7 @@ from forcefeel.loader.parameters import (
     without,
 )
 from forcefeel.loader.tolerances import Tolerance, beyond, nothing
-from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, parse, show, to_text
+from forcefeel.units import ANGLE, FORCE, HERTZ, Json, UnitSystem, parse, quantity, show, to_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json, quantity
 from forcefeel.loader import consistency
 from forcefeel.loader.parameters import OFF, TABLE, a_drive, did_you_mean, in_range, is_switch, range_text, value_text
-from forcefeel.units import Unit, UnitSystem, show
+from forcefeel.units import Json, Unit, UnitSystem, quantity, show
 
 _SAME = 1e-9
 """Relative; a value that went through another unit system is still the same."""

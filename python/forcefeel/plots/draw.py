@@ -17,8 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
-from forcefeel.units import show
+from forcefeel.errors import InputError, type_text
 
 Curves = Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Abscissas and ordinates of curves by what the legend calls them."""
@@ -57,7 +56,7 @@ def bode(responses: Mapping[str, tuple[NDArray[np.float64], NDArray[np.complex12
     else:
         pair = np.asarray(ax, dtype=object).ravel()
         if len(pair) != 2 or not all(isinstance(axes, Axes) for axes in pair):
-            raise InputError(f"ax: expected two Matplotlib axes, for gain and phase, got {show(ax)}")
+            raise InputError(f"ax: expected two Matplotlib axes, for gain and phase, got {type_text(ax)}")
     gain, phase = pair
     _lines(gain, {name: (at, np.abs(value)) for name, (at, value) in responses.items()})
     _lines(phase, {name: (at, np.degrees(np.unwrap(np.angle(value)))) for name, (at, value) in responses.items()})
@@ -155,7 +154,7 @@ def _axes(ax: Axes | None) -> Axes:
     if ax is None:
         return plt.subplots(layout="constrained")[1]
     if not isinstance(ax, Axes):
-        raise InputError(f"ax: expected Matplotlib axes, got {show(ax)}")
+        raise InputError(f"ax: expected Matplotlib axes, got {type_text(ax)}")
     return ax
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
-from forcefeel.json_values import Json, json_value
+from forcefeel.json_values import json_value
 from forcefeel.simulation import Run
 from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.limits_met import known_measures, limit_times, why_no_overshoot
@@ -27,6 +27,7 @@ from forcefeel.units import (
     SECONDS,
     TEMPERATURE,
     VOLTAGE,
+    Json,
     Unit,
     UnitSystem,
     factor,

@@ -2,12 +2,12 @@
 
 from importlib.metadata import version
 
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.sizing.cockpit import CockpitSizing, cockpit_conclusions
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.findings import sizing_conclusions
 from forcefeel.sizing.result import Sizing
-from forcefeel.units import ANGLE, MASS, UnitSystem
+from forcefeel.units import ANGLE, MASS, Json, UnitSystem, quantity
 
 
 def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:

@@ -5,14 +5,14 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation.findings import input_text
 from forcefeel.sweep.findings import sweep_conclusions
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
 from forcefeel.sweep.summary import QUANTILES, Spread, Summary
-from forcefeel.units import UnitSystem
+from forcefeel.units import Json, UnitSystem, quantity
 
 
 def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict[str, Json]:

@@ -13,9 +13,9 @@ from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.misfit import stated_noise
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, Status, data_of
 from forcefeel.bench.responses import Response
-from forcefeel.json_values import Json, json_value, quantity
+from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import SECONDS, UnitSystem
+from forcefeel.units import SECONDS, Json, UnitSystem, quantity
 
 _DIGITS = ".9g"
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
-from forcefeel.json_values import Json, fields_json, quantity
+from forcefeel.json_values import fields_json
 from forcefeel.linear.models import DESIGN_STATES, design_model, state_feedback
 from forcefeel.loader.loader import Loader, check_hydraulic
-from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
+from forcefeel.units import LENGTH, RATIO, SECONDS, Json, Unit, UnitSystem, quantity
 
 GAIN_UNITS = (
     Unit("V/m", "V/cm", "V/in"),

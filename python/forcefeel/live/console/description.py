@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from forcefeel.json_values import Json
 from forcefeel.live.console.telemetry import RATE_HZ, Channel
 from forcefeel.live.live_session import Fault, LiveSession, Sensor
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, limits_si, unit
 from forcefeel.page.typography import split_symbol, unit_text
-from forcefeel.units import ANGLE, FORCE, UnitSystem
+from forcefeel.units import ANGLE, FORCE, Json, UnitSystem
 
 _TO_EITHER_SIDE = 4.0
 """Range of the sliders of I, B, G: initial value divided and multiplied by this factor."""

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader
@@ -19,7 +18,7 @@ from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.throw import Throw
 from forcefeel.qualification.tolerance import Tolerance
-from forcefeel.units import ANGLE, FORCE, UnitSystem
+from forcefeel.units import ANGLE, FORCE, Json, UnitSystem
 
 _POINTS = 201
 

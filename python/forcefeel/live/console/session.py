@@ -16,7 +16,6 @@ from typing import Any, Self
 from websockets.asyncio.server import ServerConnection
 
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json
 from forcefeel.live.console.admission import Role
 from forcefeel.live.console.commands import FOR_ALL, Around, Break, Command, FeelChange, Hand, Plain, RuleTest
 from forcefeel.live.console.description import description, feel_json, host_json
@@ -30,6 +29,7 @@ from forcefeel.live.console.watchers import Watcher, Watchers
 from forcefeel.live.live_session import LiveSession
 from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.throw import Throw
+from forcefeel.units import Json
 
 HAND_LAPSES_S = LAPSES_S
 """A hand without a command for this long is released: its page or network is gone."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from forcefeel.json_values import Json
 from forcefeel.live.state import Histogram, Timing
+from forcefeel.units import Json
 
 _EDGES_US = np.array([0.0, *np.geomspace(0.5, 16384.0, 31)])
 """Bin edges: powers of the square root of two from 0.5 us."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from forcefeel.json_values import Json
 from forcefeel.live.console.programmed import plot_values
 from forcefeel.page.typography import unit_text
 from forcefeel.qualification import Outcome, Qualification, Verdict
@@ -10,7 +9,7 @@ from forcefeel.qualification.plan.result import Result
 from forcefeel.qualification.plan.sentences import UNITS, figure_text, result_text
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.sweep import SweepFeatures
-from forcefeel.units import ANGLE, FORCE, UnitSystem, to_text
+from forcefeel.units import ANGLE, FORCE, Json, UnitSystem, to_text
 
 _POINTS = 900
 _SHOWN = 1.25

@@ -14,8 +14,8 @@ from itertools import count
 from websockets.asyncio.server import ServerConnection, broadcast
 
 from forcefeel.errors import InputError
-from forcefeel.json_values import Json
 from forcefeel.live.console.admission import Role
+from forcefeel.units import Json
 
 MOST = 32
 """Largest number of watchers."""

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from forcefeel.json_values import Json, json_text
+from forcefeel.json_values import json_text
 from forcefeel.page.chromium import page_pdf
 from forcefeel.page.folder import OutputFolder
 from forcefeel.qualification.page.page import cockpit_page, qualification_page
 from forcefeel.qualification.plan.as_json import cockpit_json, qualification_json
 from forcefeel.qualification.plan.cockpit import CockpitQualification
 from forcefeel.qualification.plan.result import Qualification
-from forcefeel.units import UnitSystem
+from forcefeel.units import Json, UnitSystem
 
 PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
 """Names in the folder."""

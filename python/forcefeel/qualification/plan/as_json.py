@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from math import isfinite
 
-from forcefeel.json_values import Json, json_value
-from forcefeel.json_values import quantity as json_quantity
+from forcefeel.json_values import json_value
 from forcefeel.qualification import Verdict
 from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.plan.cockpit import CockpitQualification, cockpit_conclusions
@@ -13,7 +12,8 @@ from forcefeel.qualification.plan.result import Qualification, Result, Section, 
 from forcefeel.qualification.plan.sentences import UNITS, conclusions, outcome_counts, result_text, unverified_tests
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.sweep import SweepFeatures
-from forcefeel.units import SECONDS, UnitSystem
+from forcefeel.units import SECONDS, Json, UnitSystem
+from forcefeel.units import quantity as json_quantity
 
 _RELEASE = ("release_s", "steady", "displacement", "fall_time", "rise_time")
 _SWEEP = (
