@@ -46,7 +46,8 @@ TYPES = {"Seen", "Told", "Now", "Made", "Kept", "Before", "Begun", "Wish", "Cour
 
 
 def sentences(text: str) -> Iterator[str]:
-    """Sentences of prose without code spans, links' targets and Jinja tags."""
+    """Sentences of prose without examples, code spans, links' targets and Jinja tags."""
+    text = re.sub(r"^ *(>>>|\.\.\.) .*$", "", text, flags=re.MULTILINE)
     text = re.sub(r"```.*?```|`[^`]*`|\{%.*?%\}|\{\{.*?\}\}|<[^>]*>|\]\([^)]*\)", " ", text, flags=re.DOTALL)
     for block in re.split(r"\n\s*\n|\n[#*|-]|\|", text):
         yield from (" ".join(sentence.split()) for sentence in re.split(r"(?<=[.;:?!])\s", block))
