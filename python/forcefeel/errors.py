@@ -39,6 +39,11 @@ class UnknownKeyError(InputError, KeyError):
         return ValueError.__str__(self)
 
 
+def nearest(name: str, names: Iterable[str]) -> str | None:
+    """The known name that is most like an unknown one; ``None`` if none is near."""
+    return next(iter(get_close_matches(name, list(names), n=1)), None)
+
+
 def suggestion(name: str, names: Iterable[str]) -> str:
     """What ends a message on an unknown name: the nearest known one as a question; empty if none is near.
 
@@ -46,8 +51,8 @@ def suggestion(name: str, names: Iterable[str]) -> str:
         >>> suggestion("robusst", ("original", "robust"))
         '; did you mean robust?'
     """
-    close = get_close_matches(name, list(names), n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+    close = nearest(name, names)
+    return f"; did you mean {close}?" if close else ""
 
 
 def shortened(text: str, longest: int) -> str:

@@ -18,7 +18,6 @@ and the transmission's ``lead`` for its travel, ``r = lead / (2 pi)``.
 Curves are read in ``curve_text``, tolerances in ``tolerance_text``; ``loader_text`` writes the file.
 """
 
-import difflib
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -34,7 +33,7 @@ from pydantic_core import ErrorDetails
 
 from forcefeel import _core
 from forcefeel._core import Parameter
-from forcefeel.errors import MOST_LINES, InputError
+from forcefeel.errors import MOST_LINES, InputError, nearest
 from forcefeel.files import MOST_TEXT_BYTES, read_input
 from forcefeel.loader import curve_text, tolerance_text
 from forcefeel.loader.contents import Contents, misfits
@@ -300,8 +299,8 @@ def _hint(drive: str, *place: str) -> str:
     if name in (parts(other) if len(place) == 1 else main_rows(place[0], other)):
         hint = f'this file says drive = "{drive}", of which the tables are {", ".join(parts(drive))}'
         return f'it is of {a_drive(other)}, and {hint}; take it out, or say drive = "{other}"'
-    if close := difflib.get_close_matches(name, known, n=1):
-        return f"did you mean {close[0]}?"
+    if close := nearest(name, known):
+        return f"did you mean {close}?"
     if tables := [f"[{part}]" for part in keys if name in keys[part]]:
         return f"it belongs in the table {' or '.join(tables)}"
     return f"known are {', '.join(known)}"

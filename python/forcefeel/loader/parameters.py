@@ -1,7 +1,6 @@
 """The parameter table of the Rust model, indexed by ``part.name``."""
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cache
 from types import MappingProxyType
 
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Parameter
+from forcefeel.errors import nearest
 from forcefeel.units import RATIO, Unit, UnitSystem, to_text
 
 PARTS = MappingProxyType(dict(_core.parts()))
@@ -167,8 +167,8 @@ def did_you_mean(key: str, known: Mapping[str, Parameter] = TABLE) -> str:
         return "name it as text, part.name"
     if key in ALTERNATIVES:
         return f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
-    if close := [row for row in known if row.endswith(f".{key}")] or get_close_matches(key, known, n=1):
-        return f"did you mean {' or '.join(close)}?"
+    if close := " or ".join(row for row in known if row.endswith(f".{key}")) or nearest(key, known):
+        return f"did you mean {close}?"
     return f"the parameters are {', '.join(known)}"
 
 
