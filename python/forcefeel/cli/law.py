@@ -236,7 +236,7 @@ _MARGINS = ("gain", "phase deg", "delay ms")
 
 def _table(scored: "LawScores", choice: "Choice | None") -> Table:
     table = Table(title="Laws, shares in %", title_justify="left", title_style="bold")
-    table.add_column("method", no_wrap=True)
+    table.add_column("law", no_wrap=True)
     over = scored.scores[0].over is not None
     names = ["every case", "nominal", "stable"] if over else []
     names += ["release", *_MARGINS, "current"]
