@@ -104,7 +104,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         from forcefeel.bench.identification.as_json import FitSettings
         from forcefeel.bench.identification.linear import bench_law
 
-        named = bench_law(loader) if law is None else law.name
+        named = bench_law(None, loader) if law is None else law.name
         return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or named))
 
     def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":

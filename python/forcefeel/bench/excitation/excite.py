@@ -90,7 +90,7 @@ def excite(
         raise InputError(f"law: is the law of the whole loader, and {resolved} is of the servo alone; leave it out")
     progress("law")
     if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
-        law = Law.of(bench_law(loader) if law is None else law, loader)  # designed or read once, not for each rehearsal
+        law = Law.of(bench_law(law, loader), loader)  # designed or read once, not for each rehearsal
     limits = limits_of(loader, resolved.drive, plan.limits)
     times = timing(plan)
     progress("information of the lines")

@@ -94,7 +94,7 @@ class Bench:
             case Loop.SERVO_CLOSED:
                 return GainLaw.position_loop(self.loader.si_values)
             case Loop.LOADER:
-                return bench_law(self.loader) if self.law is None else self.law
+                return bench_law(self.law, self.loader)
 
 
 def fit_to_limits(

@@ -101,9 +101,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     check_bench(loader, data)
     _check_valve(loader, keys, data, as_responses=as_responses)
     if loader.drive == ELECTRIC and any(measurement.experiment.loop is Loop.LOADER for measurement in data):
-        law = Law.of(
-            bench_law(loader) if law is None else law, loader
-        )  # designed or read once, for the loader as its file has it
+        law = Law.of(bench_law(law, loader), loader)  # designed or read once, for the loader as its file has it
     used = [
         part for measurement in data for part in (_as_responses(measurement, loader) if as_responses else [measurement])
     ]

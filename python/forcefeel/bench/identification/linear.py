@@ -149,8 +149,10 @@ def model_response(
     return responses.between(source, target, experiment.drive)[0]
 
 
-def bench_law(loader: Loader) -> str:
-    """The law under which a whole loader is recorded where the data state none: ``original``, of a motor ``robust``."""
+def bench_law(law: LawLike, loader: Loader) -> LawLike:
+    """``law``, or if it is ``None`` the law under which a whole loader is recorded: ``original``, of a motor ``robust``."""
+    if law is not None:
+        return law
     return ROBUST if loader.drive == ELECTRIC else ORIGINAL
 
 
@@ -162,7 +164,7 @@ def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     """
     if loop is Loop.MOTOR_OPEN:
         return {"law": _LAWS[loop]}
-    whole = Law.of(bench_law(loader) if law is None else law, loader)
+    whole = Law.of(bench_law(law, loader), loader)
     return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
 
 

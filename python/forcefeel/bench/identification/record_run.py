@@ -146,15 +146,17 @@ class RecordRun:
         if not self.loader["controller.period"]:
             return np.zeros((len(self.channels), len(self.time_s)))
         stand_ins = [_STAND_IN.get(name, name) for name in self.channels]
-        others = {name: values for name, values in self.record.channels.items() if name not in self.channels}
+        others = {name: samples for name, samples in self.record.channels.items() if name not in self.channels}
         record = replace(self.record, channels=others | {name: np.zeros_like(self.record.time_s) for name in stand_ins})
         exact = replace(self, record=record)
-        noisy = replace(exact, longest_step_s=self._step_s / 2, sensors_noisy=True)
         rows = [exact.channels.index(name) for name in stand_ins]
-        modelled, plain, other = (run.at(values, ()).value for run in (self, exact, noisy))
-        plain, other = plain[rows], other[rows]
-        gain = np.std(modelled, axis=1) / np.maximum(np.std(plain, axis=1), np.finfo(np.float64).tiny)
-        difference = gain[:, np.newaxis] * (other - plain)
+        noisy = replace(exact, longest_step_s=self._step_s / 2, sensors_noisy=True)
+        plain, other = (run.at(values, ()).value[rows] for run in (exact, noisy))
+        difference = other - plain
+        if stand_ins != list(self.channels):
+            modelled = self.at(values, ()).value
+            gain = np.std(modelled, axis=1) / np.maximum(np.std(plain, axis=1), np.finfo(np.float64).tiny)
+            difference *= gain[:, np.newaxis]
         return difference if np.isfinite(difference).all() else np.zeros_like(difference)
 
     def _sloped(
@@ -194,7 +196,7 @@ class RecordRun:
         """The law of the whole loader, where the record is of it."""
         if self.record.experiment.loop is not Loop.LOADER:
             return None
-        return Law.of(bench_law(self.loader) if self.law is None else self.law, self.loader)
+        return Law.of(bench_law(self.law, self.loader), self.loader)
 
     @cached_property
     def _law(self) -> dict[str, Any]:
