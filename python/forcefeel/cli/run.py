@@ -64,10 +64,10 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
 def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
     """Run the loader live: a real-time loop on a machine, simulated or over the network.
 
-    It prints the address of its console, a page of this machine; whoever opens it first holds control. Ctrl-C, or SIGTERM, takes
-    the feel away and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no
-    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if the record ended
-    before the run, as on a full disk.
+    It prints the address of its console, a page of this machine; the first client that opens it holds control. Ctrl-C or SIGTERM
+    fades out the feel and stops the loop. The loop runs in a thread of its own at the period of the loader's controller. A Linux
+    process is no safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if the
+    record ended before the run, as on a full disk.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """

@@ -61,8 +61,8 @@ def digital_elevator() -> Loader:
     """The same loader as it would be run today: under a digital controller at 2 kHz with one sample of delay.
 
     The flow follows the orifice, eq. (1), limited by the appendix's rated current and flow. The sensors are of a usual kind, no one
-    product: a load cell with 0.1 lb of noise, an encoder of 23 bits a turn at the column, a potentiometer at the piston. There is
-    none on flow or valve.
+    product: a load cell with 0.1 lb of noise, an encoder of 23 bits a turn at the column, a potentiometer at the piston. Flow
+    and valve have no sensor.
 
     Example:
         >>> import forcefeel as ff

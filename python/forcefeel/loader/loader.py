@@ -79,9 +79,9 @@ class Loader(Mapping[str, float]):
     ``list(loader)``, ``dict(loader)``, ``"linkage.stiffness" in loader``.
 
     Raises:
-        InputError: If there are not as many values as rows, one is out of its row's range (the value of an optional row
-            that is off always stands), a curve leaves the limits of its axes, or values or tolerances do not go
-            together; a line for each of those.
+        InputError: If the number of values is not that of the rows; if a value is out of its row's range, except that of
+            an optional row that is off; if a curve leaves the limits of its axes; if values or tolerances contradict each
+            other. The message has a line for each.
 
     Example:
         >>> import forcefeel as ff

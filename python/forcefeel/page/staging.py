@@ -1,8 +1,8 @@
 """Files of a folder are written so that they appear together or not at all, and those of others stay.
 
-A folder that holds nothing else is written anew beside and takes the old one's place in one step of the file system, so that even a
-run that is killed leaves the old folder or the new one. Where files of others lie in it, or the folder cannot be exchanged (it is
-mounted, or somebody works in it), everything is written aside within it and moves in file by file, the page last.
+A folder without other files is written anew beside the old one and replaces it in one step of the file system. So even a run that is
+killed leaves the old folder or the new one. If the folder has other files, or cannot be exchanged (a mount, or the current
+directory), everything is written to a hidden folder within it. From there the files move one by one, the page last.
 """
 
 import contextlib

@@ -288,11 +288,10 @@ class SampledProblem:
     def residual(self, gains: NDArray[np.float64]) -> float:
         """How far ``gains`` (SI) are from optimal: the residual of eqs. (22) at their fixed point.
 
-        ``E`` of ``E = M' E M + Q + c' R c``, ``M = Phi + H c``, eq. (22b), is what the gains cost when they are kept for
-        ever. They are optimal if and only if eq. (22a) then gives them back. The largest
-        difference on the six stabilizable states, as a share of the largest gain; not a number where a state does not
-        decay, as an undamped feel does not, so that keeping the gains costs without bound, or more than double precision
-        counts to.
+        ``E`` of ``E = M' E M + Q + c' R c``, ``M = Phi + H c``, eq. (22b), is the cost of constant gains. They
+        are optimal if and only if eq. (22a) then returns them. The residual is the largest difference on the six
+        stabilizable states, as a share of the largest gain. It is not a number if a state does not decay, as of an
+        undamped feel: the cost then has no bound, or exceeds the range of double precision.
         """
         phi, h, q = self.phi[:6, :6], self.h[:6], self.q[:6, :6]
         c = (gains[:6] * self.scale[:6])[None, :]
@@ -302,12 +301,12 @@ class SampledProblem:
         ):  # rounding of one
             return np.nan
         with np.errstate(over="ignore", invalid="ignore"):
-            cost = _kept_for_ever(closed, q + c.T @ self.r @ c)
+            cost = _cost_of_constant_gains(closed, q + c.T @ self.r @ c)
             better = -np.linalg.solve(self.r + h.T @ cost @ h, h.T @ cost @ phi)
             return float(np.max(np.abs(better - c)) / np.max(np.abs(c)))
 
 
-def _kept_for_ever(closed: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cost_of_constant_gains(closed: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
     """``E = W + M' W M + M'^2 W M^2 + ...`` of a stable ``M``, the steps doubled.
 
     Nothing is inverted, so that a pole close to the circle costs no more digits than it has to.

@@ -72,10 +72,10 @@ _NUMBERS: Mapping[str, Tuning] = MappingProxyType(
         ),
     }
 )
-"""In the units of the loader. Found by search, of a valve over eleven loaders drawn within a factor of two from ``elevator-2khz``,
-four of them with other sensors, released from 10 and 2 deg, and over that loader with column, link and arm off its values, what
-follows the throw over ten of seeds 5000 to 5124; of a motor over the six built-in ones. ``benchmarks/drawn_loaders.py`` tries them
-on others."""
+"""In the units of the loader. Found by search. Of a valve: over eleven loaders drawn within a factor of two from ``elevator-2khz``,
+four of them with other sensors, released from 10 and 2 deg, and over that loader with column, link and arm off its values. The
+exponents ``throw``: over ten loaders of seeds 5000 to 5124. Of a motor: over the six built-in loaders.
+``benchmarks/drawn_loaders.py`` tries the numbers on other loaders."""
 
 KNOWN = 0.01
 """Share by which the parameters of a machine that is known are off at most. At a hundredth an aileron's wheel passes more with the
