@@ -65,7 +65,7 @@ bench: $(VENV)/equipped
 
 docs: $(VENV)/equipped
 	$(BIN)/python docs/make.py
-	$(BIN)/python docs/house.py
+	$(BIN)/python docs/layers.py
 
 SPHINX = $(BIN)/python -m sphinx -W -n --keep-going --quiet
 

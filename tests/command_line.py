@@ -20,21 +20,31 @@ def on_the_report_loader(words) -> list[str]:
     return [*map(str, words)] if named or "--help" in words else [REPORT_LOADER, *map(str, words)]
 
 
-def runner(monkeypatch, capsys, folder, command: str, columns: int = 120, *, report: bool = False) -> Run:
+def runner(monkeypatch, capsys, folder, *command: str, columns=120, report=False, lines=False) -> Run:
     """Runs ``forcefeel COMMAND ...`` in a folder; gives exit status, output and error output.
 
-    With ``report`` the default loader is that of the report.
+    Without a command the first word is one. With ``report`` the default loader is that of the report. Error output is joined to one
+    line, or keeps its ``lines``.
     """
     monkeypatch.chdir(folder)
     monkeypatch.setenv("COLUMNS", str(columns))
 
     def call(*words):
-        monkeypatch.setattr(
-            sys, "argv", ["forcefeel", command, *(on_the_report_loader(words) if report else map(str, words))]
-        )
+        name, *words = (*command, *map(str, words))
+        monkeypatch.setattr(sys, "argv", ["forcefeel", name, *(on_the_report_loader(words) if report else words)])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
+        return ended.value.code or 0, printed.out, printed.err if lines else " ".join(printed.err.split())
 
     return call
+
+
+def runs(*command: str, **options):
+    """The fixture ``run``: ``runner`` in the empty folder of a test."""
+
+    @pytest.fixture
+    def run(monkeypatch, capsys, tmp_path) -> Run:
+        return runner(monkeypatch, capsys, tmp_path, *command, **options)
+
+    return run

@@ -17,9 +17,9 @@ MOST_TOP_MODULES = 12
 
 
 @pytest.fixture(scope="module")
-def house():
-    """``docs/house.py``, which draws the picture."""
-    spec = importlib.util.spec_from_file_location("house", DOCS / "house.py")
+def layers():
+    """``docs/layers.py``, which draws the picture."""
+    spec = importlib.util.spec_from_file_location("layers", DOCS / "layers.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # where its data classes look for their module
     spec.loader.exec_module(module)
@@ -27,13 +27,13 @@ def house():
     del sys.modules[spec.name]
 
 
-def test_modules_have_no_import_cycle(house):
-    assert house.cycles(house.Package.of().imports) == []
+def test_modules_have_no_import_cycle(layers):
+    assert layers.cycles(layers.Package.of().imports) == []
 
 
 @pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
-def test_crate_files_have_no_import_cycle(house, crate):
-    assert house.cycles(uses(CRATES / crate / "src")) == []
+def test_crate_files_have_no_import_cycle(layers, crate):
+    assert layers.cycles(uses(CRATES / crate / "src")) == []
 
 
 RUST = {
@@ -63,20 +63,20 @@ def test_path_resolves_to_declaring_file(tmp_path):
     }
 
 
-def test_subpackages_form_layers(house):
-    package = house.Package.of()
-    assert house.cycles(package.arrows) == []
+def test_subpackages_form_layers(layers):
+    package = layers.Package.of()
+    assert layers.cycles(package.arrows) == []
     assert len(package.layers) <= MOST_LAYERS
     assert [] not in package.layers
 
 
-def test_package_has_few_top_level_modules(house):
-    top_modules = [path.name for path in house.PACKAGE.glob("*.py")]
+def test_package_has_few_top_level_modules(layers):
+    top_modules = [path.name for path in layers.PACKAGE.glob("*.py")]
     assert len(top_modules) <= MOST_TOP_MODULES
 
 
-def test_subpackage_does_not_import_its_own_page(house):
-    package = house.Package.of()
+def test_subpackage_does_not_import_its_own_page(layers):
+    package = layers.Package.of()
     own = [
         (module, other)
         for module, others in package.imports.items()
@@ -86,23 +86,23 @@ def test_subpackage_does_not_import_its_own_page(house):
     assert own == []
 
 
-def test_picture_matches_imports(house):
-    assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.Package.of()), "make docs draws it anew"
+def test_picture_matches_imports(layers):
+    assert layers.PICTURE.read_text(encoding="utf-8") == layers.drawing(layers.Package.of()), "make docs draws it anew"
 
 
-def test_cycles_are_detected(house):
-    assert house.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+def test_cycles_are_detected(layers):
+    assert layers.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 
-def test_layer_is_above_its_imports(house):
-    package = house.Package.of()
+def test_layer_is_above_its_imports(layers):
+    package = layers.Package.of()
     level = {name: k for k, names in enumerate(package.layers) for name in names}
     assert all(level[name] > level[other] for name, others in package.arrows.items() for other in others)
     assert level["cli"] == len(package.layers) - 1
     assert level["errors"] == 0
 
 
-def test_page_explains_every_subpackage(house):
+def test_page_explains_every_subpackage(layers):
     page = (DOCS / "architecture.md").read_text(encoding="utf-8")
-    names = [name for name in house.Package.of().arrows if not name.endswith("/page")]
+    names = [name for name in layers.Package.of().arrows if not name.endswith("/page")]
     assert [name for name in names if f"`{name}`" not in page] == []

@@ -8,17 +8,13 @@ import pytest
 import forcefeel as ff
 from forcefeel.choice import score as scoring
 from forcefeel.choice.page.folder import PAGE, RESULTS
-from tests.command_line import on_the_report_loader, runner
+from tests.command_line import runs
 
 SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
 FOLDER = "forcefeel-law"
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel law ...``; gives exit status, output and error output."""
-    call = runner(monkeypatch, capsys, tmp_path, "law", columns=100)
-    return lambda *words: call(*on_the_report_loader(words))
+run = runs("law", columns=100, report=True)
 
 
 def test_single_law_is_designed_at_the_default_setting(run, tmp_path):

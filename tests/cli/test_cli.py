@@ -7,9 +7,8 @@ import sys
 import pytest
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.laws.analog import recursion
-from tests.command_line import on_the_report_loader
+from tests.command_line import on_the_report_loader, runs
 
 WHOLE = 0.5
 """lb in/rad: the report's reproduction prints the boundary as a whole number."""
@@ -19,25 +18,18 @@ READ_BACK = 1e-12
 """Relative: the weight is written with all its digits, so that the same numbers are solved. Measured: 0."""
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel ...`` in an empty folder; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
+command_line = runs(columns=100, lines=True)
 
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", *_words(*map(str, words))])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, printed.err
+
+@pytest.fixture
+def run(command_line):
+    """Runs ``forcefeel ...``, some commands on the report's loader where they name none."""
+
+    def call(command, *words):
+        on_report = command in ("analyze", "law", "design")
+        return command_line(command, *(on_the_report_loader(words) if on_report else words))
 
     return call
-
-
-def _words(command, *words):
-    """A command on the report's loader where it names none."""
-    return [command, *(on_the_report_loader(words) if command in ("analyze", "law", "design") else words)]
 
 
 UNSTABLE = {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}

@@ -5,12 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from tests.command_line import runner
+from tests.command_line import runs
 
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
+run = runs()
 
 
 ROWS, AT = 4000, 2000

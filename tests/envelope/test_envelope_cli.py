@@ -12,7 +12,7 @@ import forcefeel as ff
 from forcefeel.envelope import run as envelope_run
 from forcefeel.envelope.page.folder import PAGE, RESULTS
 from forcefeel.envelope.page.page import Files
-from tests.command_line import runner
+from tests.command_line import runs
 
 SMALL = (
     *("--grid", "stiffness=1..100 %:5:log"),
@@ -22,10 +22,7 @@ SMALL = (
 COUNT, CASES, DRAWN = 30, 32, 40
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel envelope ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "envelope", report=True)
+run = runs("envelope", report=True)
 
 
 def test_built_in_loader_is_compared(run, tmp_path):

@@ -6,14 +6,12 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from tests.command_line import runner
+from tests.command_line import runs
 
 KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
 
 
-@pytest.fixture
-def export(monkeypatch, capsys, tmp_path):
-    return runner(monkeypatch, capsys, tmp_path, "export")
+export = runs("export")
 
 
 def test_each_setting_has_a_table(export, tmp_path):

@@ -12,7 +12,7 @@ import forcefeel as ff
 from forcefeel.flight_schedule import check, read_knots
 from forcefeel.flight_schedule.page.folder import GAINS, PAGE, RESULTS
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
-from tests.command_line import runner
+from tests.command_line import runs
 
 KNOTS = """dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
 50,2880,1.0,0.6
@@ -24,12 +24,15 @@ SOFT = KNOTS.replace("2880", "60")
 CASES = 32
 
 
+command = runs("schedule")
+
+
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel schedule ...``; gives exit status, output and error output."""
+def run(command, tmp_path):
+    """Runs ``forcefeel schedule ...`` beside two files of knots."""
     (tmp_path / "knots.csv").write_text(KNOTS)
     (tmp_path / "soft.csv").write_text(SOFT)
-    return runner(monkeypatch, capsys, tmp_path, "schedule")
+    return command
 
 
 GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")

@@ -18,7 +18,7 @@ from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
-from tests.command_line import runner
+from tests.command_line import runs
 
 ANALOG, DIGITAL = ff.elevator(), ff.digital_elevator()
 SLOWER = DIGITAL.replace({"controller.period": "1 ms"})
@@ -191,9 +191,7 @@ def test_invalid_law_raises_input_error():
 AXES = [part for axis, values in GRID.items() for part in ("--grid", f"{axis}={values}")]
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
-    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
+run = runs()
 
 
 def test_saved_law_replaces_a_law_name(run, tmp_path):

@@ -5,12 +5,9 @@ import json
 import pytest
 
 import forcefeel as ff
-from tests.command_line import runner
+from tests.command_line import runs
 
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    return runner(monkeypatch, capsys, tmp_path, "run")
+run = runs("run")
 
 
 def test_run_prints_summary_and_writes_record(run, tmp_path):

@@ -1,7 +1,6 @@
 """A loader's name is text: with a dot, with what looks like mark-up, in any script; what steers a terminal is refused."""
 
 import ast
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,10 +9,10 @@ from rich.table import Table
 
 import forcefeel as ff
 from forcefeel import cli
-from forcefeel.cli import main
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.printable import visible
+from tests.command_line import runs
 
 NAMES = ["elevator v1.2", "rig [/2]", "[bold]rig[/] :smile:", "Höhenruder 昇降 😀", "a$b[0].c", "%s {0}"]
 KNOTS = "flaps (deg),stiffness (lb in/rad),frequency (Hz),damping ratio\n0,9600,2,0.2\n1,9000,2,0.2\n"
@@ -28,20 +27,18 @@ COMMANDS = {
 """Each in a short form; what they share with ``design``, ``envelope`` and the others are the models, the pages and the terminal."""
 
 
+command_line = runs(columns=200)
+
+
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(command_line, tmp_path):
     """Status, output and error output of a command on a loader of some name."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")
-    Path("knots.csv").write_text(KNOTS, encoding="utf-8")
+    (tmp_path / "knots.csv").write_text(KNOTS, encoding="utf-8")
 
     def call(name, command, *words):
-        Path("my.toml").write_text(replace(ff.digital_elevator(), name=name).to_toml(), encoding="utf-8")
-        monkeypatch.setattr(sys, "argv", ["forcefeel", command, "my.toml", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, printed.err
+        loader = replace(ff.digital_elevator(), name=name)
+        (tmp_path / "my.toml").write_text(loader.to_toml(), encoding="utf-8")
+        return command_line(command, "my.toml", *words)
 
     return call
 
@@ -84,11 +81,10 @@ def test_multiline_source_is_accepted():
     assert replace(ff.elevator(), source="one\n\ttwo").source == "one\n\ttwo"
 
 
-def test_messages_contain_no_terminal_control_characters(run, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["forcefeel", "analyze", "a\x1b[31m\udcff.toml"])
-    with pytest.raises(SystemExit):
-        main()
-    assert capsys.readouterr().err.startswith(r"forcefeel: a\x1b[31m\udcff.toml: cannot be read")
+def test_messages_contain_no_terminal_control_characters(command_line):
+    assert command_line("analyze", "a\x1b[31m\udcff.toml")[2].startswith(
+        r"forcefeel: a\x1b[31m\udcff.toml: cannot be read"
+    )
     assert visible("one\ntwo\t\x9b") == "one\ntwo\t\\x9b"
 
 

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +12,7 @@ import scipy.io
 from pyarrow import parquet
 
 import forcefeel as ff
-from forcefeel.cli import main
-from tests.command_line import on_the_report_loader, runner
+from tests.command_line import runner, runs
 
 WRITTEN = {"plotly.min.js", "qualification.html", "results.json"}
 ANGLE_DEG = 5.0
@@ -26,20 +24,7 @@ PUBLISHED_P0_S = 0.16866
 """Of the elevator under the published gains; ``test_qualify`` has it from the loop's matrices."""
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel qualify ...`` in an empty folder, of the report's loader by default."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "qualify", *on_the_report_loader(words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, printed.err
-
-    return call
+run = runs("qualify", report=True, lines=True)
 
 
 def _free(slower=1.0, angle=ANGLE_DEG, rate=1000.0, seconds=4.0):

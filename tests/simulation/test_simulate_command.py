@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.units import factor
-from tests.command_line import on_the_report_loader
+from tests.command_line import runs
 
 UNSTABLE = ("feel.inertia=0.6 lb in s^2/rad", "feel.damping=3.04 lb in s/rad", "feel.stiffness=96 lb in/rad")
 ROUNDING = 1e-12  # relative; a conversion, and all digits written
@@ -21,20 +20,7 @@ NINE_DIGITS = 1e-8  # relative rounding of nine significant digits
 WRITTEN = {"simulation.html", "plotly.min.js", "history.csv", "results.json"}
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel simulate ...`` in an empty folder, of the report's loader by default."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "simulate", *on_the_report_loader(words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, printed.err
-
-    return call
+run = runs("simulate", columns=100, report=True, lines=True)
 
 
 def _set(*values: str) -> list[str]:

@@ -13,17 +13,14 @@ from forcefeel.sizing.demand import Duration
 from forcefeel.sizing.findings import enough
 from forcefeel.sizing.motor import HEAT
 from forcefeel.units import TORQUE
-from tests.command_line import runner
+from tests.command_line import runs
 
 POUND_N = 4.4482216152605
 ROUNDING = 1e-9  # relative
 SHOWN = 5e-3  # relative; three digits
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel size ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "size")
+run = runs("size")
 
 
 def test_built_in_loaders_are_large_enough():

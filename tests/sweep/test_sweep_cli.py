@@ -12,9 +12,8 @@ import pytest
 import xarray as xr
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.errors import InputError
-from tests.command_line import on_the_report_loader
+from tests.command_line import runs
 from tests.sweeps import PUSH_WORDS, nonlinear
 
 PATIENCE_S = 60
@@ -30,21 +29,14 @@ PROGRAM = (
 )  # slower than who watches it
 
 
+command = runs("sweep", columns=100, report=True)
+
+
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel sweep ...`` beside a loader file; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
+def run(command, tmp_path):
+    """Runs ``forcefeel sweep ...`` beside a loader file."""
     (tmp_path / "my.toml").write_text(nonlinear().to_toml(), encoding="utf-8")
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "sweep", *on_the_report_loader(words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
-
-    return call
+    return command
 
 
 def small(*words: str) -> tuple[str, ...]:

@@ -11,17 +11,14 @@ from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.record_file import read_bench_record
 from forcefeel.simulation.inputs import read_recorded
 from forcefeel.units import UnitSystem
-from tests.command_line import runner
+from tests.command_line import runs
 
 PLAN = ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0)
 SHORT = ("--time", "13", "--rate", "500", "--to", "40")
 DIGITS = 1e-8  # of nine digits that a file holds
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Runs ``forcefeel excite ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "excite")
+run = runs("excite")
 
 
 def rows(path):

@@ -1,4 +1,4 @@
-"""The page of methods that were tried in a browser, at the width of a desk and of a phone."""
+"""The page of a choice among laws in a browser, at the width of a desk and of a phone."""
 
 from pathlib import Path
 
