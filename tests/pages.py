@@ -101,101 +101,95 @@ def words_cut(page, words: str, rounding: float) -> list[str]:
     )
 
 
-# What is asked of every page in a browser; a module of tests imports these beside its fixture ``page``.
+class EveryPage:
+    """What is required of every page in a browser: a module of tests names it ``TestPage``, beside its fixture ``page``."""
 
+    def test_browser_console_has_no_messages(self, page):
+        assert page.complaints == []
 
-def test_browser_console_has_no_messages(page):
-    assert page.complaints == []
+    def test_page_requests_only_itself_and_its_script(self, page):
+        asked = {url for url in page.requested if not url.startswith(("data:", "blob:"))}
+        assert asked == {page.url, page.url.rpartition("/")[0] + f"/{SCRIPT}"}
 
+    def test_no_content_is_clipped(self, page):
+        folded = page.evaluate("document.documentElement.scrollWidth")
+        page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+        unfolded = page.evaluate("document.documentElement.scrollWidth")
+        page.evaluate("document.querySelectorAll('details').forEach(one => one.open = false)")
+        assert max(folded, unfolded) <= page.evaluate("innerWidth")
 
-def test_page_requests_only_itself_and_its_script(page):
-    asked = {url for url in page.requested if not url.startswith(("data:", "blob:"))}
-    assert asked == {page.url, page.url.rpartition("/")[0] + f"/{SCRIPT}"}
+    def test_tables_and_drawings_stay_in_their_boxes(self, page):
+        wide = page.evaluate(
+            """() => [...document.querySelectorAll('main *')].filter(one =>
+                !one.closest('.box') && !one.closest('.drawing') && !one.closest('.plotly-graph-div') &&
+                one.getBoundingClientRect().right > innerWidth + 1).map(one => one.outerHTML.slice(0, 80))"""
+        )
+        assert wide == []
 
+    def test_tick_labels_do_not_overlap(self, page):
+        clashes = page.evaluate(
+            """() => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot =>
+                ['x', 'x2', 'x3', 'y', 'y2', 'y3'].flatMap(axis => {
+                    const labels = [...plot.querySelectorAll(`.${axis}tick text`)].map(text =>
+                        ({text: text.textContent, box: text.getBoundingClientRect()})).filter(one => one.box.width > 0);
+                    return labels.slice(1).filter((one, k) => {
+                        const before = labels[k].box;
+                        return one.box.left < before.right && before.left < one.box.right
+                            && one.box.top < before.bottom && before.top < one.box.bottom;
+                    }).map(one => plot.id + ': ' + one.text);
+                }))"""
+        )
+        assert clashes == []
 
-def test_no_content_is_clipped(page):
-    folded = page.evaluate("document.documentElement.scrollWidth")
-    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
-    unfolded = page.evaluate("document.documentElement.scrollWidth")
-    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = false)")
-    assert max(folded, unfolded) <= page.evaluate("innerWidth")
+    def test_page_is_small_and_every_plot_has_text(self, page):
+        assert Path(unquote(urlparse(page.url).path)).stat().st_size < LARGEST_PAGE
+        says = page.evaluate(
+            "() => [...document.querySelectorAll('.plotly-graph-div')].map(one => [one.role, one.ariaLabel])"
+        )
+        assert [one for one in says if one[0] != "group" or not re.match(r"Plot( over|\.).*\d", one[1])] == []
 
-
-def test_tables_and_drawings_stay_in_their_boxes(page):
-    wide = page.evaluate(
-        """() => [...document.querySelectorAll('main *')].filter(one =>
-            !one.closest('.box') && !one.closest('.drawing') && !one.closest('.plotly-graph-div') &&
-            one.getBoundingClientRect().right > innerWidth + 1).map(one => one.outerHTML.slice(0, 80))"""
-    )
-    assert wide == []
-
-
-def test_tick_labels_do_not_overlap(page):
-    clashes = page.evaluate(
-        """() => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot =>
-            ['x', 'x2', 'x3', 'y', 'y2', 'y3'].flatMap(axis => {
-                const labels = [...plot.querySelectorAll(`.${axis}tick text`)].map(text =>
-                    ({text: text.textContent, box: text.getBoundingClientRect()})).filter(one => one.box.width > 0);
-                return labels.slice(1).filter((one, k) => {
-                    const before = labels[k].box;
-                    return one.box.left < before.right && before.left < one.box.right
-                        && one.box.top < before.bottom && before.top < one.box.bottom;
-                }).map(one => plot.id + ': ' + one.text);
-            }))"""
-    )
-    assert clashes == []
-
-
-def test_page_is_small_and_every_plot_has_text(page):
-    assert Path(unquote(urlparse(page.url).path)).stat().st_size < LARGEST_PAGE
-    says = page.evaluate(
-        "() => [...document.querySelectorAll('.plotly-graph-div')].map(one => [one.role, one.ariaLabel])"
-    )
-    assert [one for one in says if one[0] != "group" or not re.match(r"Plot( over|\.).*\d", one[1])] == []
-
-
-def test_table_headers_have_scope_and_whole_words(page):
-    wrong = page.evaluate(
-        """() => [...document.querySelectorAll('th')].flatMap(head => {
-            const wanted = head.closest('thead') ? 'col' : 'row';
-            if (head.scope !== wanted || !head.textContent.trim()) return ['scope of ' + head.textContent];
-            const walk = document.createTreeWalker(head, NodeFilter.SHOW_TEXT), broken = [];
-            while (wanted === 'col' && walk.nextNode()) {
-                for (const word of walk.currentNode.data.matchAll(/[A-Za-z]{2,}/g)) {
-                    const range = document.createRange();
-                    range.setStart(walk.currentNode, word.index);
-                    range.setEnd(walk.currentNode, word.index + word[0].length);
-                    if (new Set([...range.getClientRects()].map(one => one.top)).size > 1) broken.push(word[0]);
+    def test_table_headers_have_scope_and_whole_words(self, page):
+        wrong = page.evaluate(
+            """() => [...document.querySelectorAll('th')].flatMap(head => {
+                const wanted = head.closest('thead') ? 'col' : 'row';
+                if (head.scope !== wanted || !head.textContent.trim()) return ['scope of ' + head.textContent];
+                const walk = document.createTreeWalker(head, NodeFilter.SHOW_TEXT), broken = [];
+                while (wanted === 'col' && walk.nextNode()) {
+                    for (const word of walk.currentNode.data.matchAll(/[A-Za-z]{2,}/g)) {
+                        const range = document.createRange();
+                        range.setStart(walk.currentNode, word.index);
+                        range.setEnd(walk.currentNode, word.index + word[0].length);
+                        if (new Set([...range.getClientRects()].map(one => one.top)).size > 1) broken.push(word[0]);
+                    }
                 }
-            }
-            return broken;
-        })"""
-    )
-    assert wrong == []
+                return broken;
+            })"""
+        )
+        assert wrong == []
 
+    def test_tool_bar_does_not_cover_legend(self, page):
+        covered = page.evaluate(
+            """() => [...document.querySelectorAll('.plotly-graph-div')].filter(plot => {
+                const legend = plot.querySelector('.legend .bg'), bar = plot.querySelector('.modebar');
+                if (!legend || !bar) return false;
+                const a = legend.getBoundingClientRect(), b = bar.getBoundingClientRect();
+                return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+            }).map(plot => plot.id)"""
+        )
+        assert covered == []
+        offered = {
+            one.lower() for one in page.locator(".modebar-btn").evaluate_all("all => all.map(one => one.ariaLabel)")
+        }
+        assert offered <= {
+            "autoscale",
+            "reset axes",
+            "zoom",
+            "pan",
+            "download plot as a png",
+        }  # and none that sends it away
 
-def test_tool_bar_does_not_cover_legend(page):
-    covered = page.evaluate(
-        """() => [...document.querySelectorAll('.plotly-graph-div')].filter(plot => {
-            const legend = plot.querySelector('.legend .bg'), bar = plot.querySelector('.modebar');
-            if (!legend || !bar) return false;
-            const a = legend.getBoundingClientRect(), b = bar.getBoundingClientRect();
-            return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-        }).map(plot => plot.id)"""
-    )
-    assert covered == []
-    offered = {one.lower() for one in page.locator(".modebar-btn").evaluate_all("all => all.map(one => one.ariaLabel)")}
-    assert offered <= {
-        "autoscale",
-        "reset axes",
-        "zoom",
-        "pan",
-        "download plot as a png",
-    }  # and none that sends it away
-
-
-def test_navigation_stays_in_view(page):
-    page.evaluate("scrollTo({top: document.documentElement.scrollHeight, behavior: 'instant'})")
-    top = page.evaluate("document.querySelector('nav').getBoundingClientRect().top")
-    page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
-    assert abs(top) <= ROUNDING_PX
+    def test_navigation_stays_in_view(self, page):
+        page.evaluate("scrollTo({top: document.documentElement.scrollHeight, behavior: 'instant'})")
+        top = page.evaluate("document.querySelector('nav').getBoundingClientRect().top")
+        page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
+        assert abs(top) <= ROUNDING_PX

@@ -3,16 +3,7 @@
 import pytest
 
 import forcefeel as ff
-from tests.pages import (  # noqa: F401  what is asked of every page
-    test_browser_console_has_no_messages,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-)
+from tests.pages import EveryPage, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -26,3 +17,4 @@ def pages(tmp_path_factory):
 
 
 page = views_of(UNITS)
+TestPage = EveryPage

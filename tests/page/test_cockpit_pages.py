@@ -9,19 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope import find_cockpit, make_plan
 from forcefeel.qualification import QualificationSetup, qualify_cockpit
-from tests.pages import (  # noqa: F401  what is asked of every page
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-    words,
-)
+from tests.pages import EveryPage, views_of, words
 
 GUIDE, ENVELOPES = "guide", "envelopes"
 GRID = {"stiffness": "30, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
@@ -60,6 +48,7 @@ def pages(guide, envelopes, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 
 
 page = views_of((GUIDE, ENVELOPES))
+TestPage = EveryPage
 
 
 def test_each_axis_has_same_rows_and_law_as_alone(project, guide):

@@ -17,21 +17,7 @@ from forcefeel.qualification import Record
 from forcefeel.qualification.page import folder as qualification_folder
 from forcefeel.qualification.page.release_plot import release
 from forcefeel.units import UnitSystem
-from tests.pages import (  # noqa: F401  what is asked of every page
-    ROUNDING_PX,
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-    words,
-    words_cut,
-)
+from tests.pages import ROUNDING_PX, EveryPage, views_of, words, words_cut
 from tests.qualification_records import released, second_order
 
 FRICTION = {
@@ -305,6 +291,7 @@ def _falls_to(share, damping, hertz):
 
 
 page = views_of(MADE)
+TestPage = EveryPage
 
 
 @pytest.mark.browser

@@ -18,21 +18,7 @@ from forcefeel.simulation.limits_met import known_measures
 from forcefeel.simulation.page.plots import MOST_POINTS
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
-from tests.pages import (  # noqa: F401  what is asked of every page
-    ROUNDING_PX,
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-    words,
-    words_cut,
-)
+from tests.pages import ROUNDING_PX, EveryPage, views_of, words, words_cut
 
 LB = factor("lb", "N")
 ROUNDING = 1e-9  # of the largest value; products of a few hundred matrices
@@ -295,6 +281,7 @@ def test_a_long_curve_keeps_its_peaks():
 
 
 page = views_of(RUNS)
+TestPage = EveryPage
 
 
 @pytest.mark.browser

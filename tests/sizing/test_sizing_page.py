@@ -5,18 +5,7 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from tests.pages import (  # noqa: F401  what is asked of every page
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-)
+from tests.pages import EveryPage, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -41,6 +30,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 COCKPIT = "cockpit"
 page = views_of((*LOADERS, COCKPIT))
+TestPage = EveryPage
 
 
 def test_plot_shows_drive_curves_and_all_demands(page):

@@ -18,20 +18,7 @@ from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
 from forcefeel.sweep.page.plots import histogram
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
-from tests.pages import (  # noqa: F401  what is asked of every page
-    ROUNDING_PX,
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-    words_cut,
-)
+from tests.pages import ROUNDING_PX, EveryPage, views_of, words_cut
 from tests.sweeps import PUSH, nonlinear, small
 
 MOST_DIGITS = 7
@@ -182,6 +169,7 @@ def test_folder_in_place_of_file_is_refused(tmp_path, name):
 
 
 page = views_of(SWEEPS)
+TestPage = EveryPage
 
 
 @pytest.mark.browser

@@ -10,20 +10,7 @@ from forcefeel.bench.identification.page.folder import write_identification
 from forcefeel.bench.identification.result import Identification
 from forcefeel.units import UnitSystem
 from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
-from tests.pages import (  # noqa: F401  what is asked of every page
-    ROUNDING_PX,
-    test_browser_console_has_no_messages,
-    test_navigation_stays_in_view,
-    test_no_content_is_clipped,
-    test_page_is_small_and_every_plot_has_text,
-    test_page_requests_only_itself_and_its_script,
-    test_table_headers_have_scope_and_whole_words,
-    test_tables_and_drawings_stay_in_their_boxes,
-    test_tick_labels_do_not_overlap,
-    test_tool_bar_does_not_cover_legend,
-    views_of,
-    words_cut,
-)
+from tests.pages import ROUNDING_PX, EveryPage, views_of, words_cut
 
 pytestmark = pytest.mark.browser
 
@@ -56,6 +43,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 page = views_of(CASES)
+TestPage = EveryPage
 
 
 def test_plot_labels_are_not_clipped(page):
