@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
+from tests.pages import new_window
+
 # Derandomized: a failure is one of the code, not of the day.
 settings.register_profile("fast", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.register_profile("slow", max_examples=2000, deadline=None, database=None, print_blob=True)
@@ -23,6 +25,13 @@ def browser() -> Iterator:
         opened = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="module")
+def window(browser) -> Iterator:
+    """A window in which the pages of a module are shown."""
+    with new_window(browser) as opened:
+        yield opened
 
 
 def _chromium() -> str:

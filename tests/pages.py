@@ -47,7 +47,10 @@ def words(page: Path) -> Words:
 
 
 def views_of(names: Iterable[str]):
-    """The fixture ``page``: each of the module's ``pages`` at each width; ``called`` is its name."""
+    """The fixture ``page``: each of the module's ``pages`` at each width; ``called`` is its name.
+
+    All are loaded in one window: a new one would compile the script of the plots once more.
+    """
     views = [
         pytest.param((name, width), marks=pytest.mark.browser, id=f"{name}-{width}")
         for name in names
@@ -55,30 +58,39 @@ def views_of(names: Iterable[str]):
     ]
 
     @pytest.fixture(scope="module", params=views)
-    def page(request, browser, pages) -> Iterator:
+    def page(request, window, pages):
         name, width = request.param
-        with opened(browser, pages[name], width) as window:
-            window.called = name
-            yield window
+        show(window, pages[name], width)
+        window.called = name
+        return window
 
     return page
 
 
 @contextmanager
-def opened(browser, page: Path, width: int) -> Iterator:
-    """The page in a window so wide, its plots drawn; ``complaints`` and ``requested`` tell what it said and asked for."""
-    window = browser.new_page(viewport={"width": width, "height": 900})
+def new_window(browser) -> Iterator:
+    """A window whose ``complaints`` and ``requested`` tell what its page logs and requests."""
+    window = browser.new_page()
     window.complaints, window.requested = [], []
     window.on(
         "console",
         lambda message: window.complaints.append(message.text) if message.type in {"error", "warning"} else None,
     )
     window.on("pageerror", lambda error: window.complaints.append(str(error)))
-    window.on("request", lambda asked: window.requested.append(asked.url))
-    window.goto(page.as_uri())
-    window.wait_for_function(DRAWN, timeout=20_000)
+    window.on("request", lambda request: window.requested.append(request.url))
     yield window
     window.close()
+
+
+def show(window, page: Path, width: int) -> None:
+    """Loads a page in a window of a width and waits for its plots."""
+    window.goto("about:blank")
+    window.set_viewport_size({"width": width, "height": 900})
+    window.mouse.move(0, 0)
+    window.complaints.clear()
+    window.requested.clear()
+    window.goto(page.as_uri())
+    window.wait_for_function(DRAWN, timeout=20_000)
 
 
 def words_cut(page, words: str, rounding: float) -> list[str]:

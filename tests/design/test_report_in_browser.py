@@ -13,7 +13,7 @@ from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, opened, views_of
+from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, new_window, show, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -172,7 +172,8 @@ def _luminance(color: str) -> float:
 
 
 def test_text_and_plots_are_legible_in_light_and_dark_mode(browser, pages):
-    with opened(browser, pages["us"], WIDTHS[0]) as window:
+    with new_window(browser) as window:
+        show(window, pages["us"], WIDTHS[0])
         for scheme in ("dark", "light"):  # as the reader's system changes
             window.emulate_media(color_scheme=scheme)
             window.evaluate("() => new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
