@@ -76,7 +76,8 @@ def test_invalid_packets_are_dropped():
             for bad in (b"", b"x" * 64, good[:-1], good[:-1] + b"\0", good[:4] + b"\2" + good[5:], good + b"\0"):
                 machine.sendto(bad, loop)
             running.wait(int(loop_s / running.period_s))
-            assert running.state.silent == running.state.cycle
+            state = running.state
+            assert state.silent == state.cycle
             machine.sendto(good, loop)
             machine.sendto(good, loop)
             running.wait(100)

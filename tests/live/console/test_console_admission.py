@@ -156,8 +156,9 @@ def flooded(talk, message):
 
 
 def test_invalid_messages_and_floods_end_the_connection(console, running):
+    """A client that writes and does not read waits for the end of its own connection: here a second, by default five."""
     for message in ('{"do": "rubbish"}', '{"do": "hand"}'):
-        with Talk(console) as bad, pytest.raises(ConnectionClosedError) as closed:
+        with Talk(console, close_timeout=1) as bad, pytest.raises(ConnectionClosedError) as closed:
             flooded(bad, message)
         assert closed.value.rcvd is None or closed.value.rcvd.code == 1008
     with Talk(console) as good:
