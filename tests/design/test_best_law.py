@@ -3,18 +3,20 @@
 import json
 import re
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
 import forcefeel as ff
 from forcefeel.design.law_comparison import EnvelopeSummary, LawComparison, LawResult, QualificationSummary
-from tests.command_line import runner
+from tests.command_line import runs
 from tests.pages import words
 
 GOOD = QualificationSummary(True, "qualifies", "7 of 7 tests passed", ())
 BAD = QualificationSummary(False, "does not qualify", "1 of 7 tests passed, 6 failed", ("Static: too stiff.",))
 REPORT = LawResult("published", "the report's", BAD, EnvelopeSummary(0.5, 0.1, 0.05))
 BEST = LawResult("robust", "another", GOOD, EnvelopeSummary(1.0, 0.9, 0.5))
+GRID = {"stiffness": "30, 60 %", "frequency": "1.5, 2 Hz", "damping": "0.4, 0.8"}
 TRIED = LawComparison(
     REPORT, BEST, ("Robust is best.", "No other is."), "The Rule", 18, "", ("my loader.toml", "--set", "a.b=3 lb")
 )
@@ -69,8 +71,11 @@ def test_analog_loader_finding_states_how_to_try_laws(designed):
     assert not any("The loader is analog" in finding for finding in _told(designed, None).findings)
 
 
-def test_design_command_finds_the_qualifying_law(tmp_path, monkeypatch, capsys):
-    run = runner(monkeypatch, capsys, tmp_path, "design")
+run = runs("design")
+
+
+def test_design_command_finds_the_qualifying_law(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(ff.choice, "best_law", partial(ff.choice.best_law, grid=GRID))
     status, out, _ = run("elevator-2khz", "--out", "report", "--json")
     assert status == 0
     laws = json.loads(out)["laws"]

@@ -125,9 +125,9 @@ def several(tmp_path_factory):
     return written(valve(), tmp_path_factory.mktemp("several"), single=True)
 
 
-@pytest.mark.parametrize("axes", [("roll",), ("pitch",), ("pitch", "roll")], ids="+".join)
+@pytest.mark.parametrize("axes", [("roll",), ("pitch", "roll")], ids="+".join)
 def test_misra_rules_hold_except_for_documented_deviations(single, several, axes):
-    """One setting, several, and two axes that are linked to one program: their names must not meet."""
+    """One setting, and with it several that are linked to one program: their names must not meet."""
     needs("cppcheck")
     # As gcc for the board sees it: each configuration is checked anew, and takes as long.
     asked = ("--addon=misra", "--std=c99", "--enable=style,warning,performance,portability", "-D__GNUC__=12", "--quiet")
