@@ -13,7 +13,7 @@ from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, new_window, show, views_of
+from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -171,17 +171,16 @@ def _luminance(color: str) -> float:
     return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
 
 
-def test_text_and_plots_are_legible_in_light_and_dark_mode(browser, pages):
-    with new_window(browser) as window:
-        show(window, pages["us"], WIDTHS[0])
-        for scheme in ("dark", "light"):  # as the reader's system changes
-            window.emulate_media(color_scheme=scheme)
-            window.evaluate("() => new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
-            ground, ink, panel, ticks = map(_luminance, window.evaluate(_COLORS))
-            for back, front in ((ground, ink), (panel, ticks)):
-                dark, light = sorted((back, front))
-                assert (light + 0.05) / (dark + 0.05) >= CONTRAST
-                assert (back < front) == (scheme == "dark")
+@pytest.mark.parametrize("page", [("us", WIDTHS[0])], indirect=True, scope="module")
+def test_text_and_plots_are_legible_in_light_and_dark_mode(page):
+    for scheme in ("dark", "light"):  # as the reader's system changes
+        page.emulate_media(color_scheme=scheme)
+        page.evaluate("() => new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        ground, ink, panel, ticks = map(_luminance, page.evaluate(_COLORS))
+        for back, front in ((ground, ink), (panel, ticks)):
+            dark, light = sorted((back, front))
+            assert (light + 0.05) / (dark + 0.05) >= CONTRAST
+            assert (back < front) == (scheme == "dark")
 
 
 def test_page_without_its_files_names_the_missing_file(browser, pages, tmp_path):
