@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.forbidden import NOISE, forbidden
 from forcefeel.envelope.plan import Plan
-from forcefeel.frontier.second_order_bound import Referee, referees
+from forcefeel.frontier.second_order_bound import SettingGroup, setting_groups
 from forcefeel.linear.release_motion import release_motion
 from forcefeel.sizing.demand import PERIODS
 from forcefeel.threads import threads_or_cores
@@ -57,22 +57,22 @@ class DriveLimits:
         return float((self.unload_s * self.frequency / (2 * np.pi)).max())
 
 
-Peak = Callable[[Referee], NDArray[np.float64]]
+Peak = Callable[[SettingGroup], NDArray[np.float64]]
 """Peak demand of each setting's release on a drive, as a share of its capability."""
 
 
 def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Peak demand of each setting's ideal as a share of the capability, and the settings that the drive forbids."""
     demand = np.zeros(plan.settings.count)
-    for referee in referees(plan, threads_or_cores(threads)):
-        demand[referee.which] = peak(referee)
+    for group in setting_groups(plan, threads_or_cores(threads)):
+        demand[group.which] = peak(group)
     limits = forbidden(plan, threads=threads)
     return demand, limits.settings & ~limits.of(NOISE)
 
 
-def motion(referee: Referee) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
+def motion(group: SettingGroup) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
     """Velocity, acceleration and jerk of the settings' releases at each sample of the first 1.5 periods."""
-    plan, record = referee.plan, referee.record
-    periods = PERIODS * 2 * np.pi / float(plan.settings.rows[referee.which, 1].min())
+    plan, record = group.plan, group.record
+    periods = PERIODS * 2 * np.pi / float(plan.settings.rows[group.which, 1].min())
     samples = min(record.samples, int(np.ceil(periods / record.step_s)))
-    return release_motion(plan.loader, referee.feel, plan.release_rad, record.step_s, samples)
+    return release_motion(plan.loader, group.feel, plan.release_rad, record.step_s, samples)

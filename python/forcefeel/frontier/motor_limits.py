@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
-from forcefeel.frontier.second_order_bound import Referee
+from forcefeel.frontier.second_order_bound import SettingGroup
 from forcefeel.linear.electric import ElectricPlant
 from forcefeel.linear.release_motion import holding_force
 from forcefeel.loader.loader import Loader
@@ -73,11 +73,11 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
     )
 
 
-def _peak(referee: Referee) -> NDArray[np.float64]:
+def _peak(group: SettingGroup) -> NDArray[np.float64]:
     """Peak demand of each release as a share of the largest current or voltage."""
-    motor, peak = Motor(referee.plan.loader), np.zeros(len(referee.feel))
+    motor, peak = Motor(group.plan.loader), np.zeros(len(group.feel))
     arm, values = motor.loader["column.grip_arm"], motor.loader.si_values
-    for velocity, acceleration, _ in motion(referee):
+    for velocity, acceleration, _ in motion(group):
         force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
         peak = np.maximum(peak, _share(motor, force, arm * velocity))
     return peak

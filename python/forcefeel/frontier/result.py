@@ -16,7 +16,7 @@ from forcefeel.frontier.friction_bound import FrictionBound
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.tightening import INERTIA, Tightening
-from forcefeel.frontier.tolerance_levels import Rungs
+from forcefeel.frontier.tolerance_levels import ToleranceLevels
 from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.printable import table_html
 from forcefeel.units import PERCENT
@@ -37,7 +37,7 @@ class Frontier:
     """A computed frontier.
 
     Attributes:
-        rungs: The law at all tolerance levels.
+        levels: The law at all tolerance levels.
         bound: Bound on any linear law over the error of the inertia.
         tightening: Shares over the tolerances.
         drive: Limits of valve or motor.
@@ -53,7 +53,7 @@ class Frontier:
         ('published',)
     """
 
-    rungs: Rungs
+    levels: ToleranceLevels
     bound: Bound
     tightening: Tightening
     drive: ValveLimits | MotorLimits
@@ -72,22 +72,22 @@ class Frontier:
     @property
     def envelope(self) -> Envelope:
         """The envelope at the full tolerances."""
-        return self.rungs.full
+        return self.levels.full
 
     @property
     def plan(self) -> Plan:
         """Plan of the envelope."""
-        return self.rungs.full.plan
+        return self.levels.full.plan
 
     @property
     def law(self) -> str:
         """Name of the law."""
-        return self.rungs.law
+        return self.levels.law
 
     @property
     def inertia_tolerance(self) -> Annotated[float, PERCENT]:
         """Relative tolerance of the column's inertia."""
-        return self.rungs.tolerances[INERTIA]
+        return self.levels.tolerances[INERTIA]
 
     @cached_property
     def possible(self) -> NDArray[np.bool_]:

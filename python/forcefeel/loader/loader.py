@@ -255,7 +255,7 @@ class Loader(Mapping[str, float]):
         except KeyError:
             raise UnknownKeyError(f"unknown parameter {show(key)}; {did_you_mean(key, table(self.drive))}") from None
 
-    def _own(self, key: str, of: str = "") -> int:
+    def _row_of_drive(self, key: str, of: str = "") -> int:
         """Position of a row that a loader of this drive has."""
         position = self._position(key)
         if not has(self.drive, TABLE[key]):
@@ -303,10 +303,10 @@ class Loader(Mapping[str, float]):
         values = self.si_values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = self._own(key)
+            position = self._row_of_drive(key)
             values[position] = _value(key, given, si=si)
             if key in tolerances:
-                tolerance = _about(key, tolerances.pop(key), float(values[position]))
+                tolerance = _tolerance_about(key, tolerances.pop(key), float(values[position]))
                 tolerances |= {} if tolerance is None else {key: tolerance}
         return replace(self, si_values=values, tolerances=tolerances)
 
@@ -325,7 +325,7 @@ class Loader(Mapping[str, float]):
         expect("changes", changes, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "10 %"}')
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = self._own(key, "tolerances.")
+            position = self._row_of_drive(key, "tolerances.")
             tolerances.pop(key, None)
             if isinstance(given, Tolerance):
                 tolerances[key] = given
@@ -478,7 +478,7 @@ def _switch(key: str, given: object) -> float:
     return float(given)
 
 
-def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
+def _tolerance_about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
     """The tolerance of a value that changes; ``None`` where it was in shares and there is nothing left to share."""
     if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
         return None

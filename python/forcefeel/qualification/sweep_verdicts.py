@@ -118,7 +118,7 @@ def judge_dynamic_sweep(
         at = reference.position - reference.neutral
         increments, known = [], []
         for sweep, still in ((measured, slow), (reference, reference_slow)):
-            increments.append(_at(sweep, direction, at) - _at(still, direction, at))
+            increments.append(_curve_at(sweep, direction, at) - _curve_at(still, direction, at))
             known.append(combined(sweep.force_uncertainty_n, still.force_uncertainty_n))
         limit = rule.limit(increments[1], system=system)
         verdicts.append(_worst(row, f"dynamic increment, {direction}", at, increments, known, limit, "N"))
@@ -178,14 +178,14 @@ def _curves(
         return
     at = reference.position - reference.neutral
     for direction in ("up", "down"):
-        both = [_at(sweep, direction, at, surface=surface) for sweep in (measured, reference)]
+        both = [_curve_at(sweep, direction, at, surface=surface) for sweep in (measured, reference)]
         known = [0.0, 0.0] if surface else [measured.force_uncertainty_n, reference.force_uncertainty_n]
         limit = rule.limit(both[1], system=system)
         name = f"{rule.surface if surface else rule.quantity}, {direction}"
         yield _worst(row, name, at, both, known, limit, "rad" if surface else "N")
 
 
-def _at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
+def _curve_at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
     """A curve of a sweep at distances from neutral; NaN beyond its ends."""
     curves = {
         ("up", False): sweep.force_up_n,

@@ -176,7 +176,7 @@ class Steps:
             raise InputError(
                 f"duration_s: expected at most {MOST_STEPS} steps of {step_s:g} s, got {scenario.duration_s:g} s"
             )
-        every = _every(scenario.sample_s, step_s)
+        every = _steps_per_sample(scenario.sample_s, step_s)
         if every and grid.steps % every:
             raise InputError(
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
@@ -225,7 +225,7 @@ class Steps:
         return cls(step_s, every, inputs, timing, start_force, held, changes)
 
 
-def _every(sample_s: float, step_s: float) -> int:
+def _steps_per_sample(sample_s: float, step_s: float) -> int:
     steps = sample_s / step_s
     if abs(steps - 0.5) <= WHOLE:
         return 0

@@ -111,6 +111,6 @@ class Sizing:
         return self.plan.loader
 
     @property
-    def good(self) -> bool:
+    def ok(self) -> bool:
         """Whether the drive is large enough for the programmed feel."""
         return all(demand.available for demand in self.demands if demand.programmed)

@@ -26,7 +26,7 @@ def too_small_text(loader: Loader, units: UnitSystem, release_rad: float | None 
     if loader.drive != ELECTRIC:
         return ""
     sizing = size_drive(loader, release_rad=release_rad)
-    if sizing.good:
+    if sizing.ok:
         return ""
     conclusions = sizing_conclusions(sizing, units)
     return f"{conclusions.verdict} {conclusions.findings[0]}"

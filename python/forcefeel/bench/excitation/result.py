@@ -143,7 +143,7 @@ class Excitation:
                 f"{percent(EVEN_SHARE)} of the power is spread evenly over all lines to reveal model errors. The spectrum has "
                 f"{percent(self.efficiency)} of the information of {against}; {even}"
             )
-        noise = ", ".join(f"{name} {_shown(name, value, units)}" for name, value in self.noise.items())
+        noise = ", ".join(f"{name} {_channel_text(name, value, units)}" for name, value in self.noise.items())
         return (
             f"{binds}.",
             f"{cost}.",
@@ -153,6 +153,6 @@ class Excitation:
         )
 
 
-def _shown(channel: str, value: float, units: UnitSystem) -> str:
+def _channel_text(channel: str, value: float, units: UnitSystem) -> str:
     unit = channel_unit(channel)
     return f"{to_text(unit.from_si(value, units), 2)} {unit.shown(units)}"
