@@ -189,13 +189,6 @@ class Commission:
         tested: Result of the rule's tests.
         folders: Folder of each finished step, within the whole one.
         resumed: Steps from an earlier run.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from forcefeel.commission.result import Identified
-        >>> plan = ff.commission.CommissionPlan()
-        >>> ff.commission.Commission(plan, ff.elevator(), Identified(False, "nothing was measured")).ok
-        False
     """
 
     plan: CommissionPlan

@@ -55,7 +55,6 @@ class StepWriters:
         tests: The qualification under the law.
 
     Example:
-        >>> import forcefeel as ff
         >>> writers = ff.commission.StepWriters(envelope=lambda envelope, folder: print(folder.name))
         >>> writers.tests is ff.commission.StepWriters().tests
         True
@@ -99,7 +98,6 @@ def commission_loader(  # noqa: PLR0913  what the command takes
         InputError: If the data are missing, not of this loader, or contradict their labels.
 
     Example:
-        >>> import forcefeel as ff
         >>> try:
         ...     ff.commission.commission_loader(ff.digital_elevator(), [], "commissioned")
         ... except ff.InputError as error:

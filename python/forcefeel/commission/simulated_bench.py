@@ -101,7 +101,6 @@ def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | Non
         InputError: If the machine has another drive, or runs away under the signal.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.commission.simulated_bench import BenchTime
         >>> loader = ff.digital_elevator()
         >>> truth = loader.replace({"column.inertia": "41 lb in s^2/rad"})

@@ -44,13 +44,6 @@ class Frontier:
         friction: Smallest friction.
         friction_bound: Bound over the error of the column's dry friction; ``None`` without friction.
         hardware: Gains from hardware changes, the largest first.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> frontier.envelope.laws
-        ('published',)
     """
 
     levels: ToleranceLevels

@@ -60,7 +60,6 @@ def find_frontier(
         InputError: If an argument is invalid, or if ``changes`` lacks the column's inertia.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
         >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
         >>> frontier.law, frontier.inertia_tolerance

@@ -84,7 +84,6 @@ class Loader(Mapping[str, float]):
             together; a line for each of those.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator().replace({"linkage.stiffness": "7000 lb/in"})
         >>> f"{loader['linkage.stiffness']:.0f} N/m"
         '1225888 N/m'
@@ -166,7 +165,6 @@ class Loader(Mapping[str, float]):
             InputError: If the law or the frequencies are none, or there is a law for a motor.
 
         Example:
-            >>> import forcefeel as ff
             >>> gain, phase = ff.elevator().plot_bode()
             >>> gain.get_ylabel()
             'Angle per force, deg/N'
@@ -415,8 +413,6 @@ def load(path: str | Path) -> Loader:
         InputError: With a line for each thing that is wrong: the file, the key, what was expected and what came.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("my.toml").write_text(ff.elevator().to_toml(), encoding="utf-8")
         >>> ff.load("my.toml").name
         'elevator-1974'

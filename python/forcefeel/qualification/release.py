@@ -109,8 +109,6 @@ def measure_release(
             ends before its first zero crossing or before it comes to rest.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.arange(0, 8, 1 / 60)
         >>> let_go = np.maximum(time - 0.5, 0)
         >>> position = 0.2 * np.exp(-2.5 * let_go) * (np.cos(12 * let_go) + 0.2 * np.sin(12 * let_go))

@@ -48,8 +48,6 @@ def judge_sweep(
         InputError: If one position is an angle and the other a length, or the test is of another kind.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.linspace(0.0, 60.0, 3001)
         >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
         >>> same = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))

@@ -44,7 +44,6 @@ class FeelChange:
             law stays.
 
     Example:
-        >>> import forcefeel as ff
         >>> softer = ff.simulation.FeelChange(0.5, {"feel.stiffness": "6000 lb in/rad"})
         >>> ff.simulate(ff.elevator(), ff.Scenario(ff.Step(50.0), feel_changes=(softer,))).method
         'stepped'
@@ -79,7 +78,6 @@ class Scenario:
         InputError: If a time is out of range.
 
     Example:
-        >>> import forcefeel as ff
         >>> scenario = ff.Scenario(ff.Step(100.0), duration_s=1.0)
         >>> ff.simulate(ff.elevator(), scenario).history.sizes["time_s"]
         1001

@@ -19,13 +19,6 @@ class CockpitSizing:
     Attributes:
         name: Name of the project's file.
         axes: Sizing by axis, in the file's order.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\nyaw = "rudder-pedals"\n', encoding="utf-8")
-        >>> [*ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).axes]
-        ['roll', 'yaw']
     """
 
     name: str
@@ -48,8 +41,6 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
         InputError: If the angle is invalid.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
         >>> ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).ok
         True

@@ -49,7 +49,6 @@ def sizing_conclusions(sizing: Sizing, units: UnitSystem) -> Conclusions:
         units: The units of the numbers.
 
     Example:
-        >>> import forcefeel as ff
         >>> sizing = ff.sizing.size_drive(ff.elevator())
         >>> ff.sizing.sizing_conclusions(sizing, ff.UnitSystem.US).ok
         True

@@ -69,13 +69,6 @@ class Excitation:
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
         law_remark: Remark that the law was made for another loader, or empty: ``Law.made_for_another``.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
-        >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
-        >>> len(found.time_s) == len(found.signal)
-        True
     """
 
     loader: Loader = field(repr=False)

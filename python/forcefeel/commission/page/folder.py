@@ -72,7 +72,6 @@ def write_commission(commission: Commission, out: str | Path, *, command: str = 
         InputError: If the folder cannot be written.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.commission.result import Identified
         >>> nothing = Identified(False, "nothing was measured")
         >>> commission = ff.commission.Commission(ff.commission.CommissionPlan(), ff.elevator(), nothing)

@@ -132,12 +132,6 @@ class Qualification:
         files: Input records by kind and test.
         simulator, operator: Tested simulator and tester; blank lines on the page if empty.
         day: Date.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> ff.qualify_loader(ff.elevator(), setup).qualifies
-        False
     """
 
     loader: Loader

@@ -50,7 +50,6 @@ class QualificationSetup:
         simulator, operator: Tested simulator and tester, for the page.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.qualification.QualificationSetup(laws=("original", "published")).rule
         'part60-a-2014'
     """
@@ -95,7 +94,6 @@ def qualify_loader(
         InputError: If a part of the setup or a record is invalid, with the record and the time.
 
     Example:
-        >>> import forcefeel as ff
         >>> setup = ff.qualification.QualificationSetup(laws=("robust",), tests=("release-25-positive",))
         >>> ff.qualify_loader(ff.digital_elevator(), setup).fulfilled
         True
