@@ -25,7 +25,7 @@ from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record
 from forcefeel.frontier.bound import DAMPINGS, inertia_bound
-from forcefeel.frontier.second_order_bound import referees
+from forcefeel.frontier.second_order_bound import setting_groups
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.threads import cores
 
@@ -271,12 +271,12 @@ def any_law():
     plan = make_plan(ff.digital_elevator(), (LAW,))
     off = np.array([0.2 * plan.loader["column.inertia"], 0.0, 0.0])
     linear, possible = inertia_bound(plan, (0.2,)).shares[0], np.zeros(plan.settings.count, dtype=bool)
-    for referee in referees(plan, cores()):
-        shifted = [replace(referee, feel=referee.feel + k * off, _ideal={}) for k in (0.0, 0.5, 1.0, 1.5, 2.0)]
+    for group in setting_groups(plan, cores()):
+        shifted = [replace(group, feel=group.feel + k * off, _ideal={}) for k in (0.0, 0.5, 1.0, 1.5, 2.0)]
         for lean in np.linspace(0, 2, 9):
             for damping in DAMPINGS:
-                motion = referee.feel * [1, damping, 1] + lean * off
-                possible[referee.which] |= np.all([referee_.passes(motion) for referee_ in shifted], axis=0)
+                motion = group.feel * [1, damping, 1] + lean * off
+                possible[group.which] |= np.all([shifted_group.passes(motion) for shifted_group in shifted], axis=0)
     print(
         f"inertia known to 20 %: {linear:.1%} are left to a linear law, {possible.mean():.1%} to any law that must be right"
     )

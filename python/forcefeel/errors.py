@@ -17,7 +17,6 @@ class InputError(ValueError):
     The command line prints the message alone and exits with status 2.
 
     Example:
-        >>> import forcefeel as ff
         >>> try:
         ...     ff.elevator().replace({"linkage.stiffness": "7000 lb"})
         ... except ff.InputError as error:

@@ -80,7 +80,7 @@ def check_output_file(path: Path, *, replace: bool = True) -> None:
     """
     kind = output_kind(path)
     if kind not in {None, Kind.FILE}:
-        raise InputError(f"{path}: {_told(path, kind)}; expected to write a file of that name; {_REMEDY}")
+        raise InputError(f"{path}: {_kind_text(path, kind)}; expected to write a file of that name; {_REMEDY}")
     if kind and not replace:
         raise InputError(f"{path}: is there already; give another name, or --replace to replace it")
 
@@ -97,10 +97,10 @@ def check_output_folder(path: Path, expected: str) -> None:
     """
     kind = output_kind(path)
     if kind not in {None, Kind.FOLDER}:
-        raise InputError(f"{path}: {_told(path, kind)}; expected {expected}; {_REMEDY}")
+        raise InputError(f"{path}: {_kind_text(path, kind)}; expected {expected}; {_REMEDY}")
 
 
-def _told(path: Path, kind: Kind | None) -> str:
+def _kind_text(path: Path, kind: Kind | None) -> str:
     if kind is not Kind.LINK:
         return f"is {kind}"
     return f"is a link to {path.readlink()}, and links are not followed"

@@ -81,7 +81,6 @@ class UnitSystem(StrEnum):
     """The units in which results are shown.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator()
         >>> "lb/in" in loader.to_toml(ff.UnitSystem.US), "lb/in" in loader.to_toml(ff.UnitSystem.SI)
         (True, False)

@@ -33,7 +33,7 @@ def test_column_without_friction_is_identified_as_zero_friction(stated):
     truth = ff.digital_elevator()
     loader = truth.replace({DRY: stated}, si=True).with_tolerances({DRY: {"uniform": ["0.2 lb", "0.4 lb"]}})
     found = identify_loader(loader, simulated_records(truth, truth, BenchTime(3.0, 500.0, 2)), CommissionPlan())
-    assert found.outcome.good
+    assert found.outcome.ok
     assert found.loader is not None
     assert (found.loader[DRY], found.loader[BREAKAWAY]) == (0.0, 0.0)
     assert {one.key for one in found.outcome.parameters if one.state == NOTHING} == {DRY}

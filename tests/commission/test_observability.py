@@ -71,7 +71,7 @@ def test_record_without_reversal_does_not_determine_friction(records):
 def test_frequency_responses_alone_do_not_determine_friction():
     response = ff.read_bench_data(EXAMPLE / "servo-closed.csv")
     found = identify_loader(ff.load(EXAMPLE / "loader.toml"), [response], CommissionPlan()).outcome
-    assert not found.good
+    assert not found.ok
     assert found.wanting[0].startswith("The data do not determine the dry friction of the column")
     assert "slow sweep of force both ways" in found.advice[-1]
 
@@ -81,7 +81,7 @@ def test_noise_declared_as_zero_is_rejected_with_the_measured_noise(records):
     found = identify_loader(quiet, records, CommissionPlan())
     (sentence,) = found.outcome.wanting
     assert sentence.startswith("column_sensor.noise is declared as zero, and the records show ")
-    assert not found.outcome.good
+    assert not found.outcome.ok
 
 
 def test_carried_parameter_has_zero_tolerance(records):
@@ -92,7 +92,7 @@ def test_carried_parameter_has_zero_tolerance(records):
     )  # noise of the record
     low, high = found.loader.tolerances["column.base_arm"].ends
     assert high - low < 1e-5 * high
-    assert found.outcome.good, found.outcome
+    assert found.outcome.ok, found.outcome
 
 
 @pytest.mark.parametrize("stated", ["0.3 lb", "3 lb"])

@@ -38,12 +38,12 @@ def test_parameter_biased_beyond_noise_is_rejected_everywhere(files):
     found, commission = identified(files, CommissionPlan(fit=("k",)))
     estimate = found.identification[STIFFNESS]
     assert abs(estimate.value - files[1][STIFFNESS]) > BIASED * estimate.deviation
-    assert not found.outcome.good
+    assert not found.outcome.ok
     (wanting,) = found.outcome.wanting
     assert "misses more of bench, column angle and bench, piston position and others than noise" in wanting
     assert "leave out --fit" in wanting
     (row,) = (one for one in glance(commission) if one.title == "identification")
-    assert row.good == "no"
+    assert row.ok == "no"
     assert row.result.endswith("1 missing")
     assert wanting in commission_conclusions(commission).findings
     assert not identification_conclusions(found.identification, UnitSystem.US).ok
@@ -76,6 +76,6 @@ def test_controller_noise_is_not_reported_as_model_error():
 
 def test_explained_data_are_accepted(files):
     found, commission = identified(files, CommissionPlan())
-    assert found.outcome.good
+    assert found.outcome.ok
     assert identification_conclusions(found.identification, UnitSystem.US).ok
-    assert glance(commission)[0].good == "yes"
+    assert glance(commission)[0].ok == "yes"

@@ -10,8 +10,8 @@ from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.page.folder import check_folder, write_commission
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import (
-    Checked,
     Commission,
+    EnvelopeResult,
     Identified,
     IdentifiedParameter,
     LawChosen,
@@ -104,7 +104,7 @@ def commissioned(tmp_path):
         LOADER,
         LawChosen("robust", "Take robust."),
         law,
-        Checked(96, 0.97, 0.6, 12, 0.96, 0.93),
+        EnvelopeResult(96, 0.97, 0.6, 12, 0.96, 0.93),
         RuleTests(True, "a rule", "It qualifies.", {"static": "passed"}),
     )
 
@@ -112,13 +112,13 @@ def commissioned(tmp_path):
 def test_accepted_law_is_written(commissioned, tmp_path):
     page = write_commission(commissioned, tmp_path, command="forcefeel commission my.toml")
     text = page.read_text(encoding="utf-8")
-    assert commissioned.good
+    assert commissioned.ok
     assert "1 parameter of elevator-2khz is identified" in text
     assert "the law is robust" in text
     assert (tmp_path / "law.json").exists()
     assert not (tmp_path / "law-rejected.json").exists()
     found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
-    assert (found["good"], found["law"]["name"], found["envelope"]["passes"]) == (True, "robust", 0.97)
+    assert (found["ok"], found["law"]["name"], found["envelope"]["passes"]) == (True, "robust", 0.97)
     check_folder(tmp_path, "forcefeel commission my.toml")  # the same may go on
     with pytest.raises(ff.InputError, match="--replace"):
         check_folder(tmp_path, "forcefeel commission other.toml")
@@ -128,7 +128,7 @@ def test_accepted_law_is_written(commissioned, tmp_path):
     ("change", "said"),
     [
         (
-            {"checked": Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))},
+            {"envelope": EnvelopeResult(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))},
             "below the required 95\N{NO-BREAK SPACE}%",
         ),
         (
@@ -142,7 +142,7 @@ def test_rejected_law_is_written_as_rejected(commissioned, tmp_path, change, sai
     write_commission(commissioned, tmp_path)
     bad = replace(commissioned, **change)
     text = write_commission(bad, tmp_path).read_text(encoding="utf-8")
-    assert not bad.good
+    assert not bad.ok
     assert said in text
     assert "no law meets the requirements" in text
     assert (tmp_path / "law-rejected.json").exists()

@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests, WhatIf
+from forcefeel.commission.result import Commission, EnvelopeResult, Identified, LawChosen, RuleTests, WhatIf
 from forcefeel.commission.what_ifs import _rubbing, what_ifs
 from forcefeel.loader.tolerances import Tolerance
 
@@ -62,7 +62,7 @@ def test_smallest_sufficient_change_is_named(ifs, least):
         ff.digital_elevator(),
         LawChosen("robust", "Taken."),
         None,
-        Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), ifs),
+        EnvelopeResult(96, 0.9, 0.5, 12, 0.89, 0.8, (), ifs),
         RuleTests(True, "Part 60", "Passes.", {}, (), ()),
     )
     assert any(least in line for line in commission_conclusions(found).findings)

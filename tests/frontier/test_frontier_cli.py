@@ -87,7 +87,7 @@ def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(frontier_run, "climb", interrupted)
+    monkeypatch.setattr(frontier_run, "run_levels", interrupted)
     status, _, err = run(*SMALL)
     assert status == 130
     assert "nothing is written" in err

@@ -25,7 +25,7 @@ run = runs("size")
 
 def test_built_in_loaders_are_large_enough():
     for name, make in BUILT_IN.items():
-        assert ff.sizing.size_drive(make()).good, name
+        assert ff.sizing.size_drive(make()).ok, name
 
 
 def test_written_files_agree_with_printed_json(run, tmp_path):
@@ -36,7 +36,7 @@ def test_written_files_agree_with_printed_json(run, tmp_path):
     assert {one.name for one in folder.iterdir()} == {"size.html", "results.json", "plotly.min.js"}
     stored = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     assert {key: value for key, value in found.items() if key != "page"} == stored
-    assert found["good"]
+    assert found["ok"]
     assert found["axis"] == "pitch"
     assert found["demands"][0]["force"] == {"value": pytest.approx(60 * POUND_N, rel=ROUNDING), "unit": "N"}
     assert run("elevator-electric")[0] == 2  # the folder is there
@@ -92,7 +92,7 @@ def test_small_speed_increase_is_stated_in_percent(run):
 def test_valve_too_small_has_piston_remedy():
     loader = ff.digital_elevator().replace({"valve.supply_pressure": "200 lb/in^2"})
     found = ff.sizing.size_drive(loader)
-    assert not found.good
+    assert not found.ok
     would = loader.replace({"actuator.area": found.demands[0].remedy.area_m2}, si=True)
     assert ff.sizing.size_drive(would).demands[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
 

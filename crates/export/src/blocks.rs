@@ -42,7 +42,7 @@ pub struct Blocks {
 
 /// What a program's nodes are made of, where that is not what the trace says.
 #[derive(Debug, Clone, Default)]
-pub struct MadeOf {
+pub struct Operands {
     /// The nodes that each is made of.
     pub of: Vec<Vec<u32>>,
     /// Nodes that are made together, each with the first of them.
@@ -65,23 +65,23 @@ pub fn choice(graph: &Graph, node: u32) -> Option<(u32, [Option<u32>; 2])> {
 
 impl Blocks {
     /// Places what `wanted` needs.
-    pub fn of(graph: &Graph, made: &MadeOf, wanted: &[u32]) -> Self {
+    pub fn of(graph: &Graph, operands: &Operands, wanted: &[u32]) -> Self {
         let mut blocks = Self { arms: vec![None], ..Self::default() };
         for &node in wanted {
             blocks.used(node, ALWAYS);
         }
         for place in (0..graph.nodes.len()).rev() {
             let Ok(node) = u32::try_from(place) else { continue };
-            if let Some(&first) = made.together.get(&node)
+            if let Some(&first) = operands.together.get(&node)
                 && let Some(&block) = blocks.of.get(&node)
             {
                 blocks.used(first, block);
             }
             if let Some(&block) = blocks.of.get(&node) {
-                blocks.place(graph, made, (node, block));
+                blocks.place(graph, operands, (node, block));
             }
         }
-        for (&node, first) in &made.together {
+        for (&node, first) in &operands.together {
             if let Some(&block) = blocks.of.get(first) {
                 blocks.of.insert(node, block);
             }
@@ -89,18 +89,18 @@ impl Blocks {
         blocks
     }
 
-    fn place(&mut self, graph: &Graph, made: &MadeOf, (node, block): (u32, usize)) {
+    fn place(&mut self, graph: &Graph, operands: &Operands, (node, block): (u32, usize)) {
         match graph.nodes[node as usize] {
             Node::Input(_) | Node::Flag(_) => {
                 self.of.insert(node, ALWAYS);
             }
-            _ if made.given.contains(&node) => {
+            _ if operands.given.contains(&node) => {
                 self.of.insert(node, ALWAYS);
             }
-            Node::Select(..) | Node::And(..) => self.choose(graph, made, (node, block)),
-            _ if made.together.get(&node).is_some_and(|&first| first != node) => {}
+            Node::Select(..) | Node::And(..) => self.choose(graph, operands, (node, block)),
+            _ if operands.together.get(&node).is_some_and(|&first| first != node) => {}
             _ => {
-                for &one in &made.of[node as usize] {
+                for &one in &operands.of[node as usize] {
                     self.used(one, block);
                 }
             }
@@ -108,7 +108,7 @@ impl Blocks {
     }
 
     /// Places what chooses: in a group, or as what it comes to within an arm of its own mask.
-    fn choose(&mut self, graph: &Graph, made: &MadeOf, (node, block): (u32, usize)) {
+    fn choose(&mut self, graph: &Graph, operands: &Operands, (node, block): (u32, usize)) {
         let Some((mask, chosen)) = choice(graph, node) else { return };
         match self.arm_of(mask, block).map(|arm| chosen[arm]) {
             Some(Some(chosen)) => {
@@ -116,9 +116,9 @@ impl Blocks {
                 self.used(chosen, block);
             }
             // What holds not is spelled out.
-            Some(None) => made.of[node as usize].iter().for_each(|&one| self.used(one, block)),
+            Some(None) => operands.of[node as usize].iter().for_each(|&one| self.used(one, block)),
             None => {
-                let group = self.group(made, (node, mask, block));
+                let group = self.group(operands, (node, mask, block));
                 self.used(mask, block);
                 for (chosen, arm) in chosen.into_iter().zip(self.groups[group].arms) {
                     if let Some(chosen) = chosen {
@@ -130,10 +130,10 @@ impl Blocks {
     }
 
     /// The group of a select: one that is there, or a new one.
-    fn group(&mut self, made: &MadeOf, (node, mask, block): (u32, u32, usize)) -> usize {
+    fn group(&mut self, operands: &Operands, (node, mask, block): (u32, u32, usize)) -> usize {
         let alike = |group: &Group| group.mask == mask && group.block == block;
         let there = (0..self.groups.len()).rev().filter(|&k| alike(&self.groups[k]));
-        let group = there.into_iter().find(|&k| !self.waits_for(made, k, node)).unwrap_or_else(|| {
+        let group = there.into_iter().find(|&k| !self.waits_for(operands, k, node)).unwrap_or_else(|| {
             let arms = [self.arms.len(), self.arms.len() + 1];
             self.arms.extend([Some((self.groups.len(), 0)), Some((self.groups.len(), 1))]);
             self.groups.push(Group { mask, block, arms, members: Vec::new() });
@@ -145,7 +145,7 @@ impl Blocks {
     }
 
     /// Whether a group can be run only after a node, each of the groups on the way being run as a whole.
-    fn waits_for(&self, made: &MadeOf, group: usize, node: u32) -> bool {
+    fn waits_for(&self, operands: &Operands, group: usize, node: u32) -> bool {
         let mut open = self.groups[group].members.clone();
         let mut seen: HashSet<u32> = open.iter().copied().collect();
         while let Some(one) = open.pop() {
@@ -153,8 +153,8 @@ impl Blocks {
                 return true;
             }
             let whole = self.group_of.get(&one).map_or(&[][..], |&group| &self.groups[group].members);
-            let first = made.together.get(&one);
-            for &next in made.of[one as usize].iter().chain(whole).chain(first) {
+            let first = operands.together.get(&one);
+            for &next in operands.of[one as usize].iter().chain(whole).chain(first) {
                 if next >= node && seen.insert(next) {
                     open.push(next);
                 }
@@ -181,12 +181,12 @@ impl Blocks {
 
     /// The innermost block that holds two.
     fn common(&self, a: usize, b: usize) -> usize {
-        let around = self.around(a);
-        self.around(b).into_iter().find(|block| around.contains(block)).unwrap_or(ALWAYS)
+        let enclosing = self.enclosing(a);
+        self.enclosing(b).into_iter().find(|block| enclosing.contains(block)).unwrap_or(ALWAYS)
     }
 
     /// A block and those that it lies in, outwards.
-    pub fn around(&self, block: usize) -> Vec<usize> {
+    pub fn enclosing(&self, block: usize) -> Vec<usize> {
         let outer = |&block: &usize| self.arms[block].map(|(group, _)| self.groups[group].block);
         core::iter::successors(Some(block), outer).collect()
     }

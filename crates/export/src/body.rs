@@ -1,9 +1,9 @@
 //! The lines of a function of C: an operation each, in the order in which they were asked for.
 
-use crate::blocks::{ALWAYS, Blocks, MadeOf, choice};
+use crate::blocks::{ALWAYS, Blocks, Operands, choice};
 use crate::controller::{INPUTS, name_of};
 use crate::dots::{Product, products};
-use crate::made::{held, made_of, of_few_steps, reached, within};
+use crate::operands::{held, of_few_steps, operands_of, reached, within};
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
 use crate::writer::{Bits, Writer};
 use std::collections::{HashMap, HashSet};
@@ -16,7 +16,7 @@ const WORTH_A_BRANCH: usize = 2;
 pub struct Body<'a> {
     writer: &'a mut Writer,
     graph: &'a Graph,
-    made: MadeOf,
+    operands: Operands,
     blocks: Blocks,
     /// The nodes of each block in their order.
     nodes: HashMap<usize, Vec<u32>>,
@@ -41,24 +41,24 @@ impl<'a> Body<'a> {
 
     /// The body of a part, whose names are those that it is given.
     fn with(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32], names: Option<HashMap<u32, String>>) -> Self {
-        let mut made: Vec<Vec<u32>> = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
+        let mut operands: Vec<Vec<u32>> = (0..graph.nodes.len()).map(|place| operands_of(graph, place)).collect();
         let given: HashSet<u32> = names.iter().flat_map(HashMap::keys).copied().collect();
         for &node in &given {
-            made[node as usize] = Vec::new();
+            operands[node as usize] = Vec::new();
         }
         let (mut product_of, mut together) = (HashMap::new(), HashMap::new());
-        let products = products(graph, &reached(&made, wanted));
+        let products = products(graph, &reached(&operands, wanted));
         for (k, product) in products.iter().enumerate() {
             let first = product.rows.iter().map(|&(_, node)| node).min();
             for &(_, node) in &product.rows {
-                made[node as usize].clone_from(&product.vector);
+                operands[node as usize].clone_from(&product.vector);
                 product_of.insert(node, k);
                 together.extend(first.map(|first| (node, first)));
             }
         }
         let done = given.clone();
-        let made = MadeOf { of: made, together, given };
-        let blocks = Blocks::of(graph, &made, wanted);
+        let operands = Operands { of: operands, together, given };
+        let blocks = Blocks::of(graph, &operands, wanted);
         let mut nodes: HashMap<usize, Vec<u32>> = HashMap::new();
         for (&node, &block) in &blocks.of {
             nodes.entry(block).or_default().push(node);
@@ -69,7 +69,7 @@ impl<'a> Body<'a> {
         Self {
             writer,
             graph,
-            made,
+            operands,
             blocks,
             nodes,
             products,
@@ -109,7 +109,7 @@ impl<'a> Body<'a> {
             self.write_group(group);
             return;
         }
-        for one in self.made.of[node as usize].clone() {
+        for one in self.operands.of[node as usize].clone() {
             self.write(one, block);
         }
         if let Node::Part(roots, given) = &self.graph.nodes[node as usize] {
@@ -123,7 +123,7 @@ impl<'a> Body<'a> {
             let kind = self.kind(node);
             let name = self.named(node);
             self.line(&format!("const {kind} {name} = {value};"));
-            self.operations.0 += usize::from(!self.made.of[node as usize].is_empty());
+            self.operations.0 += usize::from(!self.operands.of[node as usize].is_empty());
         }
     }
 
@@ -136,7 +136,7 @@ impl<'a> Body<'a> {
         let arms = |node: u32| choice(self.graph, node).map_or([None; 2], |(_, arms)| arms);
         let mut members: Vec<(u32, [Option<u32>; 2])> = group.members.iter().map(|&node| (node, arms(node))).collect();
         members.sort_unstable();
-        let needs = within.iter().flat_map(|&node| self.made.of[node as usize].clone());
+        let needs = within.iter().flat_map(|&node| self.operands.of[node as usize].clone());
         let needs: Vec<u32> = needs.chain(members.iter().flat_map(|&(_, arms)| arms.into_iter().flatten())).collect();
         for node in needs {
             self.write(node, group.block);
@@ -179,7 +179,7 @@ impl<'a> Body<'a> {
 
     /// What is done in a block and those that lie in it.
     fn all_within(&self, block: usize) -> Vec<u32> {
-        let inside = |&(other, _): &(&usize, &Vec<u32>)| self.blocks.around(*other).contains(&block);
+        let inside = |&(other, _): &(&usize, &Vec<u32>)| self.blocks.enclosing(*other).contains(&block);
         self.nodes.iter().filter(inside).flat_map(|(_, nodes)| nodes.iter().copied()).collect()
     }
 
@@ -190,7 +190,7 @@ impl<'a> Body<'a> {
             Node::Part(..) | Node::UnaryOp(UnaryOp::Sqrt | UnaryOp::Round, _) | Node::BinaryOp(BinaryOp::Div, ..) => {
                 WORTH_A_BRANCH
             }
-            _ => usize::from(!self.made.of[node as usize].is_empty()),
+            _ => usize::from(!self.operands.of[node as usize].is_empty()),
         };
         nodes.iter().map(of).sum()
     }

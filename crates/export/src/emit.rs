@@ -1,9 +1,9 @@
 //! C99 from what was traced: a law's parts, and its numbers.
 
-use crate::blocks::{Blocks, MadeOf};
+use crate::blocks::{Blocks, Operands};
 use crate::body::Body;
 use crate::controller::{INPUTS, Job, Program, is_flag, name_of, place_of};
-use crate::made::made_of;
+use crate::operands::operands_of;
 use crate::trace::Node;
 use crate::writer::{Numbers, Writer};
 use core::fmt::Write;
@@ -60,13 +60,13 @@ impl Source {
 /// The states that a program reads, directly or by others.
 fn needed(program: &Program) -> BTreeSet<usize> {
     let graph = &program.graph;
-    let of = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
-    let made = MadeOf { of, ..MadeOf::default() };
+    let of = (0..graph.nodes.len()).map(|place| operands_of(graph, place)).collect();
+    let operands = Operands { of, ..Operands::default() };
     let mut states: BTreeSet<usize> = GIVEN.iter().filter_map(|name| place_of(name)).collect();
     loop {
         let mut more = states.clone();
         // Placed, since a choice within an arm of its own mask reads nothing of its other arm.
-        let blocks = Blocks::of(graph, &made, &wanted(program, &states));
+        let blocks = Blocks::of(graph, &operands, &wanted(program, &states));
         more.extend(blocks.of.keys().filter_map(|&node| match graph.nodes[node as usize] {
             Node::Input(input) | Node::Flag(input) if input >= INPUTS.len() => Some(input),
             _ => None,
@@ -101,11 +101,11 @@ fn program(
             results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
         }
     }
-    let asked: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
-    let asked = asked.join(" + ");
+    let sum: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
+    let sum = sum.join(" + ");
     let (mut text, operations) = body.text();
     if checked {
-        let _ = writeln!(text, "    const bool good = {}_is_number({asked});\n    if (good) {{", writer.name);
+        let _ = writeln!(text, "    const bool good = {}_is_number({sum});\n    if (good) {{", writer.name);
     }
     let indent = if checked { "        " } else { "    " };
     for line in results {

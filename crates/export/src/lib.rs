@@ -10,7 +10,7 @@
 //! | [`controller`] | the period and the start at rest, for any number type: traced, and run for reference |
 //! | [`dots`] | rows of a matrix found again among the operations, so that they become a loop over data |
 //! | [`blocks`] | where each operation is done: always, or in a branch |
-//! | [`made`] | what each is made of as C writes it |
+//! | [`operands`] | what each is made of as C writes it |
 //! | [`body`] | the lines of a function of C |
 //! | [`writer`] | numbers, tables and functions that all of them share |
 //! | [`emit`] | the parts of the files: functions, states, a setting's numbers |
@@ -21,6 +21,6 @@ pub mod body;
 pub mod controller;
 pub mod dots;
 pub mod emit;
-pub mod made;
+pub mod operands;
 pub mod trace;
 pub mod writer;

@@ -371,7 +371,7 @@ impl Graph {
 
 impl Node {
     /// The nodes that it is made of; of a part, those that it is given.
-    pub fn made_of(&self) -> Vec<u32> {
+    pub fn operands(&self) -> Vec<u32> {
         match *self {
             Self::Known(..) | Self::Data(..) | Self::Input(_) | Self::Flag(_) | Self::Holds(..) | Self::Given(_) => {
                 Vec::new()

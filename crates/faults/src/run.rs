@@ -129,9 +129,9 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
             if let Some(arriving) = timing.arriving_at(state.steps()) {
                 state.command(under_way.arriving(arriving));
             }
-            let begun = machine.set_out(&shared, &mut state, &inputs, arrived);
-            given -= hand * begun.now.base_rate / column.base_arm * column.grip_arm * step_s;
-            machine.advance(&shared, &mut state, &inputs, &begun);
+            let step_start = machine.set_out(&shared, &mut state, &inputs, arrived);
+            given -= hand * step_start.now.base_rate / column.base_arm * column.grip_arm * step_s;
+            machine.advance(&shared, &mut state, &inputs, &step_start);
         }
     }
     Some((limits, rows))

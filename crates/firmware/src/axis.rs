@@ -193,11 +193,11 @@ impl<S: Scalar> Axis<S> {
         S: Into<f64>,
     {
         let Input { trim, stiffness_factor, shaker, blend, added_force, .. } = *given;
-        let around = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
-        let swing = self.led.swing(around.shaker, &self.pace);
-        let trim = self.last.map_or(around.trim_rad, |allowed| allowed.neutral(around.trim_rad));
+        let modifiers = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
+        let swing = self.led.swing(modifiers.shaker, &self.pace);
+        let trim = self.last.map_or(modifiers.trim_rad, |allowed| allowed.neutral(modifiers.trim_rad));
         let [trim, stiffness_factor, shaker, fade, added_force] =
-            [trim, around.stiffness_factor, swing, blend, added_force].map(|number| [number.into(); 2]);
+            [trim, modifiers.stiffness_factor, swing, blend, added_force].map(|number| [number.into(); 2]);
         Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
 }

@@ -59,11 +59,11 @@ pub struct Component {
 
 /// A new instance, or null.
 pub fn instantiate(log: Log, resources: Option<&Path>, token: Option<&str>) -> *mut Component {
-    let made = catch_unwind(AssertUnwindSafe(|| {
+    let created = catch_unwind(AssertUnwindSafe(|| {
         let folder = resources.ok_or("expected the place of the resources, got none")?;
         Instance::new(Resources::read(folder)?, token.ok_or("expected the token of the description, got none")?)
     }));
-    match made.unwrap_or_else(|_| Err(FAULT.to_string())) {
+    match created.unwrap_or_else(|_| Err(FAULT.to_string())) {
         Ok(instance) => raw::give(Component { instance, log }),
         Err(message) => {
             log.error(&message);

@@ -6,7 +6,7 @@
 
 use crate::feel::Feel;
 use crate::instance::Instance;
-use crate::instance_state::{AnyCourse, StepRestorePoint};
+use crate::instance_state::{AnyStepState, StepRestorePoint};
 use crate::step_state::{Given, StepConstants, StepState};
 use crate::variables::{Kind, MOST_INPUTS, MOST_OUTPUTS};
 use forcefeel_model::drive::Drive;
@@ -49,23 +49,25 @@ impl Instance {
 
     fn slopes(&self, along: &[f64; MOST_INPUTS]) -> Result<[f64; MOST_OUTPUTS], String> {
         let kept = self.kept();
-        let (inputs, feel, course, steps) = match (&kept.before, &kept.course) {
-            (Some(StepRestorePoint { feel, course, inputs, steps }), _) => (inputs, feel, course, *steps),
-            (None, Some(course)) => (&kept.inputs, &kept.feel, course, 0),
+        let (inputs, feel, step_state, steps) = match (&kept.before, &kept.step_state) {
+            (Some(StepRestorePoint { feel, step_state, inputs, steps }), _) => (inputs, feel, step_state, *steps),
+            (None, Some(step_state)) => (&kept.inputs, &kept.feel, step_state, 0),
             _ => return Err("the FMU is not initialized".to_string()),
         };
         let given = self.dual(inputs, along);
-        match course {
-            AnyCourse::Hydraulic(course) => {
-                self.slopes_of::<Hydraulic<f64>, Hydraulic<Dual>>(course, feel, &given, steps)
+        match step_state {
+            AnyStepState::Hydraulic(step_state) => {
+                self.slopes_of::<Hydraulic<f64>, Hydraulic<Dual>>(step_state, feel, &given, steps)
             }
-            AnyCourse::Electric(course) => self.slopes_of::<Electric<f64>, Electric<Dual>>(course, feel, &given, steps),
+            AnyStepState::Electric(step_state) => {
+                self.slopes_of::<Electric<f64>, Electric<Dual>>(step_state, feel, &given, steps)
+            }
         }
     }
 
     fn slopes_of<D: Drive<f64>, E: Drive<Dual>>(
         &self,
-        course: &StepState<f64, D>,
+        step_state: &StepState<f64, D>,
         feel: &Feel,
         given: &Given<Dual>,
         steps: usize,
@@ -75,13 +77,13 @@ impl Instance {
         E::Memory: DeserializeOwned,
     {
         // Numbers that were written down read back as dual ones without a slope.
-        let written = postcard::to_stdvec(course).map_err(|error| error.to_string())?;
-        let mut course: StepState<Dual, E> = postcard::from_bytes(&written).map_err(|error| error.to_string())?;
+        let written = postcard::to_stdvec(step_state).map_err(|error| error.to_string())?;
+        let mut step_state: StepState<Dual, E> = postcard::from_bytes(&written).map_err(|error| error.to_string())?;
         let mut feel = feel.clone();
-        let mut made: StepConstants<Dual, E> =
+        let mut constants: StepConstants<Dual, E> =
             StepConstants::new(&self.resources, &self.values(), &feel, Dual::constant(0.0));
-        made.go(&self.resources, (&mut course, &mut feel), given, (steps, self.change_steps()));
-        Ok(made.look(&course, &feel, given).map(|output| output.slope))
+        constants.go(&self.resources, (&mut step_state, &mut feel), given, (steps, self.change_steps()));
+        Ok(constants.look(&step_state, &feel, given).map(|output| output.slope))
     }
 
     /// The inputs with their slopes.

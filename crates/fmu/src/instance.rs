@@ -1,7 +1,7 @@
 //! What an importer does with an FMU: begins, goes from one communication point to the next, keeps a state and takes it back.
 
 use crate::feel::count;
-use crate::instance_state::{AnyCourse, InstanceState, StepRestorePoint};
+use crate::instance_state::{AnyStepState, InstanceState, StepRestorePoint};
 use crate::resources::Resources;
 use crate::step_state::{StepConstants, stride};
 use crate::variables::{
@@ -126,16 +126,17 @@ impl Instance {
     fn go(&mut self, steps: usize) -> Result<(), String> {
         self.prepare()?;
         let (given, change_steps) = (self.given(&self.kept.inputs), self.change_steps());
-        let InstanceState { feel, course, before, inputs, .. } = &mut self.kept;
-        if let Some(course) = course.as_ref() {
-            *before = Some(StepRestorePoint { feel: feel.clone(), course: course.clone(), inputs: *inputs, steps });
+        let InstanceState { feel, step_state, before, inputs, .. } = &mut self.kept;
+        if let Some(step_state) = step_state.as_ref() {
+            *before =
+                Some(StepRestorePoint { feel: feel.clone(), step_state: step_state.clone(), inputs: *inputs, steps });
         }
-        match (&mut self.run, course) {
-            (Some(Run::Hydraulic(made)), Some(AnyCourse::Hydraulic(course))) => {
-                made.go(&self.resources, (course, feel), &given, (steps, change_steps));
+        match (&mut self.run, step_state) {
+            (Some(Run::Hydraulic(constants)), Some(AnyStepState::Hydraulic(step_state))) => {
+                constants.go(&self.resources, (step_state, feel), &given, (steps, change_steps));
             }
-            (Some(Run::Electric(made)), Some(AnyCourse::Electric(course))) => {
-                made.go(&self.resources, (course, feel), &given, (steps, change_steps));
+            (Some(Run::Electric(constants)), Some(AnyStepState::Electric(step_state))) => {
+                constants.go(&self.resources, (step_state, feel), &given, (steps, change_steps));
             }
             _ => return Err("the state is that of another FMU".to_string()),
         }
@@ -220,9 +221,9 @@ impl Instance {
     }
 
     fn steps(&self) -> usize {
-        match &self.kept.course {
-            Some(AnyCourse::Hydraulic(course)) => course.steps(),
-            Some(AnyCourse::Electric(course)) => course.steps(),
+        match &self.kept.step_state {
+            Some(AnyStepState::Hydraulic(step_state)) => step_state.steps(),
+            Some(AnyStepState::Electric(step_state)) => step_state.steps(),
             None => 0,
         }
     }
@@ -235,23 +236,23 @@ impl Instance {
         let begins = !self.kept.started;
         let (values, given) = (self.values(), self.given(&self.kept.inputs));
         let start = self.beginning()?;
-        let InstanceState { feel, course, options, .. } = &mut self.kept;
+        let InstanceState { feel, step_state, options, .. } = &mut self.kept;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
         let seed = options[SEED] as u64;
         self.run = Some(match DriveKind::of(&values) {
             DriveKind::Hydraulic => {
-                let made = StepConstants::new(&self.resources, &values, feel, 0.0);
+                let constants = StepConstants::new(&self.resources, &values, feel, 0.0);
                 if begins {
-                    *course = Some(AnyCourse::Hydraulic(Box::new(made.start(start, seed, &given))));
+                    *step_state = Some(AnyStepState::Hydraulic(Box::new(constants.start(start, seed, &given))));
                 }
-                Run::Hydraulic(Box::new(made))
+                Run::Hydraulic(Box::new(constants))
             }
             DriveKind::Electric => {
-                let made = StepConstants::new(&self.resources, &values, feel, 0.0);
+                let constants = StepConstants::new(&self.resources, &values, feel, 0.0);
                 if begins {
-                    *course = Some(AnyCourse::Electric(Box::new(made.start(start, seed, &given))));
+                    *step_state = Some(AnyStepState::Electric(Box::new(constants.start(start, seed, &given))));
                 }
-                Run::Electric(Box::new(made))
+                Run::Electric(Box::new(constants))
             }
         });
         Ok(())
@@ -287,12 +288,12 @@ impl Instance {
         }
         self.prepare()?;
         let given = self.given(&self.kept.inputs);
-        let outputs = match (&self.run, &self.kept.course) {
-            (Some(Run::Hydraulic(made)), Some(AnyCourse::Hydraulic(course))) => {
-                made.look(course, &self.kept.feel, &given)
+        let outputs = match (&self.run, &self.kept.step_state) {
+            (Some(Run::Hydraulic(constants)), Some(AnyStepState::Hydraulic(step_state))) => {
+                constants.look(step_state, &self.kept.feel, &given)
             }
-            (Some(Run::Electric(made)), Some(AnyCourse::Electric(course))) => {
-                made.look(course, &self.kept.feel, &given)
+            (Some(Run::Electric(constants)), Some(AnyStepState::Electric(step_state))) => {
+                constants.look(step_state, &self.kept.feel, &given)
             }
             _ => return Err("the state is that of another FMU".to_string()),
         };

@@ -24,7 +24,7 @@ pub struct InstanceState {
     /// The sample of this instant was taken when the clock ticked; the step from here on takes it no more.
     pub(crate) sampled: bool,
     pub(crate) feel: Feel,
-    pub(crate) course: Option<AnyCourse>,
+    pub(crate) step_state: Option<AnyStepState>,
     /// The last communication step, for derivatives.
     pub(crate) before: Option<StepRestorePoint>,
 }
@@ -33,14 +33,14 @@ pub struct InstanceState {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct StepRestorePoint {
     pub feel: Feel,
-    pub course: AnyCourse,
+    pub step_state: AnyStepState,
     pub inputs: [f64; MOST_INPUTS],
     pub steps: usize,
 }
 
-/// The course of a loader with either drive.
+/// The state of a step of a loader with either drive.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) enum AnyCourse {
+pub(crate) enum AnyStepState {
     Hydraulic(Box<StepState<f64, Hydraulic<f64>>>),
     Electric(Box<StepState<f64, Electric<f64>>>),
 }
@@ -62,7 +62,7 @@ impl InstanceState {
             started: false,
             ticks: false,
             sampled: false,
-            course: None,
+            step_state: None,
             before: None,
         }
     }

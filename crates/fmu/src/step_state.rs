@@ -98,7 +98,7 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
         let law = setup.law().compensator(&parameters, |of| like.constant(of(0)));
         let machine = Machine::new(&parameters, law, &shared).with_observer(observer(resources, &feel.now, like));
         let shown = shown(resources.kind, DriveKind::of(values));
-        let mut made = Self {
+        let mut constants = Self {
             kind: resources.kind,
             parameters: all,
             timing: setup.timing,
@@ -108,26 +108,26 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             shaker_frequency: Parameters::from_values(values).feel.shaker_frequency,
         };
         if let Some(change) = &feel.change {
-            made.fade_to(resources, &change.to, like);
+            constants.fade_to(resources, &change.to, like);
         }
-        made
+        constants
     }
 
     /// Some steps, with the changes of the feel that begin and end in them; one takes `change_steps`.
     pub fn go(
         &mut self,
         resources: &Resources,
-        (course, feel): (&mut StepState<S, D>, &mut Feel),
+        (step_state, feel): (&mut StepState<S, D>, &mut Feel),
         given: &Given<S>,
         (steps, change_steps): (usize, usize),
     ) {
         for _ in 0..steps {
-            if let Some(to) = feel.begin(course.step, change_steps) {
+            if let Some(to) = feel.begin(step_state.step, change_steps) {
                 self.fade_to(resources, to, given.command);
             }
-            self.step(course, feel, given);
-            if feel.end(course.step) {
-                self.machine.faded(&self.shared, &mut course.state);
+            self.step(step_state, feel, given);
+            if feel.end(step_state.step) {
+                self.machine.faded(&self.shared, &mut step_state.state);
             }
         }
     }
@@ -157,22 +157,22 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
     }
 
     /// The hand that holds the column, with the slope of the pilot's force.
-    fn hold(course: &mut StepState<S, D>, given: &Given<S>) {
+    fn hold(step_state: &mut StepState<S, D>, given: &Given<S>) {
         if !S::HAS_SLOPE {
             return;
         }
         let like = given.command;
-        let hand = if course.step < course.held_until { course.hand } else { 0.0 };
+        let hand = if step_state.step < step_state.held_until { step_state.hand } else { 0.0 };
         // A slope of the force is that of a hand that follows it.
         let force = like.constant(hand) + given.force_slope;
         let mut numbers = Equilibrium::from_numbers(&[like.zero(); forcefeel_model::machine::EQUILIBRIUM_NUMBERS]);
         numbers.pilot_force = force;
-        Machine::<S, D>::hold(&mut course.state, &numbers);
+        Machine::<S, D>::hold(&mut step_state.state, &numbers);
     }
 
     /// The start of a step up to what is seen.
-    fn begin(&self, course: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) -> StepStart<S, D> {
-        let StepState { state, memory, noise, .. } = course;
+    fn begin(&self, step_state: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) -> StepStart<S, D> {
+        let StepState { state, memory, noise, .. } = step_state;
         let like = given.command;
         let mut normal = || {
             let [column, grip] = noise;
@@ -183,37 +183,37 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             return self.machine.begin(&self.shared, state, memory, inputs, normal);
         }
         let arrived = self.machine.arrive(&self.shared, state, inputs);
-        if let Some(sample) = self.timing.sample_at(course.step) {
-            course.sensed = self.machine.sampled(&self.shared, state, &mut normal);
-            course.under_way.send(sample, given.command + given.command.zero());
+        if let Some(sample) = self.timing.sample_at(step_state.step) {
+            step_state.sensed = self.machine.sampled(&self.shared, state, &mut normal);
+            step_state.under_way.send(sample, given.command + given.command.zero());
         }
-        if let Some(sample) = self.timing.arriving_at(course.step) {
-            state.command(course.under_way.arriving(sample));
+        if let Some(sample) = self.timing.arriving_at(step_state.step) {
+            state.command(step_state.under_way.arriving(sample));
         }
         self.machine.set_out(&self.shared, state, inputs, arrived)
     }
 
     /// A step.
-    fn step(&self, course: &mut StepState<S, D>, feel: &Feel, given: &Given<S>) {
-        let inputs = self.inputs(given, feel, course.step);
+    fn step(&self, step_state: &mut StepState<S, D>, feel: &Feel, given: &Given<S>) {
+        let inputs = self.inputs(given, feel, step_state.step);
         if self.kind == Kind::Law {
-            self.act(course, &inputs, given);
+            self.act(step_state, &inputs, given);
         } else {
-            Self::hold(course, given);
-            let begun = self.begin(course, &inputs, given);
-            self.machine.advance(&self.shared, &mut course.state, &inputs, &begun);
+            Self::hold(step_state, given);
+            let step_start = self.begin(step_state, &inputs, given);
+            self.machine.advance(&self.shared, &mut step_state.state, &inputs, &step_start);
         }
-        course.step += stride(self.kind, self.timing);
-        if course.step == course.held_until {
-            Machine::<S, D>::let_go(&mut course.state);
+        step_state.step += stride(self.kind, self.timing);
+        if step_state.step == step_state.held_until {
+            Machine::<S, D>::let_go(&mut step_state.state);
         }
     }
 
     /// A period of the law alone.
-    fn act(&self, course: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) {
+    fn act(&self, step_state: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) {
         let zero = given.command.zero();
         let sample = Sample { sensors: given.sensed, pilot_force: zero };
-        let (torque, law) = (&mut course.torque, (&mut course.feeling, &mut course.remembered));
+        let (torque, law) = (&mut step_state.torque, (&mut step_state.feeling, &mut step_state.remembered));
         let control = self.machine.control();
         let command = control.command(&self.shared, law, inputs, &sample, |answer| {
             *torque = answer.torque;
@@ -221,11 +221,11 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
         });
         // What the drive answers, and a rounding beyond: so the amplifier comes to its own limit to the bit.
         let most = control.within_range(zero.constant(f64::INFINITY)).times(1.0 + f64::EPSILON);
-        course.command = command.within(most);
+        step_state.command = command.within(most);
     }
 
     /// What is seen at the start of the step that comes next, under what is given.
-    pub fn look(&self, course: &StepState<S, D>, feel: &Feel, given: &Given<S>) -> [S; MOST_OUTPUTS] {
+    pub fn look(&self, step_state: &StepState<S, D>, feel: &Feel, given: &Given<S>) -> [S; MOST_OUTPUTS] {
         let mut outputs = [given.command.zero(); MOST_OUTPUTS];
         let mut next = 0;
         let mut put = |value: S| {
@@ -233,17 +233,17 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             next += 1;
         };
         if self.kind == Kind::Law {
-            let [delta, rate] = course.feeling.motion.at;
-            [delta, rate, course.command, course.torque].into_iter().for_each(put);
+            let [delta, rate] = step_state.feeling.motion.at;
+            [delta, rate, step_state.command, step_state.torque].into_iter().for_each(put);
             return outputs;
         }
-        let mut course = course.clone();
-        let inputs = self.inputs(given, feel, course.step);
-        Self::hold(&mut course, given);
-        let begun = self.begin(&mut course, &inputs, given);
-        self.shown.iter().for_each(|output| put(output.of(&begun.now, self.machine.per_base())));
+        let mut step_state = step_state.clone();
+        let inputs = self.inputs(given, feel, step_state.step);
+        Self::hold(&mut step_state, given);
+        let step_start = self.begin(&mut step_state, &inputs, given);
+        self.shown.iter().for_each(|output| put(output.of(&step_start.now, self.machine.per_base())));
         if self.kind == Kind::Machine {
-            course.sensed.into_iter().for_each(put);
+            step_state.sensed.into_iter().for_each(put);
         }
         outputs
     }
@@ -252,8 +252,8 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
 impl<D: Drive<f64>> StepConstants<f64, D> {
     /// Where a run begins.
     pub fn start(&self, start: Start, seed: u64, given: &Given<f64>) -> StepState<f64, D> {
-        let around = Inputs { trim: [given.trim; 2], stiffness_factor: [given.stiffness_factor; 2], ..Inputs::NONE };
-        let beginning = start.of(&self.machine, &self.shared, &[around]);
+        let inputs = Inputs { trim: [given.trim; 2], stiffness_factor: [given.stiffness_factor; 2], ..Inputs::NONE };
+        let beginning = start.of(&self.machine, &self.shared, &[inputs]);
         let equilibrium = &beginning.equilibrium;
         let mut state = self.machine.start(&self.shared, equilibrium);
         let memory = self.machine.remember(&self.shared, equilibrium);

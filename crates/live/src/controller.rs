@@ -62,7 +62,7 @@ impl Controller {
             Some(Beginning { sensors, delta, rate, neutral, estimate }) => {
                 let mut feeling = control.resting(delta, neutral);
                 feeling.motion.at[1] = rate;
-                (SupervisedLaw::begun(&control, at_rest, (sensors, estimate, feeling)), sensors, neutral)
+                (SupervisedLaw::in_equilibrium(&control, at_rest, (sensors, estimate, feeling)), sensors, neutral)
             }
             None => (SupervisedLaw::new(&control, at_rest), [0.0; SENSORS], 0.0),
         };

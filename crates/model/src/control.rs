@@ -165,12 +165,12 @@ impl<S: Scalar> Control<S> {
         } else {
             output
         };
-        let asked = added.map_or(output.command, |added| output.command + added);
-        let allowed = allow(&ControlOutput { command: asked, torque: output.torque, base_rate });
+        let requested = added.map_or(output.command, |added| output.command + added);
+        let allowed = allow(&ControlOutput { command: requested, torque: output.torque, base_rate });
         if shared.effects.observer {
             remembered.friction_state = output.friction_state;
             // What the amplifier answers together with what is added.
-            let e = allowed.map_or(output.command, |allowed| output.command + (allowed - asked));
+            let e = allowed.map_or(output.command, |allowed| output.command + (allowed - requested));
             let e = added.map_or_else(
                 || self.converters.within_range(e),
                 |added| self.converters.within_range(e + added) - added,
@@ -178,13 +178,13 @@ impl<S: Scalar> Control<S> {
             remembered.estimate =
                 self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| output.friction), fade));
         }
-        let e = allowed.unwrap_or(asked);
+        let e = allowed.unwrap_or(requested);
         // The neutral moves through the period; the feel runs about where it is at half of it.
         let trim = period.constant(inputs.trim[0]);
         let neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
         let at = (neutral, feeling.motion.slider, feeling.motion.at[0]);
-        let around = self.around(&shared.effects, at, inputs, (StepFraction::Start, period));
-        self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &around, period);
+        let conditions = self.feel_conditions(&shared.effects, at, inputs, (StepFraction::Start, period));
+        self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &conditions, period);
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
         let gains = if shared.effects.observer {
             let of = |law: &Observer<S>| [law.per_delta(), law.per_rate()];
@@ -194,7 +194,7 @@ impl<S: Scalar> Control<S> {
             [self.law.gains[2], self.law.gains[3]]
         };
         let beyond = e - self.converters.within_range(e);
-        self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| asked - e + beyond)), period);
+        self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| requested - e + beyond)), period);
         self.converters.write(e)
     }
 
@@ -322,8 +322,8 @@ impl<S: Scalar> Control<S> {
     pub fn free_acceleration(&self, shared: &Shared, feeling: &FeelState<S>, inputs: &Inputs) -> S {
         let [delta, rate] = feeling.motion.at;
         let at = (feeling.neutral, feeling.motion.slider, delta);
-        let around = self.around(&shared.effects, at, inputs, (StepFraction::Start, delta.zero()));
-        self.feel_computer(shared, inputs.fade[0]).acceleration((delta, rate), delta.zero(), &around)
+        let conditions = self.feel_conditions(&shared.effects, at, inputs, (StepFraction::Start, delta.zero()));
+        self.feel_computer(shared, inputs.fade[0]).acceleration((delta, rate), delta.zero(), &conditions)
             / self.feel.per_angle
     }
 
@@ -378,7 +378,7 @@ impl<S: Scalar> Control<S> {
 
     /// What the feel is told from outside, where its neutral, its hysteresis' slider and it itself stand, within a step of `h`.
     #[inline(always)]
-    pub(crate) fn around(
+    pub(crate) fn feel_conditions(
         &self,
         effects: &Effects,
         (neutral, slider, start): (S, S, S),

@@ -149,29 +149,30 @@ impl<S: Scalar> FeelLaw<S> {
         curve: Option<&Curve>,
         (delta, delta_rate): (S, S),
         torque: S,
-        around: &FeelConditions<S>,
+        conditions: &FeelConditions<S>,
     ) -> S {
         // First what does not depend on I, B and G: of two feels, one changed into the other, it is the same.
         let torque = if effects.surroundings {
-            torque + self.shaker * around.shaker + self.grip_force * around.added_force
+            torque + self.shaker * conditions.shaker + self.grip_force * conditions.added_force
         } else {
             torque
         };
         let torque = if effects.feel_spring { torque - self.preload } else { torque };
-        let others = self.built_up(effects, delta, around) - self.pushed(effects, around.start, (delta, delta_rate));
+        let others =
+            self.built_up(effects, delta, conditions) - self.pushed(effects, conditions.start, (delta, delta_rate));
         let damping = if effects.feel_damping_and_stops {
             self.damping + self.quadratic_damping * delta_rate.abs()
         } else {
             self.damping
         };
-        let linear = damping * delta_rate + self.gradient(effects, curve, delta, around);
+        let linear = damping * delta_rate + self.gradient(effects, curve, delta, conditions);
         (torque - others - linear) * self.per_torque
     }
 
     /// Torque of everything that depends on the displacement alone.
     #[inline(always)]
-    pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &FeelConditions<S>) -> S {
-        let spring = self.gradient(effects, curve, delta, around) + self.built_up(effects, delta, around);
+    pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, conditions: &FeelConditions<S>) -> S {
+        let spring = self.gradient(effects, curve, delta, conditions) + self.built_up(effects, delta, conditions);
         if effects.feel_spring { spring + self.preload } else { spring }
     }
 
@@ -189,23 +190,23 @@ impl<S: Scalar> FeelLaw<S> {
     ) -> [S; 2] {
         let (zero, one) = (delta.zero(), delta.constant(1.0));
         [-1.0, 1.0].map(|side| {
-            let around = FeelConditions {
+            let conditions = FeelConditions {
                 shaker: one.times(-side),
                 slider: delta - self.parts.hysteresis.travel.times(side),
                 ..FeelConditions::at_rest(neutral, stiffness_factor, delta)
             };
             // T = mu R_p F = S + ... + friction                                                       eq. (11) at rest
-            let free = self.acceleration(effects, curve, (delta, zero), zero, &around);
+            let free = self.acceleration(effects, curve, (delta, zero), zero, &conditions);
             (self.friction.breakaway.times(side) - free) / (self.per_torque * self.grip_force)
         })
     }
 
     /// Torque of the spring: straight, or a curve, beyond the deadband.
     #[inline(always)]
-    fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &FeelConditions<S>) -> S {
-        let x = Self::from_neutral(effects, delta, around);
+    fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, conditions: &FeelConditions<S>) -> S {
+        let x = Self::from_neutral(effects, delta, conditions);
         let beyond = if effects.feel_spring { x - x.within(self.deadband) } else { x };
-        let factor = |of: S| if effects.surroundings { around.stiffness_factor * of } else { of };
+        let factor = |of: S| if effects.surroundings { conditions.stiffness_factor * of } else { of };
         match curve {
             None => factor(self.stiffness) * beyond,
             Some(curve) => factor(self.grip_force) * curve.at(beyond / self.per_angle),
@@ -214,17 +215,17 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of the parts that depend on the displacement.
     #[inline(always)]
-    fn built_up(&self, effects: &Effects, delta: S, around: &FeelConditions<S>) -> S {
+    fn built_up(&self, effects: &Effects, delta: S, conditions: &FeelConditions<S>) -> S {
         if !effects.feel_spring {
             return delta.zero();
         }
-        let from_neutral = Self::from_neutral(effects, delta, around);
-        self.parts.torque(&FeelPlace { from_neutral, delta, slider: around.slider })
+        let from_neutral = Self::from_neutral(effects, delta, conditions);
+        self.parts.torque(&FeelPlace { from_neutral, delta, slider: conditions.slider })
     }
 
     #[inline(always)]
-    fn from_neutral(effects: &Effects, delta: S, around: &FeelConditions<S>) -> S {
-        if effects.surroundings { delta - around.neutral } else { delta }
+    fn from_neutral(effects: &Effects, delta: S, conditions: &FeelConditions<S>) -> S {
+        if effects.surroundings { delta - conditions.neutral } else { delta }
     }
 
     /// Torque of the soft stops on what is at `(delta, delta')` within a step that began at `start`.

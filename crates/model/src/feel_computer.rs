@@ -60,8 +60,8 @@ impl<S: Scalar> FeelComputer<'_, S> {
     #[inline(always)]
     pub fn equilibrium(&self, torque: S, neutral: S, stiffness_factor: S) -> S {
         let left = |delta: S| {
-            let around = FeelConditions::at_rest(neutral, stiffness_factor, delta);
-            let spring = self.feel.spring(self.effects, self.curve, delta, &around);
+            let conditions = FeelConditions::at_rest(neutral, stiffness_factor, delta);
+            let spring = self.feel.spring(self.effects, self.curve, delta, &conditions);
             spring - self.feel.pushed(self.effects, delta, (delta, delta.zero())) - torque
         };
         let zero = torque.zero();
@@ -73,10 +73,10 @@ impl<S: Scalar> FeelComputer<'_, S> {
 
     /// Acceleration of `delta`, dry friction left out.
     #[inline(always)]
-    pub fn acceleration(&self, at: (S, S), torque: S, around: &FeelConditions<S>) -> S {
+    pub fn acceleration(&self, at: (S, S), torque: S, conditions: &FeelConditions<S>) -> S {
         let given = [at.0, at.1];
         let [delta, rate] = S::part_begins(given);
-        let of = |feel: &FeelLaw<S>| feel.acceleration(self.effects, self.curve, (delta, rate), torque, around);
+        let of = |feel: &FeelLaw<S>| feel.acceleration(self.effects, self.curve, (delta, rate), torque, conditions);
         let mut settled = of(self.feel);
         if self.fade != 0.0 {
             settled = settled + (of(self.next) - settled).times(self.fade);
@@ -117,9 +117,9 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// A period under a torque that stays: a Runge-Kutta step of its own. Its four stages are a loop round one piece of code, which is
     /// so small enough to go whole into every vector's loop: a closure of its own would be called there, number by number.
     #[inline(always)]
-    pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &FeelConditions<S>, h: S) {
+    pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, conditions: &FeelConditions<S>, h: S) {
         let effects = self.effects;
-        let mut around = *around;
+        let mut conditions = *conditions;
         // Acceleration without dry friction at the start of the step, where it is known before the stages ask for it.
         let mut known = None;
         if effects.feel_friction {
@@ -129,11 +129,11 @@ impl<S: Scalar> FeelComputer<'_, S> {
             let friction = self.friction();
             let settled = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
             motion.at = [motion.at[0] + settled.displacement, settled.velocity];
-            around.start = motion.at[0];
+            conditions.start = motion.at[0];
             // What moves, slides on; what rests may be held.
             let rests = at_rest(settled.velocity);
             let free = if S::any(rests) {
-                let free = self.acceleration((motion.at[0], motion.at[1]), torque, &around);
+                let free = self.acceleration((motion.at[0], motion.at[1]), torque, &conditions);
                 S::select(rests, free, free.zero())
             } else {
                 torque.zero()
@@ -151,7 +151,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
             } else {
                 (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
             };
-            let mut acceleration = self.acceleration(at, torque, &around);
+            let mut acceleration = self.acceleration(at, torque, &conditions);
             if stage == 0
                 && let Some((rests, free)) = known
             {

@@ -57,7 +57,7 @@ impl<S: Scalar> SupervisedLaw<S> {
     }
 
     /// They begin in an equilibrium: its sensors, the state of the law's observer, and how the feel stands.
-    pub fn begun(
+    pub fn in_equilibrium(
         control: &Control<S>,
         at_rest: [[S; SENSORS]; 2],
         (sensors, estimate, feeling): ([S; SENSORS], Estimate<S>, FeelState<S>),

@@ -151,8 +151,8 @@ impl LiveLoop {
             Some((path, most_bytes, rows, about)) => {
                 let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
                 let now = u64::try_from(now).unwrap_or(0);
-                let made = Record::create(&path, Size { most_bytes, rows }, now, &about, &setup.numbers());
-                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
+                let record = Record::create(&path, Size { most_bytes, rows }, now, &about, &setup.numbers());
+                Some(record.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
             }
             None => None,
         };

@@ -219,13 +219,13 @@ pub fn measure<S: Wide>(
     let band = S::select(went, way.abs(), excursion).times(BAND);
     // Near the top of a swing a column all but stands too.
     let held = band.less((end - to).abs()) & (highest - lowest).less((end - to).abs().times(HELD));
-    let around = S::select(held, end, to);
+    let center = S::select(held, end, to);
     let mut settled = first.zero();
     for (k, &theta) in angle.iter().enumerate() {
         let time = first.constant(number(k) * samples.dt);
-        settled = S::select(band.less((theta - around).abs()), time, settled);
+        settled = S::select(band.less((theta - center).abs()), time, settled);
     }
-    let outside = band.less((angle[angle.len() - 1] - around).abs());
+    let outside = band.less((angle[angle.len() - 1] - center).abs());
     let none = first.constant(f64::NAN);
     let swing = highest - lowest;
     let (went, met, equilibria, swings) = (

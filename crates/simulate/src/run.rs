@@ -76,19 +76,19 @@ pub fn run<S: Scalar, D: Drive<S>>(
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
         let now = inputs.get(step).unwrap_or(&ended);
-        let begun = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
+        let step_start = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
         if let Some((before, inputs)) = &last {
             match middles {
                 Middles::None => {}
-                Middles::Base => record.see_base(machine.middle_base(before, &begun)),
-                Middles::All => record.see(stride * step - 1, &machine.middle(shared, inputs, before, &begun)),
+                Middles::Base => record.see_base(machine.middle_base(before, &step_start)),
+                Middles::All => record.see(stride * step - 1, &machine.middle(shared, inputs, before, &step_start)),
             }
         }
-        record.see(stride * step, &begun.now);
+        record.see(stride * step, &step_start.now);
         if step == inputs.len() {
             return;
         }
-        machine.advance(shared, &mut state, now, &begun);
+        machine.advance(shared, &mut state, now, &step_start);
         let next = step + 1;
         if next == held_until {
             Machine::<S, D>::let_go(&mut state);
@@ -104,7 +104,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
             machine.fade_to(&change.parameters, change.observer.as_ref());
         }
         if middles != Middles::None {
-            last = Some((begun, now));
+            last = Some((step_start, now));
         }
     }
 }

@@ -37,7 +37,7 @@ pub fn feel_alone(
     for (step, now) in inputs.iter().enumerate() {
         for part in 0..if step < held_until { 0 } else { parts } {
             let at = |[begin, end]: [f64; 2]| begin + middle(part) * (end - begin);
-            let around = FeelConditions {
+            let conditions = FeelConditions {
                 neutral: 0.0,
                 stiffness_factor: at(now.stiffness_factor),
                 shaker: 0.0,
@@ -45,7 +45,7 @@ pub fn feel_alone(
                 slider: motion.slider,
                 start: motion.at[0],
             };
-            computer.run(&mut motion, torque(at(now.force)), &around, h);
+            computer.run(&mut motion, torque(at(now.force)), &conditions, h);
         }
         angles.push(motion.at[0]);
     }

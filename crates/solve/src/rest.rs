@@ -15,13 +15,13 @@ pub fn is_pulled(shared: &Shared, force: f64, trim: f64) -> bool {
 
 /// Angle in rad at which the loader rests under the end of `last`, dry friction aside; not a number where nothing brings it back.
 ///
-/// By secants from the equilibrium `begun` and the angle `near`, which meet in a step or two where the springs are straight; by
+/// By secants from the equilibrium `start` and the angle `near`, which meet in a step or two where the springs are straight; by
 /// [`Machine::held_by`] where they are not.
 pub fn angle_at_rest<D: Drive<f64>>(
     machine: &Machine<f64, D>,
     shared: &Shared,
     last: &Inputs,
-    begun: &Equilibrium<f64>,
+    start: &Equilibrium<f64>,
     near: f64,
 ) -> f64 {
     let (force, trim, factor) = (machine.force(last.force[1]), last.trim[1], last.stiffness_factor[1]);
@@ -30,8 +30,8 @@ pub fn angle_at_rest<D: Drive<f64>>(
     }
     let angle_of = |equilibrium: &Equilibrium<f64>| equilibrium.numbers()[0] * machine.per_base();
     let beyond = |angle: f64| machine.held_at(shared, angle, trim, factor).pilot_force - force;
-    let (first, mut angle) = (angle_of(begun), near);
-    let mut before = (first, begun.pilot_force - force);
+    let (first, mut angle) = (angle_of(start), near);
+    let mut before = (first, start.pilot_force - force);
     for _ in 0..SECANTS {
         let now = beyond(angle);
         let step = now * (angle - before.0) / (before.1 - now);

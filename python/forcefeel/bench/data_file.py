@@ -34,7 +34,6 @@ def read_bench_data(  # noqa: PLR0913  what options say of a file
         InputError: As these two, and if the file has neither column or both.
 
     Example:
-        >>> import forcefeel as ff
         >>> data = ff.read_bench_data("examples/bench/servo-closed.csv")
         >>> data.input, data.output
         ('test_signal', 'column_angle')

@@ -71,7 +71,6 @@ def estimate_response(
     Identification, 2nd ed. (2012), ch. 2.
 
     Example:
-        >>> import forcefeel as ff
         >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
         >>> sorted(record.channels)
         ['column_angle', 'pilot_force']

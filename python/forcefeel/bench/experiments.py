@@ -10,13 +10,7 @@ from forcefeel.units import show
 
 
 class Loop(StrEnum):
-    """Which loop is closed.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [loop.value for loop in ff.bench.Loop]
-        ['servo-open', 'servo-closed', 'motor-open', 'loader']
-    """
+    """Which loop is closed."""
 
     SERVO_OPEN = "servo-open"
     """None: the test signal alone drives the amplifier, the column hangs on the servo, the feel computer is off."""
@@ -29,13 +23,7 @@ class Loop(StrEnum):
 
 
 class Drive(StrEnum):
-    """Input that moves the loader.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [drive.value for drive in ff.bench.Drive]
-        ['test_signal', 'command_signal', 'test_current', 'command_current', 'pilot_force', 'release']
-    """
+    """Input that moves the loader."""
 
     TEST_SIGNAL = "test_signal"
     """A voltage at the amplifier's input, beside the law's command."""
@@ -79,7 +67,6 @@ class Experiment:
             loader.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.bench.Experiment.read("servo-closed").loop.value
         'servo-closed'
     """

@@ -49,7 +49,6 @@ def read_bench_record(
         InputError: With the file, the line or row, the fault, the expected value and the remedy.
 
     Example:
-        >>> import forcefeel as ff
         >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
         >>> sorted(record.channels)
         ['column_angle', 'pilot_force']

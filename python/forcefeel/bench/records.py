@@ -29,12 +29,6 @@ class BenchRecord:
         hold: Course of the drive between two samples: straight, or as a staircase that keeps each value until the next.
         data_hash: SHA-256 of its file, in hexadecimal; empty without a file.
         run: Loader, law and machine of a live record; empty for other records.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
-        >>> len(record.time_s) == len(record.channels["column_angle"])
-        True
     """
 
     name: str

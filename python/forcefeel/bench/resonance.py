@@ -49,16 +49,6 @@ class Resonance:
         half_power: From the peak and the two points 3 dB below it.
         circle: From a circle through the response about the peak.
         note: For which responses the two hold.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
-        >>> f = np.arange(4, 24, 0.25)
-        >>> receptance = 1 / (144 - f**2 + 2.4j * f)
-        >>> experiment = ff.bench.Experiment.read("servo-closed")
-        >>> swing = ff.bench.Response("swing", experiment, "pilot_force", "column_angle", f, receptance)
-        >>> round(ff.bench.read_resonance(swing).circle.damping_ratio, 3)
-        0.1
     """
 
     kind: Kind
@@ -104,8 +94,6 @@ def read_resonance(response: Response, band_hz: tuple[float, float] | None = Non
     Source: D. J. Ewins, Modal Testing, 2nd ed. (2000), ch. 4.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> f = np.arange(4, 24, 0.25)
         >>> receptance = 1 / (144 - f**2 + 2.4j * f)
         >>> experiment = ff.bench.Experiment.read("servo-closed")
@@ -160,7 +148,6 @@ def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: floa
     Source: The report's appendix, 12 Hz and 0.1.
 
     Example:
-        >>> import forcefeel as ff
         >>> k, c = ff.bench.link_from_resonance(ff.elevator(), frequency_hz=12.0, damping_ratio=0.1)
         >>> f"{k:.4g} N/m, {c:.4g} N s/m"
         '1.07e+06 N/m, 2837 N s/m'

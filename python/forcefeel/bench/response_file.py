@@ -58,7 +58,6 @@ def read_response(
         InputError: With the file, the line, the fault, the expected value and the remedy.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.bench.read_response("examples/bench/servo-closed.csv").output
         'column_angle'
     """

@@ -22,12 +22,6 @@ class Response:
         deviation: Standard deviation of each line's relative error, (lines,): that of ``|G|`` in shares and of its phase in rad;
             ``None`` if unknown.
         data_hash: SHA-256 of its file, in hexadecimal; empty without a file.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> response = ff.bench.read_response("examples/bench/servo-closed.csv")
-        >>> len(response.frequency_hz) == len(response.value)
-        True
     """
 
     name: str

@@ -66,7 +66,6 @@ def best_law(
         InputError: If the loader is analog or the grid is invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
         >>> tried = ff.choice.best_law(ff.digital_elevator(), grid)
         >>> tried.best.name, tried.best.qualifies, tried.report.qualifies

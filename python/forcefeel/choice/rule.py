@@ -78,7 +78,6 @@ class Choice:
         remarks: One for each law, the chosen law first.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.choice.Choice("robust", ()).chosen
         'robust'
     """
@@ -96,7 +95,6 @@ def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> C
         reserve: Required margins of the loop at the loader's own setting.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "2, 3 Hz", "damping": "0.3, 1"}
         >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("observer", "robust"), grid, changes={}, arms=())
         >>> ff.choice.choose(scored).chosen in ("observer", "robust")

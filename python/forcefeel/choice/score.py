@@ -67,7 +67,6 @@ class Score:
         over: Results over the grid; ``None`` if not computed.
 
     Example:
-        >>> import forcefeel as ff
         >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("robust",), over_envelope=False)
         >>> scored.scores[0].own.stable
         True
@@ -88,7 +87,6 @@ class LawScores:
         scores: One for each law.
 
     Example:
-        >>> import forcefeel as ff
         >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("robust",), over_envelope=False)
         >>> [score.name for score in scored.scores]
         ['robust']
@@ -131,7 +129,6 @@ def score_laws(
         InputError: If an argument is invalid, or a law requires a digital controller and the loader is analog.
 
     Example:
-        >>> import forcefeel as ff
         >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
         >>> [(score.name, score.own.outcome) for score in scored.scores]
         [('published', 'P0'), ('robust', 'passes')]

@@ -184,7 +184,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
         lambda terminal: _show(terminal, commission),
         as_json=options.json,
     )
-    if not commission.good:
+    if not commission.ok:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -210,7 +210,7 @@ def _there(out: Path, name: str) -> Path | None:
 
 
 def law_file(out: Path) -> Path | None:
-    """The law that was written, good or not."""
+    """The law that was written, accepted or not."""
     return _there(out, "law.json") or _there(out, "law-rejected.json")
 
 
@@ -220,8 +220,8 @@ def _show(console: Terminal, commission: "Commission") -> None:
     table = Table(
         "step", "result", title=f"{commission.before.name}, commissioned", title_justify="left", title_style="bold"
     )
-    table.add_column("good")
+    table.add_column("ok")
     for row in glance(commission):
-        table.add_row(row.title, row.result, row.good)
+        table.add_row(row.title, row.result, row.ok)
     console.show(table)
     console.conclude(commission_conclusions(commission))

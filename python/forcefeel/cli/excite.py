@@ -9,7 +9,7 @@ from cyclopts import Group
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_and_deviations import chosen_law
 from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.options import OUTPUT, BenchLawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
 from forcefeel.cli.progress import all_or_nothing
@@ -163,7 +163,7 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             raise InputError(
                 f"--law: is the law of the whole loader, and {experiment} is of the servo alone; leave it out"
             )
-        return given_law(self.law, loader)
+        return chosen_law(self.law, loader)
 
     def plan(self, drive: "Drive", loader: "Loader") -> "ExcitationPlan":
         """What is wanted of a loader under that drive of the bench, SI units.

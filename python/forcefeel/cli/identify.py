@@ -12,7 +12,7 @@ from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_and_deviations import chosen_law
 from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.options import (
     OUTPUT,
@@ -119,12 +119,12 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         from forcefeel.loader.parameters import HYDRAULIC
 
         if self.law is None and (law := law_of_runs(data, loader)) is not None:
-            return given_law(law, loader)
+            return chosen_law(law, loader)
         if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
         if all(measurement.experiment.loop is not Loop.LOADER for measurement in data):
             raise InputError("--law: is the law of the whole loader, and all data are of the servo alone; leave it out")
-        return given_law(self.law, loader)
+        return chosen_law(self.law, loader)
 
 
 def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:

@@ -63,12 +63,12 @@ def option(help: str, group: Group, *names: str, default: str | None = None, **m
         default: What holds where it is not given, in words; where it is not given either, the field's default is shown.
         more: What else Cyclopts takes.
     """
-    shown: Any = default if default is not None else _shown
+    shown: Any = default if default is not None else _default_text
     # A value may begin with a minus: -10 deg.
     return Parameter(names or None, help=help, group=group, show_default=shown, allow_leading_hyphen=True, **more)
 
 
-def _shown(value: object) -> str | None:
+def _default_text(value: object) -> str | None:
     """A default that is worth a word; nothing given, none, and a switch that is off are not."""
     return None if value is None or value is False or value in ((), "") else str(value)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
 
-from forcefeel.cli.given_loader import given_deviations
+from forcefeel.cli.law_and_deviations import plant_deviations
 from forcefeel.cli.options import EDITION, LoaderOptions, option
 from forcefeel.cli.scenario_text import value
 from forcefeel.units import ANGLE
@@ -42,7 +42,7 @@ class ReleaseOptions(LoaderOptions):
         Raises:
             InputError: If an option is bad, or a tolerance of the loader leads out of its row's range.
         """
-        return given_deviations(loader, self.deviation)
+        return plant_deviations(loader, self.deviation)
 
 
 @dataclass(frozen=True, kw_only=True)

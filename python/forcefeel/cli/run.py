@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_and_deviations import chosen_law
 from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.scenario_text import seconds
 from forcefeel.cli.terminal import Terminal, answer
@@ -77,12 +77,12 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     if not lasts > 0:
         raise InputError(f"--duration: expected a time above 0, got {options.duration}")
     loader = options.loader(path)
-    law = given_law(options.law, loader)
+    law = chosen_law(options.law, loader)
     record = None if options.out is None else _record(options.out, replace=options.replace)
     endpoint = Simulated() if options.machine is None else Udp(options.machine)
     with (
         start(loader, law, endpoint=endpoint, host=options.host, record=record, expected_s=lasts) as running,
-        _told_to_end() as ended,
+        _stop_signals() as ended,
         _console(running, options),
     ):
         _wait(running, lasts, ended)
@@ -134,7 +134,7 @@ def _tell(sentence: str) -> None:
 
 
 @contextmanager
-def _told_to_end() -> Iterator[threading.Event]:
+def _stop_signals() -> Iterator[threading.Event]:
     """What Ctrl-C and SIGTERM set, at whatever moment they come: a loop is ended in its order, never in the middle of something."""
     ended = threading.Event()
     before = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGINT, signal.SIGTERM)}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import options_named
-from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_and_deviations import chosen_law
 from forcefeel.cli.options import LOADER, RARE, LawOption, LoaderOptions, option
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
@@ -206,7 +206,7 @@ class ScenarioOptions(LoaderOptions):
         Raises:
             InputError: If it cannot be designed or read, or is for another controller.
         """
-        return given_law(self.law, loader)
+        return chosen_law(self.law, loader)
 
     def scenario(self, loader: "Loader") -> "Scenario":
         """What is done to ``loader``.
@@ -227,7 +227,7 @@ class ScenarioOptions(LoaderOptions):
         if recorded is not None:
             return replace(bare, force=recorded)
         kind = self.input or InputKind.STEP
-        options = InputOptions(kind, self._given(), loader["pilot.force"], bare.duration_s, grid_s)
+        options = InputOptions(kind, self._input_options(), loader["pilot.force"], bare.duration_s, grid_s)
         return replace(bare, force=options.build())
 
     def _bare(self, loader: "Loader") -> "Scenario":
@@ -261,7 +261,7 @@ class ScenarioOptions(LoaderOptions):
             return max(floor(float(recorded.time_s[-1]) / sample_s + ROUNDING), 1) * sample_s
         return max(round(DURATION_S[self.input or InputKind.STEP] / sample_s), 1) * sample_s
 
-    def _given(self) -> dict[str, str]:
+    def _input_options(self) -> dict[str, str]:
         """The options of the input that are given, by name."""
         named = {"--from": self.from_} | {
             name: getattr(self, name[2:].replace("-", "_")) for name in OPTIONS if name != "--from"
@@ -273,7 +273,7 @@ class ScenarioOptions(LoaderOptions):
         names = ColumnNames.of(self.column, self.unit, stems)
         if self.record is None:
             return None
-        for name in (*(["--input"] if self.input else []), *self._given()):
+        for name in (*(["--input"] if self.input else []), *self._input_options()):
             raise InputError(f"{name}: given with --record, which is the pilot's input; leave one out")
         from forcefeel.simulation.inputs import read_recorded
 

@@ -69,7 +69,7 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
             lambda terminal: _show_axes(terminal, cockpit, options.units),
             as_json=options.json,
         )
-        good = cockpit.good
+        ok = cockpit.ok
     else:
         with all_or_nothing("size", silent=options.json):
             sizing = options.sizing(path)
@@ -81,8 +81,8 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
             lambda terminal: _show(terminal, sizing, options.units),
             as_json=options.json,
         )
-        good = sizing.good
-    if not good:
+        ok = sizing.ok
+    if not ok:
         raise SystemExit(BAD_ANSWER)
 
 

@@ -140,10 +140,10 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
             page = write_sweep(result, summary, options.out, units, law, command=options.command_line(path))
         except KeyboardInterrupt:
             bar.stop()
-            print(f"\nforcefeel: interrupted; {_kept(bar, options.out)}", file=sys.stderr)
+            print(f"\nforcefeel: interrupted; {_resume_text(bar, options.out)}", file=sys.stderr)
             raise SystemExit(INTERRUPTED) from None
         except InputError as error:
-            raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
+            raise InputError(f"{error}\n{_resume_text(bar, options.out)}" if bar.done else str(error)) from error
     answer(
         {"page": page},
         lambda: sweep_json(result, summary, units),
@@ -154,7 +154,7 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
         raise SystemExit(BAD_ANSWER)
 
 
-def _kept(bar: Bar, out: Path) -> str:
+def _resume_text(bar: Bar, out: Path) -> str:
     """What is kept, and the command that goes on."""
     words = [word for word in sys.argv[1:] if word not in {"--replace", "--resume"}]
     command = shlex.join(["forcefeel", *words, "--resume"])

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 
 from forcefeel.commission.findings import commission_conclusions
-from forcefeel.commission.result import Checked, Commission
+from forcefeel.commission.result import Commission, EnvelopeResult
 from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import Json, quantity
@@ -17,12 +17,12 @@ def commission_json(commission: Commission) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": commission.before.name,
-        "good": commission.good,
+        "ok": commission.ok,
         "required_share": commission.plan.share,
         "rule": commission.plan.rule,
         "conclusions": json_value(commission_conclusions(commission), units),
         "identification": {
-            "good": commission.identified.good,
+            "ok": commission.identified.ok,
             "verdict": commission.identified.verdict,
             "wanting": list(commission.identified.wanting),
             "next_experiment": list(commission.identified.advice),
@@ -38,12 +38,12 @@ def commission_json(commission: Commission) -> dict[str, Json]:
             },
         },
         "law": None if commission.chosen is None else json_value(asdict(commission.chosen), units),
-        "envelope": None if commission.checked is None else json_value(_numbers(commission.checked), units),
+        "envelope": None if commission.envelope is None else json_value(_numbers(commission.envelope), units),
         "tests": None if commission.tested is None else json_value(asdict(commission.tested), units),
         "folders": dict(commission.folders),
     }
 
 
-def _numbers(checked: Checked) -> dict[str, object]:
+def _numbers(envelope: EnvelopeResult) -> dict[str, object]:
     """The result without its map, which is in the envelope's folder."""
-    return {name: value for name, value in asdict(checked).items() if name != "outcomes"}
+    return {name: value for name, value in asdict(envelope).items() if name != "outcomes"}

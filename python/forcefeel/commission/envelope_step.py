@@ -1,7 +1,7 @@
 """The third step: the law in the envelope of the identified loader, nominal, in every case and with joint tolerances."""
 
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked, OutcomeMap
+from forcefeel.commission.result import EnvelopeResult, OutcomeMap
 from forcefeel.commission.what_ifs import what_ifs
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.envelope.draws import Draws
@@ -20,7 +20,7 @@ _EXACT = 1e-4
 
 def check_law(
     loader: Loader, name: str, law: Law, plan: CommissionPlan, progress: Progress = lambda done, total: None
-) -> tuple[Checked, Envelope]:
+) -> tuple[EnvelopeResult, Envelope]:
     """Compute the share of settings that a law renders.
 
     Args:
@@ -38,7 +38,7 @@ def check_law(
     drawn = (envelope.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ envelope_plan.settings.weights
     short = min(even.nominal_share, float(drawn.mean())) < plan.share
     return (
-        Checked(
+        EnvelopeResult(
             settings=envelope_plan.settings.count,
             passes=even.nominal_share,
             every_case=even.worst_case_share,

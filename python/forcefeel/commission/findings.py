@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Checked, Commission
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Commission, EnvelopeResult
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 
@@ -23,14 +23,14 @@ def commission_conclusions(commission: Commission) -> Conclusions:
     lines += commission.identified.noticed
     if commission.loader is not None:
         lines += [_sorted(commission, state) for state in (CARRIED, AT_END, NOTHING, UNSEEN)]
-    if commission.checked is not None:
-        lines += [_envelope(commission), *_more(commission)]
+    if commission.envelope is not None:
+        lines += [_envelope(commission), *_hardware_changes(commission)]
     if commission.tested is not None and not commission.tested.fulfilled:
         lines += commission.tested.reasons
     if commission.chosen is not None:
         lines += commission.chosen.findings[:1]
     lines.append(_handed(commission))
-    return Conclusions(commission.good, _verdict(commission), tuple(line for line in lines if line))
+    return Conclusions(commission.ok, _verdict(commission), tuple(line for line in lines if line))
 
 
 def _verdict(commission: Commission) -> str:
@@ -47,20 +47,20 @@ def _verdict(commission: Commission) -> str:
     if (
         commission.chosen is None
         or not commission.chosen.name
-        or commission.checked is None
+        or commission.envelope is None
         or commission.tested is None
     ):
         return f"{text}, and no law is eligible: {_small(commission.chosen.verdict) if commission.chosen else ''}"
-    law, checked = commission.chosen.name, commission.checked
+    law, envelope = commission.chosen.name, commission.envelope
     renders = (
-        f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
-        f"{share_text(checked.drawn)} on average over machines with all its tolerances at once"
+        f"the law {law} renders {share_text(envelope.passes)} of the settings on the identified loader and "
+        f"{share_text(envelope.drawn)} on average over machines with all its tolerances at once"
     )
     shortfall = "" if commission.reaches else f", below the required {share_text(commission.plan.share)}"
     tests = "passes the rule's tests" if commission.tested.fulfilled else "does not pass the rule's tests"
     end = (
         ""
-        if commission.good or not commission.identified.wanting
+        if commission.ok or not commission.identified.wanting
         else " Do not use it: the data leave a required parameter open."
     )
     joint = "and" if commission.tested.fulfilled is commission.reaches else "but"
@@ -95,33 +95,33 @@ def _sorted(commission: Commission, state: str) -> str:
 
 
 def _envelope(commission: Commission) -> str:
-    checked = commission.checked
-    if checked is None:
+    envelope = commission.envelope
+    if envelope is None:
         return ""
     return (
-        f"Share of {checked.settings} settings, weighted by equal logarithmic steps: {share_text(checked.passes)} nominally, "
-        f"{share_text(checked.every_case)} in every case, pilots' arms included; {_drawn(checked)}."
+        f"Share of {envelope.settings} settings, weighted by equal logarithmic steps: {share_text(envelope.passes)} nominally, "
+        f"{share_text(envelope.every_case)} in every case, pilots' arms included; {_drawn(envelope)}."
     )
 
 
-def _drawn(checked: Checked) -> str:
+def _drawn(envelope: EnvelopeResult) -> str:
     """Share rendered by the worst machine with joint tolerances."""
-    least = share_text(checked.drawn_least)
-    if checked.machines == 1:
+    least = share_text(envelope.drawn_least)
+    if envelope.machines == 1:
         return f"the one machine with joint tolerances renders {least}"
-    return f"of {checked.machines} machines with joint tolerances the worst renders {least}"
+    return f"of {envelope.machines} machines with joint tolerances the worst renders {least}"
 
 
-def _more(commission: Commission) -> list[str]:
+def _hardware_changes(commission: Commission) -> list[str]:
     """Changes of the machine that would render more."""
-    if commission.checked is None or commission.reaches:
+    if commission.envelope is None or commission.reaches:
         return []
-    if not commission.checked.what_ifs:
+    if not commission.envelope.what_ifs:
         return ["No tested hardware change (friction, sensors, controller, limits of the drive) increases the share."]
-    most = sorted(commission.checked.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
+    most = sorted(commission.envelope.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
     parts = [f"{what_if.change}: {share_text(what_if.passes)}" for what_if in most]
     sufficient = next(
-        (what_if for what_if in commission.checked.what_ifs if what_if.passes >= commission.plan.share), None
+        (what_if for what_if in commission.envelope.what_ifs if what_if.passes >= commission.plan.share), None
     )
     required = share_text(commission.plan.share)
     least = (
@@ -138,7 +138,7 @@ def _more(commission: Commission) -> list[str]:
 def _handed(commission: Commission) -> str:
     if commission.law is None:
         return "There is no law."
-    if commission.good:
+    if commission.ok:
         return f"Results: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
     return f"No law meets the requirements; the best candidate is in {OTHER_LAW}."
 
@@ -150,13 +150,13 @@ class Row:
     Attributes:
         title: The step.
         result: Its result.
-        good: Yes or no.
+        ok: Yes or no.
         page: Its page, within the whole folder; empty without one.
     """
 
     title: str
     result: str
-    good: str
+    ok: str
     page: str = ""
 
 
@@ -177,7 +177,7 @@ def glance(commission: Commission) -> tuple[Row, ...]:
     )
     wanting = f"; {len(commission.identified.wanting)} missing" if commission.identified.wanting else ""
     rows.append(
-        Row("identification", what + wanting, _yes(commission.identified.good), f"{IDENTIFICATION}/identification.html")
+        Row("identification", what + wanting, _yes(commission.identified.ok), f"{IDENTIFICATION}/identification.html")
     )
     if commission.chosen is not None:
         rows.append(
@@ -188,8 +188,8 @@ def glance(commission: Commission) -> tuple[Row, ...]:
                 f"{LAW}/law.html",
             )
         )
-    if commission.checked is not None:
-        nominal, joint = share_text(commission.checked.passes), share_text(commission.checked.drawn)
+    if commission.envelope is not None:
+        nominal, joint = share_text(commission.envelope.passes), share_text(commission.envelope.drawn)
         shares = f"{nominal} nominal, {joint} with joint tolerances"
         rows.append(Row("envelope", shares, _yes(commission.reaches), f"{ENVELOPE}/envelope.html"))
     if commission.tested is not None:
@@ -203,5 +203,5 @@ def _percent(share: float) -> str:
     return f"{100 * share:.2g} %"
 
 
-def _yes(good: bool) -> str:
-    return "yes" if good else "no"
+def _yes(ok: bool) -> str:
+    return "yes" if ok else "no"

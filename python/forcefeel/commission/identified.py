@@ -100,7 +100,7 @@ def identify_loader(
     ok = identified is not None and not wanting
     conclusions = identification_conclusions(replace(identification, loader=identified), plan.units)
     outcome = Identified(
-        good=ok,
+        ok=ok,
         verdict=" ".join((conclusions.verdict, *_beside_the_fit(grip))),
         findings=conclusions.findings,
         parameters=_parameters(loader, fits, grip) if identified else (),

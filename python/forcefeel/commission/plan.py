@@ -35,7 +35,6 @@ class CommissionPlan:
         InputError: If a number is out of its range.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.commission.CommissionPlan(share=0.9).rule
         'part60-a-2014'
     """

@@ -61,7 +61,7 @@ class Identified:
     """Result of the identification.
 
     Attributes:
-        good: Whether a loader file was written, for the design of a law.
+        ok: Whether a loader file was written, for the design of a law.
         verdict: Verdict in a sentence.
         findings: Further findings.
         parameters: Each parameter of the plant.
@@ -71,7 +71,7 @@ class Identified:
         curve: The data with the identified model; ``None`` without a model.
     """
 
-    good: bool
+    ok: bool
     verdict: str
     findings: tuple[str, ...] = ()
     parameters: tuple[IdentifiedParameter, ...] = ()
@@ -127,7 +127,7 @@ class OutcomeMap:
 
 
 @dataclass(frozen=True)
-class Checked:
+class EnvelopeResult:
     """The law in the envelope.
 
     Attributes:
@@ -185,17 +185,10 @@ class Commission:
         loader: The identified loader; ``None`` if the data are insufficient.
         chosen: The choice of the law; ``None`` without a loader.
         law: The law, for the loader's own setting and those of the grid; ``None`` if no law is eligible.
-        checked: Result of the envelope; ``None`` without a law.
+        envelope: Result of the envelope; ``None`` without a law.
         tested: Result of the rule's tests.
         folders: Folder of each finished step, within the whole one.
         resumed: Steps from an earlier run.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from forcefeel.commission.result import Identified
-        >>> plan = ff.commission.CommissionPlan()
-        >>> ff.commission.Commission(plan, ff.elevator(), Identified(False, "nothing was measured")).good
-        False
     """
 
     plan: CommissionPlan
@@ -204,7 +197,7 @@ class Commission:
     loader: Loader | None = None
     chosen: LawChosen | None = None
     law: Law | None = field(default=None, repr=False)
-    checked: Checked | None = None
+    envelope: EnvelopeResult | None = None
     tested: RuleTests | None = None
     folders: Mapping[str, str] = field(default_factory=dict)
     resumed: tuple[str, ...] = ()
@@ -212,10 +205,10 @@ class Commission:
     @property
     def reaches(self) -> bool:
         """Whether the law renders the required share, nominally and with joint tolerances."""
-        return self.checked is not None and min(self.checked.passes, self.checked.drawn) >= self.plan.share
+        return self.envelope is not None and min(self.envelope.passes, self.envelope.drawn) >= self.plan.share
 
     @property
-    def good(self) -> bool:
+    def ok(self) -> bool:
         """Whether the law is accepted: the identification is complete, and the law reaches the share and passes the tests."""
-        determined = self.identified.good and not self.identified.wanting
+        determined = self.identified.ok and not self.identified.wanting
         return determined and self.reaches and self.tested is not None and self.tested.fulfilled

@@ -18,7 +18,7 @@ from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.qualification_step import run_tests
-from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests
+from forcefeel.commission.result import Commission, EnvelopeResult, Identified, LawChosen, RuleTests
 from forcefeel.commission.simulated_bench import BenchTime, record_csv, simulated_records
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, STEPS, TESTS, State, digest
 from forcefeel.envelope.result import Envelope
@@ -55,7 +55,6 @@ class StepWriters:
         tests: The qualification under the law.
 
     Example:
-        >>> import forcefeel as ff
         >>> writers = ff.commission.StepWriters(envelope=lambda envelope, folder: print(folder.name))
         >>> writers.tests is ff.commission.StepWriters().tests
         True
@@ -93,13 +92,12 @@ def commission_loader(  # noqa: PLR0913  what the command takes
         writers: Writers of the results, such as pages.
 
     Returns:
-        The result of each step; ``good`` if the law is accepted. ``write_commission`` writes the page, the loader file and the law.
+        The result of each step; ``ok`` if the law is accepted. ``write_commission`` writes the page, the loader file and the law.
 
     Raises:
         InputError: If the data are missing, not of this loader, or contradict their labels.
 
     Example:
-        >>> import forcefeel as ff
         >>> try:
         ...     ff.commission.commission_loader(ff.digital_elevator(), [], "commissioned")
         ... except ff.InputError as error:
@@ -131,17 +129,19 @@ def _set_up(
     state = State.of(out)
     if bench is not None:
         data = _simulated(state, loader, bench, bench_time or BenchTime(), work.progress)
-    text = digest(loader.to_toml(UnitSystem.SI), [_text_of(measurement) for measurement in data], _asked(plan))
+    text = digest(loader.to_toml(UnitSystem.SI), [_text_of(measurement) for measurement in data], _plan_values(plan))
     identified = state.step(IDENTIFICATION, text, Identified, lambda folder: work.identify(folder, loader, data))
     commission = Commission(plan, loader, identified, folders=_folders(bench))
     if input_kind(out / IDENTIFICATION / LOADER) is not Kind.FILE:
-        return replace(commission, folders=_some(commission.folders, IDENTIFICATION), resumed=tuple(state.resumed))
+        return replace(
+            commission, folders=_folders_up_to(commission.folders, IDENTIFICATION), resumed=tuple(state.resumed)
+        )
     identified_loader = load(out / IDENTIFICATION / LOADER)
     text = digest(text, identified_loader.fingerprint)
     chosen = state.step(LAW, text, LawChosen, lambda folder: work.choose(folder, identified_loader))
     commission = replace(commission, loader=identified_loader, chosen=chosen)
     if not chosen.name:
-        return replace(commission, folders=_some(commission.folders, LAW), resumed=tuple(state.resumed))
+        return replace(commission, folders=_folders_up_to(commission.folders, LAW), resumed=tuple(state.resumed))
     feel = Settings.of(plan.grid).feel(identified_loader)
     law = replace(
         Law.of(
@@ -152,9 +152,9 @@ def _set_up(
         name=chosen.name,
     )
     text = digest(text, (out / LAW / LAW_FILE_NAME).read_text(encoding="utf-8"))
-    checked = state.step(ENVELOPE, text, Checked, lambda folder: work.check(folder, identified_loader, law))
+    envelope = state.step(ENVELOPE, text, EnvelopeResult, lambda folder: work.check(folder, identified_loader, law))
     tested = state.step(TESTS, text, RuleTests, lambda folder: work.test(folder, identified_loader, law))
-    return replace(commission, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
+    return replace(commission, law=law, envelope=envelope, tested=tested, resumed=tuple(state.resumed))
 
 
 @contextmanager
@@ -217,7 +217,7 @@ class _Work:
         self.writers.law(scores, choice, folder)
         return outcome
 
-    def check(self, folder: Path, loader: Loader, law: Law) -> Checked:
+    def check(self, folder: Path, loader: Loader, law: Law) -> EnvelopeResult:
         def show(done: int, total: int) -> None:
             self.progress(ENVELOPE, f"{done:,} of {total:,} releases")
 
@@ -245,11 +245,11 @@ def _folders(bench: Loader | None) -> dict[str, str]:
     return {name: name for name in ((BENCH,) if bench is not None else ()) + STEPS}
 
 
-def _some(folders: Mapping[str, str], last: str) -> dict[str, str]:
+def _folders_up_to(folders: Mapping[str, str], last: str) -> dict[str, str]:
     return {name: name for name in folders if name <= last}
 
 
-def _asked(plan: CommissionPlan) -> dict[str, object]:
+def _plan_values(plan: CommissionPlan) -> dict[str, object]:
     """What of the plan has a say in the numbers and the pages."""
     bench_time = {name: value for name, value in vars(plan).items() if name != "threads"}
     return {**bench_time, "grid": dict(plan.grid), "units": str(plan.units)}

@@ -101,7 +101,6 @@ def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | Non
         InputError: If the machine has another drive, or runs away under the signal.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.commission.simulated_bench import BenchTime
         >>> loader = ff.digital_elevator()
         >>> truth = loader.replace({"column.inertia": "41 lb in s^2/rad"})
@@ -132,13 +131,13 @@ def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | Non
     if has_grip_sensor(truth):
         exact[GRIP_FORCE] = grip_force(truth, moments(asked_of, truth, law)) + truth["grip_sensor.offset"]
     random = np.random.default_rng(bench_time.seed)
-    readings = {name: _shown(truth, name, values, bench_time.rate_hz, random) for name, values in exact.items()}
+    readings = {name: _reading(truth, name, values, bench_time.rate_hz, random) for name, values in exact.items()}
     record = BenchRecord("bench", experiment, signal.time_s, {**drive, **readings})
     check_bench(loader, [record])
     return [record]
 
 
-def _shown(
+def _reading(
     truth: Loader, channel: str, values: NDArray[np.float64], rate_hz: float, random: np.random.Generator
 ) -> NDArray[np.float64]:
     """Reading of a sensor: with lag, noise and resolution."""

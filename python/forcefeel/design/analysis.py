@@ -73,7 +73,6 @@ class Analysis:
         configurations: Rigid and compliant; a design by recursion (22) adds the compensated one.
 
     Example:
-        >>> import forcefeel as ff
         >>> analysis = ff.analyze(ff.elevator())
         >>> analysis.configuration("rigid").programmed.assessment.stable
         True

@@ -34,12 +34,6 @@ class Assessment:
             deflection at rest.
         cost: Index V of eq. (20) over 2 s; NaN for the original system, whose computer works in volts, and for a rigid
             link and a motor, which lack the states weighted by [Q].
-
-    Example:
-        >>> import forcefeel as ff
-        >>> assessment = ff.design.assess(ff.elevator(), None)
-        >>> f"{assessment.static_error:.0%} off at rest"
-        '-39% off at rest'
     """
 
     stable: bool
@@ -62,12 +56,6 @@ class Peaks:
         current_share: The same as a share of the rated current.
         flow_m3_per_s: Largest flow into the actuator.
         flow_share: The same as a share of the rated flow.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> peaks = ff.design.peaks(ff.elevator(), None)
-        >>> f"{peaks.current_share:.0%} of the rated current"
-        '21% of the rated current'
     """
 
     current_a: Annotated[float, CURRENT]
@@ -85,12 +73,6 @@ class MotorPeaks:
         current_share: The same as a share of the amplifier's limit.
         voltage_v: Largest voltage of a phase.
         voltage_share: The same as a share of the supply voltage.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> peaks = ff.design.peaks(ff.loader.electric("sidestick-roll"), None)
-        >>> f"{peaks.current_share:.0%} of the largest current"
-        '23% of the largest current'
     """
 
     current_a: Annotated[float, MOTOR_CURRENT]
@@ -121,7 +103,6 @@ def assess(
         programmed: The loader with the programmed feel, if ``loader`` deviates from it; its ideal is the reference.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator()
         >>> law = ff.design_gains(loader).law(loader)
         >>> f"{ff.design.assess(loader, law).tracking_error:.1%}"
@@ -183,7 +164,6 @@ def peaks(loader: Loader, law: GainLaw | None, linkage: Linkage = Linkage.COMPLI
     """Largest demand on the valve, or on the motor, in the two seconds after the step of pilot force.
 
     Example:
-        >>> import forcefeel as ff
         >>> f"{ff.design.peaks(ff.elevator(), None).flow_share:.0%} of the rated flow"
         '19% of the rated flow'
     """

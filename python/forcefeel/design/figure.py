@@ -27,12 +27,6 @@ class Figure:
         title: What it shows.
         kind: How to draw it.
         curves: A data set per curve, by its label; units stand in the variables' ``units`` attribute.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> figure = ff.design.figures(ff.design_loader(ff.elevator()))[0]
-        >>> figure.key, next(iter(figure.curves))
-        ('figure-02', '20% of rated current')
     """
 
     key: str

@@ -22,7 +22,6 @@ def figures(design: Design | MotorDesign) -> tuple[Figure, ...]:
     """Every figure of the report that has a curve, computed for ``design``; those of a motor for a motor.
 
     Example:
-        >>> import forcefeel as ff
         >>> len(ff.design.figures(ff.design_loader(ff.elevator()))) > 5
         True
     """

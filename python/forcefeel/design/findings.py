@@ -26,7 +26,6 @@ def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawCompa
     """The conclusions of ``design``, with numbers in ``units``; those of the laws that were tried lead, where some were.
 
     Example:
-        >>> import forcefeel as ff
         >>> conclusions = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
         >>> conclusions.ok, len(conclusions.findings) > 3
         (True, True)

@@ -51,7 +51,6 @@ class LawResult:
         rendered: Its envelope; ``None`` if it could not be evaluated.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.design.LawResult("published", "the report's", None, None).qualified_text
         'is not tested'
     """
@@ -95,13 +94,6 @@ class LawComparison:
         settings: Number of evaluated settings of stiffness, frequency and damping ratio.
         impossible: Why the loader cannot be tested or evaluated; empty if it was.
         called: The loader on a command line: its name or file, and options that change it.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> report = ff.design.LawResult("published", "the report's", None, None)
-        >>> tried = ff.design.LawComparison(report, None, (), "", 0, "", ("my.toml",))
-        >>> tried.compare_command
-        'forcefeel law my.toml --law auto --out laws'
     """
 
     report: LawResult | None

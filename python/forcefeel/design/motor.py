@@ -19,12 +19,6 @@ class MotorAnalysis(Analysis):
         rotor_inertia_n_m_s2_per_rad: Inertia of the rotor about the column's pivot, ``J_m (alpha R_b / r)^2``.
         column_inertia_n_m_s2_per_rad: The column's own J.
         modes: Named modes: current loop, and oscillations on the link.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> analysis = ff.analyze(ff.loader.electric("sidestick-roll"))
-        >>> analysis.mode("current loop").damping_ratio
-        1.0
     """
 
     rotor_inertia_n_m_s2_per_rad: Annotated[float, INERTIA]

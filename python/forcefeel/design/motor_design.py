@@ -18,12 +18,6 @@ class MotorDesign(MotorAnalysis):
         law: The law's name.
         programmed: The loader under it at the programmed setting.
         low: The same at the low setting, with the law that is designed for it.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> design = ff.design_loader(ff.loader.electric("sidestick-roll"))
-        >>> design.law, design.acceptable
-        ('robust', True)
     """
 
     law: str
@@ -73,7 +67,6 @@ def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
         InputError: If ``loader`` is no loader, has a valve or no ``controller.period``; if there is no such law for it.
 
     Example:
-        >>> import forcefeel as ff
         >>> design = ff.design.design_motor(ff.loader.electric("sidestick-roll"), "observer")
         >>> f"{design.programmed.assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s:.2f}"
         '1.00'

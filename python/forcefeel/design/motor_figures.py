@@ -33,7 +33,6 @@ def motor_figures(design: MotorDesign) -> tuple[Figure, ...]:
     """Every figure of an electric loader's design.
 
     Example:
-        >>> import forcefeel as ff
         >>> design = ff.design_loader(ff.loader.electric("sidestick-roll"))
         >>> [figure.key for figure in ff.design.figures(design)]
         ['step', 'hand', 'command-to-force', 'command-to-position', 'loop']

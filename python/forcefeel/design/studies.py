@@ -29,13 +29,6 @@ class DroppedPaths:
         assessment: Rendering of the feel with the remaining paths.
         cost_increase: Growth of the cost index over the full set, as a share; NaN if unstable.
         boundary: Smallest stable G without them.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> loader = ff.elevator()
-        >>> rows = ff.design.drop_paths(loader, ff.design_gains(loader).gains)
-        >>> rows[0].paths
-        ('c_1',)
     """
 
     paths: tuple[str, ...]
@@ -52,13 +45,6 @@ class Deviation:
         quantity: ``c_1`` .. ``c_6``, or a key of the parameter table.
         change: Deviation as a share of the value.
         assessment: Rendering of the feel; ``None`` if the changed value is out of the parameter's range.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> loader = ff.elevator()
-        >>> rows = ff.design.sensitivity(loader, ff.design_gains(loader).gains)
-        >>> rows[0].quantity, rows[0].change
-        ('c_1', -0.2)
     """
 
     quantity: str
@@ -77,7 +63,6 @@ def drop_paths(
         settings: Weights of the cost index.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator()
         >>> len(ff.design.drop_paths(loader, ff.design_gains(loader).gains)) > 1
         True
@@ -149,7 +134,6 @@ def sensitivity(
         settings: Weights of the cost index.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator()
         >>> len(ff.design.sensitivity(loader, ff.design_gains(loader).gains)) > 1
         True

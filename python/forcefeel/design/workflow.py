@@ -51,12 +51,6 @@ class ServoAnalysis(Analysis):
 
     Attributes:
         servos: The servo with rigid and with compliant link.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> analysis = ff.analyze(ff.elevator())
-        >>> f"{analysis.servo(ff.linear.Linkage.COMPLIANT).margins.gain_margin:.1f}"
-        '26.5'
     """
 
     servos: tuple[ServoResult, ...]
@@ -78,7 +72,6 @@ class Design(ServoAnalysis):
         deviations: Sensitivity of the compensated loop.
 
     Example:
-        >>> import forcefeel as ff
         >>> design = ff.design_loader(ff.elevator())
         >>> [configuration.name for configuration in design.configurations]
         ['rigid', 'compliant', 'compensated']
@@ -130,7 +123,6 @@ def analyze(loader: Loader) -> ServoAnalysis | MotorAnalysis:
         InputError: If ``loader`` is no loader.
 
     Example:
-        >>> import forcefeel as ff
         >>> analysis = ff.analyze(ff.elevator())
         >>> analysis.configuration("compliant").boundary.note
         'lost by oscillation at 12.0 Hz'
@@ -170,7 +162,6 @@ def design_loader(
         InputError: If ``loader`` is no loader; if settings of recursion (22) are given for a motor.
 
     Example:
-        >>> import forcefeel as ff
         >>> design = ff.design_loader(ff.elevator())
         >>> ff.design.conclusions(design, ff.UnitSystem.US).ok
         True
@@ -201,7 +192,6 @@ def design_servo(
         InputError: If ``loader`` is no loader, or has a motor.
 
     Example:
-        >>> import forcefeel as ff
         >>> design = ff.design.design_servo(ff.elevator())
         >>> ff.design.conclusions(design, ff.UnitSystem.US).ok
         True

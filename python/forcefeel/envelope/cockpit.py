@@ -70,8 +70,6 @@ class CockpitEnvelope:
         axes: Envelopes by axis, in the order of the file.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
@@ -110,8 +108,6 @@ def find_cockpit(
         InputError: As ``find_envelope``, with the axis; all plans are checked before the computation.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):

@@ -29,7 +29,6 @@ class Draws:
         InputError: If count or seed is not a whole number in its range.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.envelope.Draws(count=20, seed=1).count
         20
     """

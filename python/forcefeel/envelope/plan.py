@@ -57,7 +57,6 @@ class Plan:
         InputError: If an argument is invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> plan = ff.envelope.make_plan(ff.elevator(), ["original"], {"stiffness": "10..100 %:3:log"})
         >>> plan.settings.stiffness[0], plan.test.number
         (0.1, '2.b.1')
@@ -174,7 +173,6 @@ def make_plan(
         InputError: If an argument is invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.envelope.make_plan(ff.loader.electric("rudder-pedals"), ["robust"]).test.number
         '2.b.3'
     """

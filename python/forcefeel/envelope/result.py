@@ -226,7 +226,6 @@ class Envelope:
         law_remarks: Remarks on laws designed for another loader: ``Law.made_for_another``.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> ff.find_envelope(ff.elevator(), ["original"], grid).laws
         ('original',)
@@ -272,7 +271,6 @@ class Envelope:
             InputError: If the envelope does not contain the law.
 
         Example:
-            >>> import forcefeel as ff
             >>> grid = {"stiffness": "5..100 %:4:log", "frequency": "1..4 Hz:3", "damping": "0.3, 0.7"}
             >>> envelope = ff.find_envelope(ff.elevator(), ["converged"], grid)
             >>> envelope.plot(damping=0.7).get_ylabel()

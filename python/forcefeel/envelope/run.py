@@ -63,7 +63,6 @@ def find_envelope(
         InputError: If an argument is invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> envelope = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
         >>> envelope.shares("original").stable

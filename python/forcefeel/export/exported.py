@@ -32,7 +32,6 @@ class Exported:
             setting out of range, or the name is not a C identifier.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.digital_elevator()
         >>> ff.export.Exported.of("robust", loader, "pitch").settings.shape
         (1, 3)
@@ -64,8 +63,6 @@ class Exported:
             InputError: As in ``Law.of`` and ``Exported``.
 
         Example:
-            >>> import forcefeel as ff
-            >>> import numpy as np
             >>> feel = np.array([[8.0, 60.0, 325.0], [6.8, 34.0, 1085.0]])
             >>> ff.export.Exported.of("robust", ff.digital_elevator(), "pitch", feel).settings.shape
             (2, 3)
@@ -87,7 +84,6 @@ class Exported:
             InputError: If the law is analog.
 
         Example:
-            >>> import forcefeel as ff
             >>> ff.export.Exported.of("robust", ff.digital_elevator()).sampled().states
             9
         """

@@ -16,7 +16,6 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
     """Folder of an export with the file prefix ``name``; it checks for existing files before the computation.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.export.export_folder(ff.export.Target.TABLE, "pitch").files
         ('pitch_parameters.csv',)
     """
@@ -75,8 +74,6 @@ def write_export(
             that are not to be replaced, or cannot be written; nothing is written then.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> exported = ff.export.Exported.of("robust", ff.digital_elevator(), "pitch")
         >>> list(ff.export.write_export(exported, ff.export.Target.TABLE, Path("sheet")))
         ['pitch_parameters.csv']

@@ -191,7 +191,7 @@ def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
     sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
     for name, rows, of in (("command", law.command, Unit(command, command, command)), ("torque", law.torque, torque)):
-        yield from _on(setting, name, rows[setting].tolist(), of, (n, sampled))
+        yield from _gain_rows(setting, name, rows[setting].tolist(), of, (n, sampled))
         value = float(law.neutral[setting, ("command", "torque").index(name)])
         yield Row(
             setting + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
@@ -218,7 +218,7 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     n, sampled = on
     own = n + len(sampled) + len(_FEEL)
-    yield from _on(setting, "friction_rate", numbers[:own], rate, on)
+    yield from _gain_rows(setting, "friction_rate", numbers[:own], rate, on)
     for k, value in enumerate(numbers[own:-OF_FRICTION], start=1):
         yield Row(setting + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
     units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO)
@@ -227,7 +227,7 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
         yield Row(setting + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 
 
-def _on(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
+def _gain_rows(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
     n, sampled = states
     on = [*((f"xi_{k + 1}", RATIO) for k in range(n)), *sampled, *_FEEL]
     for column, ((what, per), value) in enumerate(zip(on, row, strict=True)):

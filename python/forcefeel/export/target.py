@@ -4,13 +4,7 @@ from enum import StrEnum
 
 
 class Target(StrEnum):
-    """Target of an export.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [target.value for target in ff.export.Target]
-        ['c', 'firmware', 'fmu', 'matlab', 'table']
-    """
+    """Target of an export."""
 
     C = "c"
     """C99 of law and feel for one axis, with golden vectors."""

@@ -31,7 +31,6 @@ class ScheduleAxis:
         InputError: If the name has other characters, or there are fewer than two finite, rising values.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.flight_schedule.ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200)).values
         (50.0, 100.0, 200.0)
     """

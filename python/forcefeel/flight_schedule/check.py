@@ -64,7 +64,6 @@ def check_schedule(
         InputError: If an argument is invalid, or with more than ``MOST_LOOPS`` loops.
 
     Example:
-        >>> import forcefeel as ff
         >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
         >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
         >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)

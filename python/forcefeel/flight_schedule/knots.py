@@ -59,8 +59,6 @@ def read_knots(path: str | Path) -> Knots:
         InputError: With file, line, error, expected content and remedy.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> text = "mach,I (lb in s^2/rad),B (lb in s/rad),G (lb in/rad)\n0.3,60,400,4800\n0.6,60,500,7200\n"
         >>> size = Path("knots.csv").write_text(text)
         >>> ff.flight_schedule.read_knots("knots.csv").axes[0].values

@@ -101,14 +101,6 @@ class ScheduleCheck:
         between them and during changes. remedy_helps: Whether a law designed for the worst point is stable there in the worst case;
         ``None`` if all loops are stable. margins: Margins at the corners, in the middle, and at the worst point of the nominal
         plant. test: The release test. releases: Outcomes at the knots and in the middle between them.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
-        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
-        >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)
-        >>> ff.flight_schedule.check_schedule(schedule, refine=2, changes={}, arms=()).refine
-        2
     """
 
     schedule: FlightSchedule

@@ -54,14 +54,6 @@ class FlightSchedule:
 
     Raises:
         InputError: If axes, feels and laws do not match, or the laws were designed for another controller.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
-        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
-        >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)
-        >>> f"{schedule.at(pressure=75).feel[2]:.0f} N m/rad"
-        '750 N m/rad'
     """
 
     loader: Loader
@@ -162,7 +154,6 @@ def design_schedule(
         InputError: If the loader has no period, the feel has another shape or is out of range, or the law is unknown.
 
     Example:
-        >>> import forcefeel as ff
         >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
         >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
         >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).law
@@ -200,7 +191,6 @@ def second_order_feel(
         InputError: If a frequency is not above 0.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6).shape
         (2, 3)
     """

@@ -42,7 +42,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
-from forcefeel.frontier.second_order_bound import Referee, referees
+from forcefeel.frontier.second_order_bound import SettingGroup, setting_groups
 from forcefeel.loader.sensors import unseen_inertia
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
@@ -123,39 +123,42 @@ def inertia_bound(
     shape = len(rising), plan.settings.count
     possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     done = 0
-    for referee in referees(plan, threads_or_cores(threads)):
+    for group in setting_groups(plan, threads_or_cores(threads)):
         for k, error in enumerate(rising):
-            possible[k, referee.which], centred[k, referee.which] = _possible(referee, error, lean)
-        done += len(referee.which)
+            possible[k, group.which], centred[k, group.which] = _possible(group, error, lean)
+        done += len(group.which)
         progress(done, plan.settings.count)
     return Bound(rising, possible, centred)
 
 
-def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _possible(group: SettingGroup, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Settings at which a trial response passes in every case, and at which the exact response does."""
-    size = np.array([error * unseen_inertia(referee.plan.loader), 0.0, 0.0])
+    size = np.array([error * unseen_inertia(group.plan.loader), 0.0, 0.0])
     off = (lean - 1) * size, (lean + 1) * size
     # At the nominal inertia, with and without an arm, the exact response is the ideal.
-    centred = referee.passes(referee.feel + off[0]) & referee.passes(referee.feel + off[1])
+    centred = group.passes(group.feel + off[0]) & group.passes(group.feel + off[1])
     possible = centred.copy()
     for damping in DAMPINGS:
         left = np.flatnonzero(~possible)
         if len(left):
             # All shifts in one batch.
             shifts = (np.repeat(SHIFTS, len(left))[:, None] - lean) * size
-            renders = _renders(referee.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
+            renders = _renders(group.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
             possible[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
     return possible, centred
 
 
 def _renders(
-    referee: Referee, shifts: NDArray[np.float64], damping: float, off: tuple[NDArray[np.float64], NDArray[np.float64]]
+    group: SettingGroup,
+    shifts: NDArray[np.float64],
+    damping: float,
+    off: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> NDArray[np.bool_]:
     """Whether each trial response passes at both ends of the inertia, at its nominal value, and with every arm."""
-    trial = referee.feel * [1.0, damping, 1.0] + shifts
-    passes = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
+    trial = group.feel * [1.0, damping, 1.0] + shifts
+    passes = group.passes(trial + off[0]) & group.passes(trial + off[1])
     if passes.any():
-        passes &= referee.passes(trial)
-        for arm in referee.plan.arms:
-            passes &= referee.passes(trial, arm)
+        passes &= group.passes(trial)
+        for arm in group.plan.arms:
+            passes &= group.passes(trial, arm)
     return passes

@@ -11,10 +11,11 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel import _core
 from forcefeel.envelope.forbidden import NOISE, forbidden
 from forcefeel.envelope.plan import Plan
-from forcefeel.frontier.second_order_bound import Referee, referees
+from forcefeel.frontier.second_order_bound import SettingGroup, setting_groups
+from forcefeel.linear.release_motion import release_motion
+from forcefeel.sizing.demand import PERIODS
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import PERCENT, SECONDS
 
@@ -56,29 +57,22 @@ class DriveLimits:
         return float((self.unload_s * self.frequency / (2 * np.pi)).max())
 
 
-Peak = Callable[[Referee, NDArray[np.float64]], NDArray[np.float64]]
-"""Peak demand of each release I', B', G on a drive, as a share of its capability."""
+Peak = Callable[[SettingGroup], NDArray[np.float64]]
+"""Peak demand of each setting's release on a drive, as a share of its capability."""
 
 
 def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Peak demand of each setting's ideal as a share of the capability, and the settings that the drive forbids."""
     demand = np.zeros(plan.settings.count)
-    for referee in referees(plan, threads_or_cores(threads)):
-        demand[referee.which] = peak(referee, referee.feel)
+    for group in setting_groups(plan, threads_or_cores(threads)):
+        demand[group.which] = peak(group)
     limits = forbidden(plan, threads=threads)
     return demand, limits.settings & ~limits.of(NOISE)
 
 
-def motion(
-    referee: Referee, feel: NDArray[np.float64]
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
-    """Velocity, acceleration and jerk of the releases at each sample of the first 1.5 periods."""
-    inertia, damping, stiffness = feel.T
-    step = _core.feel_transitions(feel, np.array([referee.record.step_s]))[:, 0]
-    state = np.tile([referee.plan.release_rad, 0.0], (len(feel), 1))
-    periods = 1.5 * 2 * np.pi / float(np.sqrt(stiffness / inertia).min())  # later swings are smaller
-    for _ in range(min(referee.record.samples, int(np.ceil(periods / referee.record.step_s)))):
-        velocity = state[:, 1]
-        acceleration = -(damping * velocity + stiffness * state[:, 0]) / inertia
-        yield velocity, acceleration, -(damping * acceleration + stiffness * velocity) / inertia
-        state = np.einsum("sij,sj->si", step, state)
+def motion(group: SettingGroup) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
+    """Velocity, acceleration and jerk of the settings' releases at each sample of the first 1.5 periods."""
+    plan, record = group.plan, group.record
+    periods = PERIODS * 2 * np.pi / float(plan.settings.rows[group.which, 1].min())
+    samples = min(record.samples, int(np.ceil(periods / record.step_s)))
+    return release_motion(plan.loader, group.feel, plan.release_rad, record.step_s, samples)

@@ -70,12 +70,12 @@ def _known_text(frontier: Frontier, inertia: float) -> str:
     if _known_alike(frontier):
         return f"{frontier.tightening.inertia_and_geometry.name} known to {tolerance_text(inertia)}"
     factor = inertia / frontier.inertia_tolerance
-    known = {key: factor * frontier.rungs.tolerances[key] for key in KNOWN_BETTER if key in frontier.rungs.tolerances}
+    known = {key: factor * frontier.levels.tolerances[key] for key in KNOWN_BETTER if key in frontier.levels.tolerances}
     return ", ".join(f"{key} known to {tolerance_text(tolerance)}" for key, tolerance in known.items())
 
 
 def _known_alike(frontier: Frontier) -> bool:
-    known = [tolerance for key, tolerance in frontier.rungs.tolerances.items() if key in KNOWN_BETTER]
+    known = [tolerance for key, tolerance in frontier.levels.tolerances.items() if key in KNOWN_BETTER]
     return all(isclose(tolerance, frontier.inertia_tolerance, rel_tol=_SAME) for tolerance in known)
 
 

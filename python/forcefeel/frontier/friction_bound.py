@@ -36,7 +36,7 @@ from forcefeel.envelope.cases import PilotArm
 from forcefeel.envelope.deviations import FRICTION
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.friction import FORCE
-from forcefeel.frontier.second_order_bound import Referee, referees
+from forcefeel.frontier.second_order_bound import SettingGroup, setting_groups
 from forcefeel.threads import threads_or_cores
 
 KNOWN_TO = (0.01, 0.02, 0.05, 0.1, 0.2)
@@ -97,9 +97,9 @@ def friction_bound(
     all_errors = tuple(sorted({tolerance, *(error for error in errors if abs(error - tolerance) > _SAME)}))
     torque = plan.loader[FRICTION] * plan.loader["column.grip_arm"]
     possible = np.zeros((len(all_errors), plan.settings.count), dtype=bool)
-    for referee in referees(plan, threads_or_cores(threads)):
+    for group in setting_groups(plan, threads_or_cores(threads)):
         for k, error in enumerate(all_errors):
-            possible[k, referee.which] = _possible(referee, error * torque)
+            possible[k, group.which] = _possible(group, error * torque)
     return FrictionBound(plan.loader[FRICTION], tolerance, all_errors, possible)
 
 
@@ -107,28 +107,28 @@ _SAME = 1e-9
 """Difference of errors that counts as rounding."""
 
 
-def _possible(referee: Referee, off: float) -> NDArray[np.bool_]:
+def _possible(group: SettingGroup, off: float) -> NDArray[np.bool_]:
     """Settings at which a lean and damping pass with the friction torque off by ``off`` to either side."""
-    possible = np.zeros(len(referee.which), dtype=bool)
+    possible = np.zeros(len(group.which), dtype=bool)
     for damping in DAMPINGS:
         for lean in LEANS:
             if len(left := np.flatnonzero(~possible)):
-                possible[left] = _renders(referee.some(left), damping, off, lean)
+                possible[left] = _renders(group.some(left), damping, off, lean)
     return possible
 
 
-def _renders(referee: Referee, damping: float, off: float, lean: float) -> NDArray[np.bool_]:
-    trial = referee.feel * [1.0, damping, 1.0]
+def _renders(group: SettingGroup, damping: float, off: float, lean: float) -> NDArray[np.bool_]:
+    trial = group.feel * [1.0, damping, 1.0]
 
     def passes(end: float, arm: PilotArm | None = None) -> NDArray[np.bool_]:
-        carried = referee.carrying(trial, arm)
-        angles = rubbed_releases(carried, (end - lean) * off, referee.plan.release_rad, referee.record.time_s)
-        return referee.judged(angles, arm)
+        carried = group.carrying(trial, arm)
+        angles = rubbed_releases(carried, (end - lean) * off, group.plan.release_rad, group.record.time_s)
+        return group.judged(angles, arm)
 
     rendered = passes(-1.0) & passes(1.0)
     if rendered.any():
         rendered &= passes(0.0)
-        for arm in referee.plan.arms:
+        for arm in group.plan.arms:
             rendered &= passes(0.0, arm)
     return rendered
 

@@ -9,7 +9,7 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Shares
 from forcefeel.envelope.run import compute
 from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
-from forcefeel.frontier.tolerance_levels import Progress, Rungs, onward
+from forcefeel.frontier.tolerance_levels import Progress, ToleranceLevels, onward
 from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import Loader
@@ -18,7 +18,7 @@ from forcefeel.loader.sensors import SENSORS
 from forcefeel.units import PERCENT
 
 KNOWN_TO = 0.02
-"""Tolerance of a bench measurement; the nearest rung is used unless the inertia is known better already."""
+"""Tolerance of a bench measurement; the nearest level is used unless the inertia is known better already."""
 
 
 @dataclass(frozen=True)
@@ -147,17 +147,17 @@ def hardware_releases(plan: Plan) -> int:
 
 
 def hardware(
-    rungs: Rungs, *, threads: int | None = None, progress: Progress = lambda done, total: None
+    levels: ToleranceLevels, *, threads: int | None = None, progress: Progress = lambda done, total: None
 ) -> tuple[Gain, ...]:
     """Compute the gains, the largest in the worst case first.
 
     Args:
-        rungs: The law on the unchanged loader.
+        levels: The law on the unchanged loader.
         threads: Number of threads; default: all cores.
         progress: Called with the numbers of completed and of all releases.
     """
-    plan, gains, done = rungs.full.plan, [], 0
-    before = rungs.full.shares(rungs.law)
+    plan, gains, done = levels.full.plan, [], 0
+    before = levels.full.shares(levels.law)
     total = hardware_releases(plan)
     for change in CHANGES:
         if not change.applies(plan.loader):
@@ -174,9 +174,9 @@ def hardware(
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
-        gains.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
-    if rungs.tolerances[INERTIA] > KNOWN_TO:
-        gains += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
+        gains.append(_gain(change.name, change.remark, after.shares(change.law or levels.law), before))
+    if levels.tolerances[INERTIA] > KNOWN_TO:
+        gains += [_known(levels, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(gains, key=lambda gain: (-gain.worst_gain, -gain.nominal_gain)))
 
 
@@ -193,11 +193,11 @@ def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
     )
 
 
-def _known(rungs: Rungs, before: Shares, keys: Sequence[str]) -> Gain:
-    """Gain with some parameters on the rung with the inertia known to ``KNOWN_TO``: the same machine, measured better."""
-    full = rungs.tolerances[INERTIA]
-    rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - KNOWN_TO))
-    worst, stable = (float(rungs.worst(keys, rung, stable=only_stable).mean()) for only_stable in (False, True))
-    after = Shares(rungs.law, before.stable, before.nominal_share, stable, worst)
+def _known(levels: ToleranceLevels, before: Shares, keys: Sequence[str]) -> Gain:
+    """Gain with some parameters on the level with the inertia known to ``KNOWN_TO``: the same machine, measured better."""
+    full = levels.tolerances[INERTIA]
+    level = min(range(len(levels.factors)), key=lambda k: abs(levels.factors[k] * full - KNOWN_TO))
+    worst, stable = (float(levels.worst(keys, level, stable=only_stable).mean()) for only_stable in (False, True))
+    after = Shares(levels.law, before.stable, before.nominal_share, stable, worst)
     what = "column inertia" if len(keys) == 1 else "column inertia, linkage ratio and base arm"
-    return _gain(f"{what} known to {100 * rungs.factors[rung] * full:.3g} %", "the same machine", after, before)
+    return _gain(f"{what} known to {100 * levels.factors[level] * full:.3g} %", "the same machine", after, before)

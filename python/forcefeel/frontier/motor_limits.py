@@ -27,8 +27,9 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
-from forcefeel.frontier.second_order_bound import Referee
+from forcefeel.frontier.second_order_bound import SettingGroup
 from forcefeel.linear.electric import ElectricPlant
+from forcefeel.linear.release_motion import holding_force
 from forcefeel.loader.loader import Loader
 from forcefeel.sizing.motor import Motor
 from forcefeel.units import FORCE, PERCENT
@@ -61,7 +62,7 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
     """
     motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
     demand, forbidden = demands(plan, _peak, threads)
-    held = feel[:, 2] * plan.release_rad / plan.loader["column.grip_arm"]
+    held = holding_force(plan.loader, feel[:, 2], plan.release_rad)
     return MotorLimits(
         demand,
         forbidden,
@@ -72,11 +73,11 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
     )
 
 
-def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+def _peak(group: SettingGroup) -> NDArray[np.float64]:
     """Peak demand of each release as a share of the largest current or voltage."""
-    motor, peak = Motor(referee.plan.loader), np.zeros(len(feel))
+    motor, peak = Motor(group.plan.loader), np.zeros(len(group.feel))
     arm, values = motor.loader["column.grip_arm"], motor.loader.si_values
-    for velocity, acceleration, _ in motion(referee, feel):
+    for velocity, acceleration, _ in motion(group):
         force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
         peak = np.maximum(peak, _share(motor, force, arm * velocity))
     return peak

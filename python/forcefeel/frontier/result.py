@@ -16,7 +16,7 @@ from forcefeel.frontier.friction_bound import FrictionBound
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.tightening import INERTIA, Tightening
-from forcefeel.frontier.tolerance_levels import Rungs
+from forcefeel.frontier.tolerance_levels import ToleranceLevels
 from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.printable import table_html
 from forcefeel.units import PERCENT
@@ -37,23 +37,16 @@ class Frontier:
     """A computed frontier.
 
     Attributes:
-        rungs: The law at all tolerance levels.
+        levels: The law at all tolerance levels.
         bound: Bound on any linear law over the error of the inertia.
         tightening: Shares over the tolerances.
         drive: Limits of valve or motor.
         friction: Smallest friction.
         friction_bound: Bound over the error of the column's dry friction; ``None`` without friction.
         hardware: Gains from hardware changes, the largest first.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> frontier.envelope.laws
-        ('published',)
     """
 
-    rungs: Rungs
+    levels: ToleranceLevels
     bound: Bound
     tightening: Tightening
     drive: ValveLimits | MotorLimits
@@ -72,22 +65,22 @@ class Frontier:
     @property
     def envelope(self) -> Envelope:
         """The envelope at the full tolerances."""
-        return self.rungs.full
+        return self.levels.full
 
     @property
     def plan(self) -> Plan:
         """Plan of the envelope."""
-        return self.rungs.full.plan
+        return self.levels.full.plan
 
     @property
     def law(self) -> str:
         """Name of the law."""
-        return self.rungs.law
+        return self.levels.law
 
     @property
     def inertia_tolerance(self) -> Annotated[float, PERCENT]:
         """Relative tolerance of the column's inertia."""
-        return self.rungs.tolerances[INERTIA]
+        return self.levels.tolerances[INERTIA]
 
     @cached_property
     def possible(self) -> NDArray[np.bool_]:

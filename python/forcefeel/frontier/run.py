@@ -13,7 +13,7 @@ from forcefeel.frontier.hardware import hardware, hardware_releases
 from forcefeel.frontier.motor_limits import motor_limits
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import INERTIA, tightening
-from forcefeel.frontier.tolerance_levels import FACTORS, Rungs, climb, rung_releases
+from forcefeel.frontier.tolerance_levels import FACTORS, ToleranceLevels, level_releases, run_levels
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.grip import GRIP
@@ -60,7 +60,6 @@ def find_frontier(
         InputError: If an argument is invalid, or if ``changes`` lacks the column's inertia.
 
     Example:
-        >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
         >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
         >>> frontier.law, frontier.inertia_tolerance
@@ -97,15 +96,15 @@ def compute_frontier(
     plan: Plan, *, threads: int | None = None, progress: Progress = lambda what, done, total: None
 ) -> Frontier:
     """Compute the frontier of a plan with one law; arguments as in ``find_frontier``."""
-    climbing = rung_releases(plan)
-    total = climbing + hardware_releases(plan)
-    rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
-    gains = hardware(rungs, threads=threads, progress=lambda now, _: progress("hardware", climbing + now, total))
+    at_levels = level_releases(plan)
+    total = at_levels + hardware_releases(plan)
+    levels = run_levels(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
+    gains = hardware(levels, threads=threads, progress=lambda now, _: progress("hardware", at_levels + now, total))
     progress("bound", total, total)
     return Frontier(
-        rungs=rungs,
-        bound=inertia_bound(plan, _errors(rungs), lean=plan.deviations[INERTIA].lean, threads=threads),
-        tightening=tightening(rungs),
+        levels=levels,
+        bound=inertia_bound(plan, _errors(levels), lean=plan.deviations[INERTIA].lean, threads=threads),
+        tightening=tightening(levels),
         drive=(motor_limits if plan.loader.drive == ELECTRIC else valve_limits)(plan, threads=threads),
         friction=smallest_friction(plan),
         friction_bound=friction_bound(plan, threads=threads),
@@ -113,8 +112,8 @@ def compute_frontier(
     )
 
 
-def _errors(rungs: Rungs) -> list[float]:
-    """Errors of the inertia at which the bound is computed: for the curve, and the tolerance on every rung."""
-    tolerances = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
+def _errors(levels: ToleranceLevels) -> list[float]:
+    """Errors of the inertia at which the bound is computed: for the curve, and the tolerance on every level."""
+    tolerances = [factor * levels.tolerances[INERTIA] for factor in levels.factors]
     others = [error for error in ERRORS if not any(isclose(error, other) for other in tolerances)]
     return sorted([*tolerances, *others])

@@ -15,7 +15,7 @@ from forcefeel.qualification.release_batch import ReleaseBatch
 
 
 @dataclass(frozen=True, eq=False)
-class Referee:
+class SettingGroup:
     """Judge of trial responses at settings of one natural frequency.
 
     Attributes:
@@ -33,8 +33,8 @@ class Referee:
     threads: int
     _ideal: dict[PilotArm | None, ReleaseBatch] = field(default_factory=dict, repr=False)
 
-    def some(self, rows: NDArray[np.intp]) -> "Referee":
-        """Referee for a subset of the settings."""
+    def some(self, rows: NDArray[np.intp]) -> "SettingGroup":
+        """SettingGroup for a subset of the settings."""
         return replace(self, which=self.which[rows], feel=self.feel[rows], _ideal={})
 
     def passes(self, trial: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
@@ -71,8 +71,8 @@ class Referee:
         return measured(self.plan, self.record, angles, self.threads)
 
 
-def referees(plan: Plan, threads: int) -> Iterator[Referee]:
-    """A referee for each chunk of settings with the same frequency."""
+def setting_groups(plan: Plan, threads: int) -> Iterator[SettingGroup]:
+    """A group for each chunk of settings with the same frequency."""
     feel = plan.settings.feel(plan.loader)
     for which, record in pieces(plan):
-        yield Referee(plan, which, feel[which], record, threads)
+        yield SettingGroup(plan, which, feel[which], record, threads)

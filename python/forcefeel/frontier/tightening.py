@@ -8,7 +8,7 @@ import numpy as np
 
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
-from forcefeel.frontier.tolerance_levels import Rungs
+from forcefeel.frontier.tolerance_levels import ToleranceLevels
 from forcefeel.units import PERCENT
 
 INERTIA, GEOMETRY = "column.inertia", ("linkage.ratio", "column.base_arm")
@@ -22,11 +22,11 @@ class Path:
 
     Attributes:
         name: Tightened parameters.
-        tolerances: Relative tolerance of the column's inertia at each rung, falling; other parameters in proportion to theirs.
-        shares: Worst-case share at each rung.
+        tolerances: Relative tolerance of the column's inertia at each level, falling; other parameters in proportion to theirs.
+        shares: Worst-case share at each level.
         limit: Share with the tightened parameters known exactly.
-        needed: Largest tolerance that reaches the goal, interpolated between two rungs in the logarithm of the tolerance; NaN if
-            no rung reaches it.
+        needed: Largest tolerance that reaches the goal, interpolated between two levels in the logarithm of the tolerance; NaN if
+            no level reaches it.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Path:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two tightenings at once, on computed rungs.
+    """Two tightenings at once, on computed levels.
 
     Attributes:
         inertia_and_geometry: Tolerance of the column's inertia that reaches the goal, geometry in proportion.
@@ -96,30 +96,30 @@ class Tightening:
         return self.nominal >= WHOLE_NOMINAL
 
 
-def tightening(rungs: Rungs) -> Tightening:
+def tightening(levels: ToleranceLevels) -> Tightening:
     """Compute the effect of tighter tolerances on a law."""
-    every, last = tuple(rungs.tolerances), len(rungs.factors)
+    every, last = tuple(levels.tolerances), len(levels.factors)
     known = tuple(key for key in every if key in KNOWN_BETTER)
-    trio = _path(rungs, "column inertia and geometry", known)
+    trio = _path(levels, "column inertia and geometry", known)
     return Tightening(
-        nominal=float(rungs.nominal.mean()),
+        nominal=float(levels.nominal.mean()),
         worst=trio.shares[0],
         inertia_and_geometry=trio,
-        all_in_proportion=_path(rungs, "all tolerances in proportion", every),
-        pair=None if trio.limit >= WHOLE_WORST and np.isfinite(trio.needed) else _pair(rungs, known, last),
-        costs=_costs(rungs),
+        all_in_proportion=_path(levels, "all tolerances in proportion", every),
+        pair=None if trio.limit >= WHOLE_WORST and np.isfinite(trio.needed) else _pair(levels, known, last),
+        costs=_costs(levels),
     )
 
 
-def _path(rungs: Rungs, name: str, tight: Sequence[str]) -> Path:
-    tolerances = tuple(factor * rungs.tolerances[INERTIA] for factor in rungs.factors)
-    shares = tuple(float(rungs.worst(tight, rung).mean()) for rung in range(len(tolerances)))
-    limit = float(rungs.worst(tight, len(tolerances)).mean())
+def _path(levels: ToleranceLevels, name: str, tight: Sequence[str]) -> Path:
+    tolerances = tuple(factor * levels.tolerances[INERTIA] for factor in levels.factors)
+    shares = tuple(float(levels.worst(tight, level).mean()) for level in range(len(tolerances)))
+    limit = float(levels.worst(tight, len(tolerances)).mean())
     return Path(name, tolerances, shares, limit, needed(tolerances, shares, WHOLE_WORST))
 
 
 def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) -> float:
-    """Largest tolerance that reaches the goal, interpolated between two rungs in the logarithm of the tolerance.
+    """Largest tolerance that reaches the goal, interpolated between two levels in the logarithm of the tolerance.
 
     Args:
         tolerances: Falling.
@@ -127,7 +127,7 @@ def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) ->
         goal: Required share.
 
     Returns:
-        The tolerance; NaN if no rung reaches the goal.
+        The tolerance; NaN if no level reaches the goal.
     """
     reached = np.flatnonzero(np.array(shares) >= goal)
     if not len(reached):
@@ -140,28 +140,28 @@ def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) ->
     return float(np.exp(np.interp(goal, ends, logs)))
 
 
-def _pair(rungs: Rungs, known: Sequence[str], last: int) -> Pair | None:
-    """Loosest factor on the other parameters with which a rung of the known ones reaches the goal, and the loosest such rung."""
+def _pair(levels: ToleranceLevels, known: Sequence[str], last: int) -> Pair | None:
+    """Loosest factor on the other parameters with which a level of the known ones reaches the goal, and the loosest such level."""
     for rest in range(1, last):
-        for rung in range(last):
-            share = float(rungs.worst(known, rung, rest).mean())
+        for level in range(last):
+            share = float(levels.worst(known, level, rest).mean())
             if share >= WHOLE_WORST:
-                return Pair(rungs.factors[rung] * rungs.tolerances[INERTIA], rungs.factors[rest], share)
+                return Pair(levels.factors[level] * levels.tolerances[INERTIA], levels.factors[rest], share)
     return None
 
 
-def _costs(rungs: Rungs) -> tuple[Cost, ...]:
-    names = [*rungs.tolerances, *(case.name for case in rungs.cases[0] if case.kind is Kind.ARM)]
-    of = [np.array([name in {case.parameter, case.name} for case in rungs.cases[0]]) for name in names]
+def _costs(levels: ToleranceLevels) -> tuple[Cost, ...]:
+    names = [*levels.tolerances, *(case.name for case in levels.cases[0] if case.kind is Kind.ARM)]
+    of = [np.array([name in {case.parameter, case.name} for case in levels.cases[0]]) for name in names]
     costs = []
     for name, in_case in zip(names, of, strict=True):
-        passes, others = rungs.passes[0][in_case].all(axis=0), rungs.passes[0][~in_case].all(axis=0)
+        passes, others = levels.passes[0][in_case].all(axis=0), levels.passes[0][~in_case].all(axis=0)
         costs.append(
             Cost(
                 name,
-                rungs.tolerances.get(name, float("nan")),
+                levels.tolerances.get(name, float("nan")),
                 float(passes.mean()),
-                float((rungs.nominal & ~passes).mean()),
+                float((levels.nominal & ~passes).mean()),
                 float((others & ~passes).mean()),
             )
         )

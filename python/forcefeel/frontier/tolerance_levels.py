@@ -16,22 +16,22 @@ from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
 
 FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.025)
-"""Rungs: factors on all tolerances of the plant."""
+"""ToleranceLevels: factors on all tolerances of the plant."""
 
 Progress = Callable[[int, int], None]
 """Called with the numbers of completed and of all releases."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rungs:
-    """Results of one law on every rung.
+class ToleranceLevels:
+    """Results of one law on every level.
 
     Attributes:
         full: Envelope at the full tolerances.
-        factors: The rungs, falling from 1.
-        cases: Cases of each rung; arms only on the first.
-        passes: Passes in each case of each rung, (cases, settings).
-        stable: Stability in each case of each rung, (cases, settings).
+        factors: The levels, falling from 1.
+        cases: Cases of each level; arms only on the first.
+        passes: Passes in each case of each level, (cases, settings).
+        stable: Stability in each case of each level, (cases, settings).
     """
 
     full: Envelope
@@ -55,24 +55,24 @@ class Rungs:
         """Settings that pass with the nominal plant, hands off."""
         return np.asarray(self.passes[0][0])
 
-    def worst(self, tight: Collection[str], rung: int, rest: int = 0, *, stable: bool = False) -> NDArray[np.bool_]:
-        """Settings that pass in every case with some parameters on one rung and all others on another.
+    def worst(self, tight: Collection[str], level: int, rest: int = 0, *, stable: bool = False) -> NDArray[np.bool_]:
+        """Settings that pass in every case with some parameters on one level and all others on another.
 
         Args:
-            tight: Parameters on ``rung``.
-            rung: Index in ``factors``; one beyond the last for exactly known parameters.
+            tight: Parameters on ``level``.
+            level: Index in ``factors``; one beyond the last for exactly known parameters.
             rest: Rung of all other parameters.
             stable: Return stable settings instead of passes.
         """
         good = self.stable if stable else self.passes
         at_nominal = [case.kind is not Kind.PLANT for case in self.cases[0]]
-        parts = [good[0][at_nominal], good[rest][self._off(rest, set(self.tolerances) - set(tight))]]
-        if rung < len(self.factors):
-            parts.append(good[rung][self._off(rung, tight)])
+        parts = [good[0][at_nominal], good[rest][self._cases_off(rest, set(self.tolerances) - set(tight))]]
+        if level < len(self.factors):
+            parts.append(good[level][self._cases_off(level, tight)])
         return np.asarray(np.concatenate(parts).all(axis=0))
 
-    def _off(self, rung: int, parameters: Collection[str]) -> list[bool]:
-        return [case.kind is Kind.PLANT and case.parameter in parameters for case in self.cases[rung]]
+    def _cases_off(self, level: int, parameters: Collection[str]) -> list[bool]:
+        return [case.kind is Kind.PLANT and case.parameter in parameters for case in self.cases[level]]
 
 
 def onward(progress: Progress, done: int, total: int) -> Progress:
@@ -80,42 +80,42 @@ def onward(progress: Progress, done: int, total: int) -> Progress:
     return lambda now, _: progress(done + now, total)
 
 
-def rung_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
-    """Number of releases on all rungs."""
+def level_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
+    """Number of releases on all levels."""
     return plan.settings.count * (len(factors) * (len(plan.cases) - len(plan.arms)) + len(plan.arms))
 
 
-def climb(
+def run_levels(
     plan: Plan,
     factors: tuple[float, ...] = FACTORS,
     *,
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
-) -> Rungs:
-    """Run one law on every rung.
+) -> ToleranceLevels:
+    """Run one law on every level.
 
     Args:
         plan: The envelope, with one law.
-        factors: The rungs, falling from 1.
+        factors: The levels, falling from 1.
         threads: Number of threads; default: all cores.
         progress: Called with the numbers of completed and of all releases.
 
     Raises:
-        InputError: If the plan does not have exactly one law, or the rungs do not fall from 1 or reach 0.
+        InputError: If the plan does not have exactly one law, or the levels do not fall from 1 or reach 0.
     """
     if len(plan.laws) != 1:
         raise InputError(f"laws: expected one, got {', '.join(plan.laws)}; make a frontier for each")
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
-        raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
-    total, done = rung_releases(plan, factors), 0
+        raise InputError(f"factors: expected levels that fall from 1 and stay above 0, got {list(factors)}")
+    total, done = level_releases(plan, factors), 0
     envelopes: list[Envelope] = []
     for factor in factors:
         changes = {key: deviation.scaled(factor) for key, deviation in plan.deviations.items()}
         arms = plan.arms if factor == 1.0 else ()
-        rung = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
-        envelopes.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
-        done += rung.settings.count * len(rung.cases)
-    return Rungs(
+        level = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
+        envelopes.append(compute(level, threads=threads, progress=onward(progress, done, total)))
+        done += level.settings.count * len(level.cases)
+    return ToleranceLevels(
         envelopes[0],
         factors,
         cases=tuple(envelope.plan.cases for envelope in envelopes),

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
-from forcefeel.frontier.second_order_bound import Referee
+from forcefeel.frontier.second_order_bound import SettingGroup
 from forcefeel.loader.loader import Loader
 from forcefeel.sizing.valve import Valve
 from forcefeel.units import FLOW
@@ -57,11 +57,11 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
     return ValveLimits(demand, forbidden, unload, plan.settings.rows[:, 1], Valve(plan.loader).flow_m3_per_s)
 
 
-def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+def _peak(group: SettingGroup) -> NDArray[np.float64]:
     """Peak demand of each release for flow at no load, as a share of the largest flow."""
-    loader, valve, peak = referee.plan.loader, Valve(referee.plan.loader), np.zeros(len(feel))
+    loader, valve, peak = group.plan.loader, Valve(group.plan.loader), np.zeros(len(group.feel))
     arm, per_pressure = loader["column.grip_arm"], valve.force_per_pressure
-    for velocity, acceleration, jerk in motion(referee, feel):
+    for velocity, acceleration, jerk in motion(group):
         pressure, pressure_rate = (
             _core.column_grip_force(loader.si_values, term) / per_pressure for term in (acceleration, jerk)
         )

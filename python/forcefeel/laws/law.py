@@ -42,7 +42,6 @@ def default_law(loader: Loader) -> str:
     """The law of a loader where none is named: ``robust`` with a digital controller, else the original loop.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.laws.default_law(ff.digital_elevator()), ff.laws.default_law(ff.elevator())
         ('robust', 'original')
     """
@@ -75,7 +74,6 @@ class Law:
             nothing. A design takes it from the loader file; ``dataclasses.replace(law, cancellation=None)`` leaves it out.
 
     Example:
-        >>> import forcefeel as ff
         >>> law = ff.Law.of("robust", ff.digital_elevator())
         >>> law.name, law.period_s
         ('robust', 0.0005)

@@ -50,7 +50,6 @@ def design_rows(loader: Loader) -> dict[str, float]:
     """What a law's design depends on, SI units: rows that are finite, and the tolerances of dry friction.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.made_for import design_rows
         >>> rows = design_rows(ff.digital_elevator())
         >>> "linkage.stiffness" in rows, "pilot.force" in rows

@@ -31,11 +31,6 @@ class StabilityBoundary:
             stable all the way up, zero if it is unstable from the first.
         frequency_rad_per_s: Frequency of the oscillation at the boundary; zero where a real pole crosses.
         note: What was found, in words.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.smallest_stable_stiffness(ff.elevator()).note
-        'lost by oscillation at 12.0 Hz'
     """
 
     stiffness_n_m_per_rad: Annotated[float, ROTARY_STIFFNESS]
@@ -61,7 +56,6 @@ def smallest_stable_stiffness(
         InputError: If the loader has a motor, whose feel by current alone bears any softness.
 
     Example:
-        >>> import forcefeel as ff
         >>> edge = ff.linear.smallest_stable_stiffness(ff.elevator())
         >>> f"{edge.stiffness_n_m_per_rad:.0f} N m/rad"
         '428 N m/rad'
@@ -122,7 +116,6 @@ def largest_stable_stiffness(loader: Loader, linkage: Linkage = Linkage.COMPLIAN
         InputError: If the loader has a valve.
 
     Example:
-        >>> import forcefeel as ff
         >>> edge = ff.linear.largest_stable_stiffness(ff.loader.electric("sidestick-roll"))
         >>> edge.note[:19]
         'lost by oscillation'

@@ -29,11 +29,6 @@ class NamedMode(Mode):
 
     Attributes:
         name: What moves.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.motor_modes(ff.loader.electric("sidestick-roll"))[0].name
-        'current loop'
     """
 
     name: str
@@ -50,7 +45,6 @@ def motor_modes(loader: Loader) -> tuple[NamedMode, ...]:
         InputError: If ``loader`` is no loader, or has a valve.
 
     Example:
-        >>> import forcefeel as ff
         >>> for mode in ff.linear.motor_modes(ff.loader.electric("sidestick-roll")):
         ...     print(f"{mode.name}: {mode.frequency_rad_per_s / 6.2832:.1f} Hz, damping ratio {mode.damping_ratio:.2f}")
         current loop: 1000.0 Hz, damping ratio 1.00

@@ -26,12 +26,6 @@ class Margins:
         phase_margin_rad: Lag that the loop bears at the crossover of its gain.
         phase_crossover_rad_per_s: Where the phase is -180 degrees.
         gain_crossover_rad_per_s: Where the gain is one.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> loop = ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.COMPLIANT)
-        >>> f"{ff.linear.margins(loop).phase_margin_rad:.2f} rad"
-        'inf rad'
     """
 
     gain_margin: Annotated[float, RATIO]
@@ -47,12 +41,6 @@ class Peak:
     Attributes:
         frequency_rad_per_s: Where it is.
         gain: How large it is.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> servo = ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True)
-        >>> f"{ff.linear.resonance(servo[1, 0], 30.0, 200.0).frequency_rad_per_s:.0f} rad/s"
-        '68 rad/s'
     """
 
     frequency_rad_per_s: Annotated[float, HERTZ]
@@ -70,8 +58,6 @@ def frequency_response(model: StateSpaceLike, frequency_hz: NDArray[np.float64])
         ``gain_db`` and ``phase_deg`` over the coordinate ``frequency_hz``.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> found = ff.linear.frequency_response(ff.linear.ideal_feel(ff.elevator()), np.array([0.1, 1.0, 10.0]))
         >>> sorted(found.data_vars)
         ['gain_db', 'phase_deg']
@@ -99,7 +85,6 @@ def margins(loop: StateSpaceLike) -> Margins:
     the smallest of ``180 degrees + phase`` over all crossings: the lag that the loop bears, negative if it has too much.
 
     Example:
-        >>> import forcefeel as ff
         >>> loop = ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.COMPLIANT)
         >>> f"{ff.linear.margins(loop).gain_margin:.1f}"
         '2.5'
@@ -184,7 +169,6 @@ def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float
     """The peak of a model with one input and one output between two frequencies; ``None`` if its gain only falls or rises.
 
     Example:
-        >>> import forcefeel as ff
         >>> servo = ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True)
         >>> ff.linear.resonance(servo[1, 0], 30.0, 200.0) is not None
         True

@@ -66,13 +66,7 @@ _SERVO_STATES = ("load_pressure_pa", "commanded_flow_m3_per_s", "commanded_flow_
 
 
 class Linkage(StrEnum):
-    """How the link between piston and column is modelled.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [linkage.value for linkage in ff.linear.Linkage]
-        ['rigid', 'compliant']
-    """
+    """How the link between piston and column is modelled."""
 
     RIGID = "rigid"
     COMPLIANT = "compliant"
@@ -284,7 +278,6 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> GainLaw:
         InputError: If there are not six or seven finite gains, or the loader has a motor.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator()
         >>> law = ff.linear.state_feedback(loader, ff.design_gains(loader).gains)
         >>> law.displacement_unit

@@ -20,11 +20,6 @@ class Mode:
         imaginary_per_s: Imaginary part, zero or positive.
         frequency_rad_per_s: Distance w of the pole from the origin.
         damping_ratio: zeta; 1 for a stable real pole, negative for an unstable one.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.modes(ff.linear.ideal_feel(ff.elevator()))[0].damping_ratio > 0
-        True
     """
 
     real_per_s: Annotated[float, RATE]
@@ -37,7 +32,6 @@ def modes(model: StateSpaceLike) -> tuple[Mode, ...]:
     """The modes of ``model``, slowest first; a conjugate pair counts once.
 
     Example:
-        >>> import forcefeel as ff
         >>> for mode in ff.modes(ff.linear.ideal_feel(ff.elevator())):
         ...     print(f"{mode.frequency_rad_per_s:.2f} rad/s, damping ratio {mode.damping_ratio:.2f}")
         12.65 rad/s, damping ratio 0.20

@@ -34,7 +34,6 @@ def rigid_model(loader: Loader, law: GainLaw | None = None) -> control.StateSpac
         InputError: If a law is given for a motor.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.linear.rigid_model(ff.elevator()).nstates
         7
     """
@@ -49,7 +48,6 @@ def compliant_model(loader: Loader, law: GainLaw | None = None) -> control.State
     link the first three; inputs pilot force and a test signal in A added to the command of the current.
 
     Example:
-        >>> import forcefeel as ff
         >>> model = ff.compliant_model(ff.elevator())
         >>> model.nstates, model.input_labels
         (8, ['pilot_force_n', 'test_signal_v'])
@@ -72,7 +70,6 @@ def plant(loader: Loader, linkage: Linkage = Linkage.COMPLIANT) -> control.State
         cogging, back-EMF against a voltage limit: left out, as nothing of them is linear.
 
     Example:
-        >>> import forcefeel as ff
         >>> stick = ff.linear.plant(ff.loader.electric("sidestick-roll"))
         >>> stick.nstates, stick.input_labels
         (5, ['pilot_force_n', 'current_command_a'])
@@ -89,7 +86,6 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
         closed: With the position loop of eq. (13) closed, or open.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True).input_labels
         ['test_signal_v']
     """
@@ -108,7 +104,6 @@ def overall_open_loop(loader: Loader, linkage: Linkage, law: GainLaw | None = No
         law: The law that drives the amplifier; the original one if not given.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.RIGID).nstates
         7
     """
@@ -145,7 +140,6 @@ def ideal_feel(loader: Loader) -> control.StateSpace:
     """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.linear.ideal_feel(ff.elevator()).output_labels
         ['column_angle_rad']
     """

@@ -35,7 +35,6 @@ def step_response(
         not a number once an unstable response has left the range of double precision.
 
     Example:
-        >>> import forcefeel as ff
         >>> response = ff.step_response(ff.compliant_model(ff.elevator()), force_n=100.0)
         >>> f"{float(response.column_angle_rad[-1]):.3f} rad"
         '0.045 rad'

@@ -43,7 +43,6 @@ machine in the loop's own thread, or ``Udp(address)``, a machine with the packet
 the simulated machine for use in another process.
 
 Example:
-    >>> import forcefeel as ff
     >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
     ...     running.on()
     ...     running.wait(10_000)

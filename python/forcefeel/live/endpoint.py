@@ -17,7 +17,6 @@ class Simulated:
             real time it continues.
 
     Example:
-        >>> import forcefeel as ff
         >>> pushed = ff.live.Simulated(ff.Scenario(ff.Step(20.0)))
         >>> with ff.live.start(ff.digital_elevator(), endpoint=pushed, real_time=False) as running:
         ...     running.wait(100)
@@ -37,7 +36,6 @@ class Udp:
         InputError: If the address is invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.live.Udp("127.0.0.1:5005").address
         '127.0.0.1:5005'
     """

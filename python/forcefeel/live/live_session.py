@@ -44,7 +44,6 @@ class LiveSession:
         fade_s: Fade time of feels set later, s.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
         ...     running.wait(100)
         ...     running.feel["feel.stiffness"] == ff.digital_elevator()["feel.stiffness"]

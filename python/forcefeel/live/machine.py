@@ -17,7 +17,6 @@ class Machine:
         InputError: If the loader has no digital controller.
 
     Example:
-        >>> import forcefeel as ff
         >>> machine = ff.live.Machine(ff.digital_elevator())
         >>> force_n, position_m, base_m, pilot_force_n, grip_force_n = machine.read()
         >>> machine.write(0.1, True)

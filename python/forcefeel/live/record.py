@@ -29,7 +29,6 @@ class LiveRecord:
         ended: Why the record ended: "with the run", or earlier, as on a full disk; empty if the writing process was killed.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.wait(100)
         >>> ff.live.read_live_record("run.mcap").about["law"]
@@ -65,7 +64,6 @@ class Replayed:
         broken, ended: As in ``LiveRecord``.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.wait(100)
         >>> ff.live.replay("run.mcap").difference is None
@@ -91,7 +89,6 @@ def read_live_record(path: str | Path) -> LiveRecord:
         InputError: If the file cannot be read.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.wait(100)
         >>> record = ff.live.read_live_record("run.mcap")
@@ -109,7 +106,6 @@ def replay(path: str | Path) -> Replayed:
         InputError: If the file cannot be read or has another version.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.on()
         ...     running.wait(100)

@@ -63,7 +63,6 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             or the disk lacks space for the record.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
         ...     running.on()
         ...     running.wait(10_000)

@@ -34,7 +34,6 @@ class State:
         ended: Whether the loop has ended.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
         ...     running.wait(100)
         ...     running.state.missed
@@ -59,7 +58,6 @@ class Trip:
     """Reason of a stop: name, and a sentence with cause and remedy. It stays until acknowledged.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
         ...     running.on()
         ...     running.wait(4000)
@@ -86,7 +84,6 @@ class HostState:
         share: Share of its values in the feel, 0 to 1; the rest is the default feel.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, host=0) as running:
         ...     running.wait(100)
         ...     running.host.packets
@@ -120,7 +117,6 @@ class Histogram:
         worst_us: Longest duration, us; zero before the first.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
         ...     running.wait(100)
         ...     running.timing.work.total >= 100
@@ -158,7 +154,6 @@ class Timing:
         period_s: Period of the loop, s.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
         ...     running.wait(100)
         ...     running.timing.period_s

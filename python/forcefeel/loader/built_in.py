@@ -47,7 +47,6 @@ def elevator() -> Loader:
     """The elevator loader of the 1974 report, from the appendix's U.S. customary column; its tolerances are assumed.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.elevator()
         <Loader 'elevator-1974': feel G = 9600 lb in/rad, 2.01 Hz, damping ratio 0.2; analog; 13 tolerances>
     """
@@ -65,7 +64,6 @@ def digital_elevator() -> Loader:
     and valve have no sensor.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.digital_elevator()["controller.period"]
         0.0005
     """
@@ -94,7 +92,6 @@ def electric(name: str) -> Loader:
         InputError: If the name is unknown.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.loader.electric("sidestick-pitch").drive
         'electric'
     """

@@ -37,7 +37,7 @@ def _factors(row: CurveRow, given: object) -> list[float]:
     us = row.units(UnitSystem.US)
     if not isinstance(given, list) or len(given) != 2 or not all(isinstance(unit, str) for unit in given):
         raise InputError(
-            f'units: expected the two units of a point, such as ["{us[0]}", "{us[1]}"], got {_shown(given)}'
+            f'units: expected the two units of a point, such as ["{us[0]}", "{us[1]}"], got {_value_text(given)}'
         )
     factors = []
     for axis, unit in zip((row.x, row.y), given, strict=True):
@@ -51,18 +51,18 @@ def _factors(row: CurveRow, given: object) -> list[float]:
 def _points(row: CurveRow, given: object) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The points' x and y, as they stand."""
     if not isinstance(given, list):
-        raise InputError(f"points: expected pairs of numbers, got {_shown(given)}")
+        raise InputError(f"points: expected pairs of numbers, got {_value_text(given)}")
     for k, point in enumerate(given):
         pair = isinstance(point, list) and len(point) == 2
         if not pair or any(isinstance(number, bool) or not isinstance(number, int | float) for number in point):
             example = "[{:g}, {:g}]".format(*row.example[-1])
             raise InputError(
-                f"points: expected a pair of numbers such as {example} as point {k + 1}, got {_shown(point)}"
+                f"points: expected a pair of numbers such as {example} as point {k + 1}, got {_value_text(point)}"
             )
     return tuple(point[0] for point in given), tuple(point[1] for point in given)
 
 
-def _shown(given: object) -> str:
+def _value_text(given: object) -> str:
     """As ``show``, short arrays in full."""
     text = "[" + ", ".join(map(show, given)) + "]" if isinstance(given, list) else show(given)
     return text if len(text) <= 60 else show(given)

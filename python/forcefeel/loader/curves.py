@@ -36,7 +36,6 @@ class Curve:
             y falls; it names the first pair of points that is wrong.
 
     Example:
-        >>> import forcefeel as ff
         >>> from dataclasses import replace
         >>> curve = ff.loader.Curve((-0.3, 0.0, 0.3), (-200.0, 0.0, 250.0))  # rad, N
         >>> replace(ff.elevator(), force_curve=curve).force_curve is curve

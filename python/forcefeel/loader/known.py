@@ -36,7 +36,6 @@ def machine_rows(loader: Loader) -> tuple[str, ...]:
     """The parameters of the machine that its linear plant depends on, those that the loader has.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.loader.known import machine_rows
         >>> "valve.rated_flow" in machine_rows(ff.digital_elevator())
         True
@@ -55,7 +54,6 @@ def off_by(loader: Loader) -> float:
     where it has any row of ``LEFT_OUT``.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.loader.known import machine_rows, off_by
         >>> loader = ff.loader.electric("sidestick-pitch")
         >>> off_by(loader), off_by(loader.with_tolerances(dict.fromkeys(machine_rows(loader), "1 %")))

@@ -84,7 +84,6 @@ class Loader(Mapping[str, float]):
             other. The message has a line for each.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.elevator().replace({"linkage.stiffness": "7000 lb/in"})
         >>> f"{loader['linkage.stiffness']:.0f} N/m"
         '1225888 N/m'
@@ -166,7 +165,6 @@ class Loader(Mapping[str, float]):
             InputError: If the law or the frequencies are none, or there is a law for a motor.
 
         Example:
-            >>> import forcefeel as ff
             >>> gain, phase = ff.elevator().plot_bode()
             >>> gain.get_ylabel()
             'Angle per force, deg/N'
@@ -255,7 +253,7 @@ class Loader(Mapping[str, float]):
         except KeyError:
             raise UnknownKeyError(f"unknown parameter {show(key)}; {did_you_mean(key, table(self.drive))}") from None
 
-    def _own(self, key: str, of: str = "") -> int:
+    def _row_of_drive(self, key: str, of: str = "") -> int:
         """Position of a row that a loader of this drive has."""
         position = self._position(key)
         if not has(self.drive, TABLE[key]):
@@ -303,10 +301,10 @@ class Loader(Mapping[str, float]):
         values = self.si_values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = self._own(key)
+            position = self._row_of_drive(key)
             values[position] = _value(key, given, si=si)
             if key in tolerances:
-                tolerance = _about(key, tolerances.pop(key), float(values[position]))
+                tolerance = _tolerance_about(key, tolerances.pop(key), float(values[position]))
                 tolerances |= {} if tolerance is None else {key: tolerance}
         return replace(self, si_values=values, tolerances=tolerances)
 
@@ -325,7 +323,7 @@ class Loader(Mapping[str, float]):
         expect("changes", changes, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "10 %"}')
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = self._own(key, "tolerances.")
+            position = self._row_of_drive(key, "tolerances.")
             tolerances.pop(key, None)
             if isinstance(given, Tolerance):
                 tolerances[key] = given
@@ -415,8 +413,6 @@ def load(path: str | Path) -> Loader:
         InputError: With a line for each thing that is wrong: the file, the key, what was expected and what came.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("my.toml").write_text(ff.elevator().to_toml(), encoding="utf-8")
         >>> ff.load("my.toml").name
         'elevator-1974'
@@ -478,7 +474,7 @@ def _switch(key: str, given: object) -> float:
     return float(given)
 
 
-def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
+def _tolerance_about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
     """The tolerance of a value that changes; ``None`` where it was in shares and there is nothing left to share."""
     if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
         return None

@@ -29,13 +29,6 @@ class Project:
     Attributes:
         path: The project file.
         loaders: By axis, in the file's order.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\nyaw = "rudder-pedals"\n', encoding="utf-8")
-        >>> [*ff.loader.read_project("cockpit.toml").loaders]
-        ['roll', 'yaw']
     """
 
     path: Path
@@ -83,8 +76,6 @@ def read_project(path: str | Path) -> Project:
             file for two axes, or a built-in loader of another axis; or a loader is bad.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
         >>> ff.loader.read_project("cockpit.toml").loaders["pitch"].drive
         'electric'

@@ -18,7 +18,6 @@ def has_grip_sensor(loader: Loader) -> bool:
     """Whether the loader has a force sensor at the grip.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.loader.sensors import has_grip_sensor
         >>> has_grip_sensor(ff.digital_elevator().replace({"grip_sensor.gain": 1.0}))
         True

@@ -77,13 +77,13 @@ class _Reader:
         share = _share(given)
         if share is None or share <= 0:
             raise InputError(f"expected a tolerance such as {_EXAMPLE}, got {show(given)}")
-        return self._tolerance(Distribution.UNIFORM, [given], (self._moved(-share), self._moved(share)))
+        return self._tolerance(Distribution.UNIFORM, [given], (self._value_off_by(-share), self._value_off_by(share)))
 
     def table(self, given: object) -> Tolerance:
         """One of the forms that name their distribution."""
         names = [name for name in Distribution if isinstance(given, dict) and name in given]
         if not isinstance(given, dict) or len(names) != 1:
-            raise InputError(f"expected a tolerance such as {_EXAMPLE}, got {_shown(given)}")
+            raise InputError(f"expected a tolerance such as {_EXAMPLE}, got {_spec_text(given)}")
         name = names[0]
         known = (name, "low", "high", "mean") if name is Distribution.NORMAL else (name,)
         if unknown := [key for key in given if key not in known]:
@@ -103,7 +103,9 @@ class _Reader:
         if missing := [key for key in ("low", "high") if key not in given]:
             raise InputError(f"normal: expected bounds at which it is cut off; add {' and '.join(missing)}")
         share = _share(given["normal"])
-        deviation = self._quantity("normal", given["normal"]) if share is None else self._moved(share) - self.value
+        deviation = (
+            self._quantity("normal", given["normal"]) if share is None else self._value_off_by(share) - self.value
+        )
         mean = self._value("mean", given["mean"]) if "mean" in given else self._nominal("mean")
         ends = (self._value("low", given["low"]), self._value("high", given["high"]))
         return self._tolerance(Distribution.NORMAL, given.values(), ends, mean, deviation)
@@ -128,7 +130,7 @@ class _Reader:
 
     def _value(self, name: str, given: object) -> float:
         share = _share(given)
-        return self._quantity(name, given) if share is None else self._moved(share)
+        return self._quantity(name, given) if share is None else self._value_off_by(share)
 
     def _quantity(self, name: str, given: object) -> float:
         try:
@@ -136,7 +138,7 @@ class _Reader:
         except InputError as error:
             raise InputError(f"{name}: {error}") from error
 
-    def _moved(self, share: float) -> float:
+    def _value_off_by(self, share: float) -> float:
         """The loader's value, moved by a share of its size."""
         if nothing(self.row, self.value):
             raise InputError(share_of_nothing(self.row))
@@ -159,7 +161,7 @@ def _share(given: object) -> float | None:
     return parse(given, "", "20 %")
 
 
-def _shown(given: object) -> str:
+def _spec_text(given: object) -> str:
     """What came; of a table its keys."""
     return f"a table of {', '.join(map(show, given))}" if isinstance(given, dict) and given else show(given)
 

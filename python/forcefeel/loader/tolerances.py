@@ -33,13 +33,7 @@ ZERO = "expected bounds as values with their unit, got shares of a value that is
 
 
 class Distribution(StrEnum):
-    """How the values are spread between the bounds.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [one.value for one in ff.loader.Distribution]
-        ['uniform', 'normal', 'triangular']
-    """
+    """How the values are spread between the bounds."""
 
     UNIFORM = "uniform"
     NORMAL = "normal"
@@ -63,7 +57,6 @@ class Tolerance:
             above zero, ``nominal`` is zero, or one is missing or too much.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.elevator().tolerances["linkage.stiffness"].distribution.value
         'uniform'
     """

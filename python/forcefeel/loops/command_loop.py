@@ -38,13 +38,6 @@ class CommandLoop:
         by_command: b, (states,), per V.
         command: c, (states,), V.
         period_s: Sample period; ``None`` for an analog loop.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> loader = ff.digital_elevator()
-        >>> loops = ff.loops.command_loops(loader, ff.Law.of("robust", loader), ff.Law.of("robust", loader).feel)
-        >>> loops[0].period_s
-        0.0005
     """
 
     matrix: NDArray[np.float64] = field(repr=False)
@@ -94,7 +87,6 @@ def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Seque
     """The loops of a loader at settings I, B, G, a row each.
 
     Example:
-        >>> import forcefeel as ff
         >>> loader = ff.digital_elevator()
         >>> law = ff.Law.of("robust", loader)
         >>> len(ff.loops.command_loops(loader, law, law.feel))

@@ -29,11 +29,6 @@ class SampledLoops:
         by_force: b_F, (loops, states), per N.
         base: Place of the column's base, in m, among the states.
         command: Place of the youngest command, in V.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.loops.sampled_loops(ff.digital_elevator(), "robust").period_s
-        0.0005
     """
 
     period_s: float
@@ -75,7 +70,6 @@ def sampled_loops(
         InputError: If the loader has no period, or a sampled law was made for another.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.loops.sampled_loops(ff.digital_elevator(), "robust").matrix.ndim
         3
     """

@@ -17,7 +17,7 @@ def described(picture: go.Figure) -> str:
     """Names of the axes, and along each the lowest and the highest value of every curve."""
     curves: dict[str, dict[str, None]] = {_title(axis): {} for axis in picture.select_yaxes()}
     for trace in picture.data:
-        if text := _told(trace):
+        if text := _trace_text(trace):
             curves.setdefault(_title(_axis(picture, trace)), {})[text] = None
     over = "; ".join(dict.fromkeys(filter(None, map(_title, picture.select_xaxes()))))
     parts = [": ".join(filter(None, (title, "; ".join(texts)))) for title, texts in curves.items()]
@@ -35,7 +35,7 @@ def _lies(trace: Any) -> bool:
     return getattr(trace, "orientation", None) == "h"
 
 
-def _told(trace: Any) -> str:
+def _trace_text(trace: Any) -> str:
     """A trace's name with its lowest and highest value; nothing of one without numbers, or of nameless dots on a curve."""
     if trace.type == "heatmap":
         name, along = trace.colorbar.title.text or "colour", trace.z

@@ -88,14 +88,14 @@ class Picture:
 
 def picture(maps: SettingMaps, units: UnitSystem, *beside: SettingMaps) -> Picture:
     """The maps, drawn; ``beside`` are others on the page that share their legend."""
-    return Picture(_rows(maps), _numbers(maps, units), _legend(maps, *beside), _own(maps)[0] >= 0)
+    return Picture(_rows(maps), _numbers(maps, units), _legend(maps, *beside), _loader_position(maps)[0] >= 0)
 
 
 def _rows(maps: SettingMaps) -> tuple[Row, ...]:
     """The maps by damping ratio; of more than eight damping ratios, eight evenly spread."""
     damping = maps.damping
     displayed = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
-    own = _own(maps)
+    own = _loader_position(maps)
     return tuple(
         Row(
             f"ζ = {number_text(damping[index], 3)}",
@@ -169,7 +169,7 @@ def _place(points: NDArray[np.float64], value: float, room: float) -> float:
     return float(np.interp(along(value), [along(point) for point in points], centres))
 
 
-def _own(maps: SettingMaps) -> tuple[int, float, float]:
+def _loader_position(maps: SettingMaps) -> tuple[int, float, float]:
     """The row whose damping ratio is nearest to the loader's own, and the position of its setting; row -1 if out of view."""
     loader = maps.loader
     inertia, damping, stiffness = (loader[key] for key in FEEL_SETTING)

@@ -40,7 +40,7 @@ def put(out: Path, contents: Mapping[str, str | bytes], own: Collection[str]) ->
         for above in PurePath(name).parents[:-1]:
             check_output_folder(out / above, "a folder of that name")
         check_output_file(out / name)
-    with _explained(out), _made(out) as folder:
+    with _explained(out), _created_folder(out) as folder:
         for left in _left_by_killed_runs(folder):
             shutil.rmtree(left, ignore_errors=True)
         if not (_is_free(folder, own) and _exchanged(folder, contents)):
@@ -123,7 +123,7 @@ def _aside(where: Path, folder: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _made(out: Path) -> Iterator[Path]:
+def _created_folder(out: Path) -> Iterator[Path]:
     """The folder ``out`` itself, whatever links are above it; if what follows fails, none is there that was not before."""
     folder = out.resolve()
     missing = [parent for parent in (*reversed(folder.parents), folder) if not parent.exists()]

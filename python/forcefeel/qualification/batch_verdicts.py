@@ -80,8 +80,6 @@ def judge_releases(
         InputError: If the number of references is neither 1 nor that of the runs, or the test is not a release test.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> after = np.arange(0, 6, 1 / 500)
         >>> runs = np.stack([0.2 * np.exp(-z * 12 * after) * np.cos(12 * after) for z in (0.2, 0.21, 0.4)])
         >>> batch = ff.qualification.measure_releases(after, runs)

@@ -44,8 +44,6 @@ def read_record(
         InputError: With the file, the line or row, the time, the fault, the expected value and the remedy.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> rows = "".join(f"{k / 100},{0.2 if k < 50 else 0.0}\n" for k in range(100))
         >>> size = Path("record.csv").write_text("time (s),position (rad)\n" + rows)
         >>> len(ff.qualification.read_record("record.csv").time_s)

@@ -51,13 +51,6 @@ class Record:
     Raises:
         InputError: When built, with row and time: fewer than two rows, signals of different lengths, values that are not
             finite, time that does not increase or has a gap.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
-        >>> time = np.arange(0, 2, 0.01)
-        >>> ff.qualification.Record(time, 0.2 * np.exp(-time), name="aircraft").name
-        'aircraft'
     """
 
     time_s: NDArray[np.float64]

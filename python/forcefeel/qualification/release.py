@@ -109,8 +109,6 @@ def measure_release(
             ends before its first zero crossing or before it comes to rest.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.arange(0, 8, 1 / 60)
         >>> let_go = np.maximum(time - 0.5, 0)
         >>> position = 0.2 * np.exp(-2.5 * let_go) * (np.cos(12 * let_go) + 0.2 * np.sin(12 * let_go))
@@ -185,7 +183,7 @@ class _Measured:
             f"{REST:g} times its fall time from {self.rules.high:g} Ad to {self.rules.low:g} Ad; record for longer"
         )
 
-    def _at(self, column: int, share: float) -> tuple[float, float, float, float]:
+    def _crossing(self, column: int, share: float) -> tuple[float, float, float, float]:
         """Time at ``share`` of Ad, its own uncertainty, and its sensitivities to steady state and held position."""
         time, slope, noise, last_term = self.detail[:, column].tolist()
         own = combined(self.white * noise, last_term, self.stuck) / abs(slope)
@@ -197,8 +195,8 @@ class _Measured:
 
     def _lasted(self, begin: int, begin_share: float, end: int, end_share: float) -> Figure:
         """Time between two instants, with correlated parts of their uncertainties."""
-        t0, own0, steady0, held0 = self._at(begin, begin_share)
-        t1, own1, steady1, held1 = self._at(end, end_share)
+        t0, own0, steady0, held0 = self._crossing(begin, begin_share)
+        t1, own1, steady1, held1 = self._crossing(end, end_share)
         uncertainty = combined(own0, own1, (steady1 - steady0) * self.u_steady, (held1 - held0) * self.u_held)
         return Figure(t1 - t0, uncertainty if np.isfinite(t1 - t0) else float("nan"), "s")
 
@@ -208,7 +206,7 @@ class _Measured:
         return self._lasted(high, self.rules.high, low, self.rules.low)
 
     def _rise_time(self) -> Figure:
-        time, own, steady, held = self._at(COLUMNS["low"].start, self.rules.low)
+        time, own, steady, held = self._crossing(COLUMNS["low"].start, self.rules.low)
         known = combined(own, steady * self.u_steady, held * self.u_held, self.let_go.time_uncertainty_s)
         return Figure(time - self.let_go.time_s, known, "s")
 

@@ -123,8 +123,6 @@ def measure_releases(
         InputError: If the shapes do not match, the times do not increase, or there are too few samples.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> after = np.arange(0, 6, 1 / 500)
         >>> runs = np.stack([0.2 * np.exp(-z * 12 * after) * np.cos(12 * after) for z in (0.2, 0.3)])
         >>> type(ff.qualification.measure_releases(after, runs)).__name__

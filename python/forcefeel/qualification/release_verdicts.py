@@ -47,8 +47,6 @@ def judge_release(
         InputError: If the records differ in unit or direction, or the test is not a release test.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.arange(0, 8, 1 / 60)
         >>> let_go = np.maximum(time - 0.5, 0)
         >>> position = 0.2 * np.exp(-2.5 * let_go) * (np.cos(12 * let_go) + 0.2 * np.sin(12 * let_go))

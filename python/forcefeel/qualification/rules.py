@@ -135,11 +135,6 @@ class Rules(BaseModel):
         release: Settings of free responses.
         sweeps: The sweeps of the alternate method.
         tests: Its tests.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.qualification.load_rules().of("static", "pitch").number
-        '2.a.1.a'
     """
 
     model_config = STRICT
@@ -205,7 +200,6 @@ def editions() -> tuple[str, ...]:
     """Names of the available editions.
 
     Example:
-        >>> import forcefeel as ff
         >>> "part60-a-2014" in ff.qualification.editions()
         True
     """
@@ -221,7 +215,6 @@ def load_rules(edition: str = DEFAULT_EDITION) -> Rules:
         InputError: If there is no such table.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.qualification.load_rules("part60-a-2014").category
         'aeroplane'
     """

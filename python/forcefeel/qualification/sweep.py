@@ -95,8 +95,6 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         InputError: With the record's name and a time: no force, no travel to both sides, or a missing direction.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.linspace(0.0, 60.0, 3001)
         >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
         >>> features = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))

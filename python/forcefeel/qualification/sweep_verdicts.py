@@ -48,8 +48,6 @@ def judge_sweep(
         InputError: If one position is an angle and the other a length, or the test is of another kind.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.linspace(0.0, 60.0, 3001)
         >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
         >>> same = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))
@@ -118,7 +116,7 @@ def judge_dynamic_sweep(
         at = reference.position - reference.neutral
         increments, known = [], []
         for sweep, still in ((measured, slow), (reference, reference_slow)):
-            increments.append(_at(sweep, direction, at) - _at(still, direction, at))
+            increments.append(_curve_at(sweep, direction, at) - _curve_at(still, direction, at))
             known.append(combined(sweep.force_uncertainty_n, still.force_uncertainty_n))
         limit = rule.limit(increments[1], system=system)
         verdicts.append(_worst(row, f"dynamic increment, {direction}", at, increments, known, limit, "N"))
@@ -178,14 +176,14 @@ def _curves(
         return
     at = reference.position - reference.neutral
     for direction in ("up", "down"):
-        both = [_at(sweep, direction, at, surface=surface) for sweep in (measured, reference)]
+        both = [_curve_at(sweep, direction, at, surface=surface) for sweep in (measured, reference)]
         known = [0.0, 0.0] if surface else [measured.force_uncertainty_n, reference.force_uncertainty_n]
         limit = rule.limit(both[1], system=system)
         name = f"{rule.surface if surface else rule.quantity}, {direction}"
         yield _worst(row, name, at, both, known, limit, "rad" if surface else "N")
 
 
-def _at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
+def _curve_at(sweep: SweepFeatures, direction: str, at: _Array, *, surface: bool = False) -> _Array:
     """A curve of a sweep at distances from neutral; NaN beyond its ends."""
     curves = {
         ("up", False): sweep.force_up_n,

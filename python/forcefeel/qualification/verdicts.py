@@ -13,13 +13,7 @@ COVERAGE = 2.0
 
 
 class Outcome(StrEnum):
-    """Outcome of a comparison.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [outcome.value for outcome in ff.qualification.Outcome]
-        ['passed', 'failed', 'too close to call', 'not evaluated']
-    """
+    """Outcome of a comparison."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -45,13 +39,6 @@ class Verdict:
         at: Position or time of a curve's worst point; ``None`` otherwise.
         rule: The tolerance's row.
         verified: Whether that row is verified against the document.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> result = ff.qualify_loader(ff.elevator(), setup).sections[0].results[0]
-        >>> result.verdicts[0].outcome.value
-        'failed'
     """
 
     test: str

@@ -7,7 +7,6 @@ def markdown(sections: tuple[Section, ...]) -> str:
     """The comparison as Markdown.
 
     Example:
-        >>> import forcefeel as ff
         >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
         >>> "Linkage" in ff.reproduction.markdown((ff.reproduction.Section("Linkage", (row,)),))
         True
@@ -28,7 +27,6 @@ def summary(sections: tuple[Section, ...]) -> str:
     """Number of rows by verdict.
 
     Example:
-        >>> import forcefeel as ff
         >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
         >>> len(ff.reproduction.summary((ff.reproduction.Section("Linkage", (row,)),))) > 0
         True

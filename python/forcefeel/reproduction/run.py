@@ -15,7 +15,6 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section
         progress: Called with the name of each step of the design as it begins.
 
     Example:
-        >>> import forcefeel as ff
         >>> sections = ff.reproduction.reproduce()
         >>> sum(len(section.rows) for section in sections) > 50
         True

@@ -9,13 +9,7 @@ from forcefeel.units import to_text
 
 
 class Verdict(StrEnum):
-    """Agreement of a computed value with the printed one.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [verdict.value for verdict in ff.reproduction.Verdict]
-        ['agrees', 'differs, explained', 'does not hold', 'differs']
-    """
+    """Agreement of a computed value with the printed one."""
 
     AGREES = "agrees"
     """To the printed digits, or the claim holds."""
@@ -46,7 +40,6 @@ class Row:
         reason: Reason of a difference; otherwise a remark.
 
     Example:
-        >>> import forcefeel as ff
         >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
         >>> row.verdict.value
         'agrees'
@@ -64,14 +57,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Section:
-    """Rows that belong together.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
-        >>> ff.reproduction.Section("Linkage", (row,)).title
-        'Linkage'
-    """
+    """Rows that belong together."""
 
     title: str
     rows: tuple[Row, ...]

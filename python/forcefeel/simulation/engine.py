@@ -51,7 +51,6 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
             controller.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.digital_elevator(), ff.Scenario(ff.Step(100.0), duration_s=3.0), "robust")
         >>> run.status.value
         'settled'
@@ -135,8 +134,6 @@ def simulate_batch(
         InputError: As ``simulate``; if values have the wrong shape, vary a shared row, or the histories are too large.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> loader = ff.elevator()
         >>> runs = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
         >>> runs.sizes["run"]

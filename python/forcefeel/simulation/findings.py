@@ -58,7 +58,6 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
     """The conclusions of a run, with numbers in ``units``.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> ff.simulation.run_conclusions(run, ff.UnitSystem.SI).verdict
         'Settled at 1.24 s, overshoot 45.3 %, 1.68 Hz.'

@@ -38,7 +38,6 @@ def hang(run: Run) -> Hang | None:
     """The hang of a settled column, more than ``BAND`` of its swing from the programmed angle; ``None`` without a cause.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.simulation.hangs import hang
         >>> hang(ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0))))
     """

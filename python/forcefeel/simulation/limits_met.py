@@ -47,12 +47,6 @@ class LimitTimes:
         feel_high_s: Time at its upper hard stop.
         stuck_s: Time for which dry friction held the column after its first motion.
         stuck_at_end: Whether dry friction held it at the end.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
-        >>> f"{ff.simulation.limit_times(run).current:.0%} of the rated current"
-        '0% of the rated current'
     """
 
     current: Annotated[float, PERCENT]
@@ -72,7 +66,6 @@ def limit_times(run: Run) -> LimitTimes:
     """Times at limits, from the samples of the run up to its divergence.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> ff.simulation.limit_times(run).over_current
         0.0

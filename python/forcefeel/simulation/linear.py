@@ -119,8 +119,6 @@ def simulate_linear_batch(
         C. F. Van Loan, Computing integrals involving the matrix exponential, 1978.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> loader = ff.elevator()
         >>> runs = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
         >>> runs.column_angle_rad.shape

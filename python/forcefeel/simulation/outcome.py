@@ -74,13 +74,7 @@ MEASURES = measures_of(HYDRAULIC)
 
 
 class RunStatus(StrEnum):
-    """How a run ended.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> [status.value for status in ff.simulation.RunStatus]
-        ['settled', 'moving', 'diverged']
-    """
+    """How a run ended."""
 
     SETTLED = "settled"
     MOVING = "moving"
@@ -135,7 +129,6 @@ class Measures(Motion):
         diverged_at_s: When the run left every bound; infinite if it did not.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> f"overshoot {run.measures.overshoot:.0%}"
         'overshoot 45%'
@@ -189,7 +182,6 @@ class Run:
         law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> run
         <Run of 'elevator-1974', 2 s, exact: settled at 1.241 s>
@@ -240,7 +232,6 @@ class Run:
             InputError: If an output is unknown or two differ in kind.
 
         Example:
-            >>> import forcefeel as ff
             >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5))
             >>> run.plot("valve_current_a").get_ylabel()
             'Valve current, mA'

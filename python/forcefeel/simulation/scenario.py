@@ -44,7 +44,6 @@ class FeelChange:
             law stays.
 
     Example:
-        >>> import forcefeel as ff
         >>> softer = ff.simulation.FeelChange(0.5, {"feel.stiffness": "6000 lb in/rad"})
         >>> ff.simulate(ff.elevator(), ff.Scenario(ff.Step(50.0), feel_changes=(softer,))).method
         'stepped'
@@ -79,7 +78,6 @@ class Scenario:
         InputError: If a time is out of range.
 
     Example:
-        >>> import forcefeel as ff
         >>> scenario = ff.Scenario(ff.Step(100.0), duration_s=1.0)
         >>> ff.simulate(ff.elevator(), scenario).history.sizes["time_s"]
         1001
@@ -176,7 +174,7 @@ class Steps:
             raise InputError(
                 f"duration_s: expected at most {MOST_STEPS} steps of {step_s:g} s, got {scenario.duration_s:g} s"
             )
-        every = _every(scenario.sample_s, step_s)
+        every = _steps_per_sample(scenario.sample_s, step_s)
         if every and grid.steps % every:
             raise InputError(
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
@@ -225,7 +223,7 @@ class Steps:
         return cls(step_s, every, inputs, timing, start_force, held, changes)
 
 
-def _every(sample_s: float, step_s: float) -> int:
+def _steps_per_sample(sample_s: float, step_s: float) -> int:
     steps = sample_s / step_s
     if abs(steps - 0.5) <= WHOLE:
         return 0

@@ -20,7 +20,7 @@ def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:
         "axis": sizing.plan.axis,
         "rule": RULE,
         "release_angle": quantity(sizing.plan.release_rad, ANGLE, units),
-        "good": sizing.good,
+        "ok": sizing.ok,
         "conclusions": json_value(sizing_conclusions(sizing, units), units),
         "capability": json_value(sizing.capability, units),
         "demands": [{**_document(demand, units), "available": demand.available} for demand in sizing.demands],
@@ -36,7 +36,7 @@ def cockpit_json(cockpit: CockpitSizing, units: UnitSystem) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "project": cockpit.name,
-        "good": cockpit.good,
+        "ok": cockpit.ok,
         "conclusions": json_value(cockpit_conclusions(cockpit, units), units),
         "axes": {axis: sizing_json(sizing, units) for axis, sizing in cockpit.axes.items()},
     }

@@ -19,22 +19,15 @@ class CockpitSizing:
     Attributes:
         name: Name of the project's file.
         axes: Sizing by axis, in the file's order.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\nyaw = "rudder-pedals"\n', encoding="utf-8")
-        >>> [*ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).axes]
-        ['roll', 'yaw']
     """
 
     name: str
     axes: Mapping[str, Sizing]
 
     @property
-    def good(self) -> bool:
+    def ok(self) -> bool:
         """Whether every drive is large enough for its programmed feel."""
-        return all(sizing.good for sizing in self.axes.values())
+        return all(sizing.ok for sizing in self.axes.values())
 
 
 def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitSizing:
@@ -48,10 +41,8 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
         InputError: If the angle is invalid.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
-        >>> ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).good
+        >>> ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).ok
         True
     """
     sizings = project.each(lambda axis, loader: size_drive(loader, control_of(axis), release_rad))
@@ -61,7 +52,7 @@ def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitS
 @of_result
 def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusions:
     """Conclusions for the cockpit: the verdict of each axis, and the remedy where a drive is too small."""
-    lacking = [axis for axis, sizing in cockpit.axes.items() if not sizing.good]
+    lacking = [axis for axis, sizing in cockpit.axes.items() if not sizing.ok]
     verdict = (
         f"Too small for the programmed feel: the drive of {', '.join(lacking)}."
         if lacking
@@ -69,4 +60,4 @@ def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusion
     )
     lines = [f"{capital(axis)}: {sizing_conclusions(sizing, units).verdict}" for axis, sizing in cockpit.axes.items()]
     lines += [f"{capital(axis)}: {sizing_conclusions(cockpit.axes[axis], units).findings[0]}" for axis in lacking]
-    return Conclusions(cockpit.good, verdict, tuple(lines))
+    return Conclusions(cockpit.ok, verdict, tuple(lines))

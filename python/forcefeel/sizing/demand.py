@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
+from forcefeel.linear.release_motion import release_motion
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.sizing.control_forces import RULE, control_forces
 from forcefeel.sizing.plan import SizingPlan
@@ -144,10 +145,8 @@ def _release(plan: SizingPlan) -> Demand:
     """The hands-off release of ``I``, ``B``, ``G``: the drive accelerates the column, ``F = J theta'' / R_p``, eqs. (6), (7)."""
     loader = plan.loader
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
-    inertia, damping, stiffness = feel[0]
-    time = np.linspace(0.0, release_s(loader), MOMENTS)
-    angle, rate = _core.feel_transitions(feel, time)[0, :, :, 0].T * plan.release_rad
-    acceleration = -(damping * rate + stiffness * angle) / inertia
+    motion = release_motion(loader, feel, plan.release_rad, release_s(loader) / (MOMENTS - 1), MOMENTS)
+    rate, acceleration, _ = np.array(list(motion))[:, :, 0].T
     arm = loader["column.grip_arm"]
     name = f"release from {to_text(ANGLE.from_si(plan.release_rad, UnitSystem.SI), 3)} deg"
     force = _core.column_grip_force(loader.si_values, acceleration)

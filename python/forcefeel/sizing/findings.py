@@ -42,14 +42,13 @@ _MINUTE, _HOUR = 60.0, 3600.0
 
 @of_result
 def sizing_conclusions(sizing: Sizing, units: UnitSystem) -> Conclusions:
-    """The conclusions, with numbers in ``units``; ``good`` where the drive gives what the programmed feel asks for.
+    """The conclusions, with numbers in ``units``; ``ok`` where the drive gives what the programmed feel asks for.
 
     Args:
         sizing: The sizing.
         units: The units of the numbers.
 
     Example:
-        >>> import forcefeel as ff
         >>> sizing = ff.sizing.size_drive(ff.elevator())
         >>> ff.sizing.sizing_conclusions(sizing, ff.UnitSystem.US).ok
         True
@@ -62,7 +61,7 @@ def sizing_conclusions(sizing: Sizing, units: UnitSystem) -> Conclusions:
         *_heat(sizing, units),
         _mass(sizing, units),
     )
-    return Conclusions(sizing.good, _verdict(sizing, units), tuple(filter(None, (*lines, *_unknown(sizing)))))
+    return Conclusions(sizing.ok, _verdict(sizing, units), tuple(filter(None, (*lines, *_unknown(sizing)))))
 
 
 def noun(sizing: Sizing) -> str:
@@ -76,9 +75,7 @@ def _verdict(sizing: Sizing, units: UnitSystem) -> str:
     if lacking:
         worst = max(lacking, key=lambda demand: demand.of_peak)
         share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
-        return (
-            f"The {noun(sizing)} is too small for the programmed feel: {_what(worst, units)}, takes {share} its limit."
-        )
+        return f"The {noun(sizing)} is too small for the programmed feel: {_demand_text(worst, units)}, takes {share} its limit."
     known = [demand for demand in programmed if not isnan(demand.of_peak)]
     if not known:
         return (
@@ -87,12 +84,12 @@ def _verdict(sizing: Sizing, units: UnitSystem) -> str:
         )
     worst = max(known, key=lambda demand: demand.of_peak)
     return (
-        f"The {noun(sizing)} is large enough for the programmed feel: the largest demand, {_what(worst, units)}, is "
+        f"The {noun(sizing)} is large enough for the programmed feel: the largest demand, {_demand_text(worst, units)}, is "
         f"{share_text(worst.of_peak)} of its {'peak ' if isinstance(sizing.capability, MotorCapability) else ''}limit."
     )
 
 
-def _what(demand: DemandResult, units: UnitSystem) -> str:
+def _demand_text(demand: DemandResult, units: UnitSystem) -> str:
     force = text(demand.force_n, FORCE, units)
     if demand.duration is not Duration.MOVING:
         return f"the {demand.name}, {force}" if not demand.name.startswith("25.") else f"{demand.name}, {force}"
@@ -116,7 +113,7 @@ def _remedies(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
 
 def _remedy(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
     remedy, capability = demand.remedy, sizing.capability
-    what, loader = _what(demand, units), sizing.loader
+    what, loader = _demand_text(demand, units), sizing.loader
     what = what[:1].upper() + what[1:]
     if isinstance(remedy, MotorRemedy) and isinstance(capability, MotorCapability):
         long = demand.duration is Duration.LONG
@@ -151,7 +148,7 @@ _TWICE = 2.0
 
 
 def _too_fast(sizing: Sizing, demand: DemandResult, units: UnitSystem) -> str:
-    needs, what = demand.needs, _what(demand, units)
+    needs, what = demand.needs, _demand_text(demand, units)
     what = what[:1].upper() + what[1:]
     if isinstance(needs, MotorNeeds):
         volts, amperes = (to_text(value, 3) for value in (needs.voltage_v, needs.current_a))
@@ -225,7 +222,7 @@ def _heat(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
             continue
         if isnan(needs.winding_degc):
             return
-        held = _what(demand, units)
+        held = _demand_text(demand, units)
         if needs.winding_degc <= limit:
             yield f"Held continuously, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
         elif not isnan(needs.derates_after_s):

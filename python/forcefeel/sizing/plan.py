@@ -29,7 +29,6 @@ class SizingPlan:
         InputError: If the axis is unknown, or the angle is not above 0 and within a quarter turn.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.sizing.SizingPlan.of(ff.loader.electric("rudder-pedals")).axis
         'yaw'
     """

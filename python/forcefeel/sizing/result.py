@@ -89,12 +89,6 @@ class Sizing:
         missing: Missing rows of the loader file that leave a limit unknown.
         added_mass_kg: Mass of the rotor at the grip, J (F / T)^2; zero for a piston.
         column_mass_kg: Mass of the column at the grip, J / R_p^2.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> sizing = ff.sizing.size_drive(ff.loader.electric("rudder-pedals"))
-        >>> [demand.name for demand in sizing.demands if not demand.programmed]
-        ['25.143(d) short term', '25.143(d) long term']
     """
 
     plan: SizingPlan
@@ -111,6 +105,6 @@ class Sizing:
         return self.plan.loader
 
     @property
-    def good(self) -> bool:
+    def ok(self) -> bool:
         """Whether the drive is large enough for the programmed feel."""
         return all(demand.available for demand in self.demands if demand.programmed)

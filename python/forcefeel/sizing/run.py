@@ -35,7 +35,6 @@ def size_drive(loader: Loader, axis: str | None = None, release_rad: float | Non
         InputError: If it is no loader, axis or angle.
 
     Example:
-        >>> import forcefeel as ff
         >>> sizing = ff.sizing.size_drive(ff.loader.electric("elevator-electric"))
         >>> f"{sizing.capability.peak_force_n:.0f} N, {sizing.added_mass_kg:.2f} kg"
         '389 N, 0.63 kg'

@@ -6,6 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.linear.release_motion import holding_force
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.sizing.findings import enough, sizing_conclusions, text
@@ -25,7 +26,7 @@ def too_small_text(loader: Loader, units: UnitSystem, release_rad: float | None 
     if loader.drive != ELECTRIC:
         return ""
     sizing = size_drive(loader, release_rad=release_rad)
-    if sizing.good:
+    if sizing.ok:
         return ""
     conclusions = sizing_conclusions(sizing, units)
     return f"{conclusions.verdict} {conclusions.findings[0]}"
@@ -50,7 +51,7 @@ class Beyond:
     @classmethod
     def of(cls, loader: Loader, stiffness: NDArray[np.float64], angle_rad: float) -> "Beyond":
         """Those of ``stiffness``, N m/rad, that cannot be held at an angle."""
-        force = stiffness * angle_rad / loader["column.grip_arm"]
+        force = holding_force(loader, stiffness, angle_rad)
         most = float(force.max())
         if loader.drive != ELECTRIC:
             return cls(np.zeros(len(force), dtype=np.bool_), most, np.inf, np.nan)

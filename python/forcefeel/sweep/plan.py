@@ -69,7 +69,6 @@ class Sweep:
             varies; if the scenario does not go with the loader.
 
     Example:
-        >>> import forcefeel as ff
         >>> sweep = ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), vary={"linkage.stiffness": "10 %"}, runs=32)
         >>> sweep.total
         32

@@ -40,12 +40,6 @@ class SweepResult:
         sweep: The sweep.
         runs: Over ``run``: the measures, ``status`` (settled, moving, diverged or impossible), and as coordinates the varied
             values, by ``part.name``; SI units, named in ``units``.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
-        >>> found.runs.sizes["run"]
-        32
     """
 
     sweep: Sweep

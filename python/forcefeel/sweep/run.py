@@ -49,7 +49,6 @@ def run_sweep(
         KeyboardInterrupt: On interruption; finished chunks stay in the folder.
 
     Example:
-        >>> import forcefeel as ff
         >>> result = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
         >>> len(result.runs.to_dataframe())
         32

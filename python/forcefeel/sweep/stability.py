@@ -58,8 +58,6 @@ def stability_batch(
         Routh's criterion, E. J. Routh, 1877; reduction: Wilkinson, The Algebraic Eigenvalue Problem, 1965, chapter 6, section 8.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> found = ff.sweep.stability_batch(ff.elevator(), {"feel.stiffness": np.array([200.0, 1000.0])})
         >>> sorted(found.data_vars)
         ['proved', 'stable']

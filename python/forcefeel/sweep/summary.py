@@ -83,12 +83,6 @@ class Summary:
             measure only rises or only falls with the parameter, 0 where it knows nothing of it. Not a number where the
             measure is the same for all.
         chance: Bound of the correlation of independent quantities in 95 of 100 sweeps.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
-        >>> sorted(ff.sweep.summarize(found).spreads)[:2]
-        ['equilibrium_angle_rad', 'final_angle_rad']
     """
 
     shares: tuple[Share, ...]
@@ -114,7 +108,6 @@ def summarize(result: SweepResult) -> Summary:
     """Summarize the runs of a sweep.
 
     Example:
-        >>> import forcefeel as ff
         >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
         >>> sum(share.share for share in ff.sweep.summarize(found).shares) > 0.99
         True

@@ -347,10 +347,10 @@ fn laws_of(values: &[[f64; COUNT]]) -> Vec<[f64; NUMBERS]> {
 
 #[test]
 fn bits_depend_neither_on_threads_nor_on_the_place_in_the_batch() {
-    let begun = (40, 60);
-    let (inputs, values) = (fading(steps(100, H), begun), drawn(RUNS, 0.1));
+    let fade_steps = (40, 60);
+    let (inputs, values) = (fading(steps(100, H), fade_steps), drawn(RUNS, 0.1));
     let laws = laws_of(&values);
-    let changes = [Change { steps: begun, values: values[3], observer: Some(laws[5]) }];
+    let changes = [Change { steps: fade_steps, values: values[3], observer: Some(laws[5]) }];
     let job = Job { changes: &changes, start: Start::Held(0.03, 20), ..job(&inputs, &values, Law::Observers(&laws)) };
     let (measures, histories) = run(&job, 1);
     assert!(histories.iter().all(|value| value.is_finite()));

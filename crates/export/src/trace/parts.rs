@@ -20,7 +20,7 @@ impl Graph {
         let mut seen = HashSet::new();
         while let Some(node) = open.pop() {
             if depends[node as usize] && seen.insert(node) {
-                open.extend(self.nodes[node as usize].made_of());
+                open.extend(self.nodes[node as usize].operands());
             }
         }
         seen.len() >= WORTH_A_FUNCTION
@@ -83,7 +83,7 @@ impl Graph {
         let mut depends_on_input = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let depends =
-                matches!(node, Node::Given(_)) || node.made_of().iter().any(|&one| depends_on_input[one as usize]);
+                matches!(node, Node::Given(_)) || node.operands().iter().any(|&one| depends_on_input[one as usize]);
             depends_on_input.push(depends);
         }
         depends_on_input

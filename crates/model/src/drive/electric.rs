@@ -86,7 +86,7 @@ pub struct MotorState<S: Scalar> {
     /// What that makes of the winding.
     warm: Warm<S>,
     /// The current through the step.
-    pub course: CurrentTrajectory<S>,
+    pub trajectory: CurrentTrajectory<S>,
 }
 
 impl<S: Scalar> Electric<S> {
@@ -222,10 +222,10 @@ impl<S: Scalar> Motion<S> for Electric<S> {
         e: S,
         now: &mut RunSnapshot<S, S>,
     ) -> [S; 3] {
-        let asked = self.current.commanded(effects, &memory.warm, e);
-        let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
+        let required = self.current.commanded(effects, &memory.warm, e);
+        let (i, i_rate) = self.current.at(moment, &memory.trajectory, carried, required);
         if moment == StepFraction::Start {
-            now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), asked);
+            now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), required);
         }
         [v_m, self.acceleration(effects, [x_m, v_m, i], now.balance), i_rate]
     }
@@ -242,7 +242,7 @@ impl<S: Scalar> Motion<S> for Electric<S> {
                 grip,
                 warmth: [zero; 2],
                 warm: self.current.warm(zero),
-                course: CurrentTrajectory::constant(i),
+                trajectory: CurrentTrajectory::constant(i),
             },
         )
     }
@@ -259,12 +259,13 @@ impl<S: Scalar> Motion<S> for Electric<S> {
         if effects.drive_friction {
             self.stick(neighbors, state, now, rates);
         }
-        let asked = rates.plant[2];
+        let required = rates.plant[2];
         let mut resisted = *rates;
         Self::resist(effects, &state.drive, &mut resisted);
         let speed = (state.slow.plant[1] + resisted.plant[1] * neighbors.step.times(0.5)) * self.per_travel;
-        state.drive.course = self.current.course(effects, &state.drive.warm, (state.slow.plant[2], speed), asked);
-        rates.plant[2] = state.drive.course.rate;
+        state.drive.trajectory =
+            self.current.trajectory(effects, &state.drive.warm, (state.slow.plant[2], speed), required);
+        rates.plant[2] = state.drive.trajectory.rate;
     }
 
     #[inline(always)]
@@ -276,9 +277,9 @@ impl<S: Scalar> Motion<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn end_step(&self, effects: &Effects, state: &mut RunState<S, MotorState<S>>, begun: &RunStepStart<S, S, S>) {
+    fn end_step(&self, effects: &Effects, state: &mut RunState<S, MotorState<S>>, step_start: &RunStepStart<S, S, S>) {
         if effects.heating {
-            let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
+            let squared = state.drive.trajectory.mean_square(step_start.now.signals[CURRENT], state.slow.plant[2]);
             let power = self.current.heat(&state.drive.warm, squared);
             state.drive.warmth = self.warming.after(state.drive.warmth, power);
             state.drive.warm = self.current.warm(state.drive.warmth[0]);

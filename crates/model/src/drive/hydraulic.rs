@@ -243,9 +243,9 @@ impl<S: Scalar> Contact<S> for Hydraulic<S> {
         shared: &Shared,
         state: &mut RunState<S, Oil<S>>,
         start: &[S; 5],
-        begun: &RunStepStart<S, Flow<S>, Side<S>>,
+        step_start: &RunStepStart<S, Flow<S>, Side<S>>,
     ) {
-        self.met(neighbors, shared, state, start, begun);
+        self.met(neighbors, shared, state, start, step_start);
     }
 }
 

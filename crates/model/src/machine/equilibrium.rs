@@ -168,13 +168,13 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 
     /// Effort at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
-    fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &FeelConditions<S>) -> (S, S) {
+    fn heard(&self, shared: &Shared, x_b: S, delta: S, conditions: &FeelConditions<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
-        let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            - self.control.feel.pushed(effects, around.start, (delta, delta.zero()));
+        let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, conditions)
+            - self.control.feel.pushed(effects, conditions.start, (delta, delta.zero()));
         if effects.observer {
-            let by_feel = self.control.observer.feel_torque_at_rest(delta, trimmed(effects, around.neutral));
+            let by_feel = self.control.observer.feel_torque_at_rest(delta, trimmed(effects, conditions.neutral));
             self.observed_equilibrium(effects, x_b, spring - by_feel)
         } else {
             self.heard_equilibrium(spring)

@@ -40,7 +40,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 
     #[inline(always)]
-    pub(super) fn around(
+    pub(super) fn feel_conditions(
         &self,
         effects: &Effects,
         state: &State<S, D>,
@@ -48,7 +48,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         moment: StepFraction,
     ) -> FeelConditions<S> {
         let at = (state.neutral, state.slider, state.slow.feel[0]);
-        self.control.around(effects, at, inputs, (moment, self.step))
+        self.control.feel_conditions(effects, at, inputs, (moment, self.step))
     }
 
     #[inline(always)]

@@ -62,9 +62,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let rate = gained / period - quicker.times(0.5);
             let delta = asks_for_all + excess - quotient(law.per_rate(), law.per_delta()) * rate;
             let middle = (delta + gained.times(0.5), gained / period);
-            let around = FeelConditions::at_rest(neutral, stiffness_factor, middle.0);
+            let conditions = FeelConditions::at_rest(neutral, stiffness_factor, middle.0);
             let torque = output([delta, rate]).torque;
-            let acceleration = feel.acceleration(effects, shared.curve.as_ref(), middle, torque, &around);
+            let acceleration = feel.acceleration(effects, shared.curve.as_ref(), middle, torque, &conditions);
             (quicker - acceleration * period, (delta, rate))
         });
         let command = output([delta, delta_rate]).command + added;

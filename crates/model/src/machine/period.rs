@@ -59,8 +59,8 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         let (mut state, mut memory) = self.put(numbers, drives);
         for step in 0..self.timing.period {
             state.test_signal = if step == at { test_signal } else { zero };
-            let begun = self.begin(&mut state, &mut memory);
-            self.machine.advance(self.shared, &mut state, &Inputs::NONE, &begun);
+            let step_start = self.begin(&mut state, &mut memory);
+            self.machine.advance(self.shared, &mut state, &Inputs::NONE, &step_start);
         }
         if !self.shared.effects.observer {
             // Nothing moves it and nothing asks for it.

@@ -77,19 +77,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// The rest of a step.
     #[inline(always)]
-    pub fn advance(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &StepStart<S, D>) {
+    pub fn advance(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, step_start: &StepStart<S, D>) {
         let analog = shared.timing.is_none();
         let (h, half) = (self.step, self.step.times(0.5));
         let start = state.slow;
         // Not in a loop: what the stages share would go through memory, and a batch take half as long again.
-        let k_1 = begun.rates;
-        let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), StepFraction::Half);
-        let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), StepFraction::Half);
-        let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), StepFraction::End);
+        let k_1 = step_start.rates;
+        let k_2 = self.stage(shared, state, inputs, step_start, &start.moved(&k_1, half, analog), StepFraction::Half);
+        let k_3 = self.stage(shared, state, inputs, step_start, &start.moved(&k_2, half, analog), StepFraction::Half);
+        let k_4 = self.stage(shared, state, inputs, step_start, &start.moved(&k_3, h, analog), StepFraction::End);
         let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
-        self.touch(shared, state, inputs, &start, begun);
-        self.drive.end_step(&shared.effects, state, begun);
+        self.touch(shared, state, inputs, &start, step_start);
+        self.drive.end_step(&shared.effects, state, step_start);
         if analog {
             state.slider = self.dragged(&shared.effects, state);
             if shared.effects.surroundings {
@@ -106,15 +106,15 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         shared: &Shared,
         state: &State<S, D>,
         inputs: &Inputs,
-        begun: &StepStart<S, D>,
+        step_start: &StepStart<S, D>,
         slow: &Slow<S>,
         moment: StepFraction,
     ) -> Slow<S> {
         // The lag hardly changes in a step.
         let force = self.pilot_force(state, inputs, moment);
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::carried(&state.drive)));
+        let mut now = self.look(&shared.effects, &step_start.side, slow, state, (force, D::carried(&state.drive)));
         if shared.effects.feel_limits && shared.timing.is_none() {
-            let before = (begun.now.delta, begun.now.delta_rate);
+            let before = (step_start.now.delta, step_start.now.delta_rate);
             (now.delta, now.delta_rate) = self.control.feel.held_within(before, (now.delta, now.delta_rate));
         }
         let stage = Stage { shared, inputs, state, moment };
@@ -132,11 +132,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             stage.state.held + stage.state.test_signal
         } else {
             let ([force, piston, base, _], base_rate) = self.shown(stage, now);
-            let around = self.around(effects, stage.state, stage.inputs, stage.moment);
+            let conditions = self.feel_conditions(effects, stage.state, stage.inputs, stage.moment);
             let torque = self.heard_torque(force, now);
             let fade = stage.moment.of(stage.inputs.fade);
             let computer = self.feel_computer(stage.shared, fade);
-            feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
+            feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &conditions)];
             let x = [
                 piston,
                 force / self.drive.force_per_effort(),

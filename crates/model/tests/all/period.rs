@@ -180,13 +180,13 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
                 let force = if period < 20 { 150.0 } else { -220.0 };
                 let inputs = Inputs { force: [force; 2], ..Inputs::NONE };
                 for step in 0..timing.period {
-                    let begun = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; SENSORS]);
+                    let step_start = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; SENSORS]);
                     if step == 0 {
-                        let now = [begun.now.base, begun.now.delta, begun.now.delta_rate];
+                        let now = [step_start.now.base, step_start.now.delta, step_start.now.delta_rate];
                         let carried = [numbers[BASE], numbers[DELTA], numbers[DELTA_RATE]];
                         assert_eq!(now.map(f64::to_bits), carried.map(f64::to_bits), "{timing:?}, period {period}");
                     }
-                    machine.advance(shared, &mut state, &inputs, &begun);
+                    machine.advance(shared, &mut state, &inputs, &step_start);
                 }
                 let drives = Drives { command_signal: 0.0, force, force_before, test_signal: (0.0, 0) };
                 numbers = one.driven(&numbers, &drives);

@@ -40,7 +40,6 @@ def write_excitation(
         InputError: If a file exists and ``replace`` is false, or it cannot be written.
 
     Example:
-        >>> import forcefeel as ff
         >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
         >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
         >>> ff.bench.write_excitation(found, "excite.csv").name

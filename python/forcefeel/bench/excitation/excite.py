@@ -70,7 +70,6 @@ def excite(
     2012, ch. 5.
 
     Example:
-        >>> import forcefeel as ff
         >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
         >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
         >>> sorted(found.standard_errors)

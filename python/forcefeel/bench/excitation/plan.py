@@ -66,7 +66,6 @@ class ExcitationPlan:
         InputError: When built, if a number is not above 0, or a name is unknown or stands twice.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.bench.ExcitationPlan(time_s=20.0, limits={"travel": 0.1, "current": 5e-3}).signal
         'multisine'
     """

@@ -69,13 +69,6 @@ class Excitation:
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
         law_remark: Remark that the law was made for another loader, or empty: ``Law.made_for_another``.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
-        >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
-        >>> len(found.time_s) == len(found.signal)
-        True
     """
 
     loader: Loader = field(repr=False)
@@ -143,7 +136,7 @@ class Excitation:
                 f"{percent(EVEN_SHARE)} of the power is spread evenly over all lines to reveal model errors. The spectrum has "
                 f"{percent(self.efficiency)} of the information of {against}; {even}"
             )
-        noise = ", ".join(f"{name} {_shown(name, value, units)}" for name, value in self.noise.items())
+        noise = ", ".join(f"{name} {_channel_text(name, value, units)}" for name, value in self.noise.items())
         return (
             f"{binds}.",
             f"{cost}.",
@@ -153,6 +146,6 @@ class Excitation:
         )
 
 
-def _shown(channel: str, value: float, units: UnitSystem) -> str:
+def _channel_text(channel: str, value: float, units: UnitSystem) -> str:
     unit = channel_unit(channel)
     return f"{to_text(unit.from_si(value, units), 2)} {unit.shown(units)}"

@@ -44,13 +44,13 @@ def identification_conclusions(identification: Identification, units: UnitSystem
     lines = (
         *(group.sentence for group in identification.inseparable),
         *(advice.sentence for advice in identification.advice),
-        *_moved(identification, units),
+        *_changed_parameters(identification, units),
         *_at_bound(identification, units),
         *_correlated(identification),
         *_priors(identification),
         _rigid(identification.rigid) if identification.rigid else "",
         _starts(identification),
-        *_left(identification, units),
+        *_residuals(identification, units),
         _left_out(identification),
         *identification.notes,
     )
@@ -61,13 +61,13 @@ def identification_conclusions(identification: Identification, units: UnitSystem
 
 
 def _verdict(identification: Identification, units: UnitSystem) -> str:
-    lost = _with(identification, Status.UNDETERMINED)
+    lost = _with_status(identification, Status.UNDETERMINED)
     count = len(identification.estimates)
     if lost:
         which = "The parameter" if count == 1 else f"{len(lost)} of {count} parameters"
         verb = "is" if len(lost) == 1 else "are"
         return f"{which} {verb} not determined by these data: {_named(lost)}. No loader file is written."
-    bound = _with(identification, Status.AT_BOUND)
+    bound = _with_status(identification, Status.AT_BOUND)
     but = f", but {_named(bound)} ended at {'its' if len(bound) == 1 else 'their'} bound" if bound else ""
     unwritten = " No loader file is written." if bound else ""
     if count == 1:
@@ -83,7 +83,7 @@ def _verdict(identification: Identification, units: UnitSystem) -> str:
     ordered = sorted(shares or identification.estimates, key=relative_error)
     first, last = ordered[0], ordered[-1]
     return (
-        f"{_all(count)} parameters are determined{but}: their standard errors are from {percent(relative_error(first))} "
+        f"{_count_text(count)} parameters are determined{but}: their standard errors are from {percent(relative_error(first))} "
         f"({first.unknown.key}) to {percent(relative_error(last))} ({last.unknown.key}).{unwritten}"
     )
 
@@ -118,13 +118,13 @@ def first_two(missed: Sequence[Fitted]) -> str:
     return " and ".join([*map(title_of, missed[:2]), *(["others"] if len(missed) > 2 else [])])
 
 
-def _moved(identification: Identification, units: UnitSystem) -> list[str]:
+def _changed_parameters(identification: Identification, units: UnitSystem) -> list[str]:
     """Parameters off the file's value, and those that agree with it."""
-    determined = _with(identification, Status.DETERMINED)
+    determined = _with_status(identification, Status.DETERMINED)
     moved = sorted(
         (estimate for estimate in determined if differs(estimate)), key=lambda estimate: -abs(change(estimate))
     )
-    lines = [_one_moved(estimate, units) for estimate in moved[:_MOST_NAMED]]
+    lines = [_changed_parameter(estimate, units) for estimate in moved[:_MOST_NAMED]]
     if len(moved) > _MOST_NAMED:
         rest = moved[_MOST_NAMED:]
         lines.append(
@@ -138,7 +138,7 @@ def _moved(identification: Identification, units: UnitSystem) -> list[str]:
     return lines
 
 
-def _one_moved(estimate: Estimate, units: UnitSystem) -> str:
+def _changed_parameter(estimate: Estimate, units: UnitSystem) -> str:
     unknown = estimate.unknown
     direction = "above" if estimate.value > unknown.nominal else "below"
     value = _with_unit(estimate, estimated(estimate, estimate.value, units), units)
@@ -159,7 +159,7 @@ def _one_moved(estimate: Estimate, units: UnitSystem) -> str:
 def _at_bound(identification: Identification, units: UnitSystem) -> list[str]:
     """Parameters at a bound, with remedies."""
     lines = []
-    for estimate in _with(identification, Status.AT_BOUND):
+    for estimate in _with_status(identification, Status.AT_BOUND):
         unknown, limits = estimate.unknown, limits_si(TABLE[estimate.unknown.key])
         k = int(abs(estimate.value - unknown.high) < abs(estimate.value - unknown.low))
         bound, end, direction = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
@@ -252,7 +252,7 @@ def _starts(identification: Identification) -> str:
     if count <= 1:
         return "The search started only once, at the file's values; for a search of other minima see --starts."
     if same == count:
-        return f"{_all(count)} starts of the search ended in the same minimum."
+        return f"{_count_text(count)} starts of the search ended in the same minimum."
     other = min(worse(identification, end) for end in identification.ends if not end.same)
     text = f"{same} of {count} starts of the search ended in the same, best minimum"
     if other < _SAME_LEFT:
@@ -265,7 +265,7 @@ def worse(identification: Identification, end: Ended) -> float:
     return math.exp(min(end.cost - min(other.cost for other in identification.ends), _FAR))
 
 
-def _left(identification: Identification, units: UnitSystem) -> list[str]:
+def _residuals(identification: Identification, units: UnitSystem) -> list[str]:
     """Residuals of the model, with the stated noise."""
     lines = [text for fitted in identification.fitted if (text := model_error(fitted, units))]
     named = [f"{title_of(fitted)}: {size_text(fitted, fitted.residual_rms, units)}" for fitted in identification.fitted]
@@ -299,7 +299,7 @@ def differs(estimate: Estimate) -> bool:
     return not estimate.low <= estimate.unknown.nominal <= estimate.high
 
 
-def _with(identification: Identification, status: Status) -> list[Estimate]:
+def _with_status(identification: Identification, status: Status) -> list[Estimate]:
     return [estimate for estimate in identification.estimates if estimate.status is status]
 
 
@@ -313,7 +313,7 @@ def _half(estimate: Estimate) -> float:
     return (estimate.high - estimate.low) / 2 / abs(estimate.value) if estimate.value else math.inf
 
 
-def _all(count: int) -> str:
+def _count_text(count: int) -> str:
     return "Both" if count == 2 else f"All {count}"
 
 

@@ -78,7 +78,6 @@ def identify(  # noqa: PLR0913  keywords of what is asked
             experiment or channels, or the model diverges at every start.
 
     Example:
-        >>> import forcefeel as ff
         >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
         >>> identification = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
         >>> identification["k"].status.value

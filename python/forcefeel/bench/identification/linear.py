@@ -138,8 +138,6 @@ def model_response(
     """The response of the linear model from one channel to another, SI units, (lines,).
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> experiment = ff.bench.Experiment.read("servo-closed")
         >>> value = ff.bench.model_response(ff.elevator(), experiment, "test_signal", "column_angle", np.array([1.0, 10.0]))
         >>> value.shape

@@ -82,13 +82,13 @@ class RecordObservation:
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Channel by channel, from one run."""
         modelled = self._modelled(values, own, ())
-        return self._left(modelled.value)
+        return self._residual(modelled.value)
 
     def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
         """The same for several loaders, in parallel if the record's samples are the engine's."""
         if not self.run.on_samples:
             return [self.residual(*pair) for pair in zip(values, own, strict=True)]
-        return [self._left(value) for value in self.run.together(self.run.loader.rows(self.keys, values))]
+        return [self._residual(value) for value in self.run.together(self.run.loader.rows(self.keys, values))]
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The measured and simulated channels, offsets included."""
@@ -113,7 +113,7 @@ class RecordObservation:
             record = replace(record, time_s=record.time_s[early], channels=channels)
         return replace(self, run=replace(self.run, record=record, longest_step_s=COARSE_STEP_S))
 
-    def _left(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _residual(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
         """Residual of a run."""
         return np.ravel(self._without_offset(self._measured - value) / self._expected[:, np.newaxis])
 

@@ -116,7 +116,7 @@ class RecordRun:
             keys: Rows of the requested slopes.
             later_s: Delay of the release after its detected time.
         """
-        value, slopes = self._sloped(values, keys) if keys or not self._kept else self._alone(values)
+        value, slopes = self._sloped(values, keys) if keys or not self._output_positions else self._alone(values)
         if self.on_samples:
             return Histories(value, slopes, np.zeros_like(value))
         if not (np.isfinite(value).all() and np.isfinite(slopes).all()):
@@ -129,7 +129,7 @@ class RecordRun:
 
     def together(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """The channels of several loaders, (loaders, parameters), as ``at``; only if ``on_samples``."""
-        return self._runs(values) if self._kept else np.array([self.at(row, ()).value for row in values])
+        return self._runs(values) if self._output_positions else np.array([self.at(row, ()).value for row in values])
 
     def noise_and_step_error(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Difference of a record of a loader with these values from ``at``: sensors' noise in the loop, and the engine's steps.
@@ -186,7 +186,7 @@ class RecordRun:
         return self._engine.run(exact, **law, threads=cores())[1]
 
     @cached_property
-    def _kept(self) -> list[int]:
+    def _output_positions(self) -> list[int]:
         """Positions of the channels in the outputs of a run without slopes; empty if one is missing."""
         names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
         return [names.index(name) for name in self.channels] if set(self.channels) <= set(names) else []
@@ -230,7 +230,7 @@ class RecordRun:
         scenario = replace(
             self._scenario, duration_s=samples * self._sample_s, step_s=self._step_s, sample_s=self._sample_s
         )
-        return prepared(self.loader, scenario, self._kept, self._whole)
+        return prepared(self.loader, scenario, self._output_positions, self._whole)
 
     @property
     def _scenario(self) -> Scenario:

@@ -40,7 +40,6 @@ class Estimate:
             other numbers are infinite.
 
     Example:
-        >>> import forcefeel as ff
         >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
         >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
         >>> found["k"].low < found["k"].value < found["k"].high
@@ -175,13 +174,6 @@ class Identification:
         notes: Remarks, a sentence each.
         loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` if a
             parameter is undetermined or ended at its bound, or the model does not explain the data.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
-        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
-        >>> found.determined, found.keys
-        (True, ('linkage.stiffness', 'linkage.damping'))
     """
 
     before: Loader

@@ -55,11 +55,11 @@ def search(
             "the experiment, the law and the loader file"
         )
     progress(count, count + 1)
-    best = min((optimum for _, optimum in reached), key=partial(_left, coarse))
+    best = min((optimum for _, optimum in reached), key=partial(_cost, coarse))
     optimum, confidence = _settled(problem, problem.search(best.x), coarse=False)
     progress(count + 1, count + 1)
     ends = tuple(
-        Ended(start_values[k], problem.values(end.x), _left(coarse, end), _same(coarse, end, best))
+        Ended(start_values[k], problem.values(end.x), _cost(coarse, end), _same(coarse, end, best))
         for k, end in reached
     )
     return optimum, confidence, ends
@@ -90,7 +90,7 @@ def _settled(problem: Problem, optimum: Optimum, *, coarse: bool) -> tuple[Optim
     return optimum, confidence.widened(neighborhood.growth)
 
 
-def _left(problem: Problem, optimum: Optimum) -> float:
+def _cost(problem: Problem, optimum: Optimum) -> float:
     """Cost per point after a search: ``(sum_g n_g ln s_g + prior) / n``, the likelihood of normal errors of unknown size.
 
     Noise is estimated at each end, so sums of squares in its units do not compare.
@@ -103,4 +103,4 @@ def _left(problem: Problem, optimum: Optimum) -> float:
 def _same(problem: Problem, optimum: Optimum, best: Optimum) -> bool:
     unknowns = len(problem.unknowns)
     near = np.allclose(optimum.x[:unknowns], best.x[:unknowns], rtol=_SAME_PLACE)
-    return near or abs(_left(problem, optimum) - _left(problem, best)) < _SAME_LEFT
+    return near or abs(_cost(problem, optimum) - _cost(problem, best)) < _SAME_LEFT

@@ -38,8 +38,6 @@ def write_choice(
         InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
         >>> ff.choice.write_choice(scored, None, Path("choice"), ff.UnitSystem.SI).parent.name
         'choice'

@@ -35,7 +35,7 @@ def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequ
     Raises:
         InputError: If it holds results of another command that are not to be replaced, or a file where a folder is wanted.
     """
-    same = _asked(out) == command
+    same = _command_of_results(out) == command
     FOLDER.check(out, replace=replace or same, inputs=inputs)
     check_output_file(out / STATE)
     for name in _STEPS:
@@ -47,7 +47,7 @@ def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequ
             raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")
 
 
-def _asked(out: Path) -> str | None:
+def _command_of_results(out: Path) -> str | None:
     """The command whose results a folder holds."""
     try:
         return str(json.loads((out / RESULTS).read_text(encoding="utf-8"))["command"])
@@ -72,7 +72,6 @@ def write_commission(commission: Commission, out: str | Path, *, command: str = 
         InputError: If the folder cannot be written.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.commission.result import Identified
         >>> nothing = Identified(False, "nothing was measured")
         >>> commission = ff.commission.Commission(ff.commission.CommissionPlan(), ff.elevator(), nothing)
@@ -84,7 +83,7 @@ def write_commission(commission: Commission, out: str | Path, *, command: str = 
     if commission.loader is not None:
         contents[LOADER] = (out / IDENTIFICATION / LOADER).read_bytes()
     if commission.law is not None:
-        contents[GOOD_LAW if commission.good else OTHER_LAW] = (out / LAW / GOOD_LAW).read_bytes()
+        contents[GOOD_LAW if commission.ok else OTHER_LAW] = (out / LAW / GOOD_LAW).read_bytes()
     contents[RESULTS] = json_text({"command": command, **commission_json(commission)})
     contents[PAGE] = commission_page(commission, command=command)
     FOLDER.write(out, contents)

@@ -12,9 +12,9 @@ def commission_page(commission: Commission, *, command: str = "") -> str:
     """The whole page, numbers in the plan's units."""
     units, curve = commission.plan.units, commission.identified.curve
     maps = (
-        commission.checked
+        commission.envelope
         and commission.chosen
-        and plots.outcome_maps(commission.checked, commission.chosen.name, commission.loader or commission.before)
+        and plots.outcome_maps(commission.envelope, commission.chosen.name, commission.loader or commission.before)
     )
     return render(
         "commission/page/commission.html.j2",
@@ -27,7 +27,7 @@ def commission_page(commission: Commission, *, command: str = "") -> str:
         steps=tables.steps(glance(commission)),
         estimates=tables.estimates(commission, units) if commission.identified.parameters else None,
         tests=tables.tests(commission.tested) if commission.tested else None,
-        what_ifs=tables.what_ifs(commission.checked) if commission.checked and commission.checked.what_ifs else None,
-        shares=tables.shares(commission.checked, commission.plan.share) if commission.checked else None,
+        what_ifs=tables.what_ifs(commission.envelope) if commission.envelope and commission.envelope.what_ifs else None,
+        shares=tables.shares(commission.envelope, commission.plan.share) if commission.envelope else None,
         parameters=machine.parameters(commission.loader or commission.before, units),
     )

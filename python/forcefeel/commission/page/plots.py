@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from forcefeel.bench.channels import channel_unit
-from forcefeel.commission.result import Checked, Curve
+from forcefeel.commission.result import Curve, EnvelopeResult
 from forcefeel.envelope.result import COLORS
 from forcefeel.loader.loader import Loader
 from forcefeel.page.canvas import frame, line
@@ -64,9 +64,9 @@ def curve(data: Curve, units: UnitSystem) -> go.Figure:
     return picture
 
 
-def outcome_maps(checked: Checked, law: str, loader: Loader) -> SettingMaps | None:
+def outcome_maps(envelope: EnvelopeResult, law: str, loader: Loader) -> SettingMaps | None:
     """The map of the law over the settings; ``None`` if the result has none."""
-    outcomes = checked.outcomes
+    outcomes = envelope.outcomes
     if outcomes is None:
         return None
     return SettingMaps(

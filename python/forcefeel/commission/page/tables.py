@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from forcefeel.commission.findings import Row
-from forcefeel.commission.result import IDENTIFIED, Checked, Commission, RuleTests
+from forcefeel.commission.result import IDENTIFIED, Commission, EnvelopeResult, RuleTests
 from forcefeel.conclusions import capital, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
@@ -19,7 +19,7 @@ def steps(rows: Sequence[Row]) -> Table:
         (
             words(Markup('<a href="{}">{}</a>').format(row.page, capital(row.title))),
             words(row.result),
-            words(row.good, bad=row.good == "no"),
+            words(row.ok, bad=row.ok == "no"),
         )
         for row in rows
     ]
@@ -44,13 +44,13 @@ def estimates(commission: Commission, units: UnitSystem) -> Table:
     return Table((*heads("Parameter", "File", "Now", "Standard error"), Cell("State")), tuple(rows))
 
 
-def shares(checked: Checked, required: float) -> Table:
+def shares(envelope: EnvelopeResult, required: float) -> Table:
     """Shares that the law renders."""
     rows = (
-        ("Identified loader", checked.passes, True),
-        (f"Average of {checked.machines} machines, all tolerances at once", checked.drawn, True),
-        ("Worst of these", checked.drawn_least, False),
-        ("Every case: one parameter off, or an arm at the grip", checked.every_case, False),
+        ("Identified loader", envelope.passes, True),
+        (f"Average of {envelope.machines} machines, all tolerances at once", envelope.drawn, True),
+        ("Worst of these", envelope.drawn_least, False),
+        ("Every case: one parameter off, or an arm at the grip", envelope.every_case, False),
     )
     return Table(
         heads("Machine", "Settings rendered"),
@@ -60,10 +60,10 @@ def shares(checked: Checked, required: float) -> Table:
     )
 
 
-def what_ifs(checked: Checked) -> Table:
+def what_ifs(envelope: EnvelopeResult) -> Table:
     """Changes that render more."""
-    now = (words("As identified"), number(share_text(checked.passes)))
-    rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in checked.what_ifs)
+    now = (words("As identified"), number(share_text(envelope.passes)))
+    rows = ((words(capital(what_if.change)), number(share_text(what_if.passes))) for what_if in envelope.what_ifs)
     return Table(heads("Machine", "Settings rendered"), (now, *rows))
 
 

@@ -42,8 +42,6 @@ def write_report(
         InputError: If ``out`` is a file, or cannot be made or written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> ff.design.write_report(ff.design_loader(ff.elevator()), Path("report"), ff.UnitSystem.SI).name
         'report.html'
     """

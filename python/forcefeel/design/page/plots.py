@@ -51,7 +51,7 @@ def _valve(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     picture = go.Figure()
     units = ["", ""]
     for position, (label, data) in enumerate(figure.curves.items()):
-        pressure, flow = _shown(data["load_pressure_pa"], system), _shown(data["flow_m3_per_s"], system)
+        pressure, flow = _in_units(data["load_pressure_pa"], system), _in_units(data["flow_m3_per_s"], system)
         units = [unit_text(pressure[1]), unit_text(flow[1])]
         style = look(figure.key, label, position)
         picture.add_scatter(x=pressure[0], y=flow[0], name=label.replace("%", " %"), line=line(style), mode="lines")
@@ -191,7 +191,7 @@ def _cut(time: np.ndarray, values: np.ndarray, limit: float) -> tuple[np.ndarray
     return time[:last], np.clip(values[:last], -limit, limit)
 
 
-def _shown(data: xr.DataArray, system: UnitSystem) -> tuple[np.ndarray, str]:
+def _in_units(data: xr.DataArray, system: UnitSystem) -> tuple[np.ndarray, str]:
     axis = signal(data, system)
     return (data.values * axis.scale, axis.unit) if axis else (data.values, "")
 

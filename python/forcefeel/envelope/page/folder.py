@@ -42,8 +42,6 @@ def write_envelope(
         InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> envelope = ff.find_envelope(ff.elevator(), ["original"], grid)
         >>> ff.envelope.write_envelope(envelope, Path("envelope"), ff.UnitSystem.SI).parent.name
@@ -79,8 +77,6 @@ def write_cockpit(
         InputError: As ``write_envelope``.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):

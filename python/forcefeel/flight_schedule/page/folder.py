@@ -37,8 +37,6 @@ def write_schedule(
         InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
         >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
         >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)

@@ -35,8 +35,6 @@ def write_frontier(
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
         >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
         >>> ff.frontier.write_frontier(frontier, Path("frontier"), ff.UnitSystem.SI).parent.name

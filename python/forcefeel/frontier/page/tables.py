@@ -22,7 +22,7 @@ _FELT = 5e-3
 
 
 def tolerances(frontier: Frontier) -> Table:
-    """Worst-case shares on every rung, with the bound if computed for that tolerance."""
+    """Worst-case shares on every level, with the bound if computed for that tolerance."""
     geometry, every = frontier.tightening.inertia_and_geometry, frontier.tightening.all_in_proportion
     rows = []
     for tolerance, alone, together in zip(geometry.tolerances, geometry.shares, every.shares, strict=True):

@@ -25,12 +25,6 @@ class GainSchedule:
     Attributes:
         settings: I, B, G in SI units, a row per setting.
         gains: SI gains c_1 .. c_6 on the first six of ``DESIGN_STATES``, a row per setting.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> found = ff.laws.schedule_gains(ff.elevator(), [[6.8, 34.0, 1085.0], [3.4, 17.0, 540.0]])
-        >>> found.settings.shape, found.gains.shape
-        ((2, 3), (2, 6))
     """
 
     settings: NDArray[np.float64]
@@ -53,7 +47,6 @@ def schedule_gains(
             precision; if ``design`` has [Q] whole, or a horizon in continuous time.
 
     Example:
-        >>> import forcefeel as ff
         >>> settings = [[6.8, 34.0, 1085.0], [3.4, 17.0, 540.0]]  # I, B, G in SI units, a row each
         >>> ff.laws.schedule_gains(ff.elevator(), settings).gains.shape
         (2, 6)

@@ -66,11 +66,6 @@ class DesignSettings:
 
     Raises:
         InputError: If a value is not finite or has the wrong sign, or [Q] is not symmetric and positive semidefinite.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.laws.DesignSettings(r2=0.05).r2
-        0.05
     """
 
     step_s: Annotated[float, SECONDS] = 1e-4
@@ -136,12 +131,6 @@ class GainDesign:
         status: How the recursion ended.
         change: Change of the gains over the second half of the steps, as a share of the largest, the states scaled.
         riccati_residual: How far the gains are from the best for an endless horizon; see ``SampledProblem.residual``.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> found = ff.design_gains(ff.elevator(), ff.laws.DesignSettings())
-        >>> found.status.value
-        'converged'
     """
 
     settings: DesignSettings
@@ -196,7 +185,6 @@ def published_settings(loader: Loader) -> DesignSettings:
     force, with the arm ``-alpha R_b``.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.laws.published_settings(ff.elevator()).horizon_s
         0.05
     """
@@ -233,7 +221,6 @@ def design_gains(loader: Loader, settings: DesignSettings | None = None) -> Gain
         are those of its last step.
 
     Example:
-        >>> import forcefeel as ff
         >>> found = ff.design_gains(ff.elevator())
         >>> len(found.gains), found.note
         (7, 'horizon of 0.05 s, 500 steps of 0.0001 s')

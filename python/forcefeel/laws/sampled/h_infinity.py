@@ -120,7 +120,7 @@ class Filtering:
         unit = np.sqrt(np.abs(np.diag(p)))
         if not (
             np.linalg.eigvalsh(p / np.outer(unit, unit)).min() > -_ROUNDING
-            and self._kept(p)[self.torque, self.torque] < level**2
+            and self._updated(p)[self.torque, self.torque] < level**2
         ):
             raise np.linalg.LinAlgError("H-infinity filter: gamma is too small")
         return p
@@ -140,7 +140,7 @@ class Filtering:
             numpy.linalg.LinAlgError: If there is no filter at all in double precision.
         """
         # With the sample, the Kalman filter's deviation: P grows as gamma falls, so gamma is above it.
-        below = float(np.sqrt(self._kept(self.matrix(np.inf))[self.torque, self.torque]))
+        below = float(np.sqrt(self._updated(self.matrix(np.inf))[self.torque, self.torque]))
         above = 2 * below
         for _ in range(_MOST_DOUBLINGS):
             if self._reached(above):
@@ -168,7 +168,7 @@ class Filtering:
         r = np.diag(np.append(np.diag(self.sensors), -(level**2)))
         return np.vstack([self.reads, torque]).T, self.process, r
 
-    def _kept(self, p: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _updated(self, p: NDArray[np.float64]) -> NDArray[np.float64]:
         """``(P^-1 + C' R^-1 C)^-1``: P with the sample."""
         return np.asarray(p - self.gains(p) @ self.reads @ p)
 

@@ -30,11 +30,6 @@ class LawDesign:
         design: The laws of a loader for settings I, B, G in SI units, a row each.
         drives: Of which loaders.
         needs_grip_sensor: Whether it is for a force sensor at the grip.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.laws.law_design("robust").name
-        'robust'
     """
 
     name: str
@@ -52,7 +47,6 @@ def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) 
     """Regulator, feed-forward and observer with these weights and noises, or with those that follow from the loader.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.sampled import robust_tuning
         >>> ff.laws.tuned("mine", "the robust law by another name", robust_tuning).name
         'mine'
@@ -137,7 +131,6 @@ def law_design(name: str) -> LawDesign:
         InputError: If the name is unknown.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.laws.law_design("observer").summary[:8]
         'optimal '
     """

@@ -164,7 +164,6 @@ def agile_tuning(loader: Loader) -> Tuning:
     """The weights and noises of ``agile`` for a loader with a valve; errors as ``robust_tuning``.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.sampled.rules import agile_tuning, robust_tuning
         >>> loader = ff.digital_elevator()
         >>> agile_tuning(loader).torque_walk.decades > robust_tuning(loader).torque_walk.decades
@@ -180,7 +179,6 @@ def robust_tuning(loader: Loader) -> Tuning:
         InputError: If it has no ``controller.period``, or a delay longer than that.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.sampled import robust_tuning
         >>> coarse = ff.digital_elevator().replace({"column_sensor.resolution": "3.4e-4 deg"})  # 20 bits
         >>> fine, noisier = (robust_tuning(one).angle_noise.decades for one in (ff.digital_elevator(), coarse))
@@ -231,7 +229,6 @@ def grip_tuning(loader: Loader) -> Tuning:
     """The weights and noises of ``grip`` for a loader; errors as ``robust_tuning``.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.sampled.rules import grip_tuning, robust_tuning
         >>> loader = ff.digital_elevator()
         >>> grip_tuning(loader).angle_noise == robust_tuning(loader).angle_noise
@@ -276,7 +273,6 @@ def undeclared_noise(loader: Loader) -> dict[str, float]:
     """What the rules take, r.m.s. in N and rad, for each sensor of theirs of which the loader file declares neither noise nor step.
 
     Example:
-        >>> import forcefeel as ff
         >>> from forcefeel.laws.sampled.rules import undeclared_noise
         >>> undeclared_noise(ff.digital_elevator())
         {}

@@ -67,7 +67,6 @@ class SampledLaw:
             the state at rest is not determined: a law that integrates without end has any.
 
     Example:
-        >>> import forcefeel as ff
         >>> law = ff.Law.of("robust", ff.digital_elevator()).sampled
         >>> law.period_s, law.delay_s
         (0.0005, 0.0005)

@@ -31,7 +31,6 @@ class Power:
         InputError: If decades, slope or throw are beyond ``MOST_DECADES``.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.laws.Power(decades=-2.0, slope=0.5).decades
         -2.0
     """
@@ -82,7 +81,6 @@ class Tuning:
         rate_weight: Weight of the squared error of the angle's rate; ``None`` for none.
 
     Example:
-        >>> import forcefeel as ff
         >>> from dataclasses import replace
         >>> from forcefeel.laws.sampled.tuning import OBSERVER
         >>> replace(OBSERVER, command_weight=ff.laws.Power(-3.0)).command_weight.decades

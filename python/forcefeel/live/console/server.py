@@ -183,7 +183,6 @@ class Console(Server):
         InputError: If the port is in use, the address does not belong to this machine, or it is public without a token.
 
     Example:
-        >>> import forcefeel as ff
         >>> with ff.live.start(ff.digital_elevator(), "robust") as running, ff.live.Console(running, port=0) as console:
         ...     console.address.partition("?token=")[1]
         '?token='

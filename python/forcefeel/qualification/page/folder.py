@@ -36,8 +36,6 @@ def write_qualification(qualification: Qualification, out: Path, *, pdf: bool = 
         InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
         >>> qualification = ff.qualify_loader(ff.elevator(), setup)
         >>> ff.qualification.write_qualification(qualification, Path("my-tests")).parent.name
@@ -71,8 +69,6 @@ def write_cockpit(
         InputError: As ``write_qualification``.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
         >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)

@@ -10,9 +10,9 @@ from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Outcome, Record, Rules, Verdict, measure_release
 from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.input_records import InputRecord, check_cover
 from forcefeel.qualification.plan.motions import LoopError, Motions, Moved, first_force, release_duration_s
 from forcefeel.qualification.plan.plan import STATIC, SURFACE, RuleTestCase, SweepName, duration_s
-from forcefeel.qualification.plan.records_given import Given, check_cover
 from forcefeel.qualification.plan.result import Result, Side
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.release_verdicts import Overdamped, judge_release
@@ -65,7 +65,7 @@ class Task:
     motions: Motions
     rules: Rules
     throw: Throw
-    references: Mapping[str, Given]
+    references: Mapping[str, InputRecord]
     system: UnitSystem
     overdamped: Overdamped
     programmed: dict[object, Record] = field(default_factory=dict)
@@ -96,7 +96,7 @@ class TestBench:
 
     __test__ = False  # not a test for pytest to collect
 
-    def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, Given]) -> None:
+    def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, InputRecord]) -> None:
         self.task, self.name, self.moved, self.records = task, name, moved, records
         self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
 
@@ -123,7 +123,7 @@ class TestBench:
     # Releases.
 
     def _release(self, trial: RuleTestCase) -> Result:
-        task, record, recorded_reference = self.task, self._given(trial.key), self._reference(trial.key)
+        task, record, recorded_reference = self.task, self._record(trial.key), self._reference(trial.key)
         angle = trial.share * abs(task.throw.end(1 if trial.share > 0 else -1))
         measured = reference = None
         if recorded_reference is not None:
@@ -157,7 +157,7 @@ class TestBench:
     def _loader_release(self, angle: float) -> tuple[Record, ReleaseFeatures]:
         duration, task = release_duration_s(self.task.loader), self.task
         for lasts in (duration, _LONGER * duration):
-            record = self._moved(partial(task.motions.release, angle_rad=angle, duration_s=lasts, name=self.name))
+            record = self._simulated(partial(task.motions.release, angle_rad=angle, duration_s=lasts, name=self.name))
             features = _measured(partial(measure_release, record, rules=task.rules.release, settle_check=False))
             if features.settled:
                 return record, features
@@ -203,7 +203,7 @@ class TestBench:
         return self._slow_sweeps[key]
 
     def _swept_slowly(self, key: str) -> tuple[Side, Side]:
-        record, recorded_reference = self._given(key), self._reference(key)
+        record, recorded_reference = self._record(key), self._reference(key)
         measured = None if record is None else _side(record)
         reference = None if recorded_reference is None else _side(recorded_reference)
         like = measured if measured is not None else reference
@@ -217,7 +217,7 @@ class TestBench:
 
     def _loader_slow(self, throw: Throw, lasts: float) -> Side:
         first = first_force(self.task.loader, throw)
-        record = self._moved(lambda moved: self.task.motions.swept(moved, throw, first, lasts, self.name))
+        record = self._simulated(lambda moved: self.task.motions.swept(moved, throw, first, lasts, self.name))
         return Side(record, _measured(lambda: measure_sweep(record)))
 
     def _programmed_slow(self, throw: Throw, lasts: float) -> Side:
@@ -227,7 +227,7 @@ class TestBench:
 
     def _dynamic(self, trial: RuleTestCase) -> Result:
         name: SweepName = trial.sweep or "slow"
-        record, recorded_reference = self._given(trial.key), self._reference(trial.key)
+        record, recorded_reference = self._record(trial.key), self._reference(trial.key)
         for what, those in (("record", self.records), ("reference", self.task.references)):
             if those and STATIC not in those:
                 raise MissingError(f"requires the slow sweep too: add a {what} for the test {STATIC}")
@@ -255,7 +255,7 @@ class TestBench:
     def _loader_fast(self, slow: Side, recorded_reference: Record | None, name: SweepName) -> Side:
         """The loader under the recorded reference's force, or under that of its slow sweep in less time."""
         force = _force_of(recorded_reference) if recorded_reference is not None else self._quicker(slow, name)
-        record = self._moved(lambda moved: self.task.motions.forced(moved, force, self.name))
+        record = self._simulated(lambda moved: self.task.motions.forced(moved, force, self.name))
         return Side(record, _measured(lambda: measure_sweep(record)))
 
     def _programmed_fast(self, slow: Side, recorded: Record | None, name: SweepName) -> Side:
@@ -274,14 +274,14 @@ class TestBench:
     # Small inputs, and helpers of all tests.
 
     def _small(self, trial: RuleTestCase) -> Result:
-        record, recorded_reference = self._given(trial.key), self._reference(trial.key)
+        record, recorded_reference = self._record(trial.key), self._reference(trial.key)
         if record is None or recorded_reference is None:
             raise MissingError("requires a record and a reference, each with a column 'body rate (deg/s)'")
         return _judged(
             trial, judge_small_inputs(record, recorded_reference, trial.test), Side(record), Side(recorded_reference)
         )
 
-    def _given(self, key: str) -> Record | None:
+    def _record(self, key: str) -> Record | None:
         """The record of a test; ``None`` where the loader is simulated."""
         if self.moved is not None:
             return None
@@ -297,7 +297,7 @@ class TestBench:
             raise MissingError("no reference")
         return self.task.references[key].record
 
-    def _moved(self, make: Callable[[Moved], Record]) -> Record:
+    def _simulated(self, make: Callable[[Moved], Record]) -> Record:
         assert self.moved is not None  # records are checked first
         try:
             return make(self.moved)

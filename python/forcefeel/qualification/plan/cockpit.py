@@ -20,15 +20,6 @@ class CockpitQualification:
     Attributes:
         name: Name of the project's file.
         axes: Qualification by axis, in the file's order.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
-        >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
-        >>> str(cockpit.status)
-        'incomplete'
     """
 
     name: str
@@ -67,8 +58,6 @@ def qualify_cockpit(
         InputError: As ``qualify_loader``, with the axis; or if a setup has records or references, which belong to one control.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
         >>> cockpit = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)

@@ -8,8 +8,8 @@ from enum import StrEnum
 from forcefeel.loader.loader import Loader
 from forcefeel.printable import table_html
 from forcefeel.qualification import Outcome, Record, Rules, Verdict
+from forcefeel.qualification.plan.input_records import InputRecord
 from forcefeel.qualification.plan.plan import RulePlan, RuleTestCase
-from forcefeel.qualification.plan.records_given import Given
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.sweep import SweepFeatures
@@ -132,12 +132,6 @@ class Qualification:
         files: Input records by kind and test.
         simulator, operator: Tested simulator and tester; blank lines on the page if empty.
         day: Date.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
-        >>> ff.qualify_loader(ff.elevator(), setup).qualifies
-        False
     """
 
     loader: Loader
@@ -149,7 +143,7 @@ class Qualification:
     reference: str
     test_plan: RulePlan
     sections: tuple[Section, ...]
-    files: Mapping[str, Given] = field(default_factory=dict)
+    files: Mapping[str, InputRecord] = field(default_factory=dict)
     simulator: str = ""
     operator: str = ""
     day: date = field(default_factory=date.today)

@@ -12,10 +12,10 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
 from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.input_records import InputRecord, Recognition, record_files
 from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
-from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
 from forcefeel.qualification.plan.result import Qualification, Result, Section
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
@@ -50,7 +50,6 @@ class QualificationSetup:
         simulator, operator: Tested simulator and tester, for the page.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.qualification.QualificationSetup(laws=("original", "published")).rule
         'part60-a-2014'
     """
@@ -95,7 +94,6 @@ def qualify_loader(
         InputError: If a part of the setup or a record is invalid, with the record and the time.
 
     Example:
-        >>> import forcefeel as ff
         >>> setup = ff.qualification.QualificationSetup(laws=("robust",), tests=("release-25-positive",))
         >>> ff.qualify_loader(ff.digital_elevator(), setup).fulfilled
         True
@@ -111,7 +109,7 @@ def qualify_loader(
     omitted = tuple(row for row in ARM_ROWS if loader[row] != 0)
     loader = loader.replace(dict.fromkeys(omitted))
     throw = Throw.of(loader, setup.throw_rad)
-    references, records = _given(setup, Recognition(planned, rules, throw))
+    references, records = _references_and_records(setup, Recognition(planned, rules, throw))
     feel = FeelAlone(loader)
     motions = Motions.of(loader, setup.dynamic_pressure_pa)
     task = Task(loader, feel, motions, rules, throw, references, setup.system, setup.overdamped)
@@ -167,11 +165,13 @@ def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:
     return {name: Law.of(law, loader, name=name) for name, law in laws.items()}
 
 
-def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:
+def _references_and_records(
+    setup: QualificationSetup, recognition: Recognition
+) -> tuple[dict[str, InputRecord], dict[str, InputRecord]]:
     """References and records by test."""
     both = {"reference": setup.references, "record": setup.records}
     files = {
-        kind: given_files(f"--{kind}", those, recognition.planned)
+        kind: record_files(f"--{kind}", those, recognition.planned)
         for kind, those in both.items()
         if not isinstance(those, Mapping)
     }
@@ -187,8 +187,8 @@ def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[st
     return references, records
 
 
-def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[RuleTestCase]) -> dict[str, Given]:
+def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[RuleTestCase]) -> dict[str, InputRecord]:
     keys = [trial.key for trial in planned]
     if strangers := [key for key in those if key not in keys]:
         raise InputError(f"{kind}s: unknown test {show(strangers[0])}; expected some of {', '.join(keys)}")
-    return {key: Given(record) for key, record in those.items()}
+    return {key: InputRecord(record) for key, record in those.items()}

@@ -70,10 +70,10 @@ def _verdict(qualification: Qualification) -> str:
     number = (
         f"{len(good)} of {len(qualification.sections)} laws" if good else f"none of {len(qualification.sections)} laws"
     )
-    return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_asked(qualification)}")
+    return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_requested(qualification)}")
 
 
-def _asked(tested: Qualification | Section) -> str:
+def _requested(tested: Qualification | Section) -> str:
     """What alone was asked for."""
     return f" (requested: {', '.join(tested.test_plan.named)})" if tested.test_plan.named else ""
 
@@ -85,7 +85,7 @@ def standing_text(section: Section) -> str:
 
 def _standing(section: Section) -> str:
     """What the tests of a section come to, with what is missing and what alone was made."""
-    came = outcome_counts(section) + _asked(section)
+    came = outcome_counts(section) + _requested(section)
     match section.status:
         case QualificationStatus.QUALIFIES:
             rest = "; the rule requires no more" if section.count(Outcome.NOT_EVALUATED) else ""
@@ -166,13 +166,13 @@ def result_text(result: Result, qualification: Qualification) -> str:
     )
     others = [verdict.quantity for verdict in bad if verdict is not first]
     close = first.outcome is Outcome.TOO_CLOSE
-    text = _sentence(f"{'too close to call: ' if close else ''}{_told(first, result, qualification)}")
+    text = _sentence(f"{'too close to call: ' if close else ''}{_deviation_text(first, result, qualification)}")
     if not others or close:
         return text
     return f"{text} Also out of tolerance: {', '.join(others)}."
 
 
-def _told(verdict: Verdict, result: Result, qualification: Qualification) -> str:
+def _deviation_text(verdict: Verdict, result: Result, qualification: Qualification) -> str:
     """A quantity that is off."""
     system, name = qualification.system, verdict.quantity
     if verdict.measured is None or verdict.reference is None or not isfinite(verdict.difference):

@@ -43,7 +43,6 @@ class Multisine:
     Using a Time-Frequency Domain Swapping Algorithm, IEEE Trans. Instrumentation and Measurement 37 (1988).
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.simulation.Multisine(20.0, (1.0, 2.0, 4.0), 2.0, seed=1).lines_hz
         (1.0, 2.0, 4.0)
     """

@@ -17,7 +17,6 @@ class Quantity:
         InputError: When set to text that is not a number with a unit of this kind.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.Step("100 lb", start_s="50 ms")
         Step(force_n=444.822..., start_s=0.05)
     """

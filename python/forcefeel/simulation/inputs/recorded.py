@@ -36,8 +36,6 @@ class Recorded:
             or a gap.
 
     Example:
-        >>> import forcefeel as ff
-        >>> import numpy as np
         >>> time = np.linspace(0.0, 1.0, 1001)
         >>> force = ff.Recorded(time, 50.0 * np.sin(2 * np.pi * time))
         >>> ff.simulate(ff.elevator(), ff.Scenario(force, duration_s=1.0)).history.sizes["time_s"]
@@ -113,8 +111,6 @@ def read_recorded(
             that runs backwards or stands still; a gap.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("force.csv").write_text("time (s),force (lb)\n0,0\n1,10\n2,0\n")
         >>> f"{ff.simulation.read_recorded('force.csv').force_n[1]:.2f} N"
         '44.48 N'

@@ -216,7 +216,6 @@ class Schedule:
         InputError: When built, if times or values are invalid.
 
     Example:
-        >>> import forcefeel as ff
         >>> trim = ff.simulation.Schedule((0.0, 0.5), (0.0, 0.05))
         >>> ff.Scenario(trim_rad=trim).trim_rad.values
         (0.0, 0.05)

@@ -36,7 +36,6 @@ class HandsOff:
     """No force at the grip: ``F(t) = 0``.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.Scenario().force
         HandsOff()
     """
@@ -62,7 +61,6 @@ class Step:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.Scenario(ff.Step(force_n=100.0, start_s=0.1)).force
         Step(force_n=100.0, start_s=0.1)
     """
@@ -96,7 +94,6 @@ class Pulse:
         InputError: When built, if a number is not finite or below its bound.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.simulation.Pulse(force_n=50.0, start_s=0.1, width_s=0.2).force_n
         50.0
     """
@@ -134,7 +131,6 @@ class Doublet:
         InputError: When built, if a number is not finite or below its bound.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.simulation.Doublet(force_n=50.0, start_s=0.1, width_s=0.2).width_s
         0.2
     """
@@ -173,7 +169,6 @@ class StopToStop:
         InputError: When built, if a number is not finite or ``duration_s`` is not above 0.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.simulation.StopToStop(force_n=400.0, duration_s=60.0).duration_s
         60.0
     """
@@ -217,7 +212,6 @@ class Chirp:
         InputError: When built, if a number is not finite or below its bound, or ``spacing`` is another word.
 
     Example:
-        >>> import forcefeel as ff
         >>> ff.Scenario(ff.simulation.Chirp(50.0, 0.5, 5.0, 2.0, "logarithmic")).force.to_hz
         5.0
     """
@@ -273,7 +267,6 @@ class Release:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
 
     Example:
-        >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Release(0.1), duration_s=1.0))
         >>> float(run.history.column_angle_rad[0])
         0.1

@@ -37,8 +37,6 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
         InputError: If ``out`` is a file, or cannot be made or written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5))
         >>> ff.simulation.write_simulation(run, Path("run"), ff.UnitSystem.SI).parent.name
         'run'

@@ -34,8 +34,6 @@ def write_sizing(sizing: Sizing, out: Path, units: UnitSystem, *, replace: bool 
         InputError: If ``out`` is a file, contains files of these names without ``replace``, or cannot be written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> sizing = ff.sizing.size_drive(ff.elevator())
         >>> ff.sizing.write_sizing(sizing, Path("size"), ff.UnitSystem.US).name
         'size.html'
@@ -65,8 +63,6 @@ def write_cockpit(
         InputError: As ``write_sizing``.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
         >>> cockpit = ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml"))
         >>> ff.sizing.write_cockpit(cockpit, Path("size"), ff.UnitSystem.US).name

@@ -39,7 +39,7 @@ def axes(cockpit: CockpitSizing, units: UnitSystem) -> Table:
     """A row for each axis; a drive that is too small is highlighted."""
     shown_columns = axis_columns(units)
     rows = tuple(
-        (words(axis), *(number(prose_html(column.text(sizing)), bad=not sizing.good) for column in shown_columns))
+        (words(axis), *(number(prose_html(column.text(sizing)), bad=not sizing.ok) for column in shown_columns))
         for axis, sizing in cockpit.axes.items()
     )
     return Table(heads("Axis", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown_columns)), rows)

@@ -45,8 +45,6 @@ def write_sweep(
         InputError: If ``out`` is a file, or cannot be made or written.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
         >>> ff.sweep.write_sweep(found, ff.sweep.summarize(found), Path("sweep"), ff.UnitSystem.SI).parent.name
         'sweep'

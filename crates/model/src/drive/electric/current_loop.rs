@@ -81,7 +81,7 @@ fn at_half<S: Scalar>(start: S, mean: S, end: S) -> S {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CurrentTrajectory<S> {
     /// What is asked of the winding at the start.
-    asked: S,
+    required: S,
     /// Half-way under that, where Simpson's rule gives the mean.
     half: S,
     /// Mean rate up to the end.
@@ -94,7 +94,7 @@ impl<S: Scalar> CurrentTrajectory<S> {
     /// A current that stays.
     #[inline(always)]
     pub fn constant(i: S) -> Self {
-        Self { asked: i, half: i, rate: i.zero(), followed: [i.zero(); 2] }
+        Self { required: i, half: i, rate: i.zero(), followed: [i.zero(); 2] }
     }
 
     /// Mean of the square from the current `start` on.
@@ -145,31 +145,37 @@ impl<S: Scalar> Current<S> {
         if effects.saturation { e.within(warm.limit) } else { e }
     }
 
-    /// Voltage of a phase where `asked` is asked of the winding at the current `i` and the speed `omega`.
+    /// Voltage of a phase where `required` is asked of the winding at the current `i` and the speed `omega`.
     #[inline(always)]
-    pub fn voltage(&self, effects: &Effects, warm: &Warm<S>, (i, omega): (S, S), asked: S) -> S {
-        let u = self.voltage_asked(warm, (i, self.back_emf * omega), asked);
+    pub fn voltage(&self, effects: &Effects, warm: &Warm<S>, (i, omega): (S, S), required: S) -> S {
+        let u = self.required_voltage(warm, (i, self.back_emf * omega), required);
         if effects.saturation { u.within(self.voltage_limit) } else { u }
     }
 
     /// What the winding takes at this current and speed, which the loop knows and adds, and what changes the current.
     #[inline(always)]
-    fn voltage_asked(&self, warm: &Warm<S>, (i, back_emf): (S, S), asked: S) -> S {
+    fn required_voltage(&self, warm: &Warm<S>, (i, back_emf): (S, S), required: S) -> S {
         // R i + K_e omega + w_c L (e - i)
-        warm.resistance * i + back_emf + self.gain * (asked - i)
+        warm.resistance * i + back_emf + self.gain * (required - i)
     }
 
-    /// The current from `i` on through a step in which `asked` stays asked of the winding, at the speed `omega` half-way.
+    /// The current from `i` on through a step in which `required` stays asked of the winding, at the speed `omega` half-way.
     #[inline(always)]
-    pub fn course(&self, effects: &Effects, warm: &Warm<S>, (i, omega): (S, S), asked: S) -> CurrentTrajectory<S> {
+    pub fn trajectory(
+        &self,
+        effects: &Effects,
+        warm: &Warm<S>,
+        (i, omega): (S, S),
+        required: S,
+    ) -> CurrentTrajectory<S> {
         let [left, left_half] = self.lag.left;
-        let off = i - asked;
-        let (mut end, mut half) = (asked + off * left, asked + off * left_half);
+        let off = i - required;
+        let (mut end, mut half) = (required + off * left, required + off * left_half);
         let mut followed = self.lag.followed;
         if effects.saturation {
             let back_emf = self.back_emf * omega;
-            let most = self.voltage_asked(warm, (i, back_emf), asked).abs();
-            let last = self.voltage_asked(warm, (end, back_emf), asked).abs();
+            let most = self.required_voltage(warm, (i, back_emf), required).abs();
+            let last = self.required_voltage(warm, (end, back_emf), required).abs();
             let limited = self.voltage_limit.less(most.max(last));
             if S::any(limited) {
                 let (end_limited, half_limited) = self.limited(warm, (i, back_emf), (half, end));
@@ -177,7 +183,7 @@ impl<S: Scalar> Current<S> {
                 followed = followed.map(|share| S::select(limited, share.zero(), share));
             }
         }
-        CurrentTrajectory { asked, half, rate: (end - i) * self.per_step, followed }
+        CurrentTrajectory { required, half, rate: (end - i) * self.per_step, followed }
     }
 
     /// End and middle of a step of which the voltage is at its limit for a part at least; `free`: middle and end if it were not.
@@ -206,18 +212,18 @@ impl<S: Scalar> Current<S> {
         self.bandwidth * (e - i)
     }
 
-    /// Current and its rate at a moment of a step that carries `i`, where `asked` is asked of the winding. At the start the course is
-    /// not known yet; `asked` stands for its rate.
+    /// Current and its rate at a moment of a step that carries `i`, where `required` is asked of the winding. At the start the course is
+    /// not known yet; `required` stands for its rate.
     #[inline(always)]
-    pub fn at(&self, moment: StepFraction, course: &CurrentTrajectory<S>, i: S, asked: S) -> (S, S) {
-        let change = asked - course.asked;
+    pub fn at(&self, moment: StepFraction, trajectory: &CurrentTrajectory<S>, i: S, required: S) -> (S, S) {
+        let change = required - trajectory.required;
         match moment {
-            StepFraction::Start => (i, asked),
-            StepFraction::Half => (course.half + course.followed[1] * change, course.rate),
+            StepFraction::Start => (i, required),
+            StepFraction::Half => (trajectory.half + trajectory.followed[1] * change, trajectory.rate),
             StepFraction::End => {
-                let more = course.followed[0] * change;
+                let more = trajectory.followed[0] * change;
                 // A step carries the sum of its rates, of which the last counts a sixth.
-                (i + more, course.rate + more.times(6.0) * self.per_step)
+                (i + more, trajectory.rate + more.times(6.0) * self.per_step)
             }
         }
     }

@@ -17,7 +17,7 @@ impl<S: Scalar> Hydraulic<S> {
         shared: &Shared,
         state: &mut RunState<S, Oil<S>>,
         start: &[S; 5],
-        begun: &RunStepStart<S, Flow<S>, Side<S>>,
+        step_start: &RunStepStart<S, Flow<S>, Side<S>>,
     ) {
         let (effects, balance, h) = (&shared.effects, &self.balance, neighbors.step);
         let [z, q_i, _, x_b, w] = state.slow.plant;
@@ -31,8 +31,8 @@ impl<S: Scalar> Hydraulic<S> {
         let depth = stretch - stretch.within(balance.half_play);
         let rate = q_i * self.per_area - balance.ratio * w;
         let (time, _) = since_touch(met, (depth, stretch - before), rate, h);
-        let first = balance.linked(effects, &begun.side, z - depth, q_i, x_b, w);
-        let last = balance.linked(effects, &begun.side, z, q_i, x_b, w);
+        let first = balance.linked(effects, &step_start.side, z - depth, q_i, x_b, w);
+        let last = balance.linked(effects, &step_start.side, z, q_i, x_b, w);
         let met = met & zero.less(first.pressure * stretch) & zero.less(last.pressure * stretch);
         // The pressure is a straight line over T.
         let only = |value: S| S::select(met, value, zero);
@@ -50,7 +50,7 @@ impl<S: Scalar> Hydraulic<S> {
         if shared.timing.is_some() {
             return;
         }
-        let jump = self.command_jump(effects, &begun.now, neighbors.law.gains[1] * p);
+        let jump = self.command_jump(effects, &step_start.now, neighbors.law.gains[1] * p);
         state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
         // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
         let share = neighbors.transducers.load_cell_share(time);

@@ -56,8 +56,6 @@ def write_identification(  # noqa: PLR0913  keywords of what is asked
             has such a name.
 
     Example:
-        >>> import forcefeel as ff
-        >>> from pathlib import Path
         >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
         >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
         >>> ff.bench.write_identification(found, Path("found"), ff.UnitSystem.US).parent.name

@@ -52,8 +52,8 @@ def estimates(identification: Identification) -> go.Figure:
     determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
     lost = [estimate for estimate in identification.estimates if estimate.status is Status.UNDETERMINED]
     if bounded:
-        low = np.array([_off(estimate, estimate.unknown.low) for estimate in bounded])
-        high = np.array([_off(estimate, estimate.unknown.high) for estimate in bounded])
+        low = np.array([_percent_off(estimate, estimate.unknown.low) for estimate in bounded])
+        high = np.array([_percent_off(estimate, estimate.unknown.high) for estimate in bounded])
         picture.add_bar(
             y=[_symbol(estimate) for estimate in bounded],
             x=high - low,
@@ -66,10 +66,10 @@ def estimates(identification: Identification) -> go.Figure:
             hovertemplate="%{base:.3~g} to %{customdata:.3~g} %",
         )
     if determined:
-        middle = np.array([_off(estimate, estimate.value) for estimate in determined])
+        middle = np.array([_percent_off(estimate, estimate.value) for estimate in determined])
         bars = {
-            "array": [_off(estimate, estimate.high) for estimate in determined] - middle,
-            "arrayminus": middle - [_off(estimate, estimate.low) for estimate in determined],
+            "array": [_percent_off(estimate, estimate.high) for estimate in determined] - middle,
+            "arrayminus": middle - [_percent_off(estimate, estimate.low) for estimate in determined],
         }
         picture.add_scatter(
             y=[_symbol(estimate) for estimate in determined],
@@ -285,7 +285,7 @@ def _error(data: Response, scale: float) -> NDArray[np.float64] | None:
     return None if data.deviation is None else _NORMAL_95 * scale * data.deviation
 
 
-def _off(estimate: Estimate, value: float) -> float:
+def _percent_off(estimate: Estimate, value: float) -> float:
     return 100 * (value - estimate.unknown.nominal) / estimate.unknown.scale
 
 

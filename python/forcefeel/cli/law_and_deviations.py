@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
 
 
-def given_deviations(loader: "Loader", deviations: tuple[str, ...]) -> "Mapping[str, Deviation]":
+def plant_deviations(loader: "Loader", deviations: tuple[str, ...]) -> "Mapping[str, Deviation]":
     """How far the parameters of a loader may be off: by its tolerances, or as assumed, changed by ``--deviation``.
 
     Raises:
@@ -45,7 +45,7 @@ def _share_off(key: str, given: str) -> float | None:
         raise InputError(f"--deviation: {key}: {error}") from error
 
 
-def given_law(law: str | None, loader: "Loader") -> "Law":
+def chosen_law(law: str | None, loader: "Loader") -> "Law":
     """The law of ``--law`` for a loader's own setting: designed for it, or read from its file; its default law if not given.
 
     Raises:

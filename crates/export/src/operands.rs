@@ -4,14 +4,14 @@ use crate::trace::{BinaryOp, Graph, Node, UnaryOp};
 use std::collections::HashSet;
 
 /// What a node is made of, where C has a shorter word than the trace, and of a part what it holds on to as well.
-pub fn made_of(graph: &Graph, place: usize) -> Vec<u32> {
+pub fn operands_of(graph: &Graph, place: usize) -> Vec<u32> {
     let node = &graph.nodes[place];
     if let Some((x, limit)) = u32::try_from(place).ok().and_then(|node| within(graph, node)) {
         return vec![x, limit];
     }
     match node {
         Node::Part(roots, given) => [given.clone(), held(graph, roots)].concat(),
-        node => node.made_of(),
+        node => node.operands(),
     }
 }
 
@@ -24,7 +24,7 @@ pub fn held(graph: &Graph, roots: &[u32]) -> Vec<u32> {
             continue;
         }
         if on_given[node as usize] {
-            open.extend(graph.nodes[node as usize].made_of());
+            open.extend(graph.nodes[node as usize].operands());
         } else if !matches!(graph.nodes[node as usize], Node::Known(..) | Node::Data(..) | Node::Holds(..)) {
             needed.push(node);
         }
@@ -56,12 +56,12 @@ fn not_negative(graph: &Graph, node: u32) -> bool {
 }
 
 /// Which nodes are needed for `wanted`.
-pub fn reached(made: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
-    let mut needed = vec![false; made.len()];
+pub fn reached(operands: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
+    let mut needed = vec![false; operands.len()];
     let mut open = wanted.to_vec();
     while let Some(node) = open.pop() {
         if !core::mem::replace(&mut needed[node as usize], true) {
-            open.extend(&made[node as usize]);
+            open.extend(&operands[node as usize]);
         }
     }
     needed

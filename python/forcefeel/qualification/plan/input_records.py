@@ -22,7 +22,7 @@ _BOTH_SIDES = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class InputRecord:
     """An input record.
 
     Attributes:
@@ -39,7 +39,7 @@ class Given:
         return self.record.data_hash
 
 
-def given_files(option: str, words: Sequence[str], planned: Sequence[RuleTestCase]) -> list[tuple[str, Path]]:
+def record_files(option: str, words: Sequence[str], planned: Sequence[RuleTestCase]) -> list[tuple[str, Path]]:
     """The files of an option, each with the name of its test, which is empty if not stated.
 
     Args:
@@ -71,19 +71,19 @@ class Recognition:
 
     def read(
         self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames, times: Mapping[str, Times]
-    ) -> dict[str, Given]:
+    ) -> dict[str, InputRecord]:
         """The records by test.
 
         Args:
             option: Name of the option for messages.
-            files: Files as of ``given_files``.
+            files: Files as of ``record_files``.
             names: Column names of the files.
             times: First and last time to read, by stem.
 
         Raises:
             InputError: If a file cannot be read or measured, belongs to no test, or two belong to the same test.
         """
-        records: dict[str, Given] = {}
+        records: dict[str, InputRecord] = {}
         for stated, path in files:
             record = read_record(path, between_s=times.get(path.stem, ALL), **names.arguments(path.stem))
             key = stated or self._test_of(record)
@@ -94,7 +94,7 @@ class Recognition:
                     f"{option}: {path} and {records[key].path} are both for the test {key}; expected one; "
                     f"name each with NAME=FILE, where NAME is one of {', '.join(trial.key for trial in self.planned)}"
                 )
-            records[key] = Given(record, path)
+            records[key] = InputRecord(record, path)
         return records
 
     def _test_of(self, record: Record) -> str:
