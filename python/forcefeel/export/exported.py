@@ -48,7 +48,12 @@ class Exported:
                 f"got {show(self.name)}"
             )
         self.law.check(self.loader)
-        self._check_time()
+        if self.law.period_s and self.law.sampled is None:
+            # Such gains are neither a sampled law nor a continuous loop.
+            raise InputError(
+                f"law: {self.law.name} is gains of an analog law, and {self.loader.name} has a digital controller; expected a "
+                "sampled law, such as robust"
+            )
         check_feel_range(self.settings, lambda setting: f"in setting {setting + 1}")
         if remark := self.law.made_for_another(self.loader):
             raise InputError(f"law: {remark.rstrip('.')}")
@@ -68,14 +73,6 @@ class Exported:
             (2, 3)
         """
         return cls(loader, Law.of(law, loader, feel), name)
-
-    def _check_time(self) -> None:
-        """Refuse analog gains with a digital controller, which are neither a sampled law nor a continuous loop."""
-        if self.law.period_s and self.law.sampled is None:
-            raise InputError(
-                f"law: {self.law.name} is gains of an analog law, and {self.loader.name} has a digital controller; expected a "
-                "sampled law, such as robust"
-            )
 
     def sampled(self) -> SampledLaw:
         """Numbers of the sampled law, for a digital target.

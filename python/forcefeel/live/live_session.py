@@ -118,16 +118,15 @@ class LiveSession:
         checked_feel(rows)
         with self._designs:
             loader = self.loader.replace(rows, si=True)
-            law = Law.of(self.settings.law, loader) if self.law.sampled is not None else None
-            if law is not None and law.sampled is not None and self.law.sampled is not None:
-                came, had = law.sampled.states, self.law.sampled.states
-                if came != had:
-                    raise InputError(
-                        f"feel: expected a law with {had} states, as before, got {came}; restart with this feel"
-                    )
-            observer = None if law is None or law.sampled is None else law.sampled.rows()[0]
+            had = self.law.sampled
+            law = self.law if had is None else Law.of(self.settings.law, loader)
+            if had is not None and law.sampled is not None and law.sampled.states != had.states:
+                raise InputError(
+                    f"feel: expected a law with {had.states} states, as before, got {law.sampled.states}; restart with this feel"
+                )
+            observer = None if law.sampled is None else law.sampled.rows()[0]
             self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
-            self.law = law or self.law
+            self.law = law
 
     @property
     def trim_rad(self) -> float:

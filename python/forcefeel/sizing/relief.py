@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.laws.law import ORIGINAL, Law
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX, TABLE
 from forcefeel.loader.timing import controller_steps
 from forcefeel.sizing.motor import Motor, MotorNeeds
 from forcefeel.sizing.valve import Valve, ValveNeeds
-
-LAW = "robust"
-"""Law of a loader with a digital controller."""
 
 _STEP_S = 2.5e-4
 _NOISE = [INDEX[key] for key in TABLE if key.endswith(".noise")]
@@ -66,8 +63,9 @@ def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief 
     histories = _run(loader, law, (angle_rad, duration_s), [outputs.index(name) for name in kept])
     if not np.isfinite(histories).all():
         return None
-    called = LAW if law.sampled else ORIGINAL
-    return _of_motor(drive, called, *histories) if isinstance(drive, Motor) else _of_valve(drive, called, *histories)
+    if isinstance(drive, Motor):
+        return _of_motor(drive, law.name, *histories)
+    return _of_valve(drive, law.name, *histories)
 
 
 def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[int]) -> NDArray[np.float64]:

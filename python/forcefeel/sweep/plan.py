@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError, expect
-from forcefeel.laws.analog.gain_schedule import schedule_gains
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, DesignSettings
+from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.laws.law import Law, LawLike, check_given
 from forcefeel.loader.consistency import without_effect
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_loader
@@ -164,9 +163,7 @@ class Sweep:
             return self._one_law
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
         settings, index = np.unique(feel, axis=0, return_inverse=True)
-        gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
-        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[index]
-        return Law.of(gains, self.loader)
+        return Law.of(self.law, self.loader, settings).some(index)
 
     @cached_property
     def _one_law(self) -> Law:
