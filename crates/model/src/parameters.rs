@@ -69,9 +69,9 @@ macro_rules! parameter_table {
         optional {
             $( $extra:ident: $esymbol:literal, $emeaning:literal, $eunit:ident, $eexample:expr, $eminimum:literal .. $emaximum:literal, off $eoff:expr; )*
         }
-        alternative to $replaced:tt {
+        $(alternative to $replaced:tt {
             $( $other:ident: $osymbol:literal, $omeaning:literal, $ounit:ident, $odefault:expr, $ominimum:literal .. $omaximum:literal, $osource:literal; )*
-        }
+        })?
     )*) => {
         $(
             #[doc = $doc]
@@ -108,10 +108,10 @@ macro_rules! parameter_table {
         }, )* )* ];
 
         /// The rows that a loader file may give instead of others.
-        pub const ALTERNATIVES: &[Parameter] = &[ $( $( Parameter {
+        pub const ALTERNATIVES: &[Parameter] = &[ $( $( $( Parameter {
             part: stringify!($part), name: stringify!($other), symbol: $osymbol, meaning: $omeaning, unit: units::$ounit,
             default_us: $odefault, off_us: None, minimum_us: $ominimum, maximum_us: $omaximum, source: $osource, instead_of: names!($replaced),
-        }, )* )* ];
+        }, )* )? )* ];
 
         /// The parts and what each is.
         pub const PARTS: &[(&str, &str)] = &[ $( (stringify!($part), $doc.trim_ascii()) ),* ];
@@ -149,7 +149,6 @@ parameter_table! {
     optional {
         current_limit: "i_max", "largest current that the amplifier delivers", CURRENT, 15.0, 1e-3..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Four-way, two-stage electrohydraulic control valve.
     valve: Valve {
@@ -180,7 +179,6 @@ parameter_table! {
         relief_pressure: "p_relief", "load pressure above which oil passes by the piston", PRESSURE, 1500.0, 1.0..1e5, off f64::INFINITY;
         relief_gain: "C_relief", "flow past the piston per unit of pressure above the relief pressure", FLOW_PER_PRESSURE, 1.0, 1e-4..1e3, off 1.0;
     }
-    alternative to [] {}
 
     /// Electric motor: torque from current.
     motor: Motor {
@@ -225,7 +223,6 @@ parameter_table! {
         current_limit: "i_max", "largest current, peak of a phase", MOTOR_CURRENT, 19.0, 1e-3..1e4, off f64::INFINITY;
         voltage_limit: "u_max", "largest voltage of a phase, peak; of three phases the supply over the root of 3", VOLTAGE, 179.0, 0.1..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Transmission from the motor to the linkage: gear, belt, capstan or ballscrew.
     transmission: Transmission {
@@ -252,7 +249,6 @@ parameter_table! {
         derating_from: "T_d", "temperature of the winding above which the largest current falls", TEMPERATURE, 110.0, 20.0..300.0, off 110.0;
         winding_limit: "T_max", "temperature of the winding at which none is left", TEMPERATURE, 130.0, 30.0..400.0, off 130.0;
     }
-    alternative to [] {}
 
     /// Brake on the motor's shaft.
     brake: Brake {}
@@ -260,7 +256,6 @@ parameter_table! {
         torque: "T_b", "torque that the brake holds", MOTOR_TORQUE, 20.0, 1e-3..1e5, off 0.0;
         engaged: "brake", "whether the brake is on", SWITCH, 1.0, 0.0..1.0, off 0.0;
     }
-    alternative to [] {}
 
     /// Link between the drive's load cell and the base of the column.
     linkage: Linkage {
@@ -293,7 +288,6 @@ parameter_table! {
         stop_stiffness: "k_stop", "spring rate of the end stops", ROTARY_STIFFNESS, 5e5, 1.0..1e9, off 5e5;
         stop_damping: "c_stop", "damping of the end stops", ROTARY_DAMPING, 1000.0, 0.0..1e7, off 1000.0;
     }
-    alternative to [] {}
 
     /// Load cell between drive and linkage.
     load_cell: LoadCell {
@@ -305,7 +299,6 @@ parameter_table! {
         resolution: "dF", "smallest step of the load cell", FORCE, 0.05, 0.0..1e4, off 0.0;
         bandwidth: "f_F", "bandwidth of the load cell, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Sensor of the drive's position: a potentiometer, or any other.
     potentiometer: Potentiometer {
@@ -317,7 +310,6 @@ parameter_table! {
         resolution: "dx", "smallest step of the drive's position", LENGTH, 0.0005, 0.0..1.0, off 0.0;
         bandwidth: "f_x", "bandwidth of the position's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Sensor of the column's angle.
     column_sensor: ColumnSensor {}
@@ -327,7 +319,6 @@ parameter_table! {
         resolution: "dtheta", "smallest step of the column's angle", ANGLE, 0.005, 0.0..10.0, off 0.0;
         bandwidth: "f_theta", "bandwidth of the column's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Force sensor at the grip, between hand and column; there is none unless its gain is given.
     grip_sensor: GripSensor {}
@@ -339,7 +330,6 @@ parameter_table! {
         resolution: "dF_g", "smallest step of the grip's sensor", FORCE, 0.01, 0.0..10.0, off 0.0;
         bandwidth: "f_g", "bandwidth of the grip's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
-    alternative to [] {}
 
     /// Digital controller that runs the feel computer and the compensator; analog, without delay, unless a period is given.
     controller: Controller {}
@@ -352,7 +342,6 @@ parameter_table! {
         output_bits: "n_out", "bits of the output converter over twice its range", RATIO, 16.0, 1.0..52.0, off 0.0;
         antiwindup: "a_w", "rate at which the programmed displacement gives way while the command is cut off", RATE, 100.0, 0.0..1e5, off 0.0;
     }
-    alternative to [] {}
 
     /// Feel computer: the programmed inertia, damping and stiffness.
     feel: Feel {
@@ -399,7 +388,6 @@ parameter_table! {
         arm_damping: "d_a", "damping of the pilot's arm at the grip", DAMPING, 0.05, 0.0..1e3, off 0.0;
         arm_stiffness: "k_a", "spring rate of the pilot's arm at the grip", STIFFNESS, 0.3, 0.0..1e4, off 0.0;
     }
-    alternative to [] {}
 
     /// What the supervisor of a loader that runs live allows; each row has a default, see the guide to safety.
     safety: Safety {}
@@ -434,7 +422,6 @@ parameter_table! {
         search_speed: "theta'_s", "angular velocity of that", ANGULAR_VELOCITY, 5.0, 0.1..90.0, off 5.0;
         search_force: "F_s0", "force at the grip at which an end stop is found", FORCE, 20.0, 0.1..1e3, off 20.0;
     }
-    alternative to [] {}
 }
 
 /// What moves the linkage.

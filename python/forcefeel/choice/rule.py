@@ -76,10 +76,6 @@ class Choice:
     Attributes:
         chosen: Its name; ``None`` if no law is eligible.
         remarks: One for each law, the chosen law first.
-
-    Example:
-        >>> ff.choice.Choice("robust", ()).chosen
-        'robust'
     """
 
     chosen: str | None

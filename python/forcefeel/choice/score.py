@@ -85,11 +85,6 @@ class LawScores:
     Attributes:
         plan: Loader, settings, rule and cases.
         scores: One for each law.
-
-    Example:
-        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("robust",), over_envelope=False)
-        >>> [score.name for score in scored.scores]
-        ['robust']
     """
 
     plan: Plan

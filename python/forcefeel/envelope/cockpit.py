@@ -68,15 +68,6 @@ class CockpitEnvelope:
     Attributes:
         name: Name of the project, from its file.
         axes: Envelopes by axis, in the order of the file.
-
-    Example:
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
-        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
-        >>> def plan(loader):
-        ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> cockpit.axes["pitch"].laws
-        ('original',)
     """
 
     name: str

@@ -14,11 +14,6 @@ def forbidden_sentences(forbidden: Forbidden, units: UnitSystem) -> tuple[str, .
     return tuple(_sentence(forbidden, reason, count, units) for reason, count in forbidden.counts.items())
 
 
-def counts_text(forbidden: Forbidden) -> str:
-    """Number of settings that each reason forbids, such as ``40 by the valve's flow``."""
-    return ", ".join(f"{count:,} by {reason}" for reason, count in forbidden.counts.items())
-
-
 def _sentence(forbidden: Forbidden, reason: str, count: int, units: UnitSystem) -> str:
     which = forbidden.of(reason)
     head = f"No law renders {count:,} of {len(which):,} settings because of {reason}: "

@@ -55,11 +55,6 @@ class Plan:
 
     Raises:
         InputError: If an argument is invalid.
-
-    Example:
-        >>> plan = ff.envelope.make_plan(ff.elevator(), ["original"], {"stiffness": "10..100 %:3:log"})
-        >>> plan.settings.stiffness[0], plan.test.number
-        (0.1, '2.b.1')
     """
 
     given: Loader

@@ -27,12 +27,6 @@ class LiveRecord:
         requests: First cycle of each request, name, numbers.
         broken: Where and why the file is truncated, empty for a complete file; ``rows`` contains all data before.
         ended: Why the record ended: "with the run", or earlier, as on a full disk; empty if the writing process was killed.
-
-    Example:
-        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
-        ...     running.wait(100)
-        >>> ff.live.read_live_record("run.mcap").about["law"]
-        'robust'
     """
 
     about: Mapping[str, str]
@@ -62,12 +56,6 @@ class Replayed:
         difference: First difference: cycle, column, recorded and replayed value; ``None`` if every bit is the same.
         gap: First missing cycle of a gap; ``None`` without a gap.
         broken, ended: As in ``LiveRecord``.
-
-    Example:
-        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
-        ...     running.wait(100)
-        >>> ff.live.replay("run.mcap").difference is None
-        True
     """
 
     cycles: int

@@ -1,5 +1,6 @@
 //! Every part of a step in vector lanes against plain double precision, bit for bit, over random numbers.
 
+use crate::draws::Draws;
 use fearless_simd::Level;
 use forcefeel_model::Scalar;
 use forcefeel_model::contact::{Stops, since_touch};
@@ -158,19 +159,11 @@ impl Part for Spring {
     }
 }
 
-/// A generator of numbers between -1 and 1, some of them exactly zero.
-fn draws() -> impl FnMut() -> f64 {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let upper = u32::try_from(state >> 32).expect("32 bits");
-        if upper % 61 == 0 { 0.0 } else { f64::from(upper) / f64::from(u32::MAX) * 2.0 - 1.0 }
-    }
-}
-
 /// Asserts that each lane has the bits of the same numbers alone.
 fn compare<P: Part, T: Wide>(token: T::Token) {
-    let mut draw = draws();
+    let mut draws = Draws::new(1);
+    // Some numbers are exactly zero.
+    let mut draw = || if draws.bits().is_multiple_of(61) { 0.0 } else { draws.uniform() };
     for _ in 0..400 {
         let drawn: Vec<Vec<f64>> = P::SIZES.iter().map(|size| (0..T::RUNS).map(|_| size * draw()).collect()).collect();
         let wide: Vec<T> = drawn.iter().map(|numbers| T::gather(token, |lane| numbers[lane])).collect();
@@ -216,42 +209,23 @@ fn on_all<P: Part>() {
     }
 }
 
-#[test]
-fn operations() {
-    on_all::<Operations>();
+/// A test of each part.
+macro_rules! parts {
+    ($( $name:ident: $part:ident, )*) => { $(
+        #[test]
+        fn $name() {
+            on_all::<$part>();
+        }
+    )* };
 }
 
-#[test]
-fn contact() {
-    on_all::<Contact>();
-}
-
-#[test]
-fn dry_friction() {
-    on_all::<Friction>();
-}
-
-#[test]
-fn load_pressure() {
-    on_all::<Pressure>();
-}
-
-#[test]
-fn sensors() {
-    on_all::<Sensors>();
-}
-
-#[test]
-fn converters() {
-    on_all::<Controller>();
-}
-
-#[test]
-fn valve() {
-    on_all::<Valve>();
-}
-
-#[test]
-fn curve() {
-    on_all::<Spring>();
+parts! {
+    operations: Operations,
+    contact: Contact,
+    dry_friction: Friction,
+    load_pressure: Pressure,
+    sensors: Sensors,
+    converters: Controller,
+    valve: Valve,
+    curve: Spring,
 }

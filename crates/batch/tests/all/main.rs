@@ -4,7 +4,9 @@ mod batch;
 mod batch_lanes;
 mod batch_linear;
 mod batch_observers;
-#[path = "../../../solve/tests/all/near/mod.rs"]
+#[path = "../../../model/tests/all/draws/mod.rs"]
+mod draws;
+#[path = "../../../model/tests/all/near/mod.rs"]
 mod near;
 mod observers;
 mod operations;

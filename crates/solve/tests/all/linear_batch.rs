@@ -1,6 +1,6 @@
 //! Linear runs against steps with nalgebra's matrix exponential, lane by lane.
 
-use crate::draws::loops;
+use crate::loops::loops;
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;

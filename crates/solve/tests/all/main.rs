@@ -1,10 +1,13 @@
 //! The algorithms.
 
 mod discretize;
+#[path = "../../../model/tests/all/draws/mod.rs"]
 mod draws;
 mod feel_transition;
 mod linear_batch;
 mod linearize;
+mod loops;
+#[path = "../../../model/tests/all/near/mod.rs"]
 mod near;
 mod recursion;
 mod release;

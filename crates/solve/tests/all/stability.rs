@@ -1,7 +1,8 @@
 //! Verdicts on matrices whose eigenvalues are known without rounding, and on loops against computed eigenvalues.
 #![expect(clippy::needless_range_loop, reason = "indices as in the equations")]
 
-use crate::draws::{Draws, loops};
+use crate::draws::Draws;
+use crate::loops::loops;
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;
