@@ -1,5 +1,6 @@
 """A command as a user types it, for the tests of every command."""
 
+import subprocess
 import sys
 from collections.abc import Callable
 
@@ -38,6 +39,19 @@ def runner(monkeypatch, capsys, folder, *command: str, columns=120, report=False
         return ended.value.code or 0, printed.out, printed.err if lines else " ".join(printed.err.split())
 
     return call
+
+
+def imported(*words: str, libraries: set[str]) -> set[str]:
+    """Those of some libraries that ``forcefeel WORDS`` imports."""
+    probe = (
+        f"import sys; sys.argv = ['forcefeel', *{words}]\n"
+        "from forcefeel.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print(*sys.modules)"
+    )
+    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
+    return libraries & {*out.splitlines()[-1].split()}
 
 
 def runs(*command: str, **options):

@@ -7,12 +7,17 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
+from tests.command_line import runs
 from tests.pages import new_window
 
 # Derandomized: a failure is one of the code, not of the day.
 settings.register_profile("fast", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.register_profile("slow", max_examples=2000, deadline=None, database=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
+
+
+# ``forcefeel("law", "my.toml", ...)`` in the empty folder of a test.
+forcefeel = runs()
 
 
 @pytest.fixture(scope="module")

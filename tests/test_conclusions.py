@@ -7,7 +7,6 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.conclusions import capital, of_result
-from tests.command_line import runner
 
 US, SI = ff.UnitSystem.US, ff.UnitSystem.SI
 
@@ -56,12 +55,12 @@ COMMANDS = {
 
 @pytest.mark.parametrize("printed", [(), ("--json",)], ids=["terminal", "json"])
 @pytest.mark.parametrize("command", COMMANDS)
-def test_command_computes_conclusions_once(command, printed, tmp_path, monkeypatch, capsys):
+def test_command_computes_conclusions_once(command, printed, forcefeel, monkeypatch):
     where, words = COMMANDS[command]
     module = import_module(where)
     original, calls = module._verdict, []
     monkeypatch.setattr(module, "_verdict", lambda *given, **options: calls.append(1) or original(*given, **options))
-    runner(monkeypatch, capsys, tmp_path, words[0])(*words[1:], "--out", "out", *printed)
+    forcefeel(words[0], *words[1:], "--out", "out", *printed)
     assert len(calls) == 1
 
 

@@ -1,14 +1,12 @@
 """The command line as a user types it: what is printed, what is written, the exit status."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 
 import forcefeel as ff
 from forcefeel.laws.analog import recursion
-from tests.command_line import on_the_report_loader, runs
+from tests.command_line import imported, on_the_report_loader, runs
 
 WHOLE = 0.5
 """lb in/rad: the report's reproduction prints the boundary as a whole number."""
@@ -43,28 +41,14 @@ def unstable_file(tmp_path):
 
 
 def test_help_loads_no_numerical_libraries():
-    probe = (
-        "import sys; sys.argv = ['forcefeel', '--help']\n"
-        "from forcefeel.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print(sorted({'numpy', 'scipy', 'control', 'pandas', 'pint', 'plotly'} & set(sys.modules)))"
-    )
-    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
-    assert out.splitlines()[-1] == "[]"
+    libraries = {"numpy", "scipy", "control", "pandas", "pint", "plotly"}
+    assert imported("--help", libraries=libraries) == set()
 
 
 def test_analyze_runs_without_python_control():
     """Which takes longer to import than the answer to compute."""
-    probe = (
-        "import sys; sys.argv = ['forcefeel', 'analyze']\n"
-        "from forcefeel.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print(sorted({'control', 'matplotlib', 'pandas', 'pint', 'plotly', 'xarray'} & set(sys.modules)))"
-    )
-    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
-    assert out.splitlines()[-1] == "[]"
+    libraries = {"control", "matplotlib", "pandas", "pint", "plotly", "xarray"}
+    assert imported("analyze", libraries=libraries) == set()
 
 
 @pytest.mark.parametrize("command", ["new", "design", "analyze", "law", "reproduce"])

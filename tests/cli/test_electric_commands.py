@@ -9,7 +9,6 @@ from forcefeel.cli.exit_status import BAD_INPUT
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.parameters import HYDRAULIC, parts
-from tests.command_line import runner
 
 LOADER = "sidestick-roll"
 OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
@@ -22,16 +21,15 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
         ("law", ("--law", "report", "--converge")),
     ],
 )
-def test_hydraulic_command_refuses_a_motor_and_lists_alternatives(monkeypatch, capsys, tmp_path, command, more):
-    status, out, error = runner(monkeypatch, capsys, tmp_path, command)(LOADER, *more)
+def test_hydraulic_command_refuses_a_motor_and_lists_alternatives(forcefeel, command, more):
+    status, out, error = forcefeel(command, LOADER, *more)
     assert (status, out) == (BAD_INPUT, "")
     assert "has an electric drive" in error
     assert "design, law, simulate" in error
 
 
-def test_analyze_names_the_modes_of_the_motor(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "analyze")
-    status, out, _ = call(LOADER)
+def test_analyze_names_the_modes_of_the_motor(forcefeel):
+    status, out, _ = forcefeel("analyze", LOADER)
     assert status == 0
     for text in (
         "rotor against column on the link",
@@ -40,20 +38,19 @@ def test_analyze_names_the_modes_of_the_motor(monkeypatch, capsys, tmp_path):
         "is for a valve and does not apply",
     ):
         assert text in " ".join(out.split())
-    status, out, _ = call(LOADER, "--json", "--units", "si")
+    status, out, _ = forcefeel("analyze", LOADER, "--json", "--units", "si")
     assert [mode["name"] for mode in json.loads(out)["configurations"][0]["programmed"]["modes"]][-1] == "current loop"
 
 
-def test_design_refuses_the_options_of_recursion_22(monkeypatch, capsys, tmp_path):
-    status, out, error = runner(monkeypatch, capsys, tmp_path, "design")(LOADER, "--converge")
+def test_design_refuses_the_options_of_recursion_22(forcefeel, tmp_path):
+    status, out, error = forcefeel("design", LOADER, "--converge")
     assert (status, out) == (BAD_INPUT, "")
     assert "leave its options out" in error
     assert list(tmp_path.iterdir()) == []
 
 
-def test_law_reports_the_demand_on_the_motor(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "law")
-    status, out, _ = call(LOADER, "--law", "robust", "--save-law", "law.json")
+def test_law_reports_the_demand_on_the_motor(forcefeel, tmp_path):
+    status, out, _ = forcefeel("law", LOADER, "--law", "robust", "--save-law", "law.json")
     assert status == 0
     assert "% of the current and" in out
     assert "% of the voltage available" in " ".join(out.split())
@@ -62,16 +59,14 @@ def test_law_reports_the_demand_on_the_motor(monkeypatch, capsys, tmp_path):
     assert '"pressure"' not in json.dumps(found)
 
 
-def test_qualification_uses_the_law_of_the_drive(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "qualify")
-    status, out, _ = call(LOADER, "--test", "release-25-positive", "--set", "feel.breakout=off")
+def test_qualification_uses_the_law_of_the_drive(forcefeel):
+    status, out, _ = forcefeel("qualify", LOADER, "--test", "release-25-positive", "--set", "feel.breakout=off")
     assert status == 0
     assert "law robust" in out
 
 
-def test_sweep_has_the_measures_of_the_motor(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "sweep")
-    status, out, _ = call(LOADER, "--runs", "16", "--duration", "0.3", "--out", "s")
+def test_sweep_has_the_measures_of_the_motor(forcefeel, tmp_path):
+    status, out, _ = forcefeel("sweep", LOADER, "--runs", "16", "--duration", "0.3", "--out", "s")
     assert status == 0
     assert "% of the largest current and" in " ".join(out.split())
     kept = json.loads((tmp_path / "s" / "summary.json").read_text(encoding="utf-8"))["measures"]

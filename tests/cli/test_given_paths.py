@@ -8,7 +8,6 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.cli.app import command_line
-from tests.command_line import runner
 
 LONG = "x" * 300
 """More than the 255 bytes that a name in a file system has at most."""
@@ -54,11 +53,11 @@ READ = [pair for pair in _paths() if pair not in WRITTEN]
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(forcefeel, tmp_path):
     (tmp_path / "knots.csv").write_text("stiffness (lb in/rad),natural_frequency (Hz),damping_ratio\n9600,2,0.2\n")
     (tmp_path / "data.csv").write_text("time (s),pilot_force (lb),column_angle (deg)\n0,0,0\n1,5,1\n")
     (tmp_path / "folder").mkdir()
-    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
+    return forcefeel
 
 
 def tree(folder):

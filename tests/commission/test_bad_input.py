@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from tests.command_line import runner
 
 RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.csv")
 
@@ -27,10 +26,9 @@ RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.cs
         ),
     ],
 )
-def test_invalid_input_is_named_and_nothing_is_written(monkeypatch, capsys, tmp_path, words, message):
-    run = runner(monkeypatch, capsys, tmp_path, "commission")
+def test_invalid_input_is_named_and_nothing_is_written(forcefeel, tmp_path, words, message):
     (tmp_path / "wheel.toml").write_text(ff.loader.electric("aileron-wheel").to_toml(), encoding="utf-8")
-    status, out, err = run(*words, "--out", "made")
+    status, out, err = forcefeel("commission", *words, "--out", "made")
     assert (status, out) == (2, "")
     assert message in err
     assert not (tmp_path / "made").exists()

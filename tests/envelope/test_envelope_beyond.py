@@ -10,7 +10,6 @@ import forcefeel as ff
 from forcefeel.envelope.as_json import envelope_json
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.result import Failure
-from tests.command_line import runner
 
 ANGLE = radians(10)
 GRID = {"stiffness": "10, 40, 70, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
@@ -61,18 +60,18 @@ def test_valve_and_strong_motor_have_no_forbidden_settings():
 @pytest.mark.parametrize(
     ("command", "more"), [("law", ("--law", "robust")), ("qualify", ("--test", "release-25-positive"))]
 )
-def test_other_commands_state_the_remedy_for_holding_force(monkeypatch, capsys, tmp_path, command, more):
-    call = runner(monkeypatch, capsys, tmp_path, command)
-    status, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", *more)
+def test_other_commands_state_the_remedy_for_holding_force(forcefeel, command, more):
+    status, out, _ = forcefeel(command, "aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", *more)
     findings = json.loads(out)["conclusions"]["findings"]
     (said,) = (line for line in findings if line.startswith("The motor is too small for the programmed feel"))
     assert "Remedy: a motor of that torque, or a transmission.travel of" in said
     assert status in {0, 1}
 
 
-def test_run_at_the_current_limit_states_the_remedy(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "simulate")
-    _, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", "--duration", "0.5 s")
+def test_run_at_the_current_limit_states_the_remedy(forcefeel):
+    _, out, _ = forcefeel(
+        "simulate", "aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", "--duration", "0.5 s"
+    )
     assert any(
         "To check holding force, run forcefeel size." in line for line in json.loads(out)["conclusions"]["findings"]
     )

@@ -23,7 +23,6 @@ from forcefeel.laws.analog.recursion import NAMED_DESIGNS
 from forcefeel.laws.law import Law
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests import witness
-from tests.command_line import runner
 from tests.release_witness import features, ideal, least_margin
 
 GRID = {"stiffness": "5.6, 17.8 %", "frequency": "0.6, 1.2 Hz", "damping": "0.7, 1.2"}
@@ -177,10 +176,9 @@ def test_log_weighted_shares_match_the_weighted_sum(found):
     assert even.worst_case_share == pytest.approx(float((found.plan.settings.weights * passes.all(axis=0)).sum()))
 
 
-def test_random_draws_appear_on_page_terminal_and_in_files(monkeypatch, capsys, tmp_path):
-    run = runner(monkeypatch, capsys, tmp_path, "envelope")
+def test_random_draws_appear_on_page_terminal_and_in_files(forcefeel, tmp_path):
     words = ("--law", LAW, *(word for name, it in GRID.items() for word in ("--grid", f"{name}={it}")))
-    status, out, err = run(*words, "--draws", "5", "--seed", str(2**62), "--corners")
+    status, out, err = forcefeel("envelope", *words, "--draws", "5", "--seed", str(2**62), "--corners")
     assert (status, err) == (0, "")
     assert "All tolerances at once, 5 machines at the corners" in " ".join(out.split())
     assert "Every point of the grid counts the same" in " ".join(out.split())
@@ -193,7 +191,7 @@ def test_random_draws_appear_on_page_terminal_and_in_files(monkeypatch, capsys, 
         assert maps["off"].shape == (5, len(NAMES))
     page = (folder / PAGE).read_text(encoding="utf-8")
     assert "All tolerances at once" in page
-    run(*words, "--draws", "0", "--replace")
+    forcefeel("envelope", *words, "--draws", "0", "--replace")
     assert "All tolerances at once" not in (folder / PAGE).read_text(encoding="utf-8")
     assert json.loads((folder / RESULTS).read_text(encoding="utf-8"))["laws"][LAW]["joint_tolerances"] is None
 

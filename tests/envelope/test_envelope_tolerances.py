@@ -148,12 +148,11 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_with_cases_uses_tolerances_and_deviation_options(command, monkeypatch, capsys, tmp_path):
+def test_every_command_with_cases_uses_tolerances_and_deviation_options(command, forcefeel, monkeypatch, tmp_path):
     monkeypatch.setattr("forcefeel.frontier.run.ERRORS", (0.02,))
     for name, loader in (("mine", ff.elevator()), ("mine-2khz", ff.digital_elevator())):
         (tmp_path / f"{name}.toml").write_text(stating(loader, inertia="1 %").to_toml(), encoding="utf-8")
     (tmp_path / "knots.csv").write_text(KNOTS)
-    run = runner(monkeypatch, capsys, tmp_path, command)
     words, wanted = COMMANDS[command]
     options = (
         "--deviation",
@@ -163,7 +162,7 @@ def test_every_command_with_cases_uses_tolerances_and_deviation_options(command,
         "--set",
         "linkage.stiffness=7000 lb/in",
     )
-    status, out, err = run(*words, *options)
+    status, out, err = forcefeel(command, *words, *options)
     assert (status, err) == (wanted, "")
     said = " ".join(out.split())
     assert f"Tolerances by the loader file: ±1 % of {INERTIA}." in said
@@ -177,8 +176,8 @@ def test_every_command_with_cases_uses_tolerances_and_deviation_options(command,
     assert by_key[INERTIA]["origin"] == "loader file"
     assert isclose(by_key["linkage.ratio"]["ends"][1]["value"], 3)
     assert "column.grip_arm" not in by_key
-    assert run(*words, "--deviation", "column.mass=none")[0] == 2
-    assert run(*words, "--set", "column.mass=3")[0] == 2
+    assert forcefeel(command, *words, "--deviation", "column.mass=none")[0] == 2
+    assert forcefeel(command, *words, "--set", "column.mass=3")[0] == 2
 
 
 def test_law_from_equations_accepts_set(monkeypatch, capsys, tmp_path):

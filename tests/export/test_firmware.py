@@ -10,7 +10,6 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.export.firmware_code import BOARD, board_axis, golden_inputs
-from tests.command_line import runner
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
 
 TWO = """
@@ -207,16 +206,14 @@ def test_missing_cargo_writes_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_cached_crate_is_not_downloaded(tmp_path, monkeypatch, capsys):
+def test_cached_crate_is_not_downloaded(tmp_path, forcefeel, monkeypatch):
     """A cargo in between notes how it is called; command and README tell what else it would have fetched."""
     needs("cargo")
     real, asked = shutil.which("cargo"), tmp_path / "asked"
     (tmp_path / "cargo").write_text(f'#!/bin/sh\necho "$@" >> {asked}\nexec {real} "$@"\n', encoding="utf-8")
     (tmp_path / "cargo").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
-    status, shown, _ = runner(monkeypatch, capsys, tmp_path, "export")(
-        "elevator-electric", "--to", "firmware", "--out", "out"
-    )
+    status, shown, _ = forcefeel("export", "elevator-electric", "--to", "firmware", "--out", "out")
     assert (status, "cargo takes the crate libm from its cache" in " ".join(shown.split())) == (0, True)
     assert [line.split()[-1] for line in asked.read_text(encoding="utf-8").splitlines()] == ["--offline"]
     assert "cargo takes the crate libm from its cache" in (tmp_path / "out" / "README.md").read_text(encoding="utf-8")

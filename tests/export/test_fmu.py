@@ -18,7 +18,6 @@ import forcefeel as ff
 from forcefeel import _core
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.scenario import Steps
-from tests.command_line import runner
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import CONVERTERS, KNOTS, NONLINEAR, needs, run
 
@@ -421,7 +420,7 @@ def test_analog_law_is_refused_and_nothing_is_written(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_law_and_machine_qualify_under_another_master(fmus, tmp_path, monkeypatch, capsys):
+def test_law_and_machine_qualify_under_another_master(fmus, tmp_path, forcefeel):
     """Let go from a quarter of the throw of 20 degrees, as the rule asks; the loop is closed by FMPy alone."""
     sensed = [f"sensed_{name}" for name in ("load_cell_force", "drive_position", "column_base", "grip_force")]
     rows = []
@@ -442,9 +441,10 @@ def test_law_and_machine_qualify_under_another_master(fmus, tmp_path, monkeypatc
             machine.fmu.setFloat64([command], law.fmu.getFloat64([given]))
             machine.fmu.doStep(k * STEP_S, STEP_S)
     np.savetxt(tmp_path / "seen.csv", rows[::4], delimiter=",", header="time (s),position (deg)", comments="")
-    qualify = runner(monkeypatch, capsys, tmp_path, "qualify")
     test = "release-25-positive"
-    status, out, _ = qualify("elevator-2khz", "--test", test, "--record", f"{test}=seen.csv", "--out", "page")
+    status, out, _ = forcefeel(
+        "qualify", "elevator-2khz", "--test", test, "--record", f"{test}=seen.csv", "--out", "page"
+    )
     assert status == 0
     assert "1 of 1 tests passed" in out
 

@@ -8,7 +8,6 @@ import pytest
 import forcefeel as ff
 from forcefeel.flight_schedule import ScheduleAxis, design_schedule, second_order_feel
 from forcefeel.loader.loader import FEEL_SETTING
-from tests.command_line import runner
 
 FAST = ff.digital_elevator()
 OTHERS = {
@@ -54,21 +53,21 @@ def test_schedule_refuses_another_loader(row):
         ("sweep", "--vary", "valve.damping_ratio=0.8..0.9:2"),
     ],
 )
-def test_commands_refuse_a_law_file_of_another_period(monkeypatch, capsys, tmp_path, command):
+def test_commands_refuse_a_law_file_of_another_period(forcefeel, tmp_path, command):
     path = tmp_path / "law.json"
     ff.Law.of("robust", FAST).save(path)
-    call = runner(monkeypatch, capsys, tmp_path, command[0])
-    status, _, error = call("elevator-2khz", "--set", "controller.period=1 ms", "--law", str(path), *command[1:])
+    status, _, error = forcefeel(
+        command[0], "elevator-2khz", "--set", "controller.period=1 ms", "--law", str(path), *command[1:]
+    )
     assert status == 2
     assert "made for a controller.period of 0.5 ms, the loader has 1 ms; design it for this loader" in error
 
 
-def test_noise_declared_as_zero_is_reported_with_the_default(monkeypatch, capsys, tmp_path):
-    call = runner(monkeypatch, capsys, tmp_path, "law")
+def test_noise_declared_as_zero_is_reported_with_the_default(forcefeel):
     silent = [f"--set=column_sensor.{row}=0 deg" for row in ("noise", "resolution")]
-    status, out, _ = call("elevator-2khz", *silent, "--law", "robust", "--json")
+    status, out, _ = forcefeel("law", "elevator-2khz", *silent, "--law", "robust", "--json")
     assert status == 0
     assert "Sensors without noise or resolution: column_sensor." in out
     assert "deg r.m.s. State noise and resolution in the loader file (column_sensor.noise)" in out
-    _, out, _ = call("elevator-2khz", "--law", "robust", "--json", "--replace")
+    _, out, _ = forcefeel("law", "elevator-2khz", "--law", "robust", "--json", "--replace")
     assert "Sensors without noise" not in out

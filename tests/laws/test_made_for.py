@@ -15,7 +15,7 @@ from forcefeel.laws.sampled.sampled_law import NUMBERS
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, has
-from tests.command_line import runner
+from tests.command_line import runs
 
 DIGITAL = ff.digital_elevator().replace({"column.coulomb_friction": "2 lb"})
 INPUT_IS_BAD = 2
@@ -67,12 +67,15 @@ def test_loader_comparison_ignores_units_and_name(tmp_path):
         assert differing(known, another(DIGITAL, key)) == (key,)
 
 
+command_line = runs(report=True)
+
+
 @pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
+def run(command_line, tmp_path):
     Law.of("robust", ff.digital_elevator()).save(tmp_path / "law.json")
     other = ff.digital_elevator().replace({OTHER: "7000 lb/in"})
     (tmp_path / "other.toml").write_text(other.to_toml(ff.UnitSystem.US), encoding="utf-8")
-    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command, report=True)(*words)
+    return command_line
 
 
 COMMANDS = {

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from tests.command_line import runner
 
 HUGE = (2**64 - 1, 2**63, 2**40, 2**32)
 CHUNK, DATA_END = 6, 15
@@ -112,7 +111,7 @@ def test_damage_without_checksum_is_read_up_to_it_or_refused(tmp_path, whole):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MOST_GROWTH_KB
 
 
-def test_chunk_length_that_panicked_the_library_is_refused(tmp_path, whole, monkeypatch, capsys):
+def test_chunk_length_that_panicked_the_library_is_refused(tmp_path, whole, forcefeel):
     heads = list(records(whole, 8, len(whole) - 8))
     at = heads[len(heads) // 2][0] + 1
     (tmp_path / "run.mcap").write_bytes(whole[:at] + struct.pack("<Q", 2**64 - 1) + whole[at + 8 :])
@@ -123,7 +122,7 @@ def test_chunk_length_that_panicked_the_library_is_refused(tmp_path, whole, monk
         ("identify", "elevator-2khz", "--fit", "k", "--data", "run.mcap"),
         ("simulate", "elevator-2khz", "--record", "run.mcap"),
     ):
-        status, out, err = runner(monkeypatch, capsys, tmp_path, command)(*words)
+        status, out, err = forcefeel(command, *words)
         assert (status, out) == (2, "")
         assert err.startswith("forcefeel: ")
         assert "mcap: " in err

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from tests.command_line import runner
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -83,17 +82,16 @@ def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, t
     assert ff.live.replay(path).same
 
 
-def test_run_accepts_simulator_packets(monkeypatch: pytest.MonkeyPatch, capsys, tmp_path: Path) -> None:
-    run = runner(monkeypatch, capsys, tmp_path, "run")
+def test_run_accepts_simulator_packets(forcefeel) -> None:
     asked = ("elevator-2khz", "--headless", "--duration", "20 ms", "--host")
-    status, out, err = run(*asked, "0", "--json")
+    status, out, err = forcefeel("run", *asked, "0", "--json")
     assert (status, err) == (0, "")
     assert json.loads(out)["host"]["packets"] == 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = str(taken.getsockname()[1])
         for given, part in (("here", "UDP port"), ("70000", "UDP port"), (port, port)):
-            status, out, err = run(*asked, given)
+            status, out, err = forcefeel("run", *asked, given)
             assert (status, out) == (2, "")
             assert part in err
 

@@ -11,7 +11,6 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 
 import forcefeel as ff
-from tests.command_line import runner
 
 RUNS = """
 import sys, forcefeel as ff
@@ -91,7 +90,7 @@ def release(tmp_path_factory):
     return path
 
 
-def test_live_release_qualifies_like_simulated_release(release, tmp_path, monkeypatch, capsys):
+def test_live_release_qualifies_like_simulated_release(release, tmp_path, forcefeel):
     record = ff.qualification.read_record(release)
     assert record.position_unit == "rad"
     assert record.force_n is not None
@@ -101,12 +100,11 @@ def test_live_release_qualifies_like_simulated_release(release, tmp_path, monkey
     simulated = tmp_path / "simulated.csv"
     table = np.column_stack([history["time_s"], history["column_angle_rad"], history["pilot_force_n"]])
     np.savetxt(simulated, table, delimiter=",", header="time (s),position (rad),force (N)", comments="")
-    call = runner(monkeypatch, capsys, tmp_path, "qualify")
     asked = ("elevator-2khz", "--json", "--test", "release-25-positive")
     verdicts = []
     for device in (simulated, release):
         out_folder = ("--out", tmp_path / f"{device.stem}-out")
-        status, out, err = call(*asked, *out_folder, "--record", f"release-25-positive={device}")
+        status, out, err = forcefeel("qualify", *asked, *out_folder, "--record", f"release-25-positive={device}")
         assert status == 0, err or out
         verdicts.append(json.loads(out))
     assert [found["status"] for found in verdicts] == ["incomplete", "incomplete"]

@@ -8,7 +8,6 @@ import pytest
 import forcefeel as ff
 from forcefeel.live.console.programmed import Programmed
 from forcefeel.qualification.plan.run import QualificationSetup
-from tests.command_line import runner
 from tests.live.planned import planned
 
 LOADER = ff.digital_elevator()
@@ -57,16 +56,15 @@ def test_release_of_session_is_measured_at_its_instant(session):
     assert found.count == alone.count
 
 
-def test_a_session_qualifies_from_the_command_line(session, monkeypatch, capsys, tmp_path):
+def test_a_session_qualifies_from_the_command_line(session, forcefeel):
     path, _ = session
-    call = runner(monkeypatch, capsys, tmp_path, "qualify")
     words = ("elevator-2khz", "--json", "--test", KEY, "--record", f"{KEY}={path}")
     for more in ((), ("--from", "6 s"), ("--from", "session=6.5 s", "--until", f"{WHOLE_S - 0.5}")):
-        status, out, err = call(*words, *more, "--replace")
+        status, out, err = forcefeel("qualify", *words, *more, "--replace")
         assert status == 0, err
         (test,) = json.loads(out)["sections"][0]["tests"]
         assert test["outcome"] == "passed"
-    status, out, err = call(*words, "--from", "60 s", "--replace")
+    status, out, err = forcefeel("qualify", *words, "--from", "60 s", "--replace")
     assert (status, out) == (2, "")
     assert "--from and --until: has no sample from 60 s to inf s; its times are" in err
 
@@ -125,25 +123,22 @@ CLOSE = 2e-3
 """Of an inertia from an exact record; one that is fitted under another law is 20 % off and more, at its bound."""
 
 
-def test_live_run_is_bench_data_with_its_law(shaken, monkeypatch, capsys, tmp_path):
+def test_live_run_is_bench_data_with_its_law(shaken, forcefeel, tmp_path):
     record = ff.bench.read_bench_record(shaken)
     assert str(record.experiment) == "loader pilot_force"
     assert record.run["law"] == "robust"
     assert {"pilot_force", "column_angle", "piston_position", "load_cell_force"} == set(record.channels)
-    call = runner(monkeypatch, capsys, tmp_path, "identify")
-    status, out, err = call(
-        "elevator-2khz", "--data", shaken, "--until", "5 s", "--fit", "J", "--starts", "1", "--no-priors", "--json"
-    )
+    fit = ("--fit", "J", "--starts", "1", "--no-priors", "--json")
+    status, out, err = forcefeel("identify", "elevator-2khz", "--data", shaken, "--until", "5 s", *fit)
     assert status == 0, err
     found = ff.load(tmp_path / "forcefeel-identified" / "loader.toml")
     assert found["column.inertia"] == pytest.approx(LOADER["column.inertia"], rel=CLOSE)
     assert json.loads(out)["settings"]["law"] == "robust"
 
 
-def test_invalid_use_of_live_run_is_refused_with_remedy(shaken, monkeypatch, capsys, tmp_path):
+def test_invalid_use_of_live_run_is_refused_with_remedy(shaken, forcefeel, tmp_path):
     idle = tmp_path / "idle.mcap"
     planned(LOADER, np.zeros(3000), [(0, "on", [])], record=idle)
-    call = runner(monkeypatch, capsys, tmp_path, "identify")
     for words, message in (
         (
             (shaken, "--experiment", "servo-closed"),
@@ -156,6 +151,6 @@ def test_invalid_use_of_live_run_is_refused_with_remedy(shaken, monkeypatch, cap
         ),
         ((idle,), "pilot_force never moves from 0 N"),
     ):
-        status, out, err = call("elevator-2khz", "--fit", "J", "--data", *words)
+        status, out, err = forcefeel("identify", "elevator-2khz", "--fit", "J", "--data", *words)
         assert (status, out) == (2, ""), err
         assert message in err

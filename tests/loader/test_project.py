@@ -7,7 +7,6 @@ from forcefeel.cli.app import _COMMANDS
 from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
-from tests.command_line import runner
 
 TAKE_A_PROJECT = ("qualify", "envelope", "size")
 TAKE_A_LOADER = {
@@ -91,8 +90,8 @@ def test_renamed_built_in_loader_may_have_another_axis(cockpit):
 
 
 @pytest.mark.parametrize("command", TAKE_A_LOADER)
-def test_single_loader_command_names_project_commands(monkeypatch, capsys, cockpit, command):
-    status, out, error = runner(monkeypatch, capsys, cockpit.parent, command)("cockpit.toml", *TAKE_A_LOADER[command])
+def test_single_loader_command_names_project_commands(forcefeel, cockpit, command):
+    status, out, error = forcefeel(command, "cockpit.toml", *TAKE_A_LOADER[command])
     assert (status, out) == (2, "")
     assert "cockpit.toml: is a project, which names the loader of each axis; expected one of those loaders" in error
     assert "forcefeel qualify, envelope and size take a project" in error
@@ -119,8 +118,8 @@ def test_every_loader_command_is_tested():
         ),
     ],
 )
-def test_option_incompatible_with_project_is_refused(monkeypatch, capsys, cockpit, command, more, told):
-    status, out, error = runner(monkeypatch, capsys, cockpit.parent, command)("cockpit.toml", *more)
+def test_option_incompatible_with_project_is_refused(forcefeel, cockpit, command, more, told):
+    status, out, error = forcefeel(command, "cockpit.toml", *more)
     assert (status, out) == (2, "")
     assert told in error
     assert not list(cockpit.parent.glob("forcefeel-*"))

@@ -12,7 +12,7 @@ import scipy.io
 from pyarrow import parquet
 
 import forcefeel as ff
-from tests.command_line import runner, runs
+from tests.command_line import runs
 
 WRITTEN = {"plotly.min.js", "qualification.html", "results.json"}
 ANGLE_DEG = 5.0
@@ -255,9 +255,9 @@ def test_an_aircraft_at_60_hz_and_a_simulator_at_100_hz(run, tmp_path, slower, e
     assert cycle["measured"]["value"] * slower == pytest.approx(cycle["reference"]["value"], rel=1e-4)  # of six samples
 
 
-def test_the_history_of_a_simulated_release_is_a_record(run, tmp_path, monkeypatch, capsys):
+def test_the_history_of_a_simulated_release_is_a_record(run, forcefeel):
     words = ("--input", "release", "--angle", f"{ANGLE_DEG} deg", "--start", "0.2", "--duration", "6")
-    runner(monkeypatch, capsys, tmp_path, "simulate")("elevator-1974", *words, "--law", "published", "--out", "run")
+    forcefeel("simulate", "elevator-1974", *words, "--law", "published", "--out", "run")
     found = json.loads(run("--record", "run/history.csv", "--json")[1])
     tests = {test["key"]: test for test in found["sections"][0]["tests"]}
     first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")

@@ -3,8 +3,6 @@
 import json
 import math
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.units import factor
-from tests.command_line import runs
+from tests.command_line import imported, runs
 
 UNSTABLE = ("feel.inertia=0.6 lb in s^2/rad", "feel.damping=3.04 lb in s/rad", "feel.stiffness=96 lb in/rad")
 ROUNDING = 1e-12  # relative; a conversion, and all digits written
@@ -41,27 +39,13 @@ def test_help_names_every_option_with_an_example(run):
 
 
 def test_help_does_not_wait_for_the_numerical_libraries():
-    probe = (
-        "import sys; sys.argv = ['forcefeel', 'simulate', '--help']\n"
-        "from forcefeel.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print(sorted({'numpy', 'scipy', 'control', 'pandas', 'pint', 'plotly'} & set(sys.modules)))"
-    )
-    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
-    assert out.splitlines()[-1] == "[]"
+    libraries = {"numpy", "scipy", "control", "pandas", "pint", "plotly"}
+    assert imported("simulate", "--help", libraries=libraries) == set()
 
 
 def test_the_terminal_does_not_wait_for_plots():
-    probe = (
-        "import sys; sys.argv = ['forcefeel', 'simulate', '--duration', '0.2']\n"
-        "from forcefeel.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print('plotly' in sys.modules)"
-    )
-    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
-    assert out.splitlines()[-1] == "False"
+    libraries = {"plotly"}
+    assert imported("simulate", "--duration", "0.2", libraries=libraries) == set()
 
 
 def test_step_prints_measures_and_conclusions(run, tmp_path):
