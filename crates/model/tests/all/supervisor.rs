@@ -17,6 +17,7 @@ fn still(requested: RequestedMode) -> SupervisorInput<f64> {
         sensed: [0.0; 4],
         missed: 0,
         periods: 1.0,
+        delay: 0,
         late: 0,
         host_age: None,
         command: 0.0,
@@ -64,13 +65,15 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
     let (grip, base) = (of.grip_arm / of.lever, of.base_arm);
     let agree = of.agreement_m;
     let speed = of.speed_step * 1.01;
-    let cases: [(Function, Spoil); 11] = [
+    let cases: [(Function, Spoil); 13] = [
         (Function::EmergencyStop, Box::new(|_, input| input.emergency_stop = true)),
         (Function::DriveFault, Box::new(|_, input| input.drive_fault = true)),
         (Function::NotANumber, Box::new(|_, input| input.sensed[1] = f64::NAN)),
         (Function::NotANumber, Box::new(|_, input| input.command = f64::INFINITY)),
         (Function::OutOfRange, Box::new(move |_, input| input.sensed[0] = -of.range[0] * 1.01)),
-        (Function::Jump, Box::new(move |_, input| input.sensed[2] = of.jump[2] * base * 1.01)),
+        (Function::LoadCell, Box::new(move |_, input| input.sensed[0] = of.plausible[0] * 2.0)),
+        (Function::ColumnAngle, Box::new(move |_, input| input.sensed[2] = of.plausible[2] * base * 2.0)),
+        (Function::Late, Box::new(move |_, input| input.delay = of.late + 1)),
         (Function::Silence, Box::new(|k, input| input.missed = k)),
         (Function::Overrun, Box::new(|k, input| input.late = k)),
         // None of them stays at a number, or it would be taken for stuck.
@@ -283,6 +286,7 @@ fn single_precision_does_the_same() {
         sensed: [0.0_f32; 4],
         missed: 0,
         periods: 1.0,
+        delay: 0,
         late: 0,
         host_age: None,
         command: 1.0,
