@@ -4,6 +4,7 @@ use crate::trace::{Bank, Graph, Mask, Trace, input_as_f64, traced};
 use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::Cancellation;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::contact_law::ContactState;
 use forcefeel_model::control::{Control, FeelState, LawState, Sample};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
@@ -11,11 +12,11 @@ use forcefeel_model::drive::Kind;
 use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
-use forcefeel_model::known_friction::{FrictionState, LEVEL_FROM_END};
+use forcefeel_model::known_friction::FrictionState;
 use forcefeel_model::law_inputs::{SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
-use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
+use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
 use std::sync::OnceLock;
@@ -94,9 +95,13 @@ impl Job {
 
     fn shared(&self) -> Shared {
         let effects = self.values.iter().map(Effects::of).reduce(Effects::or).unwrap_or_default();
-        let known_friction = self.observers.iter().any(|law| law[NUMBERS - LEVEL_FROM_END] != 0.0);
         Shared {
-            effects: Effects { observer: true, known_friction, ..effects },
+            effects: Effects {
+                observer: true,
+                known_friction: self.observers.iter().any(knows_friction),
+                contact_law: self.observers.iter().any(knows_contact),
+                ..effects
+            },
             step_s: self.period_s,
             timing: Some(Timing { period: 1, delay: 0 }),
             curve: self.curve,
@@ -287,7 +292,8 @@ fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN])
     });
     // Under a law with an observer the feel's displacement is an angle.
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    (feeling, LawState { base, position, estimate, friction_state: FrictionState::initial(feel_torque) })
+    let (friction_state, contact_state) = (FrictionState::initial(feel_torque), ContactState::free(feel_torque));
+    (feeling, LawState { base, position, estimate, friction_state, contact_state })
 }
 
 /// Name of each number that a controller remembers, and whether it is a flag.
@@ -309,6 +315,7 @@ fn nothing<S: Scalar>(zero: S, stuck: S::Mask) -> (FeelState<S>, LawState<S>) {
         position: zero,
         estimate: [zero; MOST_STATES],
         friction_state: FrictionState::initial(zero),
+        contact_state: ContactState::free(zero),
     };
     (FeelState { motion, neutral: zero }, law)
 }

@@ -8,10 +8,9 @@ use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::{Curve, MOST_POINTS};
 use forcefeel_model::drive::Kind;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::known_friction::LEVEL_FROM_END;
 use forcefeel_model::machine::{Machine, Shared};
 use forcefeel_model::modifiers::ModifierRates;
-use forcefeel_model::observer::{NUMBERS, Observer, SAMPLED};
+use forcefeel_model::observer::{NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
 
@@ -50,11 +49,17 @@ impl Loader {
     pub fn shared(&self, settings: &[Setting]) -> Shared {
         let effects =
             settings.iter().map(|setting| Effects::of(&setting.values)).reduce(Effects::or).unwrap_or_default();
-        let known_friction = settings.iter().any(|setting| setting.law[NUMBERS - LEVEL_FROM_END] != 0.0);
         let points = self.points as usize;
         let pieces = self.coefficients.get(..points.saturating_sub(1));
         Shared {
-            effects: Effects { observer: true, known_friction, surroundings: true, test_signal: false, ..effects },
+            effects: Effects {
+                observer: true,
+                known_friction: settings.iter().any(|setting| knows_friction(&setting.law)),
+                contact_law: settings.iter().any(|setting| knows_contact(&setting.law)),
+                surroundings: true,
+                test_signal: false,
+                ..effects
+            },
             step_s: self.period_s,
             timing: Some(Timing { period: 1, delay: 0 }),
             curve: self.knots.get(..points).zip(pieces).and_then(|(knots, pieces)| Curve::new(knots, pieces)),

@@ -92,6 +92,7 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             feedback: shared.effects.feedback,
             observer: shared.effects.observer,
             known_friction: shared.effects.known_friction,
+            contact_law: shared.effects.contact_law,
             ..effects
         };
         let shared = Shared { effects: own.or(of_feel), ..shared };

@@ -82,6 +82,7 @@ impl Setup {
             feedback: law.feeds_back(),
             observer: self.observer.is_some(),
             known_friction: law.knows_friction(),
+            contact_law: law.knows_contact(),
             ..Effects::of(&self.values)
         };
         Shared {

@@ -8,6 +8,7 @@
 
 use crate::Scalar;
 use crate::compensator::Compensator;
+use crate::contact_law::{ContactInputs, ContactState};
 use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::feel::{FeelConditions, FeelLaw};
@@ -46,6 +47,8 @@ pub struct LawState<S> {
     pub estimate: Estimate<S>,
     /// What the law recalls of the dry friction that it knows.
     pub friction_state: FrictionState<S>,
+    /// What the law recalls of contact.
+    pub contact_state: ContactState<S>,
 }
 
 /// The programmed feel at a sample.
@@ -73,6 +76,7 @@ impl<S: Scalar> LawState<S> {
         // Only what is added against a known disturbance depends on it.
         visitor.nonlinear("position", &mut self.position);
         self.friction_state.visit(visitor);
+        self.contact_state.visit(visitor);
     }
 
     /// Visits each number of the estimate.
@@ -142,8 +146,8 @@ impl<S: Scalar> Control<S> {
         remembered.base = base;
         let y = self.sampled(&[force, piston, base, grip]);
         let [delta, delta_rate] = feeling.motion.at;
-        let added =
-            shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period, delta_rate));
+        let piston_rate = (piston - remembered.position) / period;
+        let added = shared.cancellation.map(|known| known.command(piston, piston_rate, delta_rate));
         remembered.position = piston;
         let fade = inputs.fade[0];
         let known = if shared.effects.known_friction { Some(remembered.friction_state) } else { None };
@@ -162,6 +166,14 @@ impl<S: Scalar> Control<S> {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
             let alone = self.feel.pushed_to(feeling.neutral, inputs.added_force[0]);
             self.trimmed(output, alone, fade)
+        } else {
+            output
+        };
+        let output = if shared.effects.contact_law {
+            let column = [base, base_rate].map(|number| number * self.per_base);
+            let inputs =
+                ContactInputs { force, position: [piston, piston_rate], angle: column, feel: feeling.motion.at };
+            self.in_contact(output, (feeling, &mut remembered.contact_state), inputs, period)
         } else {
             output
         };
@@ -185,6 +197,9 @@ impl<S: Scalar> Control<S> {
         let at = (neutral, feeling.motion.slider, feeling.motion.at[0]);
         let conditions = self.feel_conditions(&shared.effects, at, inputs, (StepFraction::Start, period));
         self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &conditions, period);
+        if shared.effects.contact_law {
+            self.damp(&mut feeling.motion, remembered.contact_state.share, period);
+        }
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
         let gains = if shared.effects.observer {
             let of = |law: &Observer<S>| [law.per_delta(), law.per_rate()];
@@ -196,6 +211,35 @@ impl<S: Scalar> Control<S> {
         let beyond = e - self.converters.within_range(e);
         self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| requested - e + beyond)), period);
         self.converters.write(e)
+    }
+
+    /// What the law says between free motion and contact; where contact begins, the feel stands where the drive stands.
+    #[inline(always)]
+    fn in_contact(
+        &self,
+        output: LawOutput<S>,
+        (feeling, state): (&mut FeelState<S>, &mut ContactState<S>),
+        inputs: ContactInputs<S>,
+        period: S,
+    ) -> LawOutput<S> {
+        let law = &self.observer.contact;
+        let (now, begins) = law.noticed(output.torque, inputs.angle, *state, period);
+        *state = now;
+        let [delta, rate] = inputs.feel;
+        let stands = law.where_drive_stands(inputs.position[0]);
+        feeling.motion.at = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
+        let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
+        let [command, torque] = law.output(now.share, [output.command, output.torque], &inputs);
+        LawOutput { command, torque, ..output }
+    }
+
+    /// The feel after a period, damped by its share in a contact.
+    #[inline(always)]
+    fn damp(&self, motion: &mut FeelMotion<S>, share: S, period: S) {
+        let [delta, rate] = motion.at;
+        let damped = self.observer.contact.damped(share, rate, self.feel.per_torque, period);
+        // The way goes with the mean of the rates.
+        motion.at = [delta - (rate - damped) * period.times(0.5), damped];
     }
 
     /// What the law says where the feel, without a hand, does not rest at zero.
@@ -271,7 +315,8 @@ impl<S: Scalar> Control<S> {
     pub fn remember(&self, sensors: [S; SENSORS], estimate: Estimate<S>, feel: [S; 2]) -> LawState<S> {
         let (y, [_, position, base, _]) = (self.sampled(&sensors), sensors);
         let friction_state = self.observer.output(&estimate, &y, feel, None).friction_state;
-        LawState { base, position, estimate, friction_state }
+        let contact_state = ContactState::free(friction_state.feel_torque);
+        LawState { base, position, estimate, friction_state, contact_state }
     }
 
     /// What the law remembers where it has looked on for long, without a command, at sensors that show `sensors`.

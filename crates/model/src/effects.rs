@@ -93,6 +93,8 @@ effects! {
     observer = false;
     /// Dry friction that this law knows.
     known_friction, no_slope = false;
+    /// What this law does in contact.
+    contact_law, no_slope = false;
     /// Trim, a factor on the feel's spring, or the stick shaker.
     surroundings = true;
     /// A test signal at the amplifier, or one on the command.

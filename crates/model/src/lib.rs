@@ -28,7 +28,7 @@
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
 //! | sensors | [`transducers`], [`grip_sensor`] |
 //! | digital controller: its period from sample to command; when it acts, its converters | [`control`], [`controller`] |
-//! | its law with an observer, the friction that it knows | [`observer`], [`known_friction`] |
+//! | its law with an observer, the friction that it knows, and contact | [`observer`], [`known_friction`], [`contact_law`] |
 //! | between which values a law takes its inputs | [`law_inputs`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | what a person sets around the feel, and how evenly it comes | [`around`] |
@@ -48,6 +48,7 @@ pub mod channels;
 pub mod column;
 pub mod compensator;
 pub mod contact;
+pub mod contact_law;
 pub mod control;
 pub mod controller;
 pub mod curve;

@@ -13,16 +13,28 @@
 //!
 //! Regulators, Kalman filters, feed-forward from the feel and disturbance estimates are all sets of numbers of this one law,
 //! so the step need not know which it runs. Coordinates of `xi` are the law's own. What a law knows of the column's dry friction stands
-//! in [`crate::known_friction`].
+//! in [`crate::known_friction`], and what it does against something stiff in [`crate::contact_law`].
 
 pub use crate::law_vector::{Estimate, MOST_STATES, SAMPLED};
 
 use crate::Scalar;
-use crate::known_friction::{FRICTION_NUMBERS, FrictionState, KnownFriction};
+use crate::contact_law::{CONTACT_NUMBERS, ContactLaw, THRESHOLD_FROM_END};
+use crate::known_friction::{FRICTION_NUMBERS, FrictionState, KnownFriction, LEVEL_FROM_END};
 use crate::law_vector::{KNOWN, product, quotient};
 
 /// Numbers of a law, in the order of [`Observer::from_numbers`].
-pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + 2 + FRICTION_NUMBERS;
+pub const NUMBERS: usize =
+    MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + 2 + FRICTION_NUMBERS + CONTACT_NUMBERS;
+
+/// Whether the law of these numbers knows of dry friction.
+pub fn knows_friction(numbers: &[f64; NUMBERS]) -> bool {
+    numbers[NUMBERS - CONTACT_NUMBERS - LEVEL_FROM_END] != 0.0
+}
+
+/// Whether the law of these numbers knows of contact.
+pub fn knows_contact(numbers: &[f64; NUMBERS]) -> bool {
+    numbers[NUMBERS - THRESHOLD_FROM_END] != 0.0
+}
 
 /// One law.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +46,8 @@ pub struct Observer<S> {
     settled: [[S; SAMPLED + 1]; MOST_STATES],
     neutral: [S; 2],
     friction: KnownFriction<S>,
+    /// What it does in contact.
+    pub contact: ContactLaw<S>,
 }
 
 /// What a law says at a sample.
@@ -50,7 +64,8 @@ pub struct LawOutput<S> {
 }
 
 impl<S: Scalar> Observer<S> {
-    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, `R` row by row, `c_n`, `t_n`, then those of the friction; SI units.
+    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, `R` row by row, `c_n`, `t_n`, then those of the friction and of
+    /// the contact; SI units.
     #[inline(always)]
     pub fn from_numbers(numbers: &[S; NUMBERS]) -> Self {
         let mut next = 0;
@@ -82,7 +97,8 @@ impl<S: Scalar> Observer<S> {
             }
         }
         law.neutral = [take(), take()];
-        law.friction = KnownFriction::take(take);
+        law.friction = KnownFriction::take(&mut take);
+        law.contact = ContactLaw::take(take);
         law
     }
 
@@ -98,6 +114,7 @@ impl<S: Scalar> Observer<S> {
             settled: [[zero; SAMPLED + 1]; MOST_STATES],
             neutral: [zero; 2],
             friction: KnownFriction::none(zero),
+            contact: ContactLaw::none(zero),
         }
     }
 

@@ -89,6 +89,7 @@ pub fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<
     effects.feedback = law.feeds_back();
     effects.observer = matches!(law, Law::Observers(_));
     effects.known_friction = law.knows_friction();
+    effects.contact_law = law.knows_contact();
     effects
 }
 

@@ -2,8 +2,7 @@
 
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
-use forcefeel_model::known_friction::LEVEL_FROM_END;
-use forcefeel_model::observer::{NUMBERS, Observer};
+use forcefeel_model::observer::{NUMBERS, Observer, knows_contact, knows_friction};
 use forcefeel_model::parameters::Parameters;
 
 /// The law of each run.
@@ -35,7 +34,12 @@ impl Law<'_> {
 
     /// Whether the law of a run knows of dry friction.
     pub fn knows_friction(&self) -> bool {
-        matches!(self, Self::Observers(laws) if laws.iter().any(|law| law[NUMBERS - LEVEL_FROM_END] != 0.0))
+        matches!(self, Self::Observers(laws) if laws.iter().any(knows_friction))
+    }
+
+    /// Whether the law of a run knows of contact.
+    pub fn knows_contact(&self) -> bool {
+        matches!(self, Self::Observers(laws) if laws.iter().any(knows_contact))
     }
 
     /// The gains of a group's runs; none under an observer, whose feel is driven by the column's torque.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import FmuVariable
 from forcefeel.export.exported import Exported
-from forcefeel.laws.sampled.sampled_law import SampledLaw
+from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, meaning, unit
 from forcefeel.loader.sensors import has_grip_sensor
@@ -156,6 +156,10 @@ def _in_an_event(exported: Exported, output: str) -> set[str]:
         command |= {"sensed_drive_position"}
     if numbers.knows_friction:
         torque |= _sensors(numbers, numbers.friction[:, : numbers.torque.shape[1]])
+    if numbers.knows_contact:
+        # Whether there is contact depends on the torque and on the column.
+        torque |= set(_SENSED[:SAMPLED])
+        command |= torque
     if output in {"command", "feel_torque"}:
         return command if output == "command" else torque
     gives_way = exported.loader["controller.antiwindup"] > 0

@@ -211,6 +211,8 @@ def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
         )
     if law.knows_friction:
         yield from _friction(setting, law.friction[setting].tolist(), (n, sampled))
+    if law.knows_contact:
+        yield from _contact(setting, law.contact[setting].tolist(), command)
 
 
 def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
@@ -225,6 +227,15 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
     names = ("level", "margin", "slow_rate", "leak", "least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
     for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
         yield Row(setting + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
+
+
+def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
+    """Part of a law for contact: alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t."""
+    units = ("m", f"{command}/m", f"{command} s/m", "N m s/rad", "N m", "s", "rad", "rad")
+    names = ("per_angle", "stiffness", "rate", "damping", "threshold", "quick", "near", "travel")
+    for name, value, si in zip(names, numbers, units, strict=True):
+        meaning = f"{name.replace('_', ' ')} in contact"
+        yield Row(setting + 1, "gain", f"law.contact_{name}", meaning, value, Unit(si, si, si))
 
 
 def _gain_rows(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:

@@ -27,7 +27,7 @@ from forcefeel.files import Kind, check_output_file, input_kind, read_input, wri
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
-from forcefeel.laws.sampled.sampled_law import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledLaw
+from forcefeel.laws.sampled.sampled_law import CONTACT, FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledLaw
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import as_float, show
 
@@ -37,7 +37,7 @@ Numbers = GainLaw | SampledLaw | NDArray[np.float64] | None
 LAW_FILE = ".json"
 """How the name of a law's file ends."""
 
-FORMAT = 3
+FORMAT = 4
 """Version of the file; a new one where its keys change."""
 
 MOST_BYTES = 2**28
@@ -80,6 +80,16 @@ def _sampled_units(law: SampledLaw, drive: str) -> dict[str, object]:
         "torque": ["N m on", *on, *feel],
         "friction": ["rad/s on", *on, *feel, *known, *learnt],
         "neutral": [f"{unit} per rad of the feel's neutral", "N m per rad"],
+        "contact": [
+            "travel of the drive in m per rad of the column",
+            f"{unit} per m",
+            f"{unit} s per m",
+            "damping in N m s/rad",
+            "least torque in N m",
+            "longest time between sides in s",
+            "distance in rad",
+            "travel in rad",
+        ],
     }
 
 
@@ -134,7 +144,8 @@ def _numbers_json(numbers: Numbers, drive: str) -> dict[str, Any]:
         case None:
             return {"kind": "original"}
         case SampledLaw():
-            left_out = set() if numbers.knows_friction else {FRICTION}
+            known = {FRICTION: numbers.knows_friction, CONTACT: numbers.knows_contact}
+            left_out = {name for name, is_known in known.items() if not is_known}
             rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
             return {"kind": "sampled", "units": units, **rows}
         case GainLaw():
@@ -243,8 +254,9 @@ def _compensator(keys: "_Keys", *_: float | None) -> GainLaw:
 
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledLaw:
-    dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2, 2), strict=True))
-    arrays = {name: keys.array(name, count) for name, count in dimensions.items() if name != FRICTION or name in keys}
+    dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2, 2, 2), strict=True))
+    optional = (FRICTION, CONTACT)
+    arrays = {name: keys.array(name, count) for name, count in dimensions.items() if name in keys or name not in optional}
     return SampledLaw(period or 0.0, delay or 0.0, **arrays)
 
 

@@ -1,6 +1,7 @@
 //! Dry friction that a law knows: given back in motion, a play at rest that lets go, learnt where no hand is.
 
 use crate::near::assert_within;
+use forcefeel_model::contact_law::CONTACT_NUMBERS;
 use forcefeel_model::known_friction::{FRICTION_NUMBERS, FrictionState, LEVEL_FROM_END};
 use forcefeel_model::observer::{LawOutput, MOST_STATES, NUMBERS, Observer, SAMPLED};
 
@@ -20,8 +21,8 @@ const TRUST: f64 = 2e-3;
 const KNOWN: usize = MOST_STATES + SAMPLED + 2;
 /// Command and torque per radian of the neutral.
 const OF_NEUTRAL: usize = 2;
-const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - OF_NEUTRAL - MOST_STATES * (SAMPLED + 1) - KNOWN;
-const RATE: usize = NUMBERS - FRICTION_NUMBERS;
+const TORQUE: usize = NUMBERS - CONTACT_NUMBERS - FRICTION_NUMBERS - OF_NEUTRAL - MOST_STATES * (SAMPLED + 1) - KNOWN;
+const RATE: usize = NUMBERS - CONTACT_NUMBERS - FRICTION_NUMBERS;
 
 /// A law whose first state is the torque on the column, its second the column's rate, and which moves the first by the friction.
 fn law(level: f64, leak: f64) -> Observer<f64> {
@@ -31,7 +32,8 @@ fn law(level: f64, leak: f64) -> Observer<f64> {
     numbers[RATE + KNOWN] = -0.25;
     let learning = [LEAST, MOST, GAIN, HAND, BLUR, TRUST];
     let known = [[level, MARGIN, SLOW, leak].as_slice(), &learning].concat();
-    numbers[NUMBERS - LEVEL_FROM_END..].copy_from_slice(&known);
+    let first = NUMBERS - CONTACT_NUMBERS - LEVEL_FROM_END;
+    numbers[first..NUMBERS - CONTACT_NUMBERS].copy_from_slice(&known);
     Observer::from_numbers(&numbers)
 }
 

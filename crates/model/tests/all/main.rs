@@ -1,6 +1,7 @@
 //! The model.
 
 mod contact;
+mod contact_law;
 mod controller;
 mod draws;
 mod dry_friction;

@@ -38,6 +38,9 @@ _FEEL = 2
 OF_FRICTION = 10
 """F, M, v_s, l, and of learning g_-, g_+, a, q, c."""
 
+OF_CONTACT, _THRESHOLD = 8, 4
+"""alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t; and the place of T_min from the end."""
+
 _AT_ONE = 1e-11
 """A pole of the law, left to itself, that is nearer to 1 may be one: rounding moves poles by 1e-13."""
 
@@ -58,6 +61,8 @@ class SampledLaw:
             q in N m, c, d. Zeros where it is not given: it knows of none.
         neutral: (settings, 2), c_n in V or A and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros
             where it is not given.
+        contact: (settings, 8), what it does in contact: alpha R_b in m, k_x, k_v, B_c in N m s/rad, T_min in N m, t_q in s,
+            theta_n and theta_t in rad; see ``laws.sampled.contact_law``. Zeros where it is not given: it knows of none.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
@@ -80,6 +85,7 @@ class SampledLaw:
     torque: NDArray[np.float64] = field(repr=False)
     friction: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     neutral: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
+    contact: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     settled: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -103,6 +109,11 @@ class SampledLaw:
     def knows_friction(self) -> bool:
         """Whether it gives dry friction back."""
         return bool(self.friction[:, -OF_FRICTION].any())
+
+    @property
+    def knows_contact(self) -> bool:
+        """Whether it has a part for contact."""
+        return bool(self.contact[:, OF_CONTACT - _THRESHOLD].any())
 
     @property
     def sampled(self) -> int:
@@ -146,8 +157,8 @@ class SampledLaw:
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
-        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5), neutral (2) and friction (34), row by
-        row, with zeros for the states, and for the force at the grip, that the law has not.
+        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5), neutral (2), friction (34) and
+        contact (8), row by row, with zeros for the states, and for the force at the grip, that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states
         grip = [SAMPLED] * (SAMPLED_AT_GRIP - self.sampled)
@@ -164,12 +175,13 @@ class SampledLaw:
             wide(self.settled),
             self.neutral,
             np.insert(self.friction, absent + [2 * n + self.sampled + _FEEL] * spare, 0.0, axis=1),
+            self.contact,
         )
         return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
 
 
-FRICTION = "friction"
-NUMBERS = ("transition", "input", "command", "torque", FRICTION, "neutral")
+FRICTION, CONTACT = "friction", "contact"
+NUMBERS = ("transition", "input", "command", "torque", FRICTION, "neutral", CONTACT)
 """The arrays that a law is made of, in the order in which it takes them."""
 
 
@@ -190,12 +202,15 @@ def _arrays(law: SampledLaw) -> dict[str, NDArray[np.float64]]:
         arrays[FRICTION] = np.zeros(known)
     if not arrays["neutral"].size:
         arrays["neutral"] = np.zeros((settings, 2))
+    if not arrays[CONTACT].size:
+        arrays[CONTACT] = np.zeros((settings, OF_CONTACT))
     shapes = {
         "input": (settings, n, sampled + 1),
         "command": output_shape,
         "torque": output_shape,
         FRICTION: known,
         "neutral": (settings, 2),
+        CONTACT: (settings, OF_CONTACT),
     }
     for name, expected in shapes.items():
         if arrays[name].shape != expected:

@@ -1,0 +1,72 @@
+//! What a law takes for contact, and how it gives it back.
+
+use forcefeel_model::contact_law::{ContactLaw, ContactState};
+
+const H: f64 = 5e-4;
+
+fn law() -> ContactLaw<f64> {
+    let mut numbers = [0.15, 900.0, 0.0, 500.0, 4.0, 0.1, 0.01, 0.02].into_iter();
+    ContactLaw::take(|| numbers.next().unwrap())
+}
+
+/// The contact after `seconds` under a torque and a column in time.
+fn after(
+    seconds: f64,
+    torque: impl Fn(f64) -> f64,
+    column: impl Fn(f64) -> [f64; 2],
+    from: ContactState<f64>,
+) -> ContactState<f64> {
+    let mut state = from;
+    let mut time = 0.0;
+    while time < seconds {
+        state = law().noticed(torque(time), column(time), state, H).0;
+        time += H;
+    }
+    state
+}
+
+fn swing(hertz: f64) -> impl Fn(f64) -> f64 {
+    move |time| 20.0 * (core::f64::consts::TAU * hertz * time).sin()
+}
+
+fn still(_: f64) -> [f64; 2] {
+    [0.0, 0.0]
+}
+
+#[test]
+fn a_quick_swing_is_contact_and_a_hand_is_none() {
+    let free = ContactState::free(0.0);
+    assert_eq!(after(1.0, swing(12.0), still, free).share, 1.0);
+    assert_eq!(after(3.0, swing(2.0), still, free).share, 0.0);
+}
+
+#[test]
+fn a_short_push_against_the_motion_is_contact_and_one_along_it_is_none() {
+    let blow = |time: f64| if (0.1..0.13).contains(&time) { -60.0 } else { 0.0 };
+    let free = ContactState::free(0.0);
+    assert_eq!(after(0.3, blow, |_| [0.0, 1.0], free).share, 1.0);
+    assert_eq!(after(0.3, blow, |_| [0.0, -1.0], free).share, 0.0);
+}
+
+#[test]
+fn a_release_is_no_contact() {
+    let held = ContactState::free(190.0);
+    assert_eq!(after(0.3, |_| 0.0, |time| [0.17 - time, -1.0], held).share, 0.0);
+}
+
+#[test]
+fn a_column_that_stays_keeps_it_and_one_that_goes_away_gives_it_back() {
+    let touched = after(1.0, swing(12.0), still, ContactState::free(0.0));
+    assert_eq!(after(5.0, |_| 10.0, still, touched).share, 1.0);
+    let half = after(0.2, |_| 10.0, |time| [0.1 * time, 0.1], touched);
+    let gone = after(1.0, |_| 10.0, |time| [0.1 * time, 0.1], touched);
+    assert!((0.3..0.9).contains(&half.share), "{}", half.share);
+    assert_eq!(gone.share, 0.0);
+}
+
+#[test]
+fn the_damping_takes_speed_and_never_turns_it() {
+    let left = law().damped(1.0, 2.0, 1.0 / 0.1, H);
+    assert!((left - 2.0 / 3.5).abs() < 1e-12, "2 / (1 + 500 * 10 * 0.0005), got {left}");
+    assert_eq!(law().damped(0.0, 2.0, 10.0, H), 2.0);
+}
