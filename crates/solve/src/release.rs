@@ -158,7 +158,7 @@ impl Measuring<'_> {
         }
         let tail = &position[position.len() - self.tail.max(1)..];
         let steady = mean(tail);
-        let mut release = self.from_steady(position, steady);
+        let mut release = self.with_steady(position, steady);
         release.values[TAIL_DEVIATION] = tail.iter().fold(0.0, |most, x| f64::max(most, (x - steady).abs()));
         release
     }
@@ -169,7 +169,7 @@ impl Measuring<'_> {
     /// # Panics
     /// If there are not as many positions as times.
     pub fn measure_around(&self, position: &[f64], steady: f64) -> Release {
-        if self.is_record(position) { self.from_steady(position, steady) } else { Release::NONE }
+        if self.is_record(position) { self.with_steady(position, steady) } else { Release::NONE }
     }
 
     fn is_record(&self, position: &[f64]) -> bool {
@@ -177,7 +177,7 @@ impl Measuring<'_> {
         all_finite(position) && position.len() >= self.held.max(1) + self.tail.max(2 * AROUND)
     }
 
-    fn from_steady(&self, position: &[f64], steady: f64) -> Release {
+    fn with_steady(&self, position: &[f64], steady: f64) -> Release {
         let mut release = Release::NONE;
         let displacement = mean(&position[..self.held.max(1)]) - steady;
         release.values[STEADY] = steady;
