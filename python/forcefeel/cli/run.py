@@ -66,8 +66,8 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
 
     It prints the address of its console, a page of this machine; the first client that opens it holds control. Ctrl-C or SIGTERM
     fades out the feel and stops the loop. The loop runs in a thread of its own at the period of the loader's controller. A Linux
-    process is no safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if the
-    record ended before the run, as on a full disk.
+    process is no safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if
+    the record ended before the run, as on a full disk.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """

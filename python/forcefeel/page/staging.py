@@ -1,7 +1,7 @@
 """Files of a folder are written so that they appear together or not at all, and those of others stay.
 
-A folder without other files is written anew beside the old one and replaces it in one step of the file system. So even a run that is
-killed leaves the old folder or the new one. If the folder has other files, or cannot be exchanged (a mount, or the current
+A folder without other files is written anew beside the old one and replaces it in one step of the file system. So even a run that
+is killed leaves the old folder or the new one. If the folder has other files, or cannot be exchanged (a mount, or the current
 directory), everything is written to a hidden folder within it. From there the files move one by one, the page last.
 """
 
