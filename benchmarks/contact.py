@@ -9,7 +9,6 @@ ratios, from a twenty-fifth of the loader's own stiffness on.
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -64,7 +63,9 @@ def contacts(loader: Loader, *, stop: bool) -> Iterator[tuple[float, Loader]]:
             yield k, loader.replace(rows, si=True)
 
 
-def forces(loader: Loader, law: Law, feel: np.ndarray, stiffness: float, *, stop: bool) -> tuple[np.ndarray, np.ndarray]:
+def forces(
+    loader: Loader, law: Law, feel: np.ndarray, stiffness: float, *, stop: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """Range of the contact's force over the last part, and the largest, of each setting, in N."""
     force = ff.Step("1.8 lb") if stop else Pulse("3 lb", start_s=0.05, width_s=0.05)
     scenario = ff.Scenario(force, duration_s=4.0 if stop else 2.5)
@@ -87,10 +88,12 @@ def main() -> None:
     for name in given.loaders:
         loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
         feel = settings(loader)
-        law = Law.of(given.law, loader, feel)
-        alone = replace(law, numbers=replace(law.sampled, contact=np.empty(0)))
+        alone = Law.of(given.law, loader, feel)
+        law = alone.with_contact(loader)
         for stop, (kind, one) in product((False, True), (("free", alone), ("contact", law))):
-            ranges, largest = zip(*(forces(there, one, feel, k, stop=stop) for k, there in contacts(loader, stop=stop)), strict=True)
+            ranges, largest = zip(
+                *(forces(there, one, feel, k, stop=stop) for k, there in contacts(loader, stop=stop)), strict=True
+            )
             loud = int((np.array(ranges) > QUIET_N).sum())
             where = "stop" if stop else "clamp"
             print(f"{name:18s} {where:8s} {kind:8s} {loud:5d} of {np.size(ranges):5d} {np.max(largest) / 4.4482:10.0f}")

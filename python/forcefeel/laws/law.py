@@ -21,6 +21,7 @@ from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignS
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
 from forcefeel.laws.made_for import design_rows, differing
+from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.linear.models import state_feedback
@@ -257,6 +258,27 @@ class Law:
         if isinstance(self.numbers, np.ndarray):
             return replace(self, numbers=state_feedback(loader, self.numbers[setting]), feel=feel)
         return self if self.sampled is None else replace(self, numbers=self.sampled.some(setting), feel=feel)
+
+    def with_contact(self, loader: Loader) -> "Law":
+        """The law with its part for contact: ``laws.sampled.contact_law``.
+
+        It is quiet against clamps and stops, and takes some free releases for contact.
+
+        Raises:
+            InputError: If it has no observer, or no settings of its own.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> loader = ff.digital_elevator()
+            >>> law = ff.Law.of("robust", loader).with_contact(loader)
+            >>> law.sampled.contact.shape
+            (1, 8)
+        """
+        if self.sampled is None or self.feel is None:
+            raise InputError(
+                f"law: {self.name} has no part for contact; expected a design with an observer, such as robust"
+            )
+        return replace(self, numbers=with_contact(self.sampled, loader, self.feel))
 
     def save(self, path: str | Path) -> None:
         """Writes the law to a file that ``Law.of`` reads: numbers, settings, time, units and the loader that it was made for.

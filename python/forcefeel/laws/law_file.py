@@ -256,7 +256,9 @@ def _compensator(keys: "_Keys", *_: float | None) -> GainLaw:
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledLaw:
     dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2, 2, 2), strict=True))
     optional = (FRICTION, CONTACT)
-    arrays = {name: keys.array(name, count) for name, count in dimensions.items() if name in keys or name not in optional}
+    arrays = {
+        name: keys.array(name, count) for name, count in dimensions.items() if name in keys or name not in optional
+    }
     return SampledLaw(period or 0.0, delay or 0.0, **arrays)
 
 

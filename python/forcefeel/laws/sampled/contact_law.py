@@ -1,19 +1,20 @@
 """The part of a sampled law that takes over while the column is against something stiff.
 
-A law with an observer makes the column follow the feel, and believes the column to be free. A clamp or a stop closes another loop: the
-feel goes on while the column cannot, the drive integrates the difference, and the load cell's force moves the feel. In contact the drive
-follows the feel in place of the column, the feel takes the load cell's torque, and its damping is raised:
+A law with an observer makes the column follow the feel, and believes the column to be free. A clamp or a stop closes another loop:
+the feel goes on while the column cannot, the drive integrates the difference, and the load cell's force moves the feel. In contact
+the drive follows the feel in place of the column, the feel takes the load cell's torque, and its damping is raised:
 
     e = k_x (alpha R_b delta - x) + k_v (alpha R_b delta' - x'),     k_v = 0 for a valve
     T = -alpha R_b F_c
     I delta'' + (B + B_c) delta' + ... = T
 
-``x`` position of the drive's end · ``w`` bandwidth of that position loop · ``K = k (alpha R_b)^2`` stiffness of the link at the column
+``x`` position of the drive's end · ``w`` bandwidth of that position loop · ``K = k (alpha R_b)^2`` stiffness of the link at the
+column
 
-Whatever the column touches, seen from the drive it is at most as stiff as the link. So ``K w / ((s + w) (I s^2 + B_c s + G))`` bounds
-the loop, and a ``B_c`` of some ``K / w`` and ``sqrt(K I)`` is enough for each contact. Damping in proportion to the stiffness of the
-environment: J. E. Colgate, G. G. Schenkel, J. Robotic Systems 14(1) (1997) 37-47. ``crates/model/src/contact_law.rs`` says when it
-acts and how it is given back.
+Whatever the column touches, seen from the drive it is at most as stiff as the link. ``K w / ((s + w) (I s^2 + B_c s + G))`` bounds
+the loop, and a ``B_c`` of some ``K / w`` and ``sqrt(K I)`` is enough for each contact. Damping in proportion to the stiffness of
+the environment: J. E. Colgate, G. G. Schenkel, J. Robotic Systems 14(1) (1997) 37-47. ``crates/model/src/contact_law.rs`` says when
+it acts and how it is given back.
 """
 
 from dataclasses import replace
@@ -71,8 +72,7 @@ def position_gains(loader: Loader, bandwidth: float) -> tuple[float, float, floa
 def with_contact(law: SampledLaw, loader: Loader, feel: NDArray[np.float64]) -> SampledLaw:
     """The law with its part for contact, for settings I, B, G in SI units, a row each.
 
-    Not yet part of any design: ``Law.with_contact`` adds it. It mistakes some free releases for contact, those of light feels and of
-    machines off the design (``benchmarks/contact.py``).
+    No design has it yet: ``Law.with_contact`` adds it. It mistakes some free releases for contact (``benchmarks/contact.py``).
 
     Example:
         >>> import forcefeel as ff
