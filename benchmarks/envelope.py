@@ -89,8 +89,8 @@ def peer(plan, laws, feel, k, record):
     values = plan.loader.si_values.copy()
     values[[INDEX[key] for key in FEEL_SETTING]] = feel[k]
     loader = plan.loader.replace(dict(zip(FEEL_SETTING, feel[k].tolist(), strict=True)), si=True)
-    model = compliant_model(loader, laws.single(plan.loader, k).fixed)[0, 0]
-    a, b, c, _ = _core.compliant(values, laws.single(plan.loader, k).fixed)
+    model = compliant_model(loader, laws.numbers.gain_law(plan.loader, k))[0, 0]
+    a, b, c, _ = _core.compliant(values, laws.numbers.gain_law(plan.loader, k))
     at_rest = np.linalg.solve(a, b[:, 0])
     start = at_rest * plan.release_rad / (c[0] @ at_rest)
     return control.initial_response(model, record.time_s, start).outputs

@@ -99,7 +99,7 @@ def test_stability_matches_numpy_poles(found):
             for setting in range(0, plan.settings.count, 3):
                 values = plan.loader.si_values.copy()
                 values[[INDEX[key] for key in FEEL_SETTING]] = feel[setting]
-                law = laws.single(plan.loader, setting).fixed  # with the nominal plant's geometry
+                law = laws.single(plan.loader, setting).numbers.law  # with the nominal plant's geometry
                 if case.parameter:
                     values[INDEX[case.parameter]] *= 1 + case.change
                 a = ff._core.compliant(values, law or ff.laws.GainLaw.original(values))[0]
@@ -127,7 +127,7 @@ def test_passivity_matches_the_frequency_response(found, name_of_law):
     grip = found.passivity[name_of_law]
     loader = ff.elevator()
     law = Law.of(NAMED_DESIGNS[name_of_law](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
-    model = ff.compliant_model(loader, law.single(loader, 0).fixed)[0, 0]
+    model = ff.compliant_model(loader, law.numbers.gain_law(loader))[0, 0]
     grid = np.geomspace(0.1, 300.0, 2000)
     s = 2j * np.pi * grid
     admittance = loader["column.grip_arm"] * s * control.frequency_response(model, s.imag).frdata[0, 0]
@@ -153,7 +153,7 @@ def test_batched_passivity_matches_single_settings(found):
     good = 0
     for setting, row in enumerate(feel):
         loader = plan.loader.replace(dict(zip(FEEL_SETTING, row.tolist(), strict=True)), si=True)
-        model = ff.compliant_model(loader, laws.single(plan.loader, setting).fixed)
+        model = ff.compliant_model(loader, laws.numbers.gain_law(plan.loader, setting))
         s = 2j * np.pi * frequency
         admittance = s * control.frequency_response(model[0, 0], s.imag).frdata[0, 0]
         good += model.poles().real.max() < 0 and np.all(admittance.real > -1e-6 * np.abs(admittance))

@@ -19,6 +19,7 @@ from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.gains import SettingGains
 from forcefeel.laws.analog.recursion import NAMED_DESIGNS
 from forcefeel.laws.law import Law
 from forcefeel.loader.tolerances import Distribution, Tolerance
@@ -155,7 +156,7 @@ def test_joint_lever_deviations_scale_the_feel():
     """A feel computer that hears a torque 1.1 * 0.95 times too large, and has I, B, G so much larger, moves as it should."""
     off = Case("", Kind.DRAWN, {"linkage.ratio": 0.1, "column.base_arm": -0.05})
     feel = np.array([[1.0, 2.0, 3.0]])
-    row = machines(ff.elevator(), off, feel, Law("none", np.zeros((1, 7))))[0]
+    row = machines(ff.elevator(), off, feel, Law("none", SettingGains(np.zeros((1, 7)))))[0]
     assert row[:3] == pytest.approx(feel[0] * 1.1 * 0.95)
 
 

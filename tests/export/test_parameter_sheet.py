@@ -77,7 +77,7 @@ def test_sheet_lists_the_gains_of_an_analog_law():
     exported = ff.export.Exported.of("converged", loader, "pitch")
     sheet = rows(exported)
     found = [float(sheet["1", f"law.c_{k}"][4]) for k in range(1, 8)]
-    assert found == list(exported.law.fixed.gains)
+    assert found == list(exported.law.numbers.gain_law(loader).gains)
     assert sheet["1", "law.c_1"][7] == "V/in"
 
 

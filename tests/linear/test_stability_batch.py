@@ -196,6 +196,6 @@ def test_damping_map_of_a_law_designed_for_each_setting():
     found = damping_map(sweep)
     for k, value in enumerate(stiffness):
         values = row({"feel.stiffness": stiffness}, k)
-        gains = sweep.law_of(values[np.newaxis]).gains[0]
+        gains = sweep.law_of(values[np.newaxis]).numbers.gains[0]
         poles = np.linalg.eigvals(matrix(values, ff.linear.state_feedback(LOADER, gains)))
         assert math.isclose(found.values[k], np.min(-poles.real / np.abs(poles)), rel_tol=NUMPYS), value

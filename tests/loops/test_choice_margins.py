@@ -77,7 +77,7 @@ def test_command_loop_is_stable_within_phase_margin(loops):
 def test_delay_margin_matches_added_whole_periods():
     """A loader whose controller is slower by whole periods, under the same gains."""
     loader = DIGITAL.replace({"controller.delay": None})
-    gains = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1]).single(loader).fixed
+    gains = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1]).numbers.gain_law(loader)
     periods = loop_margins(_gains_loop(loader, gains, 0)).delay_s / loader["controller.period"]
     assert 1 < periods < 7
     stable = [_gains_loop(loader, gains, more).stable for more in (int(periods), int(periods) + 1)]
@@ -107,7 +107,7 @@ def test_analog_command_loop_matches_model():
     loader = ff.elevator()
     law = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1])
     loop = command_loops(loader, law, SETTINGS[:1])[0]
-    single = law.single(loader).fixed
+    single = law.numbers.gain_law(loader)
     gains = np.array(single.gains)
     labels = ff.compliant_model(loader, single).state_labels
     expected = np.zeros(len(labels))

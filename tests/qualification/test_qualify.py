@@ -95,7 +95,7 @@ def test_test_program_matches_rule():
 def test_periods_match_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
     loader = ff.elevator()
-    loop = compliant_model(loader, named_laws(loader, [law])[law].fixed)
+    loop = compliant_model(loader, named_laws(loader, [law])[law].numbers.gain_law(loader))
     a, b = np.asarray(loop.A), np.asarray(loop.B)[:, 0]
     column = np.asarray(loop.C)[list(loop.output_labels).index("column_angle_rad")]
     rest = -np.linalg.solve(a, b)

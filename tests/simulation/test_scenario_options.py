@@ -31,7 +31,7 @@ def test_default_input_is_step_of_pilot_force():
     assert found.force == ff.Step(loader["pilot.force"], 0.1)
     assert (found.duration_s, found.step_s, found.sample_s, found.seed) == (2.0, 1e-3, 1e-3, 0)
     assert ScenarioOptions().changed(loader) is loader
-    assert ScenarioOptions().law_of(loader).numbers is None
+    assert ScenarioOptions().law_of(loader).numbers.kind == "original"
 
 
 @pytest.mark.parametrize(
@@ -133,11 +133,11 @@ def test_arm_values_are_within_parameter_ranges(arm):
 
 def test_laws_are_designed_for_the_changed_loader():
     loader = ff.elevator().replace({"linkage.stiffness": "9000 lb/in"})
-    published = ScenarioOptions(law="published").law_of(loader).fixed
-    converged = ScenarioOptions(law="converged").law_of(loader).fixed
+    published = ScenarioOptions(law="published").law_of(loader).numbers.gain_law(loader)
+    converged = ScenarioOptions(law="converged").law_of(loader).numbers.gain_law(loader)
     assert published == ff.design_gains(loader).law(loader)
     assert converged == ff.design_gains(loader, ff.laws.DesignSettings()).law(loader)
-    assert ScenarioOptions(law="original").law_of(loader).numbers is None
+    assert ScenarioOptions(law="original").law_of(loader).numbers.kind == "original"
 
 
 def test_schedule_options_are_read():

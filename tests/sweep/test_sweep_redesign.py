@@ -90,7 +90,7 @@ def test_grid_of_feel_and_plant_parameters_uses_setting_laws():
     sweep = Sweep(
         loader, PUSH, published_settings(loader), grids={"feel.stiffness": STIFFNESS, "column.inertia": [2.0, 3.0]}
     )
-    law = sweep.law_of(sweep.values(range(6))).gains
+    law = sweep.law_of(sweep.values(range(6))).numbers.gains
     assert law.shape == (6, 7)
     assert np.array_equal(law[0::2], law[1::2])  # the inertia varies fastest, and the law does not see it
     assert len(np.unique(law, axis=0)) == 3
@@ -112,8 +112,8 @@ def test_nominal_law_matches_design_for_nominal_loader():
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids=GRID)
     want = ff.design_gains(loader).law(loader)
-    assert np.allclose(sweep.nominal_law.fixed.gains, want.gains, rtol=SOLVED, atol=0)
-    assert sweep.nominal_law.fixed.load_cell_arm == want.load_cell_arm
+    assert np.allclose(sweep.nominal_law.numbers.law.gains, want.gains, rtol=SOLVED, atol=0)
+    assert sweep.nominal_law.numbers.law.load_cell_arm == want.load_cell_arm
 
 
 def test_sweep_resumes_only_with_same_design(tmp_path):

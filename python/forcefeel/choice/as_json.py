@@ -2,15 +2,14 @@
 
 from importlib.metadata import version
 
-from forcefeel._core import GainLaw
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
 from forcefeel.choice.score import LawScores, Score
 from forcefeel.envelope.as_json import deviations_json, grid_json
 from forcefeel.json_values import json_value
-from forcefeel.laws.law_file import Numbers, gain_law_json
-from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_law import NUMBERS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, SECONDS, Json, UnitSystem, quantity
@@ -53,19 +52,16 @@ def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> 
         }
     for score in scored.scores:
         if score.name == taken:
-            report["law"] = law_json(score.own.law.numbers)
+            report["law"] = law_json(score.own.law)
     return report
 
 
-def law_json(numbers: Numbers) -> Json:
-    """A law's numbers in SI units; ``None`` for the original loop."""
-    match numbers:
-        case GainLaw():
-            return gain_law_json(numbers)
-        case SampledLaw():
-            matrices = {name: getattr(numbers, name)[0].tolist() for name in NUMBERS}
-            return {"period_s": numbers.period_s, "delay_s": numbers.delay_s, **matrices}
-    return None
+def law_json(law: Law) -> Json:
+    """Numbers of a law of one setting in SI units; ``None`` for the original loop."""
+    if law.sampled is None:
+        return law.numbers.as_json() or None
+    matrices = {name: getattr(law.sampled, name)[0].tolist() for name in NUMBERS}
+    return {"period_s": law.sampled.period_s, "delay_s": law.sampled.delay_s, **matrices}
 
 
 def _score(score: Score, units: UnitSystem) -> dict[str, Json]:

@@ -46,7 +46,7 @@ class Grips:
         rows = loader.rows(FEEL_SETTING, feel)
         if not loader["controller.period"]:
             return cls(
-                *_balanced([_analog(values, laws.single(loader, k).fixed) for k, values in enumerate(rows)]), None
+                *_balanced([_analog(values, laws.numbers.gain_law(loader, k)) for k, values in enumerate(rows)]), None
             )
         loops = sampled_loops(loader, laws, rows)
         angle_row = np.zeros(loops.matrix.shape[1])
@@ -88,9 +88,9 @@ class Grips:
 _Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _analog(values: NDArray[np.float64], law: GainLaw | None) -> _Model:
+def _analog(values: NDArray[np.float64], law: GainLaw) -> _Model:
     """``A`` of eq. (17), the input column of the pilot's force and the output row of the grip's velocity."""
-    a, b, c, _ = _core.compliant(values, law or GainLaw.original(values))
+    a, b, c, _ = _core.compliant(values, law)
     row = np.zeros(len(a))
     # v = R_p theta'; theta' has the same row on the velocity state as theta on the position state.
     row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]

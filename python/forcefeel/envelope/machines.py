@@ -42,7 +42,7 @@ def columns(case: Case) -> list[str]:
 
 def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -> NDArray[np.float64]:
     """SI values of ``columns(case)``, a row for each setting I, B, G."""
-    scale = prod(1 + case.off.get(key, 0.0) for key in _GEOMETRY) if laws.gains is not None else 1.0
+    scale = prod(1 + case.off.get(key, 0.0) for key in _GEOMETRY) if laws.numbers.by_machine else 1.0
     arm = case.arm.values if case.arm else (0.0, 0.0, 0.0)
     rest = (*arm, *(loader[key] + share * abs(loader[key]) for key, share in case.off.items()))
     return np.column_stack([feel * scale, np.tile(rest, (len(feel), 1))])

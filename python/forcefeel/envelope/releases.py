@@ -124,7 +124,7 @@ def _analog(
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     columns_ = [INDEX[key] for key in columns(case)]
     values = machines(plan.loader, case, feel, laws)
-    loops = _core.Loops(plan.loader.si_values, columns_, values, law=laws.fixed, gains=laws.gains)
+    loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
     angles = np.empty((len(feel), record.samples if plan.linear else 0))
     code = _core.released(loops, angles, plan.release_rad, record.step_s, threads)
     stable = (code == _STABLE) | (code == _STABLE_BY_POLES)

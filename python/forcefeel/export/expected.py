@@ -74,7 +74,7 @@ def _analog(exported: Exported, loader: Loader) -> Expected:
     angles, critical = [], []
     for setting, feel in enumerate(exported.settings):
         at_setting = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
-        model = loader_model(at_setting, exported.law.single(at_setting, setting).fixed, Linkage.COMPLIANT)
+        model = loader_model(at_setting, exported.law.numbers.gain_law(at_setting, setting), Linkage.COMPLIANT)
         n = len(model.A)
         block = np.zeros((n + 1, n + 1))
         block[:n, :n], block[:n, n] = model.A, model.B[:, 0]

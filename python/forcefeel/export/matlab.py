@@ -10,11 +10,9 @@ import numpy as np
 import scipy.io
 from numpy.typing import NDArray
 
-from forcefeel._core import GainLaw
 from forcefeel.export.expected import Expected
 from forcefeel.export.exported import Exported
 from forcefeel.export.plant import LinearPlant
-from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.beyond_linear import left_out
@@ -76,33 +74,27 @@ def _matrices(exported: Exported, expected: Expected) -> bytes:
         "expected_critical": expected.critical,
         "time_between_s": expected.time_s[0],
     }
-    numbers |= _gains(exported) if law.sampled is None else _sampled(law, law.sampled)
+    numbers |= _gains(exported) if law.sampled is None else _sampled(law.sampled)
     file = BytesIO()
     scipy.io.savemat(file, numbers, oned_as="row", do_compression=True)
     return file.getvalue()
 
 
-def _sampled(law: Law, numbers: SampledLaw) -> dict[str, Any]:
+def _sampled(law: SampledLaw) -> dict[str, Any]:
     """Numbers of a sampled law, with the settings on the last axis."""
-    arrays = {f"law_{name}": np.moveaxis(getattr(numbers, name), 0, -1) for name in (*NUMBERS, "settled")}
+    arrays = {f"law_{name}": np.moveaxis(getattr(law, name), 0, -1) for name in (*NUMBERS, "settled")}
     return {"period_s": law.period_s, "delay_s": law.delay_s, **arrays}
 
 
 def _gains(exported: Exported) -> dict[str, Any]:
     """Gains c_1 .. c_7 and the load cell's arm of each setting."""
-    laws = [_compensator(exported, setting) for setting in range(len(exported.settings))]
+    laws = [exported.law.numbers.gain_law(exported.loader, setting) for setting in range(len(exported.settings))]
     return {
         "gains": np.array([law.gains for law in laws]),
         "gains_on": _cells(DESIGN_STATES),
         "load_cell_arm": np.array([law.load_cell_arm for law in laws]),
         "displacement_unit": laws[0].displacement_unit,
     }
-
-
-def _compensator(exported: Exported, setting: int) -> GainLaw:
-    """Gains of a setting; the original loop, eq. (13), has those of the loader."""
-    law = exported.law.single(exported.loader, setting).fixed
-    return GainLaw.original(exported.loader.si_values) if law is None else law
 
 
 def _cells(names: tuple[str, ...] | list[str]) -> NDArray[np.object_]:

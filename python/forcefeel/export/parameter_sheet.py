@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from forcefeel.export.exported import Exported
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
-from forcefeel.laws.law import Law
+from forcefeel.laws.law import ORIGINAL, Law
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -176,10 +176,10 @@ def _row(loader: Loader, setting: int, group: str, key: str, value: float) -> Ro
 
 def _gains(law: Law, loader: Loader, setting: int) -> Iterator[Row]:
     """Gains c_1 .. c_7; the original loop of eq. (13) has those of the loader."""
-    fixed = law.single(loader, setting).fixed
-    if fixed is None:
+    if law.numbers.kind == ORIGINAL:
         return
-    for symbol, state, value, units in zip(GAIN_SYMBOLS, DESIGN_STATES, fixed.gains, GAIN_UNITS, strict=True):
+    gains = law.numbers.gain_law(loader, setting).gains
+    for symbol, state, value, units in zip(GAIN_SYMBOLS, DESIGN_STATES, gains, GAIN_UNITS, strict=True):
         yield Row(
             setting + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us)
         )

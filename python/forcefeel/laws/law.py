@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, suggestion
 from forcefeel.laws.analog.gain_schedule import schedule_gains
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, OriginalLoop, design_gains
+from forcefeel.laws.analog.gains import FixedGains, SettingGains, analog
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, design_gains
 from forcefeel.laws.cancellation import Cancellation
-from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
+from forcefeel.laws.law_file import LAW_FILE, LawNumbers, check_law_file, read_law, write_law
 from forcefeel.laws.made_for import design_rows, differing
 from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.laws.sampled.sampled_law import SampledLaw
-from forcefeel.linear.models import state_feedback
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
@@ -63,8 +63,8 @@ class Law:
 
     Attributes:
         name: What it is called.
-        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledLaw`` of one setting or many; a ``GainLaw``,
-            gains with their own scale of the load cell; ``None``, the original loop of each loader's own parameters, eq. (13).
+        numbers: One of three kinds: ``FixedGains``, a ``GainLaw`` for all settings or the original loop of each loader's own
+            parameters, eq. (13); ``SettingGains``, gains c_1 .. c_7 in SI units for each setting; a ``SampledLaw``.
         period_s: Sample period of the controller that it was made for; ``None`` for an analog one.
         delay_s: From the sample to its command.
         feel: Settings I, B, G in SI units that the numbers belong to, (settings, 3); ``None`` where they hold for any.
@@ -81,7 +81,7 @@ class Law:
     """
 
     name: str
-    numbers: Numbers = field(default=None, repr=False)
+    numbers: LawNumbers = field(default=FixedGains(), repr=False)
     period_s: float | None = None
     delay_s: float = 0.0
     feel: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -128,21 +128,15 @@ class Law:
         designed = isinstance(given, DesignSettings | LawDesign)
         numbers = _designed(given, loader, feel, name or ORIGINAL)
         made_for = (own_feel(loader) if feel is None else feel) if designed else None
-        law = cls._made(numbers, loader, made_for, name or _called(given))
-        if designed:
-            law = replace(law, cancellation=Cancellation.of(loader))
+        called = given.name if isinstance(given, LawDesign) else ORIGINAL if numbers.kind == ORIGINAL else "given"
+        period, delay = loader["controller.period"] or None, loader["controller.delay"]
+        if numbers.digital is not None:
+            period, delay = numbers.digital.period_s, numbers.digital.delay_s
+        time = period, delay if period else 0.0
+        cancels = Cancellation.of(loader) if designed else None
+        law = cls(name or called, numbers, *time, made_for, loader.name, design_rows(loader), loader.drive, cancels)
         law.check(loader)
         return law
-
-    @classmethod
-    def _made(cls, numbers: Numbers, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> "Law":
-        """A law with the time of its own numbers, or the loader's."""
-        period, delay = loader["controller.period"] or None, loader["controller.delay"]
-        if isinstance(numbers, SampledLaw):
-            period, delay = numbers.period_s, numbers.delay_s
-        return cls(
-            name, numbers, period, delay if period else 0.0, feel, loader.name, design_rows(loader), loader.drive
-        )
 
     def check(self, loader: Loader) -> None:
         """Refuses a loader whose drive or time is another than the law's; the original loop has each loader's own.
@@ -154,7 +148,7 @@ class Law:
             raise of_another_drive(self.name, loader)
         if loader.drive != ELECTRIC and self.cancellation is not None:
             raise of_another_drive(self.name, loader)
-        if self.numbers is None:
+        if self.numbers.kind == ORIGINAL:
             return
         period, delay = loader["controller.period"], loader["controller.delay"]
         if self.period_s is None:
@@ -179,7 +173,7 @@ class Law:
 
         The original loop has each loader's own numbers.
         """
-        rows = () if self.numbers is None or not self.loader_rows else differing(self.loader_rows, loader)
+        rows = () if self.numbers.kind == ORIGINAL or not self.loader_rows else differing(self.loader_rows, loader)
         if not rows:
             return ""
         others = f"{', '.join(rows[:_NAMED])}{f' and {len(rows) - _NAMED} more rows' * (len(rows) > _NAMED)}"
@@ -195,40 +189,17 @@ class Law:
             InputError: As ``check``.
         """
         self.check(loader)
-        if isinstance(self.numbers, SampledLaw):
-            return {"observers": self.numbers.rows()}
-        if isinstance(self.numbers, np.ndarray):
-            return {"gains": np.ascontiguousarray(self.numbers, dtype=np.float64)}
-        return {"law": self.numbers}
+        return self.numbers.engine()
 
     @property
     def sampled(self) -> SampledLaw | None:
         """The numbers of a sampled law; ``None`` of any other."""
-        return self.numbers if isinstance(self.numbers, SampledLaw) else None
-
-    @property
-    def gains(self) -> NDArray[np.float64] | None:
-        """The gains of each setting; ``None`` where it is not gains that differ."""
-        return self.numbers if isinstance(self.numbers, np.ndarray) else None
-
-    @property
-    def fixed(self) -> GainLaw | None:
-        """The gains that hold for all; ``None`` where there are none, or it is the original loop."""
-        return self.numbers if isinstance(self.numbers, GainLaw) else None
-
-    @property
-    def displacement_unit(self) -> str:
-        """Unit of the feel computer's displacement delta: ``rad``, or ``V`` in a loop as the report's."""
-        if isinstance(self.numbers, GainLaw):
-            return self.numbers.displacement_unit
-        return "V" if self.numbers is None else "rad"
+        return self.numbers.digital
 
     def some(self, which: slice | Sequence[int] | NDArray[np.intp]) -> "Law":
         """The laws of some settings; itself where one holds for all."""
-        feel = None if self.feel is None else self.feel[which]
-        if isinstance(self.numbers, np.ndarray):
-            return replace(self, numbers=np.ascontiguousarray(self.numbers[which]), feel=feel)
-        return self if self.sampled is None else replace(self, numbers=self.sampled.some(which), feel=feel)
+        feel, numbers = None if self.feel is None else self.feel[which], self.numbers.some(which)
+        return self if numbers is self.numbers else replace(self, numbers=numbers, feel=feel)
 
     def at(self, feel: NDArray[np.float64]) -> "Law":
         """The laws of these settings I, B, G, a row each; itself where one holds for any.
@@ -254,10 +225,8 @@ class Law:
 
     def single(self, loader: Loader, setting: int = 0) -> "Law":
         """The law of one setting, its gains with the load cell's scale of ``loader``."""
-        feel = None if self.feel is None else self.feel[[setting]]
-        if isinstance(self.numbers, np.ndarray):
-            return replace(self, numbers=state_feedback(loader, self.numbers[setting]), feel=feel)
-        return self if self.sampled is None else replace(self, numbers=self.sampled.some(setting), feel=feel)
+        law = self.some([setting])
+        return replace(law, numbers=FixedGains(law.numbers.gain_law(loader))) if self.numbers.by_machine else law
 
     def with_contact(self, loader: Loader) -> "Law":
         """The law with its part for contact: ``laws.sampled.contact_law``.
@@ -290,14 +259,8 @@ class Law:
         write_law(Path(path), **vars(self))
 
 
-LawLike = (
-    Law | str | Path | DesignSettings | OriginalLoop | LawDesign | GainLaw | SampledLaw | NDArray[np.float64] | None
-)
+LawLike = Law | str | Path | DesignSettings | LawDesign | LawNumbers | GainLaw | NDArray[np.float64] | None
 """What ``Law.of`` makes a law of."""
-
-
-_GAINS_OF_SETTINGS = 2
-"""Dimensions: settings or runs, gains."""
 
 
 def check_given(given: object, name: str = "law") -> None:
@@ -306,10 +269,10 @@ def check_given(given: object, name: str = "law") -> None:
     Raises:
         InputError: If it is of another kind.
     """
-    kinds = Law | str | Path | DesignSettings | OriginalLoop | LawDesign | GainLaw | SampledLaw | np.ndarray | None
+    kinds = Law | str | Path | DesignSettings | LawDesign | LawNumbers | GainLaw | np.ndarray | None
     if not isinstance(given, kinds):
         raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
-    if isinstance(given, np.ndarray) and (given.ndim != _GAINS_OF_SETTINGS or given.shape[1] != len(GAIN_SYMBOLS)):
+    if isinstance(given, np.ndarray) and given.shape[1:] != (len(GAIN_SYMBOLS),):
         raise InputError(
             f"{name}: expected gains c_1 .. c_7, a row for each setting or run, got an array of shape {given.shape}"
         )
@@ -365,17 +328,16 @@ def _design(name: str, loader: Loader) -> LawLike:
     return NAMED_DESIGNS[name](loader) if name in NAMED_DESIGNS else Path(name)
 
 
-def _called(given: object) -> str:
-    return given.name if isinstance(given, LawDesign) else ORIGINAL if isinstance(given, OriginalLoop) else "given"
-
-
-def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> Numbers:
+def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> LawNumbers:
     """The numbers of a design, or those that are given."""
     if isinstance(given, LawDesign):
         return given.design(loader, own_feel(loader) if feel is None else feel)
     if isinstance(given, DesignSettings):
-        return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
-    return None if isinstance(given, OriginalLoop) else cast("Numbers", given)
+        if feel is None:
+            return FixedGains(_gains(given, loader, name))
+        # No gain on the pilot force, which is not measured.
+        return SettingGains(np.pad(schedule_gains(loader, feel, given).gains, ((0, 0), (0, 1))))
+    return given if isinstance(given, LawNumbers) else analog(cast("GainLaw | NDArray[np.float64]", given))
 
 
 def _gains(design: DesignSettings, loader: Loader, name: str) -> GainLaw:
@@ -384,9 +346,3 @@ def _gains(design: DesignSettings, loader: Loader, name: str) -> GainLaw:
     if not gain_design.reached:
         raise InputError(f"law: the recursion does not give the {name} gains for this loader: {gain_design.note}")
     return gain_design.law(loader)
-
-
-def _scheduled(design: DesignSettings, loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:
-    gains = np.zeros((len(feel), len(GAIN_SYMBOLS)))
-    gains[:, :-1] = schedule_gains(loader, feel, design).gains
-    return gains

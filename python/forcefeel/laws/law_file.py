@@ -25,14 +25,17 @@ from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, check_output_file, input_kind, read_input, write_whole
 from forcefeel.json_values import json_text
+from forcefeel.laws.analog.gains import FixedGains, SettingGains
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.sampled.sampled_law import CONTACT, FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledLaw
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import as_float, show
 
-Numbers = GainLaw | SampledLaw | NDArray[np.float64] | None
-"""What the engine runs; see ``Law.numbers``."""
+LawNumbers = FixedGains | SettingGains | SampledLaw
+"""The numbers of a law, of three kinds with one protocol: ``kind``, its name in the file; ``settings``, their number;
+``by_machine``, whether each run has its own gains; ``displacement_unit``; ``digital``, the ``SampledLaw`` or ``None``; ``engine``,
+the keywords of the engine; ``as_json``; ``some`` settings; ``gain_law`` of one setting."""
 
 LAW_FILE = ".json"
 """How the name of a law's file ends."""
@@ -66,10 +69,12 @@ _CANCELLATION_UNITS = {
 _AT_GRIP = "force at the grip in N"
 
 
-def _sampled_units(law: SampledLaw, drive: str) -> dict[str, object]:
-    """What the numbers of a sampled law are on."""
+def _numbers_units(numbers: LawNumbers, drive: str) -> dict[str, object]:
+    """The units of gains, or what the numbers of a sampled law are on."""
+    if numbers.digital is None:
+        return {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
     unit, command, position = _DRIVEN[drive]
-    on = [_XI, _FORCE, position, _ANGLE, *([_AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else [])]
+    on = [_XI, _FORCE, position, _ANGLE, *([_AT_GRIP] if numbers.digital.sampled == SAMPLED_AT_GRIP else [])]
     feel = ["feel displacement in rad", "its rate in rad/s"]
     known = ["xi on friction in N m", "friction in N m", "margin in N m", "slow rate in rad/s", "leak"]
     learnt = ["least learnt in N m", "most learnt in N m", "learning gain", "torque of a hand in N m", "blur", "trust"]
@@ -112,7 +117,7 @@ def write_law(path: Path, **law: Any) -> None:
     Raises:
         InputError: If the file cannot be written.
     """
-    period, feel = law["period_s"], law["feel"]
+    period, feel, rows = law["period_s"], law["feel"], law["numbers"].as_json()
     document = {
         "forcefeel": version("forcefeel"),
         "format": FORMAT,
@@ -122,7 +127,9 @@ def write_law(path: Path, **law: Any) -> None:
         "settings": None
         if feel is None
         else {"units": list(_FEEL_UNITS), "inertia, damping, stiffness": feel.tolist()},
-        **_numbers_json(law["numbers"], law["drive"]),
+        "kind": law["numbers"].kind,
+        **({"units": _numbers_units(law["numbers"], law["drive"])} if rows else {}),
+        **rows,
         **_cancellation_json(law["cancellation"]),
     }
     write_whole(path, json_text(document))
@@ -130,32 +137,6 @@ def write_law(path: Path, **law: Any) -> None:
 
 def _cancellation_json(cancellation: Cancellation | None) -> dict[str, Any]:
     return {} if cancellation is None else {"cancellation": {"units": _CANCELLATION_UNITS, **vars(cancellation)}}
-
-
-def _numbers_units(numbers: Numbers, drive: str) -> dict[str, object]:
-    if isinstance(numbers, SampledLaw):
-        return _sampled_units(numbers, drive)
-    return {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
-
-
-def _numbers_json(numbers: Numbers, drive: str) -> dict[str, Any]:
-    units = _numbers_units(numbers, drive)
-    match numbers:
-        case None:
-            return {"kind": "original"}
-        case SampledLaw():
-            known = {FRICTION: numbers.knows_friction, CONTACT: numbers.knows_contact}
-            left_out = {name for name, is_known in known.items() if not is_known}
-            rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
-            return {"kind": "sampled", "units": units, **rows}
-        case GainLaw():
-            return {"kind": "compensator", "units": units, **gain_law_json(numbers)}
-    return {"kind": "state feedback", "units": units, "gains": numbers.tolist()}
-
-
-def gain_law_json(law: GainLaw) -> dict[str, Any]:
-    """The numbers of a compensator, SI units."""
-    return dict(zip(("gains", "load_cell_arm", "displacement_unit"), law.__getnewargs__(), strict=True))
 
 
 def read_law(path: Path) -> dict[str, Any]:
@@ -207,7 +188,7 @@ def _fields(keys: "_Keys") -> dict[str, Any]:
         "numbers": numbers,
         "period_s": period,
         "delay_s": delay,
-        "feel": None if settings is None else _feel(settings, numbers),
+        "feel": None if settings is None else _feel(settings, numbers.settings),
         "loader": "" if made_for is None else made_for.get("loader", str),
         "loader_rows": {} if made_for is None else made_for.numbers("rows"),
         "drive": drive,
@@ -225,32 +206,29 @@ def _cancellation(keys: "_Keys | None") -> Cancellation | None:
     return Cancellation(per_travel, lead, cogging, friction, slow)
 
 
-def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:
+def _feel(settings: "_Keys", count: int) -> NDArray[np.float64]:
     feel = settings.array("inertia, damping, stiffness", 2)
-    count = (
-        numbers.settings if isinstance(numbers, SampledLaw) else len(numbers) if isinstance(numbers, np.ndarray) else 1
-    )
     if feel.shape != (count, 3):
         raise InputError(f"settings: expected I, B, G for each of {count} laws, got the shape {feel.shape}")
     settings.units("units", list(_FEEL_UNITS))
     return feel
 
 
-def _state_feedback(keys: "_Keys", *_: float | None) -> NDArray[np.float64]:
+def _state_feedback(keys: "_Keys", *_: float | None) -> SettingGains:
     gains = keys.array("gains", 2)
     if gains.shape[1] != len(GAIN_SYMBOLS) or not len(gains):
         raise InputError(f"gains: expected {len(GAIN_SYMBOLS)} for each setting, got the shape {gains.shape}")
-    return gains
+    return SettingGains(gains)
 
 
-def _compensator(keys: "_Keys", *_: float | None) -> GainLaw:
+def _compensator(keys: "_Keys", *_: float | None) -> FixedGains:
     gains = keys.array("gains", 1)
     if len(gains) != len(GAIN_SYMBOLS):
         raise InputError(f"gains: expected {len(GAIN_SYMBOLS)}, got {len(gains)}")
     unit = keys.get("displacement_unit", str)
     if unit not in {"rad", "V"}:
         raise InputError(f"displacement_unit: expected rad or V, got {show(unit)}")
-    return GainLaw(gains.tolist(), keys.get("load_cell_arm", float), unit)
+    return FixedGains(GainLaw(gains.tolist(), keys.get("load_cell_arm", float), unit))
 
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledLaw:
@@ -262,8 +240,8 @@ def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> Sample
     return SampledLaw(period or 0.0, delay or 0.0, **arrays)
 
 
-_READ: Mapping[str, Callable[["_Keys", float | None, float | None], Numbers]] = {
-    "original": lambda *_: None,
+_READ: Mapping[str, Callable[["_Keys", float | None, float | None], LawNumbers]] = {
+    "original": lambda *_: FixedGains(),
     "state feedback": _state_feedback,
     "compensator": _compensator,
     "sampled": _sampled,

@@ -52,9 +52,8 @@ class CommandLoop:
         return cls(matrix, loops.by_command[loop], matrix[loops.command], loops.period_s)
 
     @classmethod
-    def analog(cls, loader: Loader, law: GainLaw | None) -> "CommandLoop":
-        """The loop of an analog loader; the original law, eq. (13), if none is given."""
-        law = GainLaw.original(loader.si_values) if law is None else law
+    def analog(cls, loader: Loader, law: GainLaw) -> "CommandLoop":
+        """The loop of an analog loader."""
         opened = GainLaw([0.0] * len(law.gains), law.load_cell_arm, law.displacement_unit)
         closed = loader_model(loader, law, Linkage.COMPLIANT)
         b = closed.B[:, INPUTS.index("test_signal_v")]
@@ -95,12 +94,6 @@ def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Seque
     if loader["controller.period"]:
         loops = sampled_loops(loader, laws, loader.rows(FEEL_SETTING, feel))
         return [CommandLoop.sampled(loops, loop) for loop in range(len(feel))]
-    return [_analog_at(loader, laws, feel, setting) for setting in range(len(feel))]
-
-
-def _analog_at(loader: Loader, laws: Law, feel: NDArray[np.float64], setting: int) -> CommandLoop:
     laws.check(loader)
-    law = laws.single(loader, setting).fixed
-    return CommandLoop.analog(
-        loader.replace(dict(zip(FEEL_SETTING, feel[setting].tolist(), strict=True)), si=True), law
-    )
+    at_settings = (loader.replace(dict(zip(FEEL_SETTING, row, strict=True)), si=True) for row in feel.tolist())
+    return [CommandLoop.analog(at, laws.numbers.gain_law(loader, k)) for k, at in enumerate(at_settings)]

@@ -8,7 +8,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
@@ -57,7 +56,7 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
     """
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     law = Law.of(law, loader)
-    units = outputs(law.displacement_unit, loader.drive)
+    units = outputs(law.numbers.displacement_unit, loader.drive)
     exact = _exact(loader, law, scenario)
     noise = 0.0 if exact else _angle_noise_rad(loader, law)
     values, measured = exact or _stepped(loader, law, scenario, len(units), noise)
@@ -79,10 +78,10 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
 
 def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Outputs and measures of the linear model; ``None`` if it does not apply, or rounding leaves no equilibrium."""
-    if law.gains is not None or law.sampled or not linear.applies(loader, scenario):
+    if law.numbers.by_machine or not linear.applies(loader, scenario):
         return None
     try:
-        return linear.run(loader, law.fixed or GainLaw.original(loader.si_values), scenario)
+        return linear.run(loader, law.numbers.gain_law(loader), scenario)
     except np.linalg.LinAlgError:
         return None
 
@@ -100,8 +99,7 @@ def _stepped(
 
 def _angle_noise_rad(loader: Loader, law: Law) -> float:
     """R.m.s. column angle caused by sensor noise, the smallest measurable swing; zero if each run has its own law."""
-    single_law = law.gains is None and (law.sampled is None or law.sampled.settings == 1)
-    return angle_noise_rad(loader, law) if single_law else 0.0
+    return 0.0 if law.numbers.by_machine or law.numbers.settings > 1 else angle_noise_rad(loader, law)
 
 
 def simulate_batch(
@@ -144,7 +142,7 @@ def simulate_batch(
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
     law = Law.of(law, loader)
-    units = outputs(law.displacement_unit, loader.drive)
+    units = outputs(law.numbers.displacement_unit, loader.drive)
     for name in keep:
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")

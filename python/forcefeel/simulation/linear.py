@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
+from forcefeel.laws.analog.gains import analog
 from forcefeel.linear.models import LinearModel, Linkage, loader_model
 from forcefeel.linear.step import equilibrium, transition
 from forcefeel.loader.loader import Loader, check_hydraulic
@@ -128,10 +129,9 @@ def simulate_linear_batch(
         loader, "the linear batch of eq. (17)", "simulate_batch runs motors, and step_response their linear model"
     )
     values = np.ascontiguousarray(values, dtype=np.float64)
-    gains = np.ascontiguousarray(law, dtype=np.float64) if isinstance(law, np.ndarray) else None
-    law = law if isinstance(law, GainLaw) else None
-    units = outputs("rad" if gains is not None else law.displacement_unit if law else "V")
-    columns = _check(loader, scenario, values, gains)
+    numbers = analog(law)
+    units = outputs(numbers.displacement_unit)
+    columns = _check(loader, scenario, values, law)
     for name in keep:
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
@@ -150,8 +150,7 @@ def simulate_linear_batch(
     def histories_of(runs: slice | NDArray[np.intp], names: Sequence[str]) -> NDArray[np.float64]:
         some = values[runs]
         histories = np.empty((len(some), len(names), shape[2]))
-        of_some = None if gains is None else np.ascontiguousarray(gains[runs])
-        _core.Loops(loader.si_values, columns, some[:, columns], law=law, gains=of_some).run(
+        _core.Loops(loader.si_values, columns, some[:, columns], **numbers.some(runs).engine()).run(
             histories,
             force,
             steps.step_s,
@@ -165,7 +164,7 @@ def simulate_linear_batch(
         return histories
 
     histories = histories_of(slice(None), keep)
-    verdicts = _core.Loops(loader.si_values, columns, values[:, columns], law=law, gains=gains).stability(threads)
+    verdicts = _core.Loops(loader.si_values, columns, values[:, columns], **numbers.engine()).stability(threads)
     unstable = np.flatnonzero((verdicts != STABLE) & (verdicts != STABLE_BY_POLES))
     diverged_at_s = np.full(len(values), np.inf)
     if len(unstable):
@@ -186,15 +185,15 @@ def simulate_linear_batch(
 
 
 def _check(
-    loader: Loader, scenario: Scenario, values: NDArray[np.float64], gains: NDArray[np.float64] | None
+    loader: Loader, scenario: Scenario, values: NDArray[np.float64], law: GainLaw | NDArray[np.float64] | None
 ) -> list[int]:
     """The columns in which the runs differ from the loader."""
     if not applies(loader, scenario):
         raise InputError("loader, scenario: expected no optional rows and nothing but a force; use simulate_batch")
     if values.ndim != 2 or values.shape[1] != len(TABLE) or not len(values):
         raise InputError(f"values: expected a row of {len(TABLE)} values for each run, got shape {values.shape}")
-    if gains is not None and gains.shape != (len(values), 7):
-        raise InputError(f"law: expected gains of shape ({len(values)}, 7), got {gains.shape}")
+    if isinstance(law, np.ndarray) and law.shape != (len(values), 7):
+        raise InputError(f"law: expected gains of shape ({len(values)}, 7), got {law.shape}")
     varied = np.flatnonzero(np.any(values != loader.si_values, axis=0))
     for key in OFF:
         if INDEX[key] in varied:

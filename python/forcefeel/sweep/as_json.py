@@ -6,6 +6,7 @@ from math import isfinite
 import numpy as np
 
 from forcefeel.json_values import json_value
+from forcefeel.laws.law import ORIGINAL
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation.findings import input_text
 from forcefeel.sweep.findings import sweep_conclusions
@@ -54,7 +55,7 @@ def whose_law(sweep: Sweep) -> str:
     """Assignment of laws to machines."""
     if sweep.redesigned:
         return "designed anew for each setting of the feel"
-    return "by each machine's own parameters" if sweep.nominal_law.numbers is None else "one for all machines"
+    return "by each machine's own parameters" if sweep.nominal_law.numbers.kind == ORIGINAL else "one for all machines"
 
 
 def _without_unknown(share: Json) -> Json:

@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from forcefeel._core import GainLaw
-from forcefeel.laws.law_file import gain_law_json
 from forcefeel.loader.parameters import table
 from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
@@ -33,7 +31,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
     ``nominal`` is the result of the engine for the nominal loader: an engine or a processor with other numbers makes another
     sweep.
     """
-    loader = sweep.loader
+    loader, law = sweep.loader, sweep.nominal_law
     document = {
         "format": FORMAT,
         "forcefeel": version("forcefeel"),
@@ -43,7 +41,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
             **loader.curves,
         },
         "scenario": sweep.scenario,
-        "law": (sweep.law if sweep.redesigned else sweep.nominal_law.numbers) or "original",
+        "law": sweep.law if sweep.redesigned else law.sampled or law.numbers.as_json() or law.numbers.kind,
         "runs": {"total": sweep.total, "machines": sweep.machines, "chunk": len(sweep.chunks[0])},
         "seed": sweep.seed,
         "varied": sweep.varied,
@@ -85,8 +83,6 @@ def _leaves(document: Any, path: str = "") -> Iterator[tuple[str, str]]:
 def _exact(value: Any) -> Any:
     """``value`` as JSON without loss."""
     match value:
-        case GainLaw():
-            return gain_law_json(value)
         case float():
             return value if math.isfinite(value) else str(value)
         case Mapping():

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
+from forcefeel.laws.analog.gains import analog
 from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import HYDRAULIC, INDEX, TABLE, did_you_mean, required
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -68,7 +69,8 @@ def stability_batch(
     columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
     _check(columns, law)
     table = np.column_stack(list(columns.values()))
-    verdict = _loops(loader.si_values, list(columns), table, law).stability(threads_or_cores(threads))
+    loops = _core.Loops(loader.si_values, [INDEX[key] for key in columns], table, **analog(law).engine())
+    verdict = loops.stability(threads_or_cores(threads))
     coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
     data = {
         "stable": ("loop", (verdict == STABLE) | (verdict == STABLE_BY_POLES)),
@@ -105,20 +107,9 @@ def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray
         loops = sampled_loops(sweep.loader, law, values)
         poles = np.where(loops.poles == 0, _AT_ONCE, loops.poles)
         return np.asarray(np.log(poles) / loops.period_s)
-    parts = _loops(sweep.loader.si_values, keys, table, law.gains if law.fixed is None else law.fixed).poles(cores())
+    analog_loops = _core.Loops(sweep.loader.si_values, [INDEX[key] for key in keys], table, **law.engine(sweep.loader))
+    parts = analog_loops.poles(cores())
     return np.asarray(parts[..., 0] + 1j * parts[..., 1])
-
-
-def _loops(
-    common: NDArray[np.float64],
-    keys: list[str],
-    varied: NDArray[np.float64],
-    law: GainLaw | NDArray[np.float64] | None,
-) -> _core.Loops:
-    columns = [INDEX[key] for key in keys]
-    if isinstance(law, np.ndarray):
-        return _core.Loops(common, columns, varied, gains=np.ascontiguousarray(law, dtype=np.float64))
-    return _core.Loops(common, columns, varied, law=law)
 
 
 def _check(columns: Mapping[str, NDArray[np.float64]], law: GainLaw | NDArray[np.float64] | None) -> None:

@@ -210,7 +210,7 @@ def test_law_requires_data_of_the_whole_loader(identify, found, tmp_path):
     assert asked["law"] is None
     other = [word.replace("servo-closed", "loader test_signal") for word in GOOD]
     assert identify(*other, "--law", "published", "--replace")[0] == 0
-    assert isinstance(asked["law"].fixed, ff.laws.GainLaw)
+    assert isinstance(asked["law"].numbers.law, ff.laws.GainLaw)
     results = json.loads((tmp_path / "forcefeel-identified" / RESULTS).read_text())
     assert results["settings"]["law"] == "published"
 

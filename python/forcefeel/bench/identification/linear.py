@@ -163,7 +163,7 @@ def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     if loop is Loop.MOTOR_OPEN:
         return {"law": _LAWS[loop]}
     whole = Law.of(bench_law(law, loader), loader)
-    return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
+    return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers.kind == ORIGINAL else whole.engine(loader)
 
 
 def _below_half_rate(frequency_hz: NDArray[np.float64], period: float) -> None:

@@ -18,6 +18,7 @@ from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
 from forcefeel.json_values import fields_json
+from forcefeel.laws.analog.gains import FixedGains
 from forcefeel.linear.models import DESIGN_STATES, design_model, state_feedback
 from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.units import LENGTH, RATIO, SECONDS, Json, Unit, UnitSystem, quantity
@@ -193,14 +194,9 @@ def published_settings(loader: Loader) -> DesignSettings:
     return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
 
 
-@dataclass(frozen=True)
-class OriginalLoop:
-    """The loader's own position loop, eq. (13): no design, the numbers are those of each loader."""
-
-
-NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | OriginalLoop]] = MappingProxyType(
+NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | FixedGains]] = MappingProxyType(
     {
-        "original": lambda _: OriginalLoop(),
+        "original": lambda _: FixedGains(),
         "published": published_settings,
         "converged": lambda _: DesignSettings(),
     }

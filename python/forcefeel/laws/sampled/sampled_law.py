@@ -15,12 +15,14 @@ and, where it knows the column's dry friction, torque and state as ``crates/mode
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
 from forcefeel.units import SECONDS, show
 
 MOST_STATES = 9
@@ -87,6 +89,9 @@ class SampledLaw:
     neutral: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     contact: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     settled: NDArray[np.float64] = field(init=False, repr=False)
+    kind: ClassVar[str] = "sampled"
+    by_machine: ClassVar[bool] = False
+    displacement_unit: ClassVar[str] = "rad"
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.period_s) and self.period_s > 0):
@@ -124,6 +129,24 @@ class SampledLaw:
     def states(self) -> int:
         """How many states each law has."""
         return int(self.transition.shape[1])
+
+    @property
+    def digital(self) -> "SampledLaw":
+        """The law itself, as ``LawNumbers`` has it."""
+        return self
+
+    def engine(self) -> dict[str, Any]:
+        """The numbers as keywords of the engine."""
+        return {"observers": self.rows()}
+
+    def as_json(self) -> dict[str, Any]:
+        """The numbers in SI units; without those of friction and contact if it knows of none."""
+        known = {FRICTION: self.knows_friction, CONTACT: self.knows_contact}
+        return {name: getattr(self, name).tolist() for name in NUMBERS if known.get(name, True)}
+
+    def gain_law(self, loader: Loader, setting: int = 0) -> GainLaw:
+        """Raises ``InputError``: a sampled law is not gains alone."""
+        raise InputError(f"law: expected gains on {loader.name} for setting {setting + 1}, got a sampled law")
 
     def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledLaw":
         """The laws of some settings: one index, or a slice, indices or a mask."""
