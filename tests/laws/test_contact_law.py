@@ -6,8 +6,8 @@ import pytest
 import forcefeel as ff
 from forcefeel.errors import InputError
 
-QUIET_RAD = np.radians(0.1)
-"""Range of the column's angle in the last half second."""
+QUIET_RAD = np.radians(0.5)
+"""Range of the column's angle in the last half second; damped, it creeps towards the stop."""
 
 
 def _light() -> ff.Loader:
@@ -32,7 +32,7 @@ def test_a_light_feel_is_quiet_against_a_stop_and_in_a_clamp(clamped: bool) -> N
         {"pilot.arm_stiffness": 1e5, "pilot.arm_damping": 300.0} if clamped else {"column.stop_high": np.radians(5.0)}
     )
     there = loader.replace(held, si=True)
-    assert _range_at_the_end(there, law, "1.8 lb") > 10 * QUIET_RAD
+    assert _range_at_the_end(there, law, "1.8 lb") > 5 * QUIET_RAD
     assert _range_at_the_end(there, law.with_contact(loader), "1.8 lb") < QUIET_RAD
 
 

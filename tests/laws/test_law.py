@@ -136,7 +136,7 @@ def damaged():
         "not JSON": (lambda _: "gains", "expected the file of a law: JSON"),
         "a list": (lambda _: "[]", "expected a JSON object"),
         "empty": (lambda _: "{}", "format: missing"),
-        "another format": (lambda law: law | {"format": 1}, "format: expected 3, got 1"),
+        "another format": (lambda law: law | {"format": 1}, "format: expected 4, got 1"),
         "no kind": (
             lambda law: law | {"kind": "magic"},
             "kind: expected original, state feedback, compensator, sampled",

@@ -42,10 +42,10 @@ def says(one, xi, y, feel):
 
 def read(row):
     """T, e and next as the engine reads a row: in the order of its documentation; nothing of the force at the grip."""
-    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (34,)]
+    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (34,), (8,)]
     ends = np.cumsum([np.prod(size) for size in sizes])
     parts = [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
-    places = [None, 3, 12, 12, 3, None, 12]
+    places = [None, 3, 12, 12, 3, None, 12, None]
     assert not any(part[..., place].any() for part, place in zip(parts, places, strict=True) if place)
     return [
         part if place is None else np.delete(part, place, axis=-1) for part, place in zip(parts, places, strict=True)
@@ -74,7 +74,7 @@ def test_rows_pad_missing_states_with_zeros(n):
     rng = np.random.default_rng(2)
     for k, row in enumerate(rows):
         one, xi, y, feel = laws.some(k), rng.normal(size=n), rng.normal(size=3), rng.normal(size=2)
-        transition, input_, command, torque, settled, neutral, friction = read(row)
+        transition, input_, command, torque, settled, neutral, friction, contact = read(row)
         wide = np.append(xi, rng.normal(size=MOST_STATES - n))  # whatever stands in the others
         z = np.concatenate([wide, y, feel])
         expected = says(one, xi, y, feel)
@@ -85,6 +85,7 @@ def test_rows_pad_missing_states_with_zeros(n):
         np.testing.assert_array_equal(settled[:n], one.settled[0])
         assert not settled[n:].any()
         np.testing.assert_array_equal(neutral, one.neutral[0])
+        np.testing.assert_array_equal(contact, one.contact[0])
         rate, enters, level = np.split(friction, [14, 23])
         np.testing.assert_array_equal(np.delete(rate, range(n, MOST_STATES)), one.friction[0, : n + 5])
         np.testing.assert_array_equal(enters[:n], one.friction[0, n + 5 : -10])

@@ -136,7 +136,7 @@ def test_inactive_grip_sensor_rejects_the_law(loader, shaken):
     assert {MASS, OFFSET} <= {one.key for one in good.outcome.parameters}
     (wanting,) = (one for one in bad.outcome.wanting if "grip_force" in one)
     assert "stuck" in wanting
-    assert not bad.outcome.good
+    assert not bad.outcome.ok
 
 
 def test_missing_grip_sensor_data_is_reported(loader, shaken):

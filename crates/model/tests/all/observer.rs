@@ -3,6 +3,7 @@
 use crate::draws::Draws;
 use crate::near::{ROUNDING, assert_near, assert_within};
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::contact_law::CONTACT_NUMBERS;
 use forcefeel_model::known_friction::FRICTION_NUMBERS;
 use forcefeel_model::observer::{Estimate, MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::Parameters;
@@ -45,7 +46,7 @@ fn random_law(draws: &mut Draws) -> ([f64; NUMBERS], Estimate<f64>, [f64; SAMPLE
 
 #[test]
 fn numbers_are_those_of_all_matrices() {
-    assert_eq!(R + MOST_STATES * SIGNALS + OF_NEUTRAL + FRICTION_NUMBERS, NUMBERS);
+    assert_eq!(R + MOST_STATES * SIGNALS + OF_NEUTRAL + FRICTION_NUMBERS + CONTACT_NUMBERS, NUMBERS);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Sampled laws with an observer: one that repeats static gains, and one that estimates.
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
+use forcefeel_model::contact_law::CONTACT_NUMBERS;
 use forcefeel_model::known_friction::FRICTION_NUMBERS;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, SAMPLED};
 use forcefeel_model::parameters::Parameters;
@@ -119,7 +120,7 @@ impl Sampled {
         // Column by column of the transposed is row by row.
         let (a, b, r) = (self.transition.transpose(), self.input.transpose(), settled.transpose());
         let of_neutral = [0.0; 2];
-        let friction = [0.0; FRICTION_NUMBERS];
+        let (friction, contact) = ([0.0; FRICTION_NUMBERS], [0.0; CONTACT_NUMBERS]);
         let parts = [
             a.as_slice(),
             b.as_slice(),
@@ -128,6 +129,7 @@ impl Sampled {
             r.as_slice(),
             &of_neutral,
             &friction,
+            &contact,
         ];
         parts.concat().try_into().expect("all numbers")
     }
