@@ -1,5 +1,7 @@
 //! What a law takes for contact, and how it gives it back.
 
+#![expect(clippy::float_cmp, reason = "a share at its end is exact")]
+
 use forcefeel_model::contact_law::{ContactLaw, ContactState};
 
 const H: f64 = 5e-4;
