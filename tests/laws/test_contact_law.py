@@ -58,3 +58,10 @@ def test_a_law_of_gains_has_none() -> None:
     loader = ff.elevator()
     with pytest.raises(InputError, match="original has no part for contact"):
         ff.Law.of("original", loader).with_contact(loader)
+
+
+@pytest.mark.parametrize("name", ["torque-mode", "load-cell"])
+def test_a_law_that_estimates_no_hand_from_the_load_cell_has_none(name: str) -> None:
+    loader = ff.loader.electric("elevator-electric")
+    with pytest.raises(InputError, match=f"{name} has no part for contact"):
+        ff.Law.of(name, loader).with_contact(loader)

@@ -24,7 +24,7 @@ from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, table, unit
-from forcefeel.units import RATIO, Unit, UnitSystem
+from forcefeel.units import RATIO, SECONDS, Unit, UnitSystem
 
 SHEET = "{}_parameters.csv"
 """File name."""
@@ -231,11 +231,21 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
 
 def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
     """Part of a law for contact: alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t."""
-    units = ("m", f"{command}/m", f"{command} s/m", "N m s/rad", "N m", "s", "rad", "rad")
+    radian = Unit("rad", "rad", "rad")
+    units = (
+        Unit("m", "m", "in"),
+        Unit(f"{command}/m", f"{command}/m", f"{command}/in"),
+        Unit(f"{command} s/m", f"{command} s/m", f"{command} s/in"),
+        Unit("N m s/rad", "N m s/rad", "lb in s/rad"),
+        Unit("N m", "N m", "lb in"),
+        SECONDS,
+        radian,
+        radian,
+    )
     names = ("per_angle", "stiffness", "rate", "damping", "threshold", "quick", "near", "travel")
-    for name, value, si in zip(names, numbers, units, strict=True):
+    for name, value, of in zip(names, numbers, units, strict=True):
         meaning = f"{name.replace('_', ' ')} in contact"
-        yield Row(setting + 1, "gain", f"law.contact_{name}", meaning, value, Unit(si, si, si))
+        yield Row(setting + 1, "gain", f"law.contact_{name}", meaning, value, of)
 
 
 def _gain_rows(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:

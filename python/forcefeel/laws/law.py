@@ -234,7 +234,7 @@ class Law:
         It is quiet against clamps and stops, and takes some free releases for contact.
 
         Raises:
-            InputError: If it has no observer, or no settings of its own.
+            InputError: If it has no observer that reads the load cell, or no settings of its own.
 
         Example:
             >>> import forcefeel as ff
@@ -243,11 +243,14 @@ class Law:
             >>> law.sampled.contact.shape
             (1, 8)
         """
-        if self.sampled is None or self.feel is None:
+        law = self.sampled
+        observes = law is not None and law.torque[:, : law.states].any() and law.input[..., 0].any()
+        if law is None or self.feel is None or not observes:
             raise InputError(
-                f"law: {self.name} has no part for contact; expected a design with an observer, such as robust"
+                f"law: {self.name} has no part for contact; expected a design with an observer that reads the load cell, "
+                "such as robust"
             )
-        return replace(self, numbers=with_contact(self.sampled, loader, self.feel))
+        return replace(self, numbers=with_contact(law, loader, self.feel))
 
     def save(self, path: str | Path) -> None:
         """Writes the law to a file that ``Law.of`` reads: numbers, settings, time, units and the loader that it was made for.

@@ -23,7 +23,7 @@ from math import pi, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.laws.sampled.plant import link_stiffness
+from forcefeel.laws.sampled.plant import drive_lag_s, link_stiffness
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
@@ -45,14 +45,6 @@ QUICK_S, OF_PERIOD = 0.1, 0.25
 
 NEAR_RAD, TRAVEL_RAD = radians(0.5), radians(1.0)
 """Distance from the place of the contact up to which its law stays, and the travel away from it over which it is given back."""
-
-
-def drive_lag_s(loader: Loader) -> float:
-    """Lag between a command and its effect: valve or current loop, delay and hold."""
-    sampling = loader["controller.delay"] + loader["controller.period"] / 2
-    if loader.drive == ELECTRIC:
-        return 1 / loader["current_loop.bandwidth"] + sampling
-    return 2 * loader["valve.damping_ratio"] / loader["valve.natural_frequency"] + sampling
 
 
 def position_gains(loader: Loader, bandwidth: float) -> tuple[float, float, float]:

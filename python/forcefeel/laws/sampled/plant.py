@@ -246,6 +246,15 @@ def period_and_delay(loader: Loader) -> tuple[float, float]:
     return period, delay
 
 
+def drive_lag_s(loader: Loader) -> float:
+    """Lag between a command and its effect: valve or current loop, delay and hold."""
+    if loader.drive == ELECTRIC:
+        drive = 1 / loader["current_loop.bandwidth"]
+    else:
+        drive = 2 * loader["valve.damping_ratio"] / loader["valve.natural_frequency"]
+    return drive + loader["controller.delay"] + loader["controller.period"] / 2
+
+
 def link_stiffness(loader: Loader) -> float:
     """Stiffness of link and, of a motor, transmission at the column, ``k (alpha R_b)^2`` in N m/rad."""
     softness = 1 / loader["linkage.stiffness"]

@@ -35,7 +35,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from forcefeel.laws.sampled.plant import Scale, period_and_delay
+from forcefeel.laws.sampled.plant import Scale, drive_lag_s, period_and_delay
 from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.known import off_by
 from forcefeel.loader.loader import Loader
@@ -129,10 +129,10 @@ class Units:
         Raises:
             InputError: If it has no controller's period, or a delay longer than that.
         """
-        period, delay = period_and_delay(loader)
+        period_and_delay(loader)
         if loader.drive == ELECTRIC:
             return cls()
-        lag = 2 * loader["valve.damping_ratio"] / loader["valve.natural_frequency"] + delay + period / 2
+        lag = drive_lag_s(loader)
         flow = loader["linkage.ratio"] * loader["column.base_arm"] * loader["actuator.area"] / lag
         command = flow / (loader["amplifier.admittance"] * loader["valve.current_gain"])
         scale = Scale.of(loader)
