@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from tests.live.unhurried import unhurried_elevator
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -49,7 +50,7 @@ TRIM_RAD = 0.02
 
 
 def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, tmp_path: Path) -> None:
-    loader = ff.digital_elevator()
+    loader = unhurried_elevator()
     path = tmp_path / "run.mcap"
     running = ff.live.start(loader, "robust", host=0, record=path)
     with running, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:

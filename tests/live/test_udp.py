@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from tests.live.unhurried import unhurried_elevator
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "live-udp"
 
@@ -33,7 +34,7 @@ def test_udp_machine_matches_local_machine_and_trips_when_killed():
     # One process for both: Python takes seconds to start there.
     with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
         runs_as_the_one_in_the_process(address)
-        running = ff.live.start(ff.digital_elevator(), "robust", endpoint=ff.live.Udp(address))
+        running = ff.live.start(unhurried_elevator(), "robust", endpoint=ff.live.Udp(address))
         running.on()
         running.wait(1000, 20.0)
         assert running.state.silent < running.state.cycle

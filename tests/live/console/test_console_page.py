@@ -4,6 +4,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.live.console import session
+from tests.live.unhurried import unhurried_elevator
 
 WIDTHS = (1280, 390)
 LONGEST_MS = 40_000
@@ -29,7 +30,7 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture(scope="module")
 def running():
-    with ff.live.start(ff.digital_elevator(), "robust", host=0) as loop:
+    with ff.live.start(unhurried_elevator(), "robust", host=0) as loop:
         yield loop
 
 
@@ -56,7 +57,8 @@ def page(request, browser, console):
     window.add_init_script(SOCKETS)
     window.goto(console.address)
     window.click("#on")
-    window.locator("#state.active").wait_for()
+    window.locator("#state.active, #state.tripped").wait_for()
+    assert window.inner_text("#state") == "active", window.inner_text("#trips")
     yield window
     window.close()
 

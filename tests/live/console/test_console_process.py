@@ -16,6 +16,7 @@ from forcefeel.live.console.session import HAND_LAPSES_S
 from forcefeel.qualification.plan.run import QualificationSetup
 from tests.live.console.conftest import Talk
 from tests.live.run_command import run_command
+from tests.live.unhurried import unhurried_elevator
 
 PATIENCE_S = 60.0
 STOPPED_S = 2.0
@@ -49,7 +50,7 @@ def is_stopped(process_id):
 
 @pytest.fixture(scope="module")
 def running():
-    with ff.live.start(ff.digital_elevator(), "robust") as loop:
+    with ff.live.start(unhurried_elevator(), "robust") as loop:
         yield loop
 
 
