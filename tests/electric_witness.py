@@ -163,6 +163,7 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
     y[2] = e
     if start is not None:
         y, feels, xi, e = start.plant, start.feel, start.law, start.command
+    touch = Touch(law.contact[0]) if law is not None and law.knows_contact else None
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
@@ -172,12 +173,16 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             known = np.concatenate([xi, sample, feels])
             own, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
             limit = g("current_loop.current_limit")
-            more = 0.0 if added is None else added(sample[1], (sample[1] - last) / period)
-            last = sample[1]
-            answered = min(max(own + more, -limit), limit) - more
+            drive_rate = (sample[1] - last) / period
+            more, last = 0.0 if added is None else added(sample[1], drive_rate), sample[1]
             memory, moved = hear(law.friction[0], known, torque, memory)
+            if touch is not None:
+                feels, own, memory[0] = touch.step(period, sample, drive_rate, feels, (own, memory[0]))
+            answered = min(max(own + more, -limit), limit) - more
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, memory[0]))[:2]
+            if touch is not None:
+                feels = touch.damp(period, feels, g("feel.inertia"))
             excess, way = (own - answered) / law.command[0, -2], g("controller.antiwindup")
             feels = feels - period * way * excess * np.array([2.0, way])
             new += own + more
@@ -189,6 +194,78 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
     found = dict(zip(OUTPUTS, np.array(rows).T, strict=True))
     found["column_angle_rad"] = found["column_angle_rad"] / plant.arm
     return found
+
+
+class Touch:
+    """What a law does in contact, by the table at the head of ``crates/model/src/contact_law.rs``."""
+
+    def __init__(self, numbers):
+        self.per_angle, self.k_x, self.k_v, self.damping, self.fastest, self.least, *more = numbers
+        self.environment, self.quick, self.near, self.travel = more
+        self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
+        self.place = self.extreme = (0.0, 0.0)  # angle, torque
+        self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
+
+    def notice(self, h, torque, column):
+        """Whether there is contact at a sample."""
+        before = self.angle
+        self.torque += (torque - self.torque) * h / 0.004
+        self.angle += (column - self.angle) * h / 0.004
+        turns = (self.angle - before) / h
+        self.rate += (turns - self.rate) * h / 0.008
+        self.peak = max(abs(self.torque), self.peak * (1 - h / self.quick / 5))
+        pushes = abs(self.torque) > max(self.least, 0.3 * self.peak)
+        other = pushes and self.torque * self.side < 0
+        over, begins = self.push != 0 and not pushes, other or (pushes and self.push == 0)
+        went, fell = self.angle - self.extreme[0], self.torque - self.extreme[1]
+        hard = abs(fell) > self.environment * abs(went)
+        stiff, quick = hard and fell * went <= 0, self.since < self.quick
+        swing = other and quick
+        if swing:
+            self.swings = self.swings + 1 if stiff or abs(self.extreme[1]) >= 1.2 * self.last else 0
+        elif other or not quick:
+            self.swings = 0
+        struck = over and quick and stiff and self.push > 0
+        turned = self.before * self.side < -0.05 and turns * self.side > 0.05
+        turned = turned and over and hard and self.since < self.quick / 3
+        if other:
+            self.last = abs(self.extreme[1])
+        if begins:
+            self.side, self.since, self.before = math.copysign(1.0, self.torque), 0.0, self.rate
+            self.push = 1 if self.rate * self.side < -0.05 else -1
+        else:
+            self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
+        if begins or self.torque * self.side > self.extreme[1] * self.side:
+            self.extreme = (self.angle, self.torque)
+        return self.swings >= 2 or struck or turned or (swing and self.share > 0)
+
+    def step(self, h, sample, drive_rate, feels, own):
+        """The feel, the command and its torque at a sample, from those of free motion."""
+        force, position, column = sample[:3]
+        column_rate, self.column = (column - self.column) / h, column
+        noticed, was = self.notice(h, own[1], column), self.share
+        if noticed:
+            self.place = (column, self.torque)
+        away = column - self.place[0]
+        held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
+        if noticed or (was > 0 and abs(away) < self.near):
+            self.share = 1.0
+        elif abs(away) > self.near and column_rate * away > 0 and not held and self.since >= 0.3:
+            self.share = max(was - abs(column_rate) * h / self.travel, 0.0)
+        if noticed and was < 0.5:
+            feels = np.array([position / self.per_angle, 0.0])
+        command = self.k_x * (self.per_angle * feels[0] - position) + self.k_v * (
+            self.per_angle * feels[1] - drive_rate
+        )
+        return feels, *(a + self.share * (b - a) for a, b in zip(own, (command, -self.per_angle * force), strict=True))
+
+    def damp(self, h, feels, inertia):
+        """The feel after a period."""
+        if self.share == 0:
+            return feels
+        most = self.fastest / self.share
+        rate = min(max(feels[1] / (1 + self.share * self.damping * h / inertia), -most), most)
+        return np.array([feels[0] - (feels[1] - rate) * h / 2, rate])
 
 
 def hear(numbers, known, torque, memory):

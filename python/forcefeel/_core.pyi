@@ -83,6 +83,8 @@ _Array: TypeAlias = NDArray[np.float64]
 
 OBSERVER_NUMBERS: int
 """Numbers of a sampled law with an observer."""
+CONTACT_SMOOTHING_S: float
+"""Time constant over which a law smooths the torque by which it notices contact."""
 PERIOD_BASE: int
 """Place of the column's base among the states of a period."""
 PERIOD_COMMAND: int

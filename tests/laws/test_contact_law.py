@@ -5,6 +5,9 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.contact_law import torque_noise
+from forcefeel.loader.sensors import sample_variance
+from tests import electric_witness as witness
 
 QUIET_RAD = np.radians(0.5)
 """Range of the column's angle in the last half second; damped, it creeps towards the stop."""
@@ -12,11 +15,14 @@ QUIET_RAD = np.radians(0.5)
 
 def _light() -> ff.Loader:
     """A light feel of little damping: 400 lb in/rad, 1.5 Hz, 0.15."""
+    return ff.digital_elevator().replace(_light_feel(), si=True)
+
+
+def _light_feel() -> dict[str, float]:
     omega = 2 * np.pi * 1.5
     stiffness = 400 * 0.112985
     inertia = stiffness / omega**2
-    feel = {"feel.stiffness": stiffness, "feel.inertia": inertia, "feel.damping": 2 * 0.15 * omega * inertia}
-    return ff.digital_elevator().replace(feel, si=True)
+    return {"feel.stiffness": stiffness, "feel.inertia": inertia, "feel.damping": 2 * 0.15 * omega * inertia}
 
 
 def _range_at_the_end(loader: ff.Loader, law: ff.Law, force: str) -> float:
@@ -44,6 +50,40 @@ def test_a_free_release_is_the_same_with_and_without_it() -> None:
         for given in (law, law.with_contact(loader))
     ]
     np.testing.assert_array_equal(*runs)
+
+
+def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> None:
+    quiet = {
+        f"{sensor}.{row}": 0.0
+        for sensor in ("load_cell", "potentiometer", "column_sensor")
+        for row in ("noise", "resolution")
+    }
+    stop = {"column.stop_high": np.radians(5.0), "column.stop_stiffness": 6e4, "column.stop_damping": 100.0}
+    loader = ff.loader.electric("elevator-electric").replace(
+        _light_feel() | stop | quiet | {"motor.cogging_torque": 0.0}, si=True
+    )
+    law = ff.Law.of("robust", loader).with_contact(loader)
+    force, duration = 8.0, 0.5
+    run = ff.simulate(loader, ff.Scenario(ff.Step(f"{force} N"), duration, 5e-4, 5e-4), law).history
+    found = witness.simulate(loader, law.sampled, lambda _: force, duration)["column_angle_rad"]
+    angle = run["column_angle_rad"].to_numpy()
+    depth = angle.max() - np.radians(5.0)
+    assert depth > 1e-3  # it struck, with some 80 N
+    assert np.abs(angle - found).max() < 0.01 * depth
+
+
+def test_the_noise_of_the_torque_is_that_of_a_simulated_observer() -> None:
+    loader = ff.digital_elevator()
+    law = ff.Law.of("robust", loader).sampled
+    sigma = np.sqrt(sample_variance(loader))
+    random, xi, smooth, seen = np.random.default_rng(1), np.zeros(law.states), 0.0, []
+    for _ in range(40_000):
+        noise = sigma * random.standard_normal(3)
+        torque = float(law.torque[0, : law.states + 3] @ np.append(xi, noise))
+        xi = law.transition[0] @ xi + law.input[0, :, :3] @ noise
+        smooth += (torque - smooth) * law.period_s / 0.004
+        seen.append(smooth)
+    assert torque_noise(law, loader)[0] == pytest.approx(np.std(seen[2000:]), rel=0.05)
 
 
 def test_a_law_file_keeps_it(tmp_path: object) -> None:

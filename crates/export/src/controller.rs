@@ -292,7 +292,8 @@ fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN])
     });
     // Under a law with an observer the feel's displacement is an angle.
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    let (friction_state, contact_state) = (FrictionState::initial(feel_torque), ContactState::free(feel_torque));
+    let friction_state = FrictionState::initial(feel_torque);
+    let contact_state = ContactState::free(feel_torque, base * control.per_base());
     (feeling, LawState { base, position, estimate, friction_state, contact_state })
 }
 
@@ -315,7 +316,7 @@ fn nothing<S: Scalar>(zero: S, stuck: S::Mask) -> (FeelState<S>, LawState<S>) {
         position: zero,
         estimate: [zero; MOST_STATES],
         friction_state: FrictionState::initial(zero),
-        contact_state: ContactState::free(zero),
+        contact_state: ContactState::free(zero, zero),
     };
     (FeelState { motion, neutral: zero }, law)
 }

@@ -2,7 +2,7 @@
 //!
 //! A law that makes the column follow the feel believes the column to be free. Where it is clamped or on a stop, the feel goes on while
 //! the column cannot, the drive integrates the difference, and the loop swings. In contact the drive follows the feel instead, the feel
-//! hears the load cell, and it is damped:
+//! takes the load cell's torque, and it is damped:
 //!
 //! `x` position of the drive's end · `alpha R_b` its travel per radian · `F_c` load cell · `T_o` torque of the hand that the observer estimates ·
 //! `m` share of the contact, 0 to 1 · `h` period
@@ -12,12 +12,19 @@
 //! | `e_c = k_x (alpha R_b delta - x) + k_v (alpha R_b delta' - x')` | command in contact |
 //! | `T_c = -alpha R_b F_c` | torque in contact |
 //! | `e = e_o + m (e_c - e_o)`, `T = T_o + m (T_c - T_o)` | between free motion and contact |
-//! | `delta'+ = delta' / (1 + m B_c h / I)` | damping, at the end of the feel's step |
+//! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
 //!
-//! Contact shows in what no hand does within less than `t_q`: the torque pushes to one side and to the other, or it pushes against the
-//! motion and is gone, as where the column strikes a stop. Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the
-//! contact alone: farther from it than `theta_n`, where no push has begun for `t_q`, `m` falls by `|theta'| h / theta_t` a period. A column
-//! that stays, or comes back to the place, keeps it.
+//! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
+//! `t_q`, quicker than a hand. Contact is one of
+//!
+//! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
+//!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
+//! - a push against the motion that is as stiff and over within `t_q`, or within a third of that and has turned the motion: the column
+//!   struck a stop.
+//!
+//! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
+//! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by
+//! `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or swings, has all of it.
 //!
 //! `T_p` peak of the torque of late: a side counts from `max(T_min, r T_p)` on, so that what the estimate swings beyond after a blow is
 //! none.
@@ -29,24 +36,42 @@ use crate::Scalar;
 use crate::law_vector::quotient;
 use crate::memory::MemoryVisitor;
 
-/// Numbers of it, in the order of [`ContactLaw::take`]: `alpha R_b` in m, `k_x`, `k_v`, `B_c` in N m s/rad, `T_min` in N m, `t_q` in s,
-/// `theta_n` and `theta_t` in rad.
-pub const CONTACT_NUMBERS: usize = 8;
+/// Numbers of it, in the order of [`ContactLaw::take`]: `alpha R_b` in m, `k_x`, `k_v`, `B_c` in N m s/rad, `v_m` in rad/s, `T_min` in
+/// N m, `K_e` in N m/rad, `t_q` in s, `theta_n` and `theta_t` in rad.
+pub const CONTACT_NUMBERS: usize = 10;
 
 /// Place of `T_min` among them, from the end: zero in a law that knows of no contact.
-pub const THRESHOLD_FROM_END: usize = 4;
+pub const THRESHOLD_FROM_END: usize = 5;
 
 /// `r`.
 const OF_PEAK: f64 = 0.3;
 
+/// Growth from swing to swing that counts; what decays is left alone.
+const GROWTH: f64 = 1.2;
+
+/// Swings in a row.
+const SWINGS: f64 = 2.0;
+
 /// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// Time constant in s over which the estimate's noise is smoothed: long beside a sample, short beside the swings of a contact.
-const SMOOTH_S: f64 = 0.004;
+/// Time constant in s over which torque and angle are smoothed: long beside a sample, short beside the swings of a contact.
+pub const SMOOTHING_S: f64 = 0.004;
+
+/// Time constant in s of the rate before a push: it lags the torque, whose observer is not at once there.
+const BEFORE_S: f64 = 0.008;
+
+/// Longest push that turns the motion, in `t_q`.
+const SHORT: f64 = 1.0 / 3.0;
 
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
+
+/// Time in s without a new push, after which motion away gives the contact back.
+const SETTLED_S: f64 = 0.3;
+
+/// Share of `K_e` by which the torque falls with the motion where the column is still held.
+const HELD: f64 = 0.25;
 
 /// What a law does in contact.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +80,9 @@ pub struct ContactLaw<S> {
     stiffness: S,
     rate: S,
     damping: S,
+    speed: S,
     threshold: S,
+    environment: S,
     quick: S,
     near: S,
     travel: S,
@@ -67,18 +94,34 @@ pub struct ContactLaw<S> {
 pub struct ContactState<S> {
     /// Share of the contact, 0 to 1.
     pub share: S,
-    /// Angle of the column at which it began last, in rad.
+    /// Angle of the column in rad at which it was noticed last.
     pub place: S,
+    /// Torque there in N m.
+    place_torque: S,
+    /// Torque without its noise in N m.
+    torque: S,
+    /// Angle smoothed likewise, in rad.
+    angle: S,
+    /// Rate of that angle in rad/s, smoothed once more.
+    rate: S,
+    /// Peak of the torque of late in N m.
+    peak: S,
     /// Side to which the torque pushed last, -1, 0 or 1.
     side: S,
     /// Time since that push began, in s.
     since: S,
     /// Whether it lasts: 0 if not, 1 if it went against the motion when it began, else -1.
     push: S,
-    /// Peak of the torque of late in N m.
-    peak: S,
-    /// The torque without its noise, in N m.
-    smooth: S,
+    /// Rate before it in rad/s.
+    before: S,
+    /// Largest torque of it in N m.
+    extreme: S,
+    /// Angle there in rad.
+    extreme_angle: S,
+    /// Largest torque of the push before, in N m.
+    last: S,
+    /// Swings in a row that count.
+    swings: S,
 }
 
 /// What the law is told at a sample.
@@ -95,32 +138,47 @@ pub struct ContactInputs<S> {
 }
 
 impl<S: Scalar> ContactState<S> {
-    /// Nothing touches; the hand has pushed with `torque` for long.
+    /// Nothing touches at an angle; the hand has pushed with `torque` for long.
     #[inline(always)]
-    pub fn free(torque: S) -> Self {
+    pub fn free(torque: S, angle: S) -> Self {
         let (zero, one) = (torque.zero(), torque.constant(1.0));
         Self {
             share: zero,
-            place: zero,
+            place: angle,
+            place_torque: torque,
+            torque,
+            angle,
+            rate: zero,
+            peak: torque.abs(),
             side: one.times_sign(torque),
             since: one,
             push: -one,
-            peak: torque.abs(),
-            smooth: torque,
+            before: zero,
+            extreme: torque,
+            extreme_angle: angle,
+            last: zero,
+            swings: zero,
         }
     }
 
     /// Visits each number.
     #[inline(always)]
     pub fn visit(&mut self, visitor: &mut impl MemoryVisitor<S>) {
-        let Self { share, place, side, since, push, peak, smooth } = self;
-        visitor.nonlinear("contact_share", share);
-        visitor.nonlinear("contact_place", place);
-        visitor.nonlinear("contact_side", side);
-        visitor.nonlinear("contact_since", since);
-        visitor.nonlinear("contact_push", push);
-        visitor.nonlinear("contact_peak", peak);
-        visitor.nonlinear("contact_smooth", smooth);
+        visitor.nonlinear("contact_share", &mut self.share);
+        visitor.nonlinear("contact_place", &mut self.place);
+        visitor.nonlinear("contact_place_torque", &mut self.place_torque);
+        visitor.nonlinear("contact_torque", &mut self.torque);
+        visitor.nonlinear("contact_angle", &mut self.angle);
+        visitor.nonlinear("contact_rate", &mut self.rate);
+        visitor.nonlinear("contact_peak", &mut self.peak);
+        visitor.nonlinear("contact_side", &mut self.side);
+        visitor.nonlinear("contact_since", &mut self.since);
+        visitor.nonlinear("contact_push", &mut self.push);
+        visitor.nonlinear("contact_before", &mut self.before);
+        visitor.nonlinear("contact_extreme", &mut self.extreme);
+        visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
+        visitor.nonlinear("contact_last", &mut self.last);
+        visitor.nonlinear("contact_swings", &mut self.swings);
     }
 }
 
@@ -128,9 +186,9 @@ impl<S: Scalar> ContactLaw<S> {
     /// The numbers one after the other.
     #[inline(always)]
     pub fn take(mut next: impl FnMut() -> S) -> Self {
-        let (per_angle, stiffness, rate, damping) = (next(), next(), next(), next());
-        let (threshold, quick, near, travel) = (next(), next(), next(), next());
-        Self { per_angle, stiffness, rate, damping, threshold, quick, near, travel }
+        let (per_angle, stiffness, rate, damping, speed) = (next(), next(), next(), next(), next());
+        let (threshold, environment, quick, near, travel) = (next(), next(), next(), next(), next());
+        Self { per_angle, stiffness, rate, damping, speed, threshold, environment, quick, near, travel }
     }
 
     /// A law that knows of no contact.
@@ -144,31 +202,77 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn noticed(
         &self,
         torque: S,
-        [angle, rate]: [S; 2],
-        state: ContactState<S>,
+        [column, column_rate]: [S; 2],
+        was: ContactState<S>,
         h: S,
     ) -> (ContactState<S>, S::Mask) {
         let (zero, one) = (torque.zero(), torque.constant(1.0));
-        let smooth = state.smooth + (torque - state.smooth) * h.times(1.0 / SMOOTH_S).min(one);
-        let torque = smooth;
-        let peak = torque.abs().max(state.peak - state.peak * quotient(h, self.quick).times(1.0 / PEAK_LASTS));
+        let smoothing = h.times(1.0 / SMOOTHING_S).min(one);
+        let (torque, angle) =
+            (was.torque + (torque - was.torque) * smoothing, was.angle + (column - was.angle) * smoothing);
+        let now_rate = (angle - was.angle) / h;
+        let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
+        let peak = torque.abs().max(was.peak - was.peak * quotient(h, self.quick).times(1.0 / PEAK_LASTS));
+
         let least = self.threshold.max(peak.times(OF_PEAK));
         let pushes = least.less(torque.abs()) & zero.less(self.threshold);
-        let to_other_side = pushes & (torque * state.side).less(zero);
-        let turned = to_other_side | (pushes & !zero.less(state.push.abs()));
-        let struck = !pushes & zero.less(state.push);
-        let noticed = (to_other_side | struck) & state.since.less(self.quick);
-        let side = S::select(turned, one.times_sign(torque), state.side);
-        let since = S::select(turned, zero, (state.since + h).min(self.quick));
-        let against = S::select((rate.times_sign(torque)).less(-one.times(MOVES_RAD_PER_S)), one, -one);
-        let push = S::select(turned, against, S::select(pushes, state.push, zero));
-        let begins = noticed & state.share.less(one.times(0.5));
-        let place = S::select(begins, angle, state.place);
-        let (from, away) = (angle - place, rate * (angle - place));
-        let moves = self.near.less(from.abs()) & zero.less(away) & !since.less(self.quick);
-        let gone = S::select(moves, quotient((rate * h).abs(), self.travel), zero);
-        let share = S::select(noticed, one, (state.share - gone).max(zero));
-        (ContactState { share, place, side, since, push, peak, smooth }, begins)
+        let lasted = zero.less(was.push.abs());
+        let to_other_side = pushes & (torque * was.side).less(zero);
+        let begins = to_other_side | (pushes & !lasted);
+        let over = lasted & !pushes;
+        let quick = was.since.less(self.quick);
+
+        let (fell, went) = (torque - was.extreme, angle - was.extreme_angle);
+        let hard = (self.environment * went.abs()).less(fell.abs());
+        let stiff = hard & !zero.less(fell * went);
+        let swing = to_other_side & quick;
+        let counts = stiff | !was.extreme.abs().less(was.last.times(GROWTH));
+        let swings = S::select(
+            swing,
+            S::select(counts, was.swings + one, zero),
+            S::select(to_other_side | !quick, zero, was.swings),
+        );
+        let moves = one.times(MOVES_RAD_PER_S);
+        let struck = over & quick & stiff & zero.less(was.push);
+        let turned = over
+            & hard
+            & was.since.less(self.quick.times(SHORT))
+            & (was.before * was.side).less(-moves)
+            & moves.less(now_rate * was.side);
+        let touches = zero.less(was.share);
+        let noticed = !swings.less(one.times(SWINGS)) | struck | turned | (swing & touches);
+
+        let side = S::select(begins, one.times_sign(torque), was.side);
+        let larger = begins | (was.extreme * side).less(torque * side);
+        let against = S::select((rate * side).less(-moves), one, -one);
+        let place = S::select(noticed, column, was.place);
+        let place_torque = S::select(noticed, torque, was.place_torque);
+        let since = S::select(begins, zero, (was.since + h).min(one));
+
+        let from = column - place;
+        let held = ((torque - place_torque) * from).less(-(self.environment * from * from).times(HELD));
+        let away = self.near.less(from.abs()) & zero.less(column_rate * from);
+        let leaves = away & !held & !since.less(one.times(SETTLED_S));
+        let gone = S::select(leaves, quotient((column_rate * h).abs(), self.travel), zero);
+        let whole = noticed | (touches & from.abs().less(self.near));
+        let state = ContactState {
+            share: S::select(whole, one, (was.share - gone).max(zero)),
+            place,
+            place_torque,
+            torque,
+            angle,
+            rate,
+            peak,
+            side,
+            since,
+            push: S::select(begins, against, S::select(pushes, was.push, zero)),
+            before: S::select(begins, rate, was.before),
+            extreme: S::select(larger, torque, was.extreme),
+            extreme_angle: S::select(larger, angle, was.extreme_angle),
+            last: S::select(to_other_side, was.extreme.abs(), was.last),
+            swings,
+        };
+        (state, noticed & was.share.less(one.times(0.5)))
     }
 
     /// Displacement of the feel at which the drive stands.
@@ -186,10 +290,11 @@ impl<S: Scalar> ContactLaw<S> {
         [free[0] + share * (command - free[0]), free[1] + share * (torque - free[1])]
     }
 
-    /// What the damping leaves of the feel's rate after a period, `per_torque` one over its inertia.
+    /// What damping and the drive's speed leave of the feel's rate after a period, `per_torque` one over its inertia.
     #[inline(always)]
     pub fn damped(&self, share: S, rate: S, per_torque: S, h: S) -> S {
         let one = rate.constant(1.0);
-        rate / (one + share * self.damping * per_torque * h)
+        let fastest = self.speed / share.max(one.times(1e-6));
+        (rate / (one + share * self.damping * per_torque * h)).min(fastest).max(-fastest)
     }
 }

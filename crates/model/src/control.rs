@@ -315,7 +315,7 @@ impl<S: Scalar> Control<S> {
     pub fn remember(&self, sensors: [S; SENSORS], estimate: Estimate<S>, feel: [S; 2]) -> LawState<S> {
         let (y, [_, position, base, _]) = (self.sampled(&sensors), sensors);
         let friction_state = self.observer.output(&estimate, &y, feel, None).friction_state;
-        let contact_state = ContactState::free(friction_state.feel_torque);
+        let contact_state = ContactState::free(friction_state.feel_torque, base * self.per_base);
         LawState { base, position, estimate, friction_state, contact_state }
     }
 

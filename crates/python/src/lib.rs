@@ -47,6 +47,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BOUND_RAD", forcefeel_simulate::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
+    module.add("CONTACT_SMOOTHING_S", forcefeel_model::contact_law::SMOOTHING_S)?;
     module.add("MOST_RECURSION_STEPS", solve::MOST_STEPS)?;
     module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
     module.add("PERIOD_SHOWN", forcefeel_model::machine::period::SHOWN)?;

@@ -230,19 +230,32 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
 
 
 def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
-    """Part of a law for contact: alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t."""
+    """Part of a law for contact: alpha R_b, k_x, k_v, B_c, v_m, T_min, K_e, t_q, theta_n, theta_t."""
     radian = Unit("rad", "rad", "rad")
     units = (
         Unit("m", "m", "in"),
         Unit(f"{command}/m", f"{command}/m", f"{command}/in"),
         Unit(f"{command} s/m", f"{command} s/m", f"{command} s/in"),
         Unit("N m s/rad", "N m s/rad", "lb in s/rad"),
+        Unit("rad/s", "rad/s", "rad/s"),
         Unit("N m", "N m", "lb in"),
+        Unit("N m/rad", "N m/rad", "lb in/rad"),
         SECONDS,
         radian,
         radian,
     )
-    names = ("per_angle", "stiffness", "rate", "damping", "threshold", "quick", "near", "travel")
+    names = (
+        "per_angle",
+        "stiffness",
+        "rate",
+        "damping",
+        "speed",
+        "threshold",
+        "environment",
+        "quick",
+        "near",
+        "travel",
+    )
     for name, value, of in zip(names, numbers, units, strict=True):
         meaning = f"{name.replace('_', ' ')} in contact"
         yield Row(setting + 1, "gain", f"law.contact_{name}", meaning, value, of)

@@ -231,8 +231,6 @@ class Law:
     def with_contact(self, loader: Loader) -> "Law":
         """The law with its part for contact: ``laws.sampled.contact_law``.
 
-        It is quiet against clamps and stops, and takes some free releases for contact.
-
         Raises:
             InputError: If it has no observer that reads the load cell, or no settings of its own.
 
@@ -241,7 +239,7 @@ class Law:
             >>> loader = ff.digital_elevator()
             >>> law = ff.Law.of("robust", loader).with_contact(loader)
             >>> law.sampled.contact.shape
-            (1, 8)
+            (1, 10)
         """
         law = self.sampled
         observes = law is not None and law.torque[:, : law.states].any() and law.input[..., 0].any()

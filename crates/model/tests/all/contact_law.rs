@@ -7,7 +7,7 @@ use forcefeel_model::contact_law::{ContactLaw, ContactState};
 const H: f64 = 5e-4;
 
 fn law() -> ContactLaw<f64> {
-    let mut numbers = [0.15, 900.0, 0.0, 500.0, 4.0, 0.1, 0.01, 0.02].into_iter();
+    let mut numbers = [0.15, 900.0, 0.0, 500.0, 40.0, 4.0, 1900.0, 0.1, 0.01, 0.02].into_iter();
     ContactLaw::take(|| numbers.next().unwrap())
 }
 
@@ -35,35 +35,55 @@ fn still(_: f64) -> [f64; 2] {
     [0.0, 0.0]
 }
 
-#[test]
-fn a_quick_swing_is_contact_and_a_hand_is_none() {
-    let free = ContactState::free(0.0);
-    assert_eq!(after(1.0, swing(12.0), still, free).share, 1.0);
-    assert_eq!(after(3.0, swing(2.0), still, free).share, 0.0);
+fn free() -> ContactState<f64> {
+    ContactState::free(0.0, 0.0)
 }
 
 #[test]
-fn a_short_push_against_the_motion_is_contact_and_one_along_it_is_none() {
-    let blow = |time: f64| if (0.1..0.13).contains(&time) { -60.0 } else { 0.0 };
-    let free = ContactState::free(0.0);
-    assert_eq!(after(0.3, blow, |_| [0.0, 1.0], free).share, 1.0);
-    assert_eq!(after(0.3, blow, |_| [0.0, -1.0], free).share, 0.0);
+fn a_quick_swing_against_something_stiff_is_contact_and_a_hand_is_none() {
+    assert_eq!(after(1.0, swing(12.0), still, free()).share, 1.0);
+    assert_eq!(after(3.0, swing(2.0), still, free()).share, 0.0);
+}
+
+#[test]
+fn a_soft_swing_is_contact_where_it_grows_and_none_where_it_decays() {
+    let (hertz, soft) = (12.0, 500.0);
+    let torque = |growth: f64| move |time: f64| (growth * time).exp() * swing(hertz)(time);
+    let column = |growth: f64| move |time: f64| [-torque(growth)(time) / soft, 0.0];
+    assert_eq!(after(0.5, torque(6.0), column(6.0), free()).share, 1.0);
+    assert_eq!(after(0.5, torque(-3.0), column(-3.0), free()).share, 0.0);
+}
+
+#[test]
+fn a_short_push_that_turns_the_motion_is_contact_and_one_along_it_is_none() {
+    let blow = |time: f64| if (0.1..0.11).contains(&time) { -60.0 } else { 0.0 };
+    let bounces = |time: f64| [if time < 0.105 { time } else { 0.21 - time }, 0.0];
+    assert_eq!(after(0.3, blow, bounces, free()).share, 1.0);
+    assert_eq!(after(0.3, blow, |time| [-time, -1.0], free()).share, 0.0);
 }
 
 #[test]
 fn a_release_is_no_contact() {
-    let held = ContactState::free(190.0);
+    let held = ContactState::free(190.0, 0.17);
     assert_eq!(after(0.3, |_| 0.0, |time| [0.17 - time, -1.0], held).share, 0.0);
 }
 
 #[test]
 fn a_column_that_stays_keeps_it_and_one_that_goes_away_gives_it_back() {
-    let touched = after(1.0, swing(12.0), still, ContactState::free(0.0));
+    let touched = after(1.0, swing(12.0), still, free());
     assert_eq!(after(5.0, |_| 10.0, still, touched).share, 1.0);
-    let half = after(0.2, |_| 10.0, |time| [0.1 * time, 0.1], touched);
+    let half = after(0.4, |_| 10.0, |time| [0.1 * time, 0.1], touched);
     let gone = after(1.0, |_| 10.0, |time| [0.1 * time, 0.1], touched);
     assert!((0.3..0.9).contains(&half.share), "{}", half.share);
     assert_eq!(gone.share, 0.0);
+}
+
+#[test]
+fn a_column_that_a_spring_pushes_back_keeps_it() {
+    let touched = after(1.0, swing(12.0), still, free());
+    let spring = 4e3;
+    let pushed_back = after(2.0, |time| 60.0 - spring * 0.1 * time, |time| [0.1 * time, 0.1], touched);
+    assert_eq!(pushed_back.share, 1.0);
 }
 
 #[test]
@@ -71,4 +91,5 @@ fn the_damping_takes_speed_and_never_turns_it() {
     let left = law().damped(1.0, 2.0, 1.0 / 0.1, H);
     assert!((left - 2.0 / 3.5).abs() < 1e-12, "2 / (1 + 500 * 10 * 0.0005), got {left}");
     assert_eq!(law().damped(0.0, 2.0, 10.0, H), 2.0);
+    assert_eq!(law().damped(1.0, -1e3, 0.01, H), -40.0, "the drive's speed");
 }

@@ -23,10 +23,12 @@ from math import pi, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.laws.sampled.plant import drive_lag_s, link_stiffness
+from forcefeel._core import CONTACT_SMOOTHING_S
+from forcefeel.laws.sampled.plant import drive_lag_s, friction_off, link_stiffness
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.sensors import sample_variance
 
 BANDWIDTH = 0.45
 """``w`` times the drive's lag. At 0.4 one of the motors swings against a weakly damped contact, at 0.5 two others do."""
@@ -37,14 +39,27 @@ DAMPING_RATIO = 0.8
 DAMPING = 2.0, 2.0
 """``B_c w / K`` and ``B_c^2 / (K I)``; the larger ``B_c`` counts. At a quarter of both contacts begin to swing."""
 
-FORCE_N = 4.5
-"""Least force at the grip, either way, that counts as a swing: 1 lb."""
+FORCE_N = 6.7
+"""Least force at the grip, either way, that counts as a push: 1.5 lb, and what the dry friction may be off."""
+
+SIGMAS = 6.0
+"""The same in standard deviations of the estimate's noise."""
+
+ENVIRONMENT_N_PER_M = 5000.0
+"""Stiffness at the grip that no arm has: five times the firm arm's."""
+
+SPEED = 0.5
+"""Share of the speed at which the drive can follow a swing at its bandwidth: limited current and flow would make it swing on."""
 
 QUICK_S, OF_PERIOD = 0.1, 0.25
 """Longest time between two sides of a swing, and the same as a share of the feel's period: no hand is as quick."""
 
 NEAR_RAD, TRAVEL_RAD = radians(0.5), radians(1.0)
 """Distance from the place of the contact up to which its law stays, and the travel away from it over which it is given back."""
+
+
+_MOST_SPEED = 1e6
+"""In rad/s, in place of infinity, which no law file holds."""
 
 
 def position_gains(loader: Loader, bandwidth: float) -> tuple[float, float, float]:
@@ -61,10 +76,43 @@ def position_gains(loader: Loader, bandwidth: float) -> tuple[float, float, floa
     return bandwidth / per_volt, 0.0, bandwidth
 
 
+def fastest(loader: Loader, bandwidth: float) -> float:
+    """Speed of the feel in rad/s that a drive can follow while it swings at ``bandwidth`` in rad/s: no limit is infinity."""
+    travel = loader["linkage.ratio"] * loader["column.base_arm"]
+    if loader.drive == ELECTRIC:
+        # M x'' = k_f i_max, and x'' is w x' in a swing.
+        end = loader["transmission.travel"]
+        force = loader["current_loop.current_limit"] * loader["motor.torque_constant"] / end
+        return force * end**2 / loader["motor.inertia"] / bandwidth / travel
+    return loader["valve.rated_flow"] / loader["actuator.area"] / travel
+
+
+def torque_noise(law: SampledLaw, loader: Loader) -> NDArray[np.float64]:
+    """Standard deviation of the smoothed torque estimate by the noise of the sensors, of each setting in N m.
+
+    Noise moves the estimate by the observer's own error, whatever the command does: ``xi+ = A xi + B n``, ``T = t [xi; n]``,
+    ``s+ = s + g (T - s)``. Covariance by doubling, ``P = P + M P M'``, ``M = M^2``.
+    """
+    sensors, states, share = law.sampled, law.states, min(law.period_s / CONTACT_SMOOTHING_S, 1.0)
+    move = np.zeros((law.settings, states + 1, states + 1))
+    move[:, :states, :states] = law.transition
+    move[:, states, :states], move[:, states, states] = share * law.torque[:, :states], 1 - share
+    noise = np.zeros((law.settings, states + 1, sensors))
+    noise[:, :states] = law.input[:, :, :sensors]
+    noise[:, states] = share * law.torque[:, states : states + sensors]
+    covariance = noise * sample_variance(loader)[:sensors] @ noise.transpose(0, 2, 1)
+    for _ in range(_DOUBLINGS):
+        covariance = covariance + move @ covariance @ move.transpose(0, 2, 1)
+        move = move @ move
+    return np.asarray(np.sqrt(covariance[:, states, states]))
+
+
+_DOUBLINGS = 14
+"""16,384 periods: an observer has settled long before."""
+
+
 def with_contact(law: SampledLaw, loader: Loader, feel: NDArray[np.float64]) -> SampledLaw:
     """The law with its part for contact, for settings I, B, G in SI units, a row each.
-
-    No design has it yet: ``Law.with_contact`` adds it. It mistakes some free releases for contact (``benchmarks/contact.py``).
 
     Example:
         >>> import forcefeel as ff
@@ -73,18 +121,23 @@ def with_contact(law: SampledLaw, loader: Loader, feel: NDArray[np.float64]) -> 
         True
     """
     inertia, damping, stiffness = feel.T
-    k_x, k_v, bandwidth = position_gains(loader, BANDWIDTH / drive_lag_s(loader))
+    own = BANDWIDTH / drive_lag_s(loader)
+    k_x, k_v, bandwidth = position_gains(loader, own)
     link = link_stiffness(loader)
     enough = np.maximum(DAMPING[0] * link / bandwidth, np.sqrt(DAMPING[1] * link * inertia))
     quick = np.minimum(QUICK_S, OF_PERIOD * 2 * pi * np.sqrt(inertia / stiffness))
     # A stick shaker swings a hand that holds the grip.
-    force = max(FORCE_N, 2 * loader["feel.shaker_force"]) * loader["column.grip_arm"]
+    arm = loader["column.grip_arm"]
+    force = max(FORCE_N + max(friction_off(loader)), 2 * loader["feel.shaker_force"]) * arm
+    least = np.maximum(force, SIGMAS * torque_noise(law, loader))
     columns = (
         loader["linkage.ratio"] * loader["column.base_arm"],
         k_x,
         k_v,
         np.maximum(enough - damping, 0.0),
-        force,
+        min(SPEED * fastest(loader, own), _MOST_SPEED),
+        least,
+        ENVIRONMENT_N_PER_M * arm**2,
         quick,
         NEAR_RAD,
         TRAVEL_RAD,

@@ -200,7 +200,7 @@ class SampledPlant:
         phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
         _, whole = _core.discretize(a, b, timing[0])
         places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
-        least, most = _friction_off(loader)
+        least, most = friction_off(loader)
         arm = loader["column.grip_arm"]
         known = loader[_FRICTION] * arm, (least * arm, most * arm)
         return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0], *known)
@@ -309,7 +309,7 @@ def _drag(loader: Loader) -> float:
 _FRICTION = "column.coulomb_friction"
 
 
-def _friction_off(loader: Loader) -> tuple[float, float]:
+def friction_off(loader: Loader) -> tuple[float, float]:
     """By how much the column's dry friction may be off, N at the grip: by its tolerance, or by a share that is assumed."""
     stated = loader[_FRICTION]
     low, high = (
