@@ -12,8 +12,8 @@ from forcefeel.qualification.records import Record
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.tolerance import Tolerance
-from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict
-from forcefeel.units import UnitSystem, show
+from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict, check_kind, check_unit
+from forcefeel.units import UnitSystem
 
 _COVERED = 0.9
 """Least share of the reference's curve that both curves must cover."""
@@ -55,8 +55,8 @@ def judge_sweep(
         >>> sorted({verdict.outcome.value for verdict in ff.qualification.judge_sweep(same, same, test)})
         ['not evaluated', 'passed']
     """
-    _check_kind(test, "static", "freeplay")
-    _check_unit(measured, reference)
+    check_kind(test, "static", "freeplay")
+    check_unit(measured, reference)
     verdicts: list[Verdict] = []
     for rule in test.tolerances:
         row = Row(test.number, rule, test.is_verified(rule), coverage)
@@ -102,9 +102,9 @@ def judge_dynamic_sweep(
         InputError: If durations differ by more than a fifth, one position is an angle and another a length, or the test is
             of another kind.
     """
-    _check_kind(test, "dynamic sweep")
+    check_kind(test, "dynamic sweep")
     for first, second in ((measured, reference), (slow, reference_slow), (measured, slow)):
-        _check_unit(first, second)
+        check_unit(first, second)
     for first, second in ((measured, reference), (slow, reference_slow)):
         if abs(first.duration_s - second.duration_s) > _SAME_DURATION * second.duration_s:
             lasted = f"{first.name} lasts {first.duration_s:.4g} s, {second.name} {second.duration_s:.4g} s"
@@ -139,7 +139,7 @@ def judge_small_inputs(
     Raises:
         InputError: If the reference is shorter than the record, or the test is of another kind.
     """
-    _check_kind(test, "small inputs")
+    check_kind(test, "small inputs")
     (rule,) = test.tolerances
     row = Row(test.number, rule, test.is_verified(rule), coverage)
     from scipy.interpolate import CubicSpline  # noqa: PLC0415  only here
@@ -212,14 +212,3 @@ def _worst(
     worst = int(np.argmax(ratio))
     figures = Figure(float(measured[worst]), known[0], unit), Figure(float(reference[worst]), known[1], unit)
     return row.decide(name, figures, float(limit[worst]), at=float(at[worst]))
-
-
-def _check_kind(test: Test, *kinds: str) -> None:
-    if test.kind not in kinds:
-        raise InputError(f"test: expected a {' or '.join(kinds)} test, got {show(test.number)}, a {test.kind} test")
-
-
-def _check_unit(sweep: SweepFeatures, other: SweepFeatures) -> None:
-    if sweep.position_unit != other.position_unit:
-        came = f"{sweep.name} is in {sweep.position_unit}, {other.name} in {other.position_unit}"
-        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")
