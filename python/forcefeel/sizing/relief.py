@@ -46,13 +46,7 @@ class Relief:
 
 
 def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief | None:
-    """The simulated release; ``None`` if no law can be designed, or the run diverges.
-
-    Args:
-        drive: The drive of the loader.
-        angle_rad: Angle of the release.
-        duration_s: Evaluated duration.
-    """
+    """The simulated release, evaluated over ``duration_s``; ``None`` if no law can be designed, or the run diverges."""
     loader = drive.loader
     try:
         law = Law.of(None, loader)
