@@ -85,7 +85,6 @@ def judge_dynamic_sweep(
     test: Test,
     *,
     system: UnitSystem = UnitSystem.US,
-    coverage: float = COVERAGE,
 ) -> tuple[Verdict, ...]:
     """Verdicts on a medium or a fast sweep: its force minus that of the slow one, compared with the reference.
 
@@ -96,7 +95,6 @@ def judge_dynamic_sweep(
         reference_slow: The reference's slow one.
         test: A dynamic sweep of a rule.
         system: Unit system that selects the rule's rounding of forces.
-        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If durations differ by more than a fifth, one position is an angle and another a length, or the test is
@@ -110,7 +108,7 @@ def judge_dynamic_sweep(
             lasted = f"{first.name} lasts {first.duration_s:.4g} s, {second.name} {second.duration_s:.4g} s"
             raise InputError(f"expected sweeps of the same duration within {100 * _SAME_DURATION:g} %; {lasted}")
     (rule,) = test.tolerances
-    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    row = Row(test.number, rule, test.is_verified(rule))
     verdicts = []
     for direction in ("up", "down"):
         at = reference.position - reference.neutral
@@ -123,9 +121,7 @@ def judge_dynamic_sweep(
     return tuple(verdicts)
 
 
-def judge_small_inputs(
-    record: Record, reference: Record, test: Test, *, coverage: float = COVERAGE
-) -> tuple[Verdict, ...]:
+def judge_small_inputs(record: Record, reference: Record, test: Test) -> tuple[Verdict, ...]:
     """Verdict on the body rate after a small input, over time from each record's start.
 
     The sampling rates may differ: the curves are compared at the samples of both, through cubic splines.
@@ -134,14 +130,13 @@ def judge_small_inputs(
         record: Record with a body rate; without it the test is not evaluated.
         reference: The reference's record.
         test: A small-inputs test of a rule.
-        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If the reference is shorter than the record, or the test is of another kind.
     """
     check_kind(test, "small inputs")
     (rule,) = test.tolerances
-    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    row = Row(test.number, rule, test.is_verified(rule))
     from scipy.interpolate import CubicSpline  # noqa: PLC0415  only here
 
     rate, reference_rate = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
