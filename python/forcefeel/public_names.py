@@ -12,12 +12,7 @@ from typing import Any
 
 
 def public_names(package: str, init_file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """``__getattr__``, ``__dir__`` and ``__all__`` of a package whose names stand in its ``__init__.pyi``.
-
-    Args:
-        package: Its ``__name__``.
-        init_file: Its ``__file__``.
-    """
+    """``__getattr__``, ``__dir__`` and ``__all__`` of the package with this ``__name__`` and ``__file__``, from its stub."""
     homes = imports_of(Path(init_file).with_suffix(".pyi"))
 
     def fetch(name: str) -> Any:

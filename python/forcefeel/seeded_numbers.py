@@ -18,14 +18,7 @@ _KEY_BYTES = 16
 
 
 def shares(seed: int, key: str, first: int, count: int) -> NDArray[np.float64]:
-    """Independent numbers, uniform between 0 and 1, of machines ``first`` to ``first + count - 1``.
-
-    Args:
-        seed: The seed of all.
-        key: The parameter's ``part.name``.
-        first: Index of the first machine.
-        count: How many.
-    """
+    """Independent numbers for the row ``key``, uniform between 0 and 1, of machines ``first`` to ``first + count - 1``."""
     digest = hashlib.sha256(f"{seed} {key}".encode()).digest()
     stream = np.random.Philox(key=int.from_bytes(digest[:_KEY_BYTES], "little"), counter=first // _BLOCK)
     skipped = first % _BLOCK

@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.choice import score as scoring
-from forcefeel.choice.page.folder import PAGE, RESULTS
+from forcefeel.choice.page.page import PAGE, RESULTS
 from tests.command_line import runs
 
 SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")

@@ -6,7 +6,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.choice import choose, score_laws
-from forcefeel.choice.page.folder import write_choice
+from forcefeel.choice.page.page import write_choice
 from forcefeel.laws.law import names_for
 from forcefeel.units import UnitSystem
 from tests.pages import ROUNDING_PX, EveryPage, views_of, words_cut

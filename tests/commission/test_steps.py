@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
-from forcefeel.commission.page.folder import check_folder, write_commission
+from forcefeel.commission.page.page import check_folder, write_commission
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import (
     Commission,

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from forcefeel.design.figure_data import Figure, figures
-from forcefeel.design.page import folder, write_report
+from forcefeel.design.page import page as report_page
+from forcefeel.design.page.page import write_report
 from forcefeel.design.page.plots import draw
 from forcefeel.design.workflow import Design, design_loader
 from forcefeel.errors import InputError
@@ -164,7 +165,7 @@ def test_unwritable_out_is_refused(designed):
 
 def test_failure_during_computation_keeps_the_old_report(out, designed, monkeypatch):
     before = _files(out)
-    monkeypatch.setattr(folder, "page", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(report_page, "_page", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write_report(designed, out, UnitSystem.SI)
     assert _files(out) == before

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from forcefeel.design.page import write_report
+from forcefeel.design.page.page import write_report
 from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader

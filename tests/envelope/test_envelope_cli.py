@@ -10,8 +10,7 @@ import xarray as xr
 
 import forcefeel as ff
 from forcefeel.envelope import run as envelope_run
-from forcefeel.envelope.page.folder import PAGE, RESULTS
-from forcefeel.envelope.page.page import Files
+from forcefeel.envelope.page.page import PAGE, RESULTS, Files
 from tests.command_line import runs
 
 SMALL = (

@@ -13,8 +13,7 @@ from forcefeel.envelope.cases import Case, Kind
 from forcefeel.envelope.deviations import Deviation, Origin
 from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.machines import machines
-from forcefeel.envelope.page.folder import PAGE, RESULTS
-from forcefeel.envelope.page.page import Files
+from forcefeel.envelope.page.page import PAGE, RESULTS, Files
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError

@@ -10,7 +10,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.flight_schedule import check, read_knots
-from forcefeel.flight_schedule.page.folder import GAINS, PAGE, RESULTS
+from forcefeel.flight_schedule.page.page import GAINS, PAGE, RESULTS
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from tests.command_line import runs
 

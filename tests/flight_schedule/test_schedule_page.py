@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.flight_schedule import ScheduleAxis, ScheduleCheck, check_schedule, design_schedule, second_order_feel
-from forcefeel.flight_schedule.page.folder import write_schedule
+from forcefeel.flight_schedule.page.page import write_schedule
 from forcefeel.units import UnitSystem
 from tests.pages import EveryPage, views_of
 

@@ -9,7 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.frontier import run as frontier_run
-from forcefeel.frontier.page.folder import PAGE, RESULTS
+from forcefeel.frontier.page.page import PAGE, RESULTS
 from forcefeel.frontier.result import Limit
 from tests.command_line import runs
 

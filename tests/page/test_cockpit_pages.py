@@ -42,8 +42,8 @@ def pages(guide, envelopes, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     folder = tmp_path_factory.mktemp("pages")
     units = ff.UnitSystem.US
     return {
-        GUIDE: ff.qualification.write_cockpit(guide, folder / GUIDE, units),
-        ENVELOPES: ff.envelope.write_cockpit(envelopes, folder / ENVELOPES, units),
+        GUIDE: ff.qualification.write_qualification(guide, folder / GUIDE),
+        ENVELOPES: ff.envelope.write_envelope(envelopes, folder / ENVELOPES, units),
     }
 
 
@@ -87,7 +87,7 @@ def test_axes_table_links_to_existing_pages(pages, envelopes):
 
 
 def test_loader_envelope_replaces_cockpit_envelope(envelopes, tmp_path):
-    ff.envelope.write_cockpit(envelopes, tmp_path / "out", ff.UnitSystem.US)
+    ff.envelope.write_envelope(envelopes, tmp_path / "out", ff.UnitSystem.US)
     one = ff.envelope.write_envelope(envelopes.axes["yaw"], tmp_path / "out", ff.UnitSystem.US, replace=True)
     assert {file.name for file in one.parent.iterdir()} == {
         "envelope.html",

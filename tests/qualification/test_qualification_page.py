@@ -14,7 +14,7 @@ import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.page.chromium import find_chromium
 from forcefeel.qualification import Record
-from forcefeel.qualification.page import folder as qualification_folder
+from forcefeel.qualification.page.page import FOLDER
 from forcefeel.qualification.page.release_plot import release
 from forcefeel.units import UnitSystem
 from tests.pages import ROUNDING_PX, EveryPage, views_of, words, words_cut
@@ -227,7 +227,7 @@ def test_failed_write_leaves_folder_unchanged(made, tmp_path, monkeypatch):
 def test_folder_in_place_of_file_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
-        qualification_folder.FOLDER.check(tmp_path)
+        FOLDER.check(tmp_path)
 
 
 def test_chromium_without_pdf_output_raises_input_error(made, tmp_path, monkeypatch):

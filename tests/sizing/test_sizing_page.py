@@ -25,7 +25,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     project = folder / "cockpit.toml"
     project.write_text('[axes]\npitch = "elevator-1974"\nyaw = "rudder-pedals"\n', encoding="utf-8")
     cockpit = ff.sizing.size_cockpit(ff.loader.read_project(project))
-    return {**found, COCKPIT: ff.sizing.write_cockpit(cockpit, folder / COCKPIT, ff.UnitSystem.SI)}
+    return {**found, COCKPIT: ff.sizing.write_sizing(cockpit, folder / COCKPIT, ff.UnitSystem.SI)}
 
 
 COCKPIT = "cockpit"

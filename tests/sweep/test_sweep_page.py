@@ -12,9 +12,8 @@ from forcefeel.errors import InputError
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import StopToStop
 from forcefeel.sweep import Sweep, SweepResult, run_sweep
-from forcefeel.sweep.page import folder as sweep_folder
 from forcefeel.sweep.page import maps as sweep_maps
-from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
+from forcefeel.sweep.page.page import FOLDER, PAGE, RUNS_FOLDER, SUMMARY, write_sweep
 from forcefeel.sweep.page.plots import histogram
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
@@ -157,7 +156,7 @@ def test_input_without_end_has_its_own_measures(tmp_path):
     assert "overshoot" not in words(page).lower()
 
 
-@pytest.mark.parametrize("name", [sweep_folder.PAGE, sweep_folder.SUMMARY, "plan.json", "runs.nc"])
+@pytest.mark.parametrize("name", [PAGE, SUMMARY, "plan.json", "runs.nc"])
 def test_folder_in_place_of_file_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     whose = FOLDER if name in FOLDER.files else RUNS_FOLDER

@@ -388,12 +388,6 @@ impl<S: Scalar> Control<S> {
         free / (free - under(angle.constant(1.0)))
     }
 
-    /// Whether the law feeds the pilot's force back, which few loaders measure.
-    #[inline(always)]
-    pub fn wants_pilot_force(&self) -> S::Mask {
-        self.law.gains[6].zero().less(self.law.gains[6].abs())
-    }
-
     /// Begins to change the feel to that of `parameters`, and the law to `observer` where there is one; how far it is, the inputs'
     /// `fade` says.
     #[inline(always)]

@@ -21,13 +21,6 @@ pub struct DryFriction<S> {
 /// What the friction does during one step.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "S: serde::Serialize, S::Mask: serde::Serialize",
-        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
-    ))
-)]
 pub struct StickState<S: Scalar> {
     /// Whether the part sticks.
     pub stuck: S::Mask,

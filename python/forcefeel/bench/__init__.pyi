@@ -11,7 +11,7 @@ from forcefeel.bench.experiments import Experiment as Experiment
 from forcefeel.bench.experiments import Loop as Loop
 from forcefeel.bench.identification.fit import identify as identify
 from forcefeel.bench.identification.linear import model_response as model_response
-from forcefeel.bench.identification.page.folder import write_identification as write_identification
+from forcefeel.bench.identification.page.page import write_identification as write_identification
 from forcefeel.bench.identification.result import Estimate as Estimate
 from forcefeel.bench.identification.result import Identification as Identification
 from forcefeel.bench.record_file import read_bench_record as read_bench_record

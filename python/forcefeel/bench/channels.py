@@ -8,20 +8,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.tables.header import heading
-from forcefeel.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    CURRENT,
-    FLOW,
-    FORCE,
-    LENGTH,
-    MOTOR_CURRENT,
-    PRESSURE,
-    TEMPERATURE,
-    VOLTAGE,
-    Unit,
-    show,
-)
+from forcefeel.units import BY_SI, MOTOR_CURRENT, Unit, show
 
 _INPUTS: Mapping[str, Mapping[str, str]] = {
     HYDRAULIC: {"test_signal": "V", "pilot_force": "N", "command_signal": "V"},
@@ -83,14 +70,10 @@ def channel_and_unit(text: str) -> tuple[str, str]:
     return channel(column.name), column.unit
 
 
-_UNITS = {
-    quantity.si: quantity
-    for quantity in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
-}
 _AMPERES = ("motor_current", "test_current", "command_current")
 """Motor currents, which are stated in A."""
 
 
 def channel_unit(channel: str) -> Unit:
     """The units of a channel."""
-    return MOTOR_CURRENT if channel in _AMPERES else _UNITS[RECORDED[channel]]
+    return MOTOR_CURRENT if channel in _AMPERES else BY_SI[RECORDED[channel]]

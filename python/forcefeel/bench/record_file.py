@@ -4,15 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from forcefeel.bench.channels import OUTPUTS, RECORDED
-from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.live_record import check_live_columns
+from forcefeel.bench.experiments import Experiment, Loop
 from forcefeel.bench.record_checks import check_record
 from forcefeel.bench.records import HOLDS, BenchRecord, Hold
 from forcefeel.bench.stated import drive_channel, stated, stated_experiment
 from forcefeel.errors import InputError
 from forcefeel.tables.between import ALL, Times, take_between
 from forcefeel.tables.header import by_standard_name, locate, need
-from forcefeel.tables.table import Table
+from forcefeel.tables.table import LocatedColumns, Table
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
 
@@ -92,3 +91,23 @@ def record_of(
     record = BenchRecord(table.path.stem, under, read.values["time"], channels, HOLDS[runs], table.data_hash, table.run)
     check_record(record, read.places, read.own_units)
     return record
+
+
+def check_live_columns(table: Table, located: LocatedColumns, experiment: Experiment) -> None:
+    """Refuse an experiment that a live record cannot be of.
+
+    Raises:
+        InputError: If the experiment moves the servo alone, or the drive was not recorded, with the remedy.
+    """
+    if experiment.loop is not Loop.LOADER:
+        raise InputError(
+            f"{table.path}: is the record of a live run, of the whole loader under its law, and the argument experiment is "
+            f"{experiment}; expected 'loader pilot_force' or 'release'; leave it out"
+        )
+    drive = drive_channel(experiment)
+    if drive is not None and drive not in located:
+        raise InputError(
+            f"{table.path}: has no {drive}: nothing measured it in this run, whose machine is {table.run.get('machine', 'real')}; "
+            "hold the grip, let it go, and give that part as a release, by the argument experiment; or record the force at "
+            "the grip on a bench"
+        )

@@ -1,6 +1,6 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
-from forcefeel.choice.page.folder import write_choice as write_choice
+from forcefeel.choice.page.page import write_choice as write_choice
 from forcefeel.choice.quick_choice import best_law as best_law
 from forcefeel.choice.rule import Choice as Choice
 from forcefeel.choice.rule import choose as choose

@@ -16,13 +16,7 @@ from forcefeel.units import ANGLE, SECONDS, Json, UnitSystem, quantity
 
 
 def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
-    """Scores of all laws, the chosen law and the reasons.
-
-    Args:
-        scored: The laws with their scores.
-        choice: The choice; ``None`` for one law requested by name.
-        units: Units of all numbers except those of the law, which are SI.
-    """
+    """Scores of all laws, the choice, ``None`` for one law requested by name, and its reasons; the numbers of the law are SI."""
     plan, loader = scored.plan, scored.plan.loader
     conclusions = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
     taken = scored.scores[0].name if choice is None else choice.chosen

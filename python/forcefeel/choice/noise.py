@@ -32,12 +32,7 @@ class Noise:
 
 
 def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
-    """Effect of the sensor noise on the grip; ``None`` for an analog loader.
-
-    Args:
-        loader: The loader, without an arm.
-        law: A single law.
-    """
+    """Effect of the sensor noise on the grip of a loader without an arm, under one law; ``None`` for an analog loader."""
     if not loader["controller.period"]:
         return None
     held = loader.replace(dict(zip(ARM_ROWS, HOLDING.values, strict=True)), si=True)

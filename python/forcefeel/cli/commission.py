@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
 from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
@@ -22,7 +21,7 @@ from forcefeel.cli.options import (
 )
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import input_kind
 
@@ -142,7 +141,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
     """
     from forcefeel.commission import commission_loader, write_commission
     from forcefeel.commission.as_json import commission_json
-    from forcefeel.commission.page.folder import check_folder
+    from forcefeel.commission.page.page import check_folder
     from forcefeel.commission.simulated_bench import BenchTime
     from forcefeel.loader.built_in import open_loader
 
@@ -190,11 +189,11 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
 
 def _step_pages(plan: "CommissionPlan") -> "StepWriters":
     """The page and the results of each step, in its folder."""
-    from forcefeel.bench.identification.page.folder import write_identification
-    from forcefeel.choice.page.folder import write_choice
+    from forcefeel.bench.identification.page.page import write_identification
+    from forcefeel.choice.page.page import write_choice
     from forcefeel.commission import StepWriters
-    from forcefeel.envelope.page.folder import write_envelope
-    from forcefeel.qualification.page.folder import write_qualification
+    from forcefeel.envelope.page.page import write_envelope
+    from forcefeel.qualification.page.page import write_qualification
 
     units = plan.units
     return StepWriters(
@@ -217,10 +216,7 @@ def law_file(out: Path) -> Path | None:
 def _show(console: Terminal, commission: "Commission") -> None:
     from forcefeel.commission.findings import commission_conclusions, glance
 
-    table = Table(
-        "step", "result", title=f"{commission.before.name}, commissioned", title_justify="left", title_style="bold"
-    )
-    table.add_column("ok")
+    table = titled(f"{commission.before.name}, commissioned", "step", "result", "ok")
     for row in glance(commission):
         table.add_row(row.title, row.result, row.ok)
     console.show(table)

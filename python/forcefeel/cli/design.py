@@ -35,7 +35,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
     from forcefeel.design.motor_design import design_motor
-    from forcefeel.design.page import FOLDER, write_report
+    from forcefeel.design.page.page import FOLDER, write_report
     from forcefeel.laws.law import ROBUST
     from forcefeel.loader.parameters import ELECTRIC
 

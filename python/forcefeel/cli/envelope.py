@@ -11,7 +11,7 @@ from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, law_op
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from forcefeel.envelope import CockpitEnvelope, Envelope
     from forcefeel.envelope.plan import Plan
     from forcefeel.loader.loader import Loader
-    from forcefeel.loader.project import Project
 
 DRAWN = Group("All tolerances at once", sort_key=20)
 
@@ -93,46 +92,28 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
 
     Example: forcefeel envelope my.toml --compare --out envelope
     """
-    command = options.command_line(path)
-    with law_option_named():
-        if project := options.project(path):
-            _map_cockpit(project, options, command)
-        else:
-            _map_loader(options.plan(options.loader(path)), options, command)
-
-
-def _map_loader(plan: "Plan", options: EnvelopeOptions, command: str) -> None:
     from forcefeel.envelope.as_json import envelope_json
-    from forcefeel.envelope.page.folder import FOLDER, write_envelope
+    from forcefeel.envelope.cockpit import find_cockpit
+    from forcefeel.envelope.page.page import FOLDER, write_envelope
     from forcefeel.envelope.run import compute
+    from forcefeel.loader.project import Project
 
-    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
-    with all_or_nothing("envelope", "releases", silent=options.json) as bar:
-        envelope = compute(plan, threads=options.threads, progress=bar.show)
-        bar.describe("report")
-        page = write_envelope(envelope, options.out, options.units, replace=options.replace, command=command)
+    with law_option_named():
+        subject = options.project(path) or options.plan(options.loader(path))
+        FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+        with all_or_nothing("envelope", "releases", silent=options.json) as bar:
+            envelope: Envelope | CockpitEnvelope = (
+                find_cockpit(subject, options.plan, threads=options.threads, progress=bar.show)
+                if isinstance(subject, Project)
+                else compute(subject, threads=options.threads, progress=bar.show)
+            )
+            bar.describe("report")
+            command = options.command_line(path)
+            page = write_envelope(envelope, options.out, options.units, replace=options.replace, command=command)
     answer(
         {"page": page},
         lambda: envelope_json(envelope, options.units),
         lambda terminal: _show(terminal, envelope, options.units),
-        as_json=options.json,
-    )
-
-
-def _map_cockpit(project: "Project", options: EnvelopeOptions, command: str) -> None:
-    from forcefeel.envelope.as_json import cockpit_json
-    from forcefeel.envelope.cockpit import find_cockpit
-    from forcefeel.envelope.page.folder import FOLDER, write_cockpit
-
-    FOLDER.check(options.out, replace=options.replace)
-    with all_or_nothing("envelope", "releases", silent=options.json) as bar:
-        cockpit = find_cockpit(project, options.plan, threads=options.threads, progress=bar.show)
-        bar.describe("report")
-        page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
-    answer(
-        {"page": page},
-        lambda: cockpit_json(cockpit, options.units),
-        lambda terminal: _show_axes(terminal, cockpit),
         as_json=options.json,
     )
 
@@ -142,9 +123,7 @@ def _show_axes(console: Terminal, cockpit: "CockpitEnvelope") -> None:
     from forcefeel.envelope.findings import angle_text
 
     title = f"{cockpit.name}: shares of the settings"
-    table = Table("axis", "loader", "drive", "law", "from", title=title, title_justify="left", title_style="bold")
-    for name in SHARES:
-        table.add_column(name, justify="right")
+    table = titled(title, "axis", "loader", "drive", "law", "from", numbers=SHARES)
     table.add_column("largest loss from")
     for row in cockpit.rows:
         table.add_row(
@@ -160,13 +139,15 @@ def _show_axes(console: Terminal, cockpit: "CockpitEnvelope") -> None:
     console.conclude(cockpit_conclusions(cockpit), alarming=False)
 
 
-def _show(console: Terminal, envelope: "Envelope", units: UnitSystem) -> None:
+def _show(console: Terminal, envelope: "Envelope | CockpitEnvelope", units: UnitSystem) -> None:
+    from forcefeel.envelope.cockpit import CockpitEnvelope
     from forcefeel.envelope.findings import angle_text, envelope_conclusions
 
+    if isinstance(envelope, CockpitEnvelope):
+        _show_axes(console, envelope)
+        return
     title = f"Shares of the settings, released from {angle_text(envelope.plan.release_rad, units)}"
-    table = Table("law", title=title, title_justify="left", title_style="bold")
-    for name in ("stable", "passes", "stable in every case", "passes in every case"):
-        table.add_column(name, justify="right")
+    table = titled(title, "law", numbers=("stable", "passes", "stable in every case", "passes in every case"))
     for name in envelope.laws:
         shares = envelope.shares(name)
         table.add_row(
@@ -183,9 +164,8 @@ def _show(console: Terminal, envelope: "Envelope", units: UnitSystem) -> None:
 def _by_angle(envelope: "Envelope", units: UnitSystem) -> Table:
     from forcefeel.envelope.findings import angle_text
 
-    table = Table("law", title="Passes with the nominal plant, released from", title_justify="left", title_style="bold")
-    for angle_shares in envelope.by_angle:
-        table.add_column(angle_text(angle_shares.release_rad, units), justify="right")
+    angles = [angle_text(angle_shares.release_rad, units) for angle_shares in envelope.by_angle]
+    table = titled("Passes with the nominal plant, released from", "law", numbers=angles)
     for name in envelope.laws:
         table.add_row(name, *(share_text(angle_shares.passes[name]) for angle_shares in envelope.by_angle))
     return table
@@ -197,10 +177,9 @@ def _drawn(envelope: "Envelope") -> Table:
     machines = (
         f"{len(envelope.plan.machines):,} machines {'at the corners' if envelope.plan.draws.corners else 'at random'}"
     )
-    table = Table("law", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
     most = share_text(MOST)
-    for name in (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average"):
-        table.add_column(name, justify="right")
+    numbers = (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average")
+    table = titled(f"All tolerances at once, {machines}", "law", numbers=numbers)
     for name in envelope.laws:
         drawn = envelope.drawn_shares(name)
         table.add_row(name, *map(share_text, (drawn.settings, drawn.good, drawn.passes)))

@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group
-from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_and_deviations import chosen_law
-from forcefeel.cli.law_option import ORIGINAL
+from forcefeel.cli.law_option import ORIGINAL, chosen_law
 from forcefeel.cli.options import OUTPUT, BenchLawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
@@ -260,16 +258,12 @@ def _show(console: Terminal, excitation: "Excitation", units: UnitSystem) -> Non
     from forcefeel.bench.identification.digits import percent
     from forcefeel.loader.parameters import TABLE, with_unit
 
-    parameters = Table("parameter", title="Predicted standard errors", title_justify="left", title_style="bold")
-    for name in ("symbol", "value", "standard error"):
-        parameters.add_column(name, justify="right")
+    parameters = titled("Predicted standard errors", "parameter", numbers=("symbol", "value", "standard error"))
     for key, error in excitation.standard_errors.items():
         parameters.add_row(
             key, TABLE[key].symbol, with_unit(TABLE[key], excitation.loader[key], units, 4), percent(error)
         )
-    limits = Table("limit", title="Peaks on the loader", title_justify="left", title_style="bold")
-    for name in ("peak", "limit", "used"):
-        limits.add_column(name, justify="right")
+    limits = titled("Peaks on the loader", "limit", numbers=("peak", "limit", "used"))
     limits.add_column("where from")
     for use in excitation.uses:
         limit = use.limit

@@ -10,7 +10,7 @@ from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES, law_option_named
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.conclusions import share_text
 from forcefeel.units import UnitSystem
 
@@ -68,7 +68,7 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
     Example: forcefeel frontier elevator-2khz --out frontier
     """
     from forcefeel.frontier.as_json import frontier_json
-    from forcefeel.frontier.page.folder import FOLDER, write_frontier
+    from forcefeel.frontier.page.page import FOLDER, write_frontier
     from forcefeel.frontier.run import compute_frontier
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
@@ -106,9 +106,8 @@ def _tolerances(frontier: "Frontier") -> Table:
     from forcefeel.frontier.findings import tolerance_text
 
     tight, known = frontier.tightening.inertia_and_geometry, frontier.tightening.all_in_proportion
-    table = Table("inertia known to", title="Passes in every case", title_justify="left", title_style="bold")
-    for name in ("inertia and geometry tightened", "all in proportion", "bound on any linear law"):
-        table.add_column(name, justify="right")
+    numbers = ("inertia and geometry tightened", "all in proportion", "bound on any linear law")
+    table = titled("Passes in every case", "inertia known to", numbers=numbers)
     bounds = dict(zip(frontier.bound.errors, frontier.bound.shares, strict=True))
     for tolerance, worst_share, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):
         bound = next((share for error, share in bounds.items() if abs(error - tolerance) < _SAME * tolerance), None)
@@ -124,9 +123,7 @@ _SAME = 1e-6
 def _hardware(frontier: "Frontier") -> Table:
     from forcefeel.frontier.findings import points_text
 
-    table = Table("change", title="Points gained", title_justify="left", title_style="bold")
-    for name in ("in every case", "nominally", "stable in every case"):
-        table.add_column(name, justify="right")
+    table = titled("Points gained", "change", numbers=("in every case", "nominally", "stable in every case"))
     for gain in frontier.hardware:
         gains = (gain.worst_gain, gain.nominal_gain, gain.stable_worst_gain)
         table.add_row(gain.name, *map(points_text, gains))

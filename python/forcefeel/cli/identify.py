@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group
-from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_and_deviations import chosen_law
-from forcefeel.cli.law_option import ORIGINAL
+from forcefeel.cli.law_option import ORIGINAL, chosen_law
 from forcefeel.cli.options import (
     OUTPUT,
     BenchLawOption,
@@ -25,7 +23,7 @@ from forcefeel.cli.options import (
     option,
 )
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import input_kind
 from forcefeel.units import UnitSystem
@@ -138,7 +136,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     from forcefeel.bench.identification.as_json import identification_json
     from forcefeel.bench.identification.findings import identification_conclusions
     from forcefeel.bench.identification.fit import identify
-    from forcefeel.bench.identification.page.folder import FOLDER, LOADER, write_identification
+    from forcefeel.bench.identification.page.page import FOLDER, LOADER, write_identification
 
     inputs = [*_loader_file(path), *options.data]
     FOLDER.check(options.out, replace=options.replace, inputs=inputs)  # before the work, not after it
@@ -216,11 +214,7 @@ _COLUMNS: Mapping[str, Literal["left", "right"]] = {
 def _show(console: Terminal, identification: "Identification", units: UnitSystem) -> None:
     from forcefeel.bench.identification.findings import identification_conclusions
 
-    table = Table(
-        title=f"{identification.before.name}, identified; error is the standard error",
-        title_justify="left",
-        title_style="bold",
-    )
+    table = titled(f"{identification.before.name}, identified; error is the standard error")
     for name, justify in _COLUMNS.items():
         table.add_column(name, justify=justify, no_wrap=True)
     for estimate in identification.estimates:

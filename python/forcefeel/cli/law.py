@@ -14,7 +14,7 @@ from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptio
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
 from forcefeel.cli.release_options import ReleaseOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.json_values import json_value
 from forcefeel.units import UnitSystem, to_text
@@ -167,7 +167,7 @@ def _scored(loader: "Loader", law: str, options: LawOptions, command: str) -> No
     """Scores laws and writes the folder; the law goes to its file."""
     from forcefeel.choice import choose, score_laws
     from forcefeel.choice.as_json import choice_json
-    from forcefeel.choice.page.folder import FOLDER, write_choice
+    from forcefeel.choice.page.page import FOLDER, write_choice
     from forcefeel.choice.score import COARSE, check_names
     from forcefeel.sweep import text
 
@@ -235,7 +235,7 @@ _MARGINS = ("gain", "phase deg", "delay ms")
 
 
 def _table(scored: "LawScores", choice: "Choice | None") -> Table:
-    table = Table(title="Laws, shares in %", title_justify="left", title_style="bold")
+    table = titled("Laws, shares in %")
     table.add_column("law", no_wrap=True)
     over = scored.scores[0].over is not None
     names = ["every case", "nominal", "stable"] if over else []

@@ -2,9 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from forcefeel.errors import InputError, suggestion
 from forcefeel.printable import visible
+
+if TYPE_CHECKING:
+    from forcefeel.laws.law import Law
+    from forcefeel.loader.loader import Loader
 
 LAWS = (
     "original",
@@ -37,11 +42,7 @@ LAW_NAMES = (
 
 
 def check_law_name(name: str, others: Sequence[str] = ()) -> str:
-    """The name or the file of a law.
-
-    Args:
-        name: The value of the option.
-        others: Names that this command takes besides.
+    """The name or the file of a law, or one of ``others``, the names that a command takes besides.
 
     Raises:
         InputError: If it is neither.
@@ -68,3 +69,17 @@ def law_option_named() -> Iterator[None]:
 
 
 _ARGUMENT = "law: "
+
+
+def chosen_law(law: str | None, loader: "Loader") -> "Law":
+    """The law of ``--law`` for a loader's own setting: designed for it, or read from its file; its default law if not given.
+
+    Raises:
+        InputError: Naming the option, if it cannot be designed or read, or is for another controller.
+    """
+    from forcefeel.laws.law import Law
+
+    try:
+        return Law.of(law, loader)
+    except InputError as error:
+        raise InputError(f"--law: {str(error).removeprefix('law: ')}") from error

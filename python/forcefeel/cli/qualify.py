@@ -26,7 +26,7 @@ from forcefeel.cli.options import (
 )
 from forcefeel.cli.progress import Bar, all_or_nothing
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
@@ -220,42 +220,34 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
 
     Example: forcefeel qualify my.toml --compare --pdf
     """
+    from forcefeel.loader.project import Project
     from forcefeel.page.chromium import find_chromium
-    from forcefeel.qualification.page.folder import FOLDER, write_cockpit, write_qualification
+    from forcefeel.qualification.page.page import FOLDER, write_qualification
     from forcefeel.qualification.plan import qualify_loader
-    from forcefeel.qualification.plan.as_json import cockpit_json, qualification_json
+    from forcefeel.qualification.plan.as_json import qualification_json
     from forcefeel.qualification.plan.cockpit import qualify_cockpit
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     if options.pdf:
         find_chromium()
-    command, units = options.command_line(path), options.units
-    if project := options.project(path, axis=options.axis, record=options.records, reference=options.references):
-        with _progress(options) as (bar, show), law_option_named():
-            cockpit = qualify_cockpit(project, options.setup, progress=show)
-            show("report", bar.total, bar.total)
-            page = write_cockpit(cockpit, options.out, units, pdf=options.pdf, command=command)
-        answer(
-            {"page": page},
-            lambda: cockpit_json(cockpit, units),
-            lambda terminal: _show_axes(terminal, cockpit),
-            as_json=options.json,
+    one_loader = {"axis": options.axis, "record": options.records, "reference": options.references}
+    subject = options.project(path, **one_loader) or options.loader(path)
+    with _progress(options) as (bar, show), options_named(), law_option_named():
+        qualification: Qualification | CockpitQualification = (
+            qualify_cockpit(subject, options.setup, progress=show)
+            if isinstance(subject, Project)
+            else qualify_loader(subject, options.setup(subject), progress=show)
         )
-        fulfilled = cockpit.fulfilled
-    else:
-        loader = options.loader(path)
-        with _progress(options) as (bar, show), options_named(), law_option_named():
-            qualification = qualify_loader(loader, options.setup(loader), progress=show)
-            show("report", bar.total, bar.total)
-            page = write_qualification(qualification, options.out, pdf=options.pdf, command=command)
-        answer(
-            {"page": page},
-            lambda: qualification_json(qualification),
-            lambda terminal: _show(terminal, qualification),
-            as_json=options.json,
-        )
-        fulfilled = qualification.fulfilled
-    if not fulfilled:
+        show("report", bar.total, bar.total)
+        command = options.command_line(path)
+        page = write_qualification(qualification, options.out, pdf=options.pdf, command=command)
+    answer(
+        {"page": page},
+        lambda: qualification_json(qualification),
+        lambda terminal: _show(terminal, qualification),
+        as_json=options.json,
+    )
+    if not qualification.fulfilled:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -275,10 +267,7 @@ def _progress(options: QualifyOptions) -> "Iterator[tuple[Bar, Progress]]":
 def _show_axes(console: Terminal, cockpit: "CockpitQualification") -> None:
     from forcefeel.qualification.plan.cockpit import cockpit_conclusions
 
-    table = Table(
-        "axis", "test", "outcome", "law", title=f"{cockpit.name}: test guide", title_justify="left", title_style="bold"
-    )
-    table.add_column("number")
+    table = titled(f"{cockpit.name}: test guide", "axis", "test", "outcome", "law", "number")
     for axis, qualification in cockpit.axes.items():
         for section in qualification.sections:
             for result in section.results:
@@ -289,9 +278,13 @@ def _show_axes(console: Terminal, cockpit: "CockpitQualification") -> None:
     console.conclude(cockpit_conclusions(cockpit))
 
 
-def _show(console: Terminal, qualification: "Qualification") -> None:
+def _show(console: Terminal, qualification: "Qualification | CockpitQualification") -> None:
+    from forcefeel.qualification.plan.cockpit import CockpitQualification
     from forcefeel.qualification.plan.sentences import conclusions
 
+    if isinstance(qualification, CockpitQualification):
+        _show_axes(console, qualification)
+        return
     title = f"{qualification.loader.name}, {qualification.rules.title} ({qualification.rules.edition}), {qualification.axis}"
     console.show((_tests if len(qualification.sections) <= _SIDE_BY_SIDE else _counts)(qualification, title))
     console.conclude(conclusions(qualification))
@@ -303,10 +296,7 @@ _SIDE_BY_SIDE = 3
 
 def _tests(qualification: "Qualification", title: str) -> Table:
     """Test by test, a column for each law."""
-    table = Table("test", title=title, title_justify="left", title_style="bold")
-    for section in qualification.sections:
-        table.add_column(section.title)
-    table.add_column("number")
+    table = titled(title, "test", *(section.title for section in qualification.sections), "number")
     for results in zip(*(section.results for section in qualification.sections), strict=True):
         trial = results[0].trial
         table.add_row(trial.key, *(str(result.outcome) for result in results), trial.test.number)
@@ -317,9 +307,7 @@ def _counts(qualification: "Qualification", title: str) -> Table:
     """What each law came to, and how many tests came to what."""
     from forcefeel.qualification import Outcome
 
-    table = Table("law", "status", title=title, title_justify="left", title_style="bold")
-    for outcome in Outcome:
-        table.add_column(str(outcome), justify="right")
+    table = titled(title, "law", "status", numbers=map(str, Outcome))
     for section in qualification.sections:
         counts = (str(section.count(outcome)) for outcome in Outcome)
         table.add_row(section.title, str(section.status), *counts)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
 
-from forcefeel.cli.law_and_deviations import plant_deviations
 from forcefeel.cli.options import EDITION, LoaderOptions, option
 from forcefeel.cli.scenario_text import value
-from forcefeel.units import ANGLE
+from forcefeel.errors import InputError
+from forcefeel.units import ANGLE, parse
 
 if TYPE_CHECKING:
     from forcefeel.envelope.deviations import Deviation
@@ -37,12 +37,25 @@ class ReleaseOptions(LoaderOptions):
     ] = ()
 
     def deviations(self, loader: "Loader") -> "Mapping[str, Deviation]":
-        """How far the parameters of a loader may be off.
+        """How far the parameters of a loader may be off: by its tolerances, or as assumed, changed by ``--deviation``.
 
         Raises:
             InputError: If an option is bad, or a tolerance of the loader leads out of its row's range.
         """
-        return plant_deviations(loader, self.deviation)
+        from forcefeel.envelope.deviations import chosen_deviations, deviations_of
+        from forcefeel.sweep import text
+
+        usual = deviations_of(loader)
+        shares = {
+            key: _share_off(key, given)
+            for key, given in text.assignments("--deviation", self.deviation, "column.inertia=2 %").items()
+        }
+        asked = chosen_deviations(loader, {key: share for key, share in shares.items() if share is not None})
+        for key, share in shares.items():
+            if share is None and key not in usual:
+                raise InputError(f"--deviation: {key}: has no case to leave out; there are {', '.join(usual)}")
+        kept = {key: it for key, it in usual.items() if shares.get(key, 0.0) is not None}
+        return {**kept, **asked}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,3 +80,11 @@ class AngleOptions:
             InputError: If it is no angle.
         """
         return None if self.angle is None else value("--angle", self.angle, ANGLE.si, "10 deg")
+
+
+def _share_off(key: str, given: str) -> float | None:
+    """What ``--deviation`` says of one parameter; nothing where it is to have no case."""
+    try:
+        return None if given == "none" else parse(given, "", "2 %")
+    except InputError as error:
+        raise InputError(f"--deviation: {key}: {error}") from error

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, print_json, titled
 from forcefeel.errors import InputError
 from forcefeel.units import HERTZ, Json, UnitSystem, parse, quantity, show, to_text
 
@@ -155,10 +154,8 @@ def _show(console: Terminal, response: "Response", resonance: "Resonance", loade
     from forcefeel.loader.parameters import TABLE, unit
 
     heads = [f"{TABLE[key].symbol}, {unit(TABLE[key]).shown(units)}" for key in _LINK]
-    table = Table(title=f"{response.name}, {response.experiment}", title_justify="left", title_style="bold")
-    table.add_column("method")
-    for name in ("frequency, Hz", "damping ratio", *heads):
-        table.add_column(name, justify="right")
+    title = f"{response.name}, {response.experiment}"
+    table = titled(title, "method", numbers=("frequency, Hz", "damping ratio", *heads))
     table.add_column("how")
     for name, words in _METHODS.items():
         reading: Reading = getattr(resonance, name)

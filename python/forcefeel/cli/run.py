@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_and_deviations import chosen_law
+from forcefeel.cli.law_option import chosen_law
 from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.scenario_text import seconds
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
@@ -206,23 +206,13 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
 
 
 def _show(console: Terminal, running: "LiveSession") -> None:
-    from rich.table import Table
 
     from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
     state, timing = running.state, running.timing
     console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
-    table = Table(
-        "",
-        "p50",
-        "p99",
-        "p99.9",
-        "worst",
-        title=f"Timing, quantiles within +{QUANTILE_ERROR:.1%}",
-        title_justify="left",
-        title_style="bold",
-    )
+    table = titled(f"Timing, quantiles within +{QUANTILE_ERROR:.1%}", "", "p50", "p99", "p99.9", "worst")
     for name, quantiles in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
         table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(quantiles).values()))
     console.show(table)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import options_named
-from forcefeel.cli.law_and_deviations import chosen_law
+from forcefeel.cli.law_option import chosen_law
 from forcefeel.cli.options import LOADER, RARE, LawOption, LoaderOptions, option
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds

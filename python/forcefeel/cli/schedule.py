@@ -11,7 +11,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.units import to_text
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
     """
     from forcefeel.flight_schedule import check_schedule, design_schedule, read_knots
     from forcefeel.flight_schedule.as_json import schedule_json
-    from forcefeel.flight_schedule.page.folder import FOLDER, write_schedule
+    from forcefeel.flight_schedule.page.page import FOLDER, write_schedule
 
     loader, knots = options.loader(path), read_knots(options.knots)
     deviations = options.deviations(loader)
@@ -85,9 +85,7 @@ def _show(console: Terminal, check: "ScheduleCheck") -> None:
     from forcefeel.flight_schedule.findings import schedule_conclusions
 
     console.show(_releases(check))
-    table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
-    for name in ("loops", "unstable", "pole nearest to the edge"):
-        table.add_column(name, justify="right")
+    table = titled("Sampled loops", "where", numbers=("loops", "unstable", "pole nearest to the edge"))
     for part in check.parts:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
     console.show(table)
@@ -96,9 +94,7 @@ def _show(console: Terminal, check: "ScheduleCheck") -> None:
 
 def _releases(check: "ScheduleCheck") -> Table:
     """The releases at the knots and between them."""
-    table = Table("place", title="Releases, nominal plant", title_justify="left", title_style="bold")
-    for name in ("releases", "within tolerance", "knot missing"):
-        table.add_column(name, justify="right")
+    table = titled("Releases, nominal plant", "place", numbers=("releases", "within tolerance", "knot missing"))
     table.add_column("failures")
     for knot, name in ((True, "at the knots"), (False, "between the knots")):
         releases = [release for release in check.releases if release.knot is knot]

@@ -6,7 +6,7 @@ from math import isfinite
 from rich.table import Table
 from rich.text import Text
 
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, titled
 from forcefeel.design.analysis import Analysis
 from forcefeel.design.assessment import AnyPeaks, Assessment, Peaks
 from forcefeel.design.workflow import ServoAnalysis
@@ -175,14 +175,6 @@ def _margins(margins: Margins) -> tuple[str, str]:
     gain = to_text(margins.gain_margin, 3)
     phase = to_text(ANGLE.from_si(margins.phase_margin_rad, UnitSystem.SI), 3)
     return gain, phase if phase == "infinite" else f"{phase} deg"
-
-
-def titled(title: str, *columns: str) -> Table:
-    """An empty table under a title."""
-    table = Table(title=title, title_justify="left", title_style="bold")
-    for column in columns:
-        table.add_column(column)
-    return table
 
 
 def _percent(share: float, digits: str) -> str:

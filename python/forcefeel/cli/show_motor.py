@@ -3,8 +3,8 @@
 from rich.table import Table
 from rich.text import Text
 
-from forcefeel.cli.show import hertz, show_boundary, show_loops, titled
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.show import hertz, show_boundary, show_loops
+from forcefeel.cli.terminal import Terminal, titled
 from forcefeel.design.assessment import Assessment
 from forcefeel.design.motor import MotorAnalysis
 from forcefeel.design.motor_findings import MILLISECONDS, NO_REPORT, delay_s, plant_lines

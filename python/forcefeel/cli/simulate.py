@@ -10,7 +10,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import ScenarioOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
 
     out, units = options.out, options.units
     if out is not None:
-        from forcefeel.simulation.page.folder import FOLDER  # Plotly
+        from forcefeel.simulation.page.page import FOLDER  # Plotly
 
         FOLDER.check(out, replace=options.replace)  # before the work, not after it
     loader = options.loader(path)
@@ -46,7 +46,7 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
         law = driven_by.name
         page = None
         if out is not None:
-            from forcefeel.simulation.page.folder import write_simulation
+            from forcefeel.simulation.page.page import write_simulation
 
             page = write_simulation(run, out, units, law, command=options.command_line(path))
     files = {} if page is None else {"page": page}
@@ -72,7 +72,7 @@ def _show(console: Terminal, run: "Run", units: UnitSystem) -> None:
 def _measures(run: "Run", units: UnitSystem) -> Table:
     from forcefeel.simulation.tables import measure_rows
 
-    table = Table("measure", "value", title="Measures", title_justify="left", title_style="bold")
+    table = titled("Measures", "measure", "value")
     for name, value, unit in measure_rows(run, units):
         table.add_row(name, f"{value} {unit}".rstrip())
     return table

@@ -13,7 +13,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
 from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import ScenarioOptions
-from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
@@ -114,7 +114,7 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
     from forcefeel.simulation import RunStatus
     from forcefeel.sweep import run_sweep
     from forcefeel.sweep.as_json import sweep_json
-    from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
+    from forcefeel.sweep.page.page import FOLDER, RUNS_FOLDER, write_sweep
     from forcefeel.sweep.summary import summarize
 
     units = options.units
@@ -175,9 +175,7 @@ def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> T
     from forcefeel.sweep.findings import main_measures, number_of
     from forcefeel.sweep.summary import measure_name
 
-    table = Table("measure", title="Measures", title_justify="left", title_style="bold")
-    for name in ("nominal", "lowest", "5 %", "median", "95 %", "highest"):
-        table.add_column(name, justify="right")
+    table = titled("Measures", "measure", numbers=("nominal", "lowest", "5 %", "median", "95 %", "highest"))
     for name in main_measures(result, summary):
         spread = summary.spreads[name]
         marks = (spread.nominal, spread.lowest, *map(spread.quantile, (0.05, 0.5, 0.95)), spread.highest)

@@ -1,7 +1,7 @@
 """The terminal: names and texts of others are printed as they are, neither as mark-up nor as control sequences."""
 
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -108,6 +108,14 @@ def _most(column: Column) -> int:
 
 def _text(cell: RenderableType) -> str:
     return visible(cell.plain if isinstance(cell, Text) else str(cell))
+
+
+def titled(title: str, *columns: str, numbers: Iterable[str] = ()) -> Table:
+    """An empty table under a title; the columns ``numbers`` come last and are set to the right."""
+    table = Table(*columns, title=title, title_justify="left", title_style="bold")
+    for column in numbers:
+        table.add_column(column, justify="right")
+    return table
 
 
 def answer(

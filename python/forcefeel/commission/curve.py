@@ -20,11 +20,7 @@ _FIRST = ("column_angle", "load_cell_force")
 
 
 def curve_of(fitted: Sequence[Fitted]) -> Curve:
-    """The data set whose channel says most of the feel, measured, identified and by the loader file.
-
-    Args:
-        fitted: The data beside the models, at least one.
-    """
+    """The data set, of one at least, whose channel says most of the feel: measured, identified and by the loader file."""
     rank = {name: index for index, name in enumerate(_FIRST)}
     best = min(fitted, key=lambda data: (isinstance(data.data, Response), rank.get(data.channel, len(rank))))
     response = isinstance(best.data, Response)

@@ -21,15 +21,7 @@ _EXACT = 1e-4
 def check_law(
     loader: Loader, name: str, law: Law, plan: CommissionPlan, progress: Progress = lambda done, total: None
 ) -> tuple[EnvelopeResult, Envelope]:
-    """Compute the share of settings that a law renders.
-
-    Args:
-        loader: The identified loader.
-        name: The law's name.
-        law: The law, with the settings of the grid.
-        plan: The plan.
-        progress: Called with the number of finished releases and of all.
-    """
+    """Compute the share of the plan's settings that the law ``name`` renders, designed for the settings of the grid."""
     draws = Draws(plan.draws, seed=_SEED)
     toleranced = {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size > _EXACT}
     envelope_plan = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=toleranced, draws=draws)

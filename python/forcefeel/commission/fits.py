@@ -46,14 +46,7 @@ def fit_what_is_seen(
     plan: CommissionPlan,
     progress: Callable[[str], None],
 ) -> Fits:
-    """Fit all observable parameters of a loader, without those that stay undetermined.
-
-    Args:
-        loader: The loader of the file.
-        data: Records and responses.
-        law: Law of the bench, if the records are of the whole loader.
-        plan: The plan.
-        progress: Called with the current task.
+    """Fit all observable parameters of a loader, without those that stay undetermined; ``law`` is that of the bench, if any.
 
     Raises:
         InputError: If the data contradict their labels.

@@ -61,12 +61,6 @@ def identify_loader(
 ) -> IdentifiedLoader:
     """Identify the parameters of a loader that the data determine.
 
-    Args:
-        loader: The loader of the file.
-        data: Records and responses.
-        plan: The plan.
-        progress: Called with the current task.
-
     Raises:
         InputError: If data are not of this loader, or contradict their labels.
     """

@@ -31,13 +31,7 @@ SIZED = 0.005
 def choose_law(
     loader: Loader, plan: CommissionPlan, progress: Callable[[str], None] = lambda _: None
 ) -> tuple[LawChosen, LawScores, Choice]:
-    """Score the laws and choose one by ``choose``, preferring those that render the required share.
-
-    Args:
-        loader: The identified loader.
-        plan: The plan.
-        progress: Called with the current task.
-    """
+    """Score the laws and choose one by ``choose``, preferring those that render the required share."""
     threads = threads_or_cores(plan.threads)
     digital = [name for name in names_for(loader) if name not in NAMED_DESIGNS]
     envelope_plan = make_plan(loader, digital or names_for(loader), plan.grid, rule=plan.rule, changes=_sizing(loader))

@@ -10,14 +10,7 @@ from forcefeel.qualification.plan.sentences import caveats, reasons, rule_text, 
 
 
 def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tuple[RuleTests, Qualification]:
-    """Run the tests of the rule at the loader's own setting.
-
-    Args:
-        loader: The identified loader.
-        name: The law's name.
-        law: The law of the loader's own setting.
-        plan: The plan.
-    """
+    """Run the tests of the rule at the loader's own setting, under its law there."""
     setup = QualificationSetup(laws={name: law}, rule=plan.rule, system=plan.units)
     qualification = qualify_loader(loader, setup)
     (section,) = qualification.sections

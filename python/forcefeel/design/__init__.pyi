@@ -14,7 +14,7 @@ from forcefeel.design.law_comparison import LawResult as LawResult
 from forcefeel.design.motor import MotorAnalysis as MotorAnalysis
 from forcefeel.design.motor_design import MotorDesign as MotorDesign
 from forcefeel.design.motor_design import design_motor as design_motor
-from forcefeel.design.page import write_report as write_report
+from forcefeel.design.page.page import write_report as write_report
 from forcefeel.design.studies import Deviation as Deviation
 from forcefeel.design.studies import DroppedPaths as DroppedPaths
 from forcefeel.design.studies import drop_paths as drop_paths

@@ -1,5 +1,6 @@
 """Rendering of the programmed feel: comparison of the whole model, with valve dynamics, with the ideal."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -15,6 +16,7 @@ from forcefeel.linear.modes import Mode, feel_mode, is_stable, modes, spectral_a
 from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_outputs
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.printable import table_html
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, MOTOR_CURRENT, PERCENT, RATE, RATIO, VOLTAGE
 
 
@@ -202,3 +204,19 @@ def _cost_weight(
     pick[-1, -1] = 1.0
     command = np.array(law.gains) @ pick
     return np.asarray(pick.T @ settings.weight(programmed) @ pick + settings.r2 * np.outer(command, command))
+
+
+def loops_html(title: str, loops: Mapping[str, Assessment]) -> str:
+    """A table of loops for a notebook."""
+    rows = (
+        (
+            name,
+            f"{assessment.frequency_rad_per_s / 2 / np.pi:.3g} Hz",
+            f"{assessment.damping_ratio:.2g}",
+            f"{assessment.static_error:+.1%}",
+        )
+        if assessment.stable
+        else (name, "unstable", "", "")
+        for name, assessment in loops.items()
+    )
+    return table_html(title, ("loop", "frequency", "damping ratio", "off at rest"), rows)

@@ -1,13 +1,12 @@
 """The design of an electric loader: its analysis without a law, and its loop under a sampled law."""
 
 from dataclasses import dataclass, fields
-from math import pi
 
+from forcefeel.design.assessment import loops_html
 from forcefeel.design.law_loop import LawLoop, law_loop
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
 from forcefeel.laws.law import ROBUST
 from forcefeel.loader.loader import Loader
-from forcefeel.printable import table_html
 
 
 @dataclass(frozen=True)
@@ -29,26 +28,11 @@ class MotorDesign(MotorAnalysis):
         return f"<MotorDesign of {self.loader.name!r} with {self.law}: {'stable' if assessment.stable else 'unstable'}>"
 
     def _repr_html_(self) -> str:
-        names = (
-            *(f"by current alone, {configuration.name} link" for configuration in self.configurations),
-            f"under {self.law}",
-        )
-        judged = (
-            *(configuration.programmed.assessment for configuration in self.configurations),
-            self.programmed.assessment,
-        )
-        rows = (
-            (
-                name,
-                f"{assessment.frequency_rad_per_s / 2 / pi:.3g} Hz",
-                f"{assessment.damping_ratio:.2g}",
-                f"{assessment.static_error:+.1%}",
-            )
-            if assessment.stable
-            else (name, "unstable", "", "")
-            for name, assessment in zip(names, judged, strict=True)
-        )
-        return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
+        alone = {
+            f"by current alone, {configuration.name} link": configuration.programmed.assessment
+            for configuration in self.configurations
+        }
+        return loops_html(self.loader.name, {**alone, f"under {self.law}": self.programmed.assessment})
 
     @property
     def acceptable(self) -> bool:

@@ -102,12 +102,9 @@ STABILITY_LOSS = 0.10
 
 
 def droppable(rows: tuple[DroppedPaths, ...], full: Assessment, boundary: StabilityBoundary) -> DroppedPaths | None:
-    """The largest set that can be dropped without a visible loss of fidelity or stability; ``None`` without such a set.
+    """The largest of ``rows``, sets from ``drop_paths``, that can be dropped without a visible loss of fidelity or stability.
 
-    Args:
-        rows: Every set, from ``drop_paths``.
-        full: Rendering of the feel with all paths.
-        boundary: Its smallest stable G with all paths.
+    ``full`` is the rendering with all paths and ``boundary`` its smallest stable G; ``None`` without such a set.
     """
     error = full.tracking_error + VISIBLE_LOSS
     edge = boundary.stiffness_n_m_per_rad * (1 + STABILITY_LOSS)

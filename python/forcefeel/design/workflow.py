@@ -8,6 +8,7 @@ import numpy as np
 
 from forcefeel._core import feel_frequency
 from forcefeel.design.analysis import LOW_SHARE, Analysis, configuration, originals
+from forcefeel.design.assessment import loops_html
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
 from forcefeel.laws.analog.recursion import DesignSettings, GainDesign, design_gains
@@ -16,7 +17,6 @@ from forcefeel.linear.models import Linkage, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
 from forcefeel.loader.loader import Loader, check_hydraulic, check_loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.printable import table_html
 
 if TYPE_CHECKING:
     from forcefeel.design.motor_design import MotorDesign
@@ -94,19 +94,8 @@ class Design(ServoAnalysis):
         return f"<Design of {self.loader.name!r}: programmed {programmed}; compensated {rendered}>"
 
     def _repr_html_(self) -> str:
-        judged = ((configuration.name, configuration.programmed.assessment) for configuration in self.configurations)
-        rows = (
-            (
-                name,
-                f"{assessment.frequency_rad_per_s / 2 / np.pi:.3g} Hz",
-                f"{assessment.damping_ratio:.2g}",
-                f"{assessment.static_error:+.1%}",
-            )
-            if assessment.stable
-            else (name, "unstable", "", "")
-            for name, assessment in judged
-        )
-        return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
+        loops = {configuration.name: configuration.programmed.assessment for configuration in self.configurations}
+        return loops_html(self.loader.name, loops)
 
     @property
     def acceptable(self) -> bool:

@@ -3,8 +3,7 @@
 from forcefeel.envelope.cockpit import CockpitEnvelope as CockpitEnvelope
 from forcefeel.envelope.cockpit import find_cockpit as find_cockpit
 from forcefeel.envelope.draws import Draws as Draws
-from forcefeel.envelope.page.folder import write_cockpit as write_cockpit
-from forcefeel.envelope.page.folder import write_envelope as write_envelope
+from forcefeel.envelope.page.page import write_envelope as write_envelope
 from forcefeel.envelope.plan import Plan as Plan
 from forcefeel.envelope.plan import make_plan as make_plan
 from forcefeel.envelope.result import Envelope as Envelope

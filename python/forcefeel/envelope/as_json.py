@@ -1,7 +1,5 @@
 """Envelope as JSON, every number with its unit, and its settings as CSV."""
 
-import csv
-import io
 from collections.abc import Mapping
 from importlib.metadata import version
 
@@ -16,15 +14,24 @@ from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.settings import AXES, Settings
 from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import ANGLE, INERTIA, PERCENT, Json, UnitSystem, quantity
 
 
-def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
-    """Results and inputs of an envelope."""
+def envelope_json(envelope: Envelope | CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
+    """Results and inputs of an envelope; of a cockpit the table of all axes, then the envelope of each axis."""
+    head: dict[str, Json] = {"forcefeel": version("forcefeel"), "units": str(units)}
+    if isinstance(envelope, CockpitEnvelope):
+        return {
+            **head,
+            "project": envelope.name,
+            "conclusions": json_value(cockpit_conclusions(envelope), units),
+            "table": [json_value(row, units) for row in envelope.rows],
+            "axes": {axis: envelope_json(axis_envelope, units) for axis, axis_envelope in envelope.axes.items()},
+        }
     plan = envelope.plan
     return {
-        "forcefeel": version("forcefeel"),
-        "units": str(units),
+        **head,
         "loader": plan.loader.name,
         "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
@@ -39,18 +46,6 @@ def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
         "omitted": list(plan.omitted),
         "conclusions": json_value(envelope_conclusions(envelope, units), units),
         "laws": {name: _law(envelope, name, units) for name in envelope.laws},
-    }
-
-
-def cockpit_json(cockpit: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
-    """Table of all axes, then the envelope of each axis."""
-    return {
-        "forcefeel": version("forcefeel"),
-        "units": str(units),
-        "project": cockpit.name,
-        "conclusions": json_value(cockpit_conclusions(cockpit), units),
-        "table": [json_value(row, units) for row in cockpit.rows],
-        "axes": {axis: envelope_json(envelope, units) for axis, envelope in cockpit.axes.items()},
     }
 
 
@@ -145,9 +140,5 @@ def settings_csv(envelope: Envelope, units: UnitSystem) -> str:
         columns.append([envelope.outcomes[code] for code in worst])
         columns.append(np.where(worst == 0, "", case).tolist())
         names += [f"{name}: nominal", f"{name}: outcome in the first case that fails", f"{name}: first case that fails"]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    for numbers, words in zip(np.hstack([rows, feel]).tolist(), zip(*columns, strict=True), strict=True):
-        writer.writerow([*(f"{number:.6g}" for number in numbers), *words])
-    return text.getvalue()
+    lines = zip(np.hstack([rows, feel]).tolist(), zip(*columns, strict=True), strict=True)
+    return csv_text(names, ((*numbers, *words) for numbers, words in lines), ".6g")

@@ -90,10 +90,6 @@ NOMINAL = Case("nominal", Kind.NOMINAL)
 def make_cases(deviations: Mapping[str, Deviation], arms: Sequence[PilotArm]) -> tuple[Case, ...]:
     """Make the nominal case, then each parameter at both ends of its deviation, then the arms.
 
-    Args:
-        deviations: Deviation of each parameter.
-        arms: The arms.
-
     Raises:
         InputError: If an arm is invalid.
     """

@@ -47,9 +47,6 @@ class Draws:
         """The machines, hands off.
 
         The numbers of a parameter depend only on the seed and its name: a larger count keeps the first machines.
-
-        Args:
-            deviations: Deviation of each parameter.
         """
         drawn = {}
         for key, deviation in deviations.items():

@@ -43,7 +43,7 @@ def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
     lines += [_smallest(envelope, best.law, units), _passive(envelope)]
     lines += [_by_angle(envelope, best.law, units)] if envelope.smaller else []
     lines += [line for name in others for line in (_fails(envelope, name), _worst(envelope, name))]
-    lines += [_counted(envelope, units), *caveats(envelope, units)]
+    lines += [_counted(envelope, units), *caveats(envelope)]
     return Conclusions(renders(envelope), verdict, tuple(filter(None, lines)))
 
 
@@ -66,7 +66,7 @@ def name_text(name: str) -> str:
     }.get(name, name)
 
 
-def caveats(envelope: Envelope, units: UnitSystem) -> tuple[str, ...]:
+def caveats(envelope: Envelope) -> tuple[str, ...]:
     """What the figures do not cover."""
     plan = envelope.plan
     lines = [*envelope.law_remarks, *tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]

@@ -106,12 +106,7 @@ class Forbidden:
 
 
 def forbidden(plan: Plan, *, threads: int | None = None) -> Forbidden:
-    """Find the settings of a plan that no law renders, released from the plan's angle.
-
-    Args:
-        plan: The envelope; its laws and cases are not used.
-        threads: Number of threads; default: all cores.
-    """
+    """Find the settings of a plan that no law renders, released from the plan's angle; its laws and cases are not used."""
     loader, fastest, angle = plan.loader, Fastest.of(plan.loader), plan.release_rad
     feel, rules = plan.settings.feel(loader), plan.rules.release
     first = _first_times(plan, feel, threads_or_cores(threads))

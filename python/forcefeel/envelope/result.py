@@ -423,9 +423,9 @@ class Envelope:
         """Settings that no law renders, released from the plan's angle."""
         return forbidden(self.plan)
 
-    def failure_shares(self, law: str, *, worst: bool = False) -> dict[Failure, float]:
-        """Share of all settings for each reason of failure."""
-        failures = self.failures(law, worst=worst)
+    def failure_shares(self, law: str) -> dict[Failure, float]:
+        """Share of all settings for each reason of nominal failure."""
+        failures = self.failures(law)
         return {kind: float((failures == index).mean()) for index, kind in enumerate(Failure)}
 
     def smallest(self, law: str, *, worst: bool = False) -> Smallest:

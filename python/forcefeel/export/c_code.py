@@ -6,7 +6,7 @@
 import hashlib
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,25 +77,29 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
+    return rendered("c", _FILES, fields)
+
+
+def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) -> dict[str, str | bytes]:
+    """Files by name, each from its template of an export of this kind."""
     templates = environment(html=False)
     return {
-        name.format(exported.name): templates.get_template(f"export/c/{template}.j2").render(fields)
-        for template, name in _FILES.items()
+        name.format(fields["name"]): templates.get_template(f"export/{kind}/{template}.j2").render(fields)
+        for template, name in files.items()
     }
 
 
 def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -> ExportedLaw:
     """The law and its feel for the tracer."""
     feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
-    curve = loader.force_curve
     return ExportedLaw(
         loader.rows(FEEL_SETTING, feel),
         numbers.rows(),
         states=numbers.states,
         period_s=numbers.period_s,
         single=single,
-        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+        curve=loader.force_curve.arrays if loader.force_curve else None,
+        cancellation=law.cancellation.numbers if law.cancellation else None,
     )
 
 

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from forcefeel._core import BoardAxis, board_sources, safety_functions
 from forcefeel.errors import InputError
-from forcefeel.export.c_code import PART, about, recorded, spelled_rows
+from forcefeel.export.c_code import PART, about, recorded, rendered, spelled_rows
 from forcefeel.export.exported import Exported
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs.signals import Chirp
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.templating import environment
 from forcefeel.units import show
 
 BOARD = "thumbv7em-none-eabihf"
@@ -77,11 +76,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "from_registry": FROM_REGISTRY,
     }
     fields |= _numbers(exported, axis)
-    templates = environment(html=False)
-    files: dict[str, str | bytes] = {
-        name.format(exported.name): templates.get_template(f"export/firmware/{template}.j2").render(fields)
-        for template, name in _FILES.items()
-    }
+    files = rendered("firmware", _FILES, fields)
     if triple == BOARD:
         files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_BOARD}
     return files | {_LIBRARY: _library(triple, single=single)}
@@ -90,13 +85,12 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
 def board_axis(exported: Exported) -> BoardAxis:
     """Loader, law and supervisor of a board."""
     loader, law, numbers = exported.loader, exported.law, exported.sampled()
-    curve = loader.force_curve
     return BoardAxis(
         loader.rows(FEEL_SETTING, exported.settings),
         numbers.rows(),
         period_s=numbers.period_s,
-        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+        curve=loader.force_curve.arrays if loader.force_curve else None,
+        cancellation=law.cancellation.numbers if law.cancellation else None,
     )
 
 

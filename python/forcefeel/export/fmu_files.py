@@ -1,5 +1,7 @@
 """FMUs of a law and its loader: zipped description, library, resources and icon of each."""
 
+import platform
+import sys
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -7,9 +9,9 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import numpy as np
 
+from forcefeel.errors import InputError
 from forcefeel.export.exported import Exported
 from forcefeel.export.fmu_description import description
-from forcefeel.export.fmu_library import PLATFORMS, library
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.timing import controller_steps
@@ -50,7 +52,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
         token = sha256(resources.encode()).hexdigest()
         identifier = f"{exported.name}_{kind}"
         step_s, (period, _) = controller_steps(exported.loader, LONGEST_STEP_S)
-        for version, platform in PLATFORMS.items():
+        for version, folder in PLATFORMS.items():
             about = description(
                 exported,
                 kind,
@@ -65,7 +67,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
             )
             contents = {
                 "modelDescription.xml": about.encode(),
-                f"binaries/{platform}/{identifier}.so": binary,
+                f"binaries/{folder}/{identifier}.so": binary,
                 "resources/loader.txt": f"token {token}\n{resources}".encode(),
                 _ICONS[version]: icon,
             }
@@ -101,3 +103,29 @@ def _zipped(contents: dict[str, bytes]) -> bytes:
         for name, content in contents.items():
             archive.writestr(ZipInfo(name, _WHEN), content, ZIP_DEFLATED)
     return written.getvalue()
+
+
+LIBRARY = Path(__file__).parent / "fmu" / "libforcefeel_fmi.so"
+"""Path of the library in the package."""
+
+_BUILT_FOR = ("linux", "x86_64")
+
+PLATFORMS = {"2.0": "linux64", "3.0": "x86_64-linux"}
+"""Platform name in each version of FMI."""
+
+
+def library() -> bytes:
+    """Bytes of the library.
+
+    Raises:
+        InputError: If this installation has no library.
+    """
+    machine = (sys.platform, platform.machine())
+    if machine != _BUILT_FOR:
+        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(machine)}")
+    try:
+        return LIBRARY.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"to: {LIBRARY.name}, the library inside an FMU, is not in this installation; install the wheel, or build it with make"
+        ) from error

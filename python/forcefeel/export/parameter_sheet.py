@@ -10,8 +10,6 @@
 | value (U.S.), unit (U.S.) | the same, to ten digits |
 """
 
-import csv
-import io
 from collections.abc import Iterator
 from itertools import product
 from math import isfinite
@@ -24,6 +22,7 @@ from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, table, unit
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import RATIO, SECONDS, Unit, UnitSystem
 
 SHEET = "{}_parameters.csv"
@@ -97,14 +96,12 @@ class Row(NamedTuple):
 
 def parameter_sheet(exported: Exported) -> str:
     """The sheet as CSV."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    rows = []
     for row in _rows(exported):
         si, us = (row.unit.from_si(row.value, system) for system in (UnitSystem.SI, UnitSystem.US))
         columns = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
-        writer.writerow((row.setting or "", row.group, row.name, row.meaning, *columns))
-    return text.getvalue()
+        rows.append((row.setting or "", row.group, row.name, row.meaning, *columns))
+    return csv_text(COLUMNS, rows)
 
 
 def _text(number: str, value: float) -> str:

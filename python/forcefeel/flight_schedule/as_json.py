@@ -1,7 +1,5 @@
 """Checked flight schedule as JSON, every number with its unit, and all numbers of its laws as CSV."""
 
-import csv
-import io
 from importlib.metadata import version
 
 from forcefeel.envelope.as_json import deviations_json
@@ -10,6 +8,7 @@ from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import ANGLE, INERTIA, SECONDS, Json, UnitSystem, quantity
 
 FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]))
@@ -63,11 +62,15 @@ def gains_csv(schedule: FlightSchedule) -> str:
     heads += [f"transition[{row + 1},{column + 1}]" for row in range(n) for column in range(n)]
     heads += [f"input[{row + 1},{name}]" for row in range(n) for name in ("F_c", "x_p", "theta", "e")]
     heads += [f"{what}[{name}]" for what in ("command", "torque") for name in known]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(heads)
+    rows = []
     for k in range(schedule.knots):
-        parts = (laws.transition[k], laws.input[k], laws.command[k], laws.torque[k])
-        law = [number for part in parts for number in part.ravel().tolist()]
-        writer.writerow([*schedule.where[k].tolist(), *schedule.rows[k].tolist(), *law])
-    return text.getvalue()
+        parts = (
+            schedule.where[k],
+            schedule.rows[k],
+            laws.transition[k],
+            laws.input[k],
+            laws.command[k],
+            laws.torque[k],
+        )
+        rows.append([number for part in parts for number in part.ravel().tolist()])
+    return csv_text(heads, rows)

@@ -34,7 +34,7 @@ times the nominal, ``J theta'' = s T``, T the nominally rendered torque, ``-T = 
 the error e = 1/s - 1 of the inertia. This bound can be removed: x_p = alpha R_b theta + F_c / k makes alpha R_b measurable.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -98,12 +98,7 @@ _SAME = 1e-9
 
 
 def inertia_bound(
-    plan: Plan,
-    errors: Sequence[float] = ERRORS,
-    *,
-    lean: float = 0.0,
-    threads: int | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    plan: Plan, errors: Sequence[float] = ERRORS, *, lean: float = 0.0, threads: int | None = None
 ) -> Bound:
     """Compute the bound for a plan's settings, rule, angle and arms.
 
@@ -112,7 +107,6 @@ def inertia_bound(
         errors: Relative errors e of the column's inertia, above 0 and below 1.
         lean: Offset of the middle of the range of inertias from the nominal one, as a share of e: 0 for (1 - e) J to (1 + e) J.
         threads: Number of threads; default: all cores.
-        progress: Called with the numbers of completed and of all settings.
 
     Raises:
         InputError: If the errors do not rise or are out of range.
@@ -122,12 +116,9 @@ def inertia_bound(
         raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(rising))}")
     shape = len(rising), plan.settings.count
     possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
-    done = 0
     for group in setting_groups(plan, threads_or_cores(threads)):
         for k, error in enumerate(rising):
             possible[k, group.which], centred[k, group.which] = _possible(group, error, lean)
-        done += len(group.which)
-        progress(done, plan.settings.count)
     return Bound(rising, possible, centred)
 
 

@@ -48,7 +48,7 @@ def frontier_conclusions(frontier: Frontier, units: UnitSystem) -> Conclusions:
         _friction_bound(frontier, units),
         _sensor(frontier),
     ]
-    lines += caveats(frontier.envelope, units)
+    lines += caveats(frontier.envelope)
     return Conclusions(good, verdict, tuple(line for line in lines if line))
 
 

@@ -149,13 +149,7 @@ def hardware_releases(plan: Plan) -> int:
 def hardware(
     levels: ToleranceLevels, *, threads: int | None = None, progress: Progress = lambda done, total: None
 ) -> tuple[Gain, ...]:
-    """Compute the gains, the largest in the worst case first.
-
-    Args:
-        levels: The law on the unchanged loader.
-        threads: Number of threads; default: all cores.
-        progress: Called with the numbers of completed and of all releases.
-    """
+    """Compute the gains over ``levels``, the law on the unchanged loader; the largest in the worst case first."""
     plan, gains, done = levels.full.plan, [], 0
     before = levels.full.shares(levels.law)
     total = hardware_releases(plan)

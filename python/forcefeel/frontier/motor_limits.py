@@ -54,12 +54,7 @@ class MotorLimits(DriveLimits):
 
 
 def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
-    """Compute the limits of a plan's motor at its settings.
-
-    Args:
-        plan: The envelope: its settings, rule and angle; its laws are not used.
-        threads: Number of threads; default: all cores.
-    """
+    """Compute the limits of a plan's motor at its settings, from its rule and angle; its laws are not used."""
     motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
     demand, forbidden = demands(plan, _peak, threads)
     held = holding_force(plan.loader, feel[:, 2], plan.release_rad)

@@ -119,16 +119,7 @@ def _path(levels: ToleranceLevels, name: str, tight: Sequence[str]) -> Path:
 
 
 def needed(tolerances: Sequence[float], shares: Sequence[float], goal: float) -> float:
-    """Largest tolerance that reaches the goal, interpolated between two levels in the logarithm of the tolerance.
-
-    Args:
-        tolerances: Falling.
-        shares: Share at each.
-        goal: Required share.
-
-    Returns:
-        The tolerance; NaN if no level reaches the goal.
-    """
+    """Largest of the falling ``tolerances`` that reaches the goal, interpolated between two in the logarithm; NaN if none does."""
     reached = np.flatnonzero(np.array(shares) >= goal)
     if not len(reached):
         return float("nan")

@@ -94,12 +94,6 @@ def run_levels(
 ) -> ToleranceLevels:
     """Run one law on every level.
 
-    Args:
-        plan: The envelope, with one law.
-        factors: The levels, falling from 1.
-        threads: Number of threads; default: all cores.
-        progress: Called with the numbers of completed and of all releases.
-
     Raises:
         InputError: If the plan does not have exactly one law, or the levels do not fall from 1 or reach 0.
     """

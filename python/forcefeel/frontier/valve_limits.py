@@ -45,12 +45,7 @@ class ValveLimits(DriveLimits):
 
 
 def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
-    """Compute the limits of a plan's valve at its settings.
-
-    Args:
-        plan: The envelope: its settings, rule and angle; its laws are not used.
-        threads: Number of threads; default: all cores.
-    """
+    """Compute the limits of a plan's valve at its settings, from its rule and angle; its laws are not used."""
     demand, forbidden = demands(plan, _peak, threads)
     feel = plan.settings.feel(plan.loader)
     unload = _unload_s(plan.loader, feel, plan.release_rad)

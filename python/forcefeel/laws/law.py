@@ -295,12 +295,10 @@ def drives_of(name: str) -> tuple[str, ...]:
 
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
+    sampled = tuple(name for name, design in LAW_DESIGNS.items() if design.serves(loader))
     if loader.drive == ELECTRIC:
-        return tuple(name for name, design in LAW_DESIGNS.items() if design.serves(loader))
-    sampled = (
-        [name for name, design in LAW_DESIGNS.items() if design.serves(loader)] if loader["controller.period"] else []
-    )
-    return (*NAMED_DESIGNS, *sampled)
+        return sampled
+    return (*NAMED_DESIGNS, *(sampled if loader["controller.period"] else ()))
 
 
 def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:

@@ -45,15 +45,14 @@ def made_of(
     steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
     if steps.timing is None:
         raise InputError("controller.period: a live loop requires a digital controller")
-    curve, factor = loader.force_curve, loader.stiffness_factor
     setup = _core.LiveSetup(
         loader.si_values,
         steps.step_s,
         steps.timing,
         **law.engine(loader),
-        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        stiffness_factor=None if factor is None else (np.array(factor.x), np.ascontiguousarray(factor.coefficients)),
-        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+        curve=loader.force_curve.arrays if loader.force_curve else None,
+        stiffness_factor=loader.stiffness_factor.arrays if loader.stiffness_factor else None,
+        cancellation=law.cancellation.numbers if law.cancellation else None,
         supervised=supervised,
     )
     return setup, steps

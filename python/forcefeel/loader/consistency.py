@@ -78,11 +78,7 @@ _MOST_PARTS = 64
 
 
 def complaints(values: Mapping[str, float]) -> list[str]:
-    """A line for each optional row that does not go with the others.
-
-    Args:
-        values: SI values by ``part.name``, each one good by itself.
-    """
+    """A line for each optional row that does not go with the others; the SI values by ``part.name`` are good by themselves."""
     return [
         *(
             _not_below(low, high, values)
@@ -160,11 +156,7 @@ def _blind(values: Mapping[str, float]) -> list[str]:
 
 
 def without_effect(values: Mapping[str, float]) -> dict[str, str]:
-    """The optional rows that are given, but not what they act with; a line for each.
-
-    Args:
-        values: SI values by ``part.name``.
-    """
+    """The optional rows that are given, but not what they act with; a line for each. Values are in SI units by ``part.name``."""
     off = {key for key, value in OFF.items() if values.get(key, value) == value}
     reasons: dict[str, str] = {}
     for key, others in ONLY_WITH:

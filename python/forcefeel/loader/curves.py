@@ -81,6 +81,11 @@ class Curve:
         pieces.setflags(write=False)
         return pieces
 
+    @property
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """X and coefficients, as the engine takes a curve."""
+        return np.array(self.x), self.coefficients
+
     @cached_property
     def end_slopes(self) -> tuple[float, float]:
         """Slopes at the first and the last point, with which ``at`` goes on beyond them."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from plotly.io.json import to_json_plotly
 
 from forcefeel.page.description import described
@@ -76,6 +76,13 @@ def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x uni
 def line(look: LineStyle) -> dict[str, Any]:
     """Plotly's line for a look."""
     return {"color": look.color, "dash": look.dash, "width": look.width, "simplify": False}
+
+
+def add_curve(
+    picture: go.Figure, x: ArrayLike, y: ArrayLike, name: str, look: LineStyle, hover: str | None = None, **more: Any
+) -> None:
+    """Adds a line to a plot; ``more`` as Plotly takes it, such as ``row`` and ``col`` of the panel."""
+    picture.add_scatter(x=x, y=y, mode="lines", name=name, line=line(look), hovertemplate=hover, **more)
 
 
 def mark_level(picture: go.Figure, level: float, *, row: int) -> None:

@@ -45,13 +45,7 @@ _VALVE = ("#9ECAE1", "#6BAED6", "#4292C6", "#2171B5", "#084594")
 
 
 def look(figure: str, label: str, position: int) -> LineStyle:
-    """The look of a curve.
-
-    Args:
-        figure: Key of its figure.
-        label: Its label.
-        position: Its place among the figure's curves.
-    """
+    """The look of a curve by the key of its figure, its label and its place among the figure's curves."""
     if figure == "figure-02":
         return (
             LineStyle(COMPLIANT, "dash") if label.startswith("tangent") else LineStyle(_VALVE[position % len(_VALVE)])

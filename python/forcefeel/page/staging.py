@@ -24,12 +24,9 @@ _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
 def put(out: Path, contents: Mapping[str, str | bytes], own: Collection[str]) -> None:
-    """Writes all files of a folder, or none.
+    """Writes all files of a folder, or none; arguments as ``OutputFolder.write``.
 
-    Args:
-        out: The folder; made if it is not there.
-        contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
-        own: Names of files that are the command's: one that is there and not written goes.
+    Of ``own``, the names of files that are the command's, one that is there and not written goes.
 
     Raises:
         InputError: If the folder cannot be made or written, or it or a name in it is a link or otherwise no folder or file.

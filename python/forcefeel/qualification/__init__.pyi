@@ -1,8 +1,7 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
 from forcefeel.qualification.batch_verdicts import judge_releases as judge_releases
-from forcefeel.qualification.page.folder import write_cockpit as write_cockpit
-from forcefeel.qualification.page.folder import write_qualification as write_qualification
+from forcefeel.qualification.page.page import write_qualification as write_qualification
 from forcefeel.qualification.plan.cockpit import CockpitQualification as CockpitQualification
 from forcefeel.qualification.plan.cockpit import qualify_cockpit as qualify_cockpit
 from forcefeel.qualification.plan.result import Qualification as Qualification

@@ -11,7 +11,7 @@ from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.tolerance import Tolerance
-from forcefeel.units import show
+from forcefeel.qualification.verdicts import check_kind
 
 _CYCLES, _OVERSHOOTS = 9, 16
 
@@ -87,8 +87,7 @@ def judge_releases(
         >>> ff.qualification.judge_releases(batch, ff.qualification.measure_releases(after, runs[:1]), test).passed.tolist()
         [True, True, False]
     """
-    if test.kind != "release":
-        raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")
+    check_kind(test, "release")
     if len(reference) not in {1, len(batch)}:
         raise InputError(f"reference: expected one, or one for each of {len(batch)} runs, got {len(reference)}")
     settled = np.logical_and(batch.settled, reference.settled)

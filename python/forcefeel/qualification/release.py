@@ -10,7 +10,7 @@ uncertainty ``u(x - L) / |x'|``.
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,14 @@ from forcefeel.errors import InputError
 from forcefeel.qualification.figures import Figure, combined
 from forcefeel.qualification.let_go import LetGo, check_clipping, check_rate, find_release
 from forcefeel.qualification.records import PositionUnit, Record
-from forcefeel.qualification.release_columns import COLUMNS
 from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.rules import ReleaseRules, load_rules
+
+_GROUPS = _core.release_feature_groups()
+_ENDS = list(accumulate(count for _, count, _ in _GROUPS))
+
+COLUMNS = {name: slice(end - count, end) for (name, count, _), end in zip(_GROUPS, _ENDS, strict=True)}
+"""Columns of each group of features in the rows of the kernel, by its name."""
 
 REST = 3.0
 """Settling criterion: time in the residual band as a multiple of the fall time from 0.9 to 0.1 Ad, at least half a period of a

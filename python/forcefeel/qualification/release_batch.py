@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.qualification.release import REST
-from forcefeel.qualification.release_columns import COLUMNS
+from forcefeel.qualification.release import COLUMNS, REST
 from forcefeel.qualification.rules import ReleaseRules, load_rules
 from forcefeel.threads import threads_or_cores
 

@@ -8,8 +8,8 @@ from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.tolerance import Tolerance
-from forcefeel.qualification.verdicts import COVERAGE, Outcome, Row, Verdict
-from forcefeel.units import UnitSystem, show
+from forcefeel.qualification.verdicts import COVERAGE, Outcome, Row, Verdict, check_kind, check_unit
+from forcefeel.units import UnitSystem
 
 Overdamped = Literal["fall time", "rise time"]
 """Quantity compared for a response without overshoots: time from 0.9 to 0.1 Ad, or to 90 % of the steady value."""
@@ -55,8 +55,7 @@ def judge_release(
         >>> sorted({verdict.outcome.value for verdict in ff.qualification.judge_release(same, same, test)})
         ['passed']
     """
-    if test.kind != "release":
-        raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")
+    check_kind(test, "release")
     check_same_way(measured, reference)
     return tuple(_Judging(measured, reference, test, travel, system, coverage).verdicts(overdamped))
 
@@ -67,9 +66,7 @@ def check_same_way(measured: ReleaseFeatures, reference: ReleaseFeatures) -> Non
     Raises:
         InputError: If one is an angle and the other a length, or they are released on opposite sides.
     """
-    if measured.position_unit != reference.position_unit:
-        came = f"{measured.name} is in {measured.position_unit}, {reference.name} in {reference.position_unit}"
-        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")
+    check_unit(measured, reference)
     if measured.displacement.value * reference.displacement.value < 0:
         sides = " and ".join(
             f"{features.name} at {features.release_s.value:.6g} s from {features.displacement.value:+.4g} {features.position_unit}"
@@ -115,14 +112,11 @@ class _Judging:
                 case "overshoots":
                     yield self._number(rule)
                 case "steady state" | "Ad":
-                    ways = self.measured.displacement, self.reference.displacement
-                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+                    yield self._compared(rule, self.measured.displacement, self.reference.displacement)
                 case "fall time":
-                    ways = self.measured.fall_time, self.reference.fall_time
-                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+                    yield self._compared(rule, self.measured.fall_time, self.reference.fall_time)
                 case "rise time":
-                    ways = self.measured.rise_time, self.reference.rise_time
-                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+                    yield self._compared(rule, self.measured.rise_time, self.reference.rise_time)
 
     def _row(self, rule: Tolerance) -> Row:
         return Row(self.test.number, rule, self.test.is_verified(rule), self.coverage)
@@ -134,6 +128,9 @@ class _Judging:
         )
         scale = max(abs(size.value) for size in sizes)
         return float(rule.limit(scale, n=n, system=self.system, travel=self.travel))
+
+    def _compared(self, rule: Tolerance, measured: Figure, reference: Figure) -> Verdict:
+        return self._row(rule).decide(rule.quantity, (measured, reference), self._limit(rule, reference))
 
     def _cycle(self, rule: Tolerance, n: int) -> Verdict:
         row, name, reference_cycles = self._row(rule), f"P{n}", self.reference.cycles

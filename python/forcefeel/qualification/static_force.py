@@ -60,13 +60,7 @@ class StaticForce:
 
 
 def static_force(record: Record, force: _Array, legs: Legs) -> StaticForce:
-    """Subtracts damping and inertia from the force of a sweep.
-
-    Args:
-        record: The sweep.
-        force: Its force, N (samples,).
-        legs: Its legs.
-    """
+    """Subtracts damping and inertia from the force of a sweep, N (samples,), by its legs."""
     mean_speed = 2 * float(np.ptp(record.position)) / record.duration_s
     speed, acceleration, reach = _motion(record, mean_speed)
     direction = legs.directions[0].astype(float) - legs.directions[1]

@@ -12,8 +12,8 @@ from forcefeel.qualification.records import Record
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.tolerance import Tolerance
-from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict
-from forcefeel.units import UnitSystem, show
+from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict, check_kind, check_unit
+from forcefeel.units import UnitSystem
 
 _COVERED = 0.9
 """Least share of the reference's curve that both curves must cover."""
@@ -55,8 +55,8 @@ def judge_sweep(
         >>> sorted({verdict.outcome.value for verdict in ff.qualification.judge_sweep(same, same, test)})
         ['not evaluated', 'passed']
     """
-    _check_kind(test, "static", "freeplay")
-    _check_unit(measured, reference)
+    check_kind(test, "static", "freeplay")
+    check_unit(measured, reference)
     verdicts: list[Verdict] = []
     for rule in test.tolerances:
         row = Row(test.number, rule, test.is_verified(rule), coverage)
@@ -85,7 +85,6 @@ def judge_dynamic_sweep(
     test: Test,
     *,
     system: UnitSystem = UnitSystem.US,
-    coverage: float = COVERAGE,
 ) -> tuple[Verdict, ...]:
     """Verdicts on a medium or a fast sweep: its force minus that of the slow one, compared with the reference.
 
@@ -96,21 +95,20 @@ def judge_dynamic_sweep(
         reference_slow: The reference's slow one.
         test: A dynamic sweep of a rule.
         system: Unit system that selects the rule's rounding of forces.
-        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If durations differ by more than a fifth, one position is an angle and another a length, or the test is
             of another kind.
     """
-    _check_kind(test, "dynamic sweep")
+    check_kind(test, "dynamic sweep")
     for first, second in ((measured, reference), (slow, reference_slow), (measured, slow)):
-        _check_unit(first, second)
+        check_unit(first, second)
     for first, second in ((measured, reference), (slow, reference_slow)):
         if abs(first.duration_s - second.duration_s) > _SAME_DURATION * second.duration_s:
             lasted = f"{first.name} lasts {first.duration_s:.4g} s, {second.name} {second.duration_s:.4g} s"
             raise InputError(f"expected sweeps of the same duration within {100 * _SAME_DURATION:g} %; {lasted}")
     (rule,) = test.tolerances
-    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    row = Row(test.number, rule, test.is_verified(rule))
     verdicts = []
     for direction in ("up", "down"):
         at = reference.position - reference.neutral
@@ -123,9 +121,7 @@ def judge_dynamic_sweep(
     return tuple(verdicts)
 
 
-def judge_small_inputs(
-    record: Record, reference: Record, test: Test, *, coverage: float = COVERAGE
-) -> tuple[Verdict, ...]:
+def judge_small_inputs(record: Record, reference: Record, test: Test) -> tuple[Verdict, ...]:
     """Verdict on the body rate after a small input, over time from each record's start.
 
     The sampling rates may differ: the curves are compared at the samples of both, through cubic splines.
@@ -134,14 +130,13 @@ def judge_small_inputs(
         record: Record with a body rate; without it the test is not evaluated.
         reference: The reference's record.
         test: A small-inputs test of a rule.
-        coverage: Standard uncertainties around the limit within which a difference is too close to call.
 
     Raises:
         InputError: If the reference is shorter than the record, or the test is of another kind.
     """
-    _check_kind(test, "small inputs")
+    check_kind(test, "small inputs")
     (rule,) = test.tolerances
-    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    row = Row(test.number, rule, test.is_verified(rule))
     from scipy.interpolate import CubicSpline  # noqa: PLC0415  only here
 
     rate, reference_rate = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
@@ -212,14 +207,3 @@ def _worst(
     worst = int(np.argmax(ratio))
     figures = Figure(float(measured[worst]), known[0], unit), Figure(float(reference[worst]), known[1], unit)
     return row.decide(name, figures, float(limit[worst]), at=float(at[worst]))
-
-
-def _check_kind(test: Test, *kinds: str) -> None:
-    if test.kind not in kinds:
-        raise InputError(f"test: expected a {' or '.join(kinds)} test, got {show(test.number)}, a {test.kind} test")
-
-
-def _check_unit(sweep: SweepFeatures, other: SweepFeatures) -> None:
-    if sweep.position_unit != other.position_unit:
-        came = f"{sweep.name} is in {sweep.position_unit}, {other.name} in {other.position_unit}"
-        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")

@@ -2,11 +2,15 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Protocol
 
+from forcefeel.errors import InputError
 from forcefeel.qualification.figures import Figure
+from forcefeel.qualification.rules import Test
 from forcefeel.qualification.tolerance import Tolerance
+from forcefeel.units import show
 
 COVERAGE = 2.0
 """Standard uncertainties around the limit within which a difference is too close to call."""
@@ -21,7 +25,7 @@ class Outcome(StrEnum):
     NOT_EVALUATED = "not evaluated"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Verdict:
     """One quantity against its tolerance.
 
@@ -46,13 +50,13 @@ class Verdict:
     outcome: Outcome
     measured: Figure | None
     reference: Figure | None
-    difference: float
-    tolerance: float
-    margin: float
-    uncertainty: float
-    unit: str
+    difference: float = math.nan
+    tolerance: float = math.nan
+    margin: float = math.nan
+    uncertainty: float = math.nan
+    unit: str = ""
     reason: str
-    at: float | None
+    at: float | None = None
     rule: Tolerance
     verified: bool
 
@@ -99,52 +103,64 @@ class Row:
             outcome = Outcome.TOO_CLOSE
         else:
             outcome = Outcome.PASSED if margin >= -rounding else Outcome.FAILED
-        return Verdict(
-            self.test,
-            quantity,
-            outcome,
-            measured,
-            reference,
-            difference.value,
-            limit,
-            margin,
-            difference.uncertainty,
-            difference.unit,
-            reason,
-            at,
-            self.rule,
-            self.verified,
+        return replace(
+            self.stated(quantity, outcome, figures, reason),
+            difference=difference.value,
+            tolerance=limit,
+            margin=margin,
+            uncertainty=difference.uncertainty,
+            unit=difference.unit,
+            at=at,
         )
 
     def not_evaluated(self, quantity: str, reason: str, figures: tuple[Figure, Figure] | None = None) -> Verdict:
         """A verdict of a quantity that was not evaluated, with the reason."""
-        measured, reference = (figure if figure.known else None for figure in figures) if figures else (None, None)
-        nan, unit = math.nan, figures[0].unit if figures else ""
-        outcome = Outcome.NOT_EVALUATED
+        known = (figure if figure and figure.known else None for figure in figures or (None, None))
+        stated = self.stated(quantity, Outcome.NOT_EVALUATED, (next(known), next(known)), reason)
+        return replace(stated, unit=figures[0].unit) if figures else stated
+
+    def stated(
+        self, quantity: str, outcome: Outcome, figures: tuple[Figure | None, Figure | None], reason: str
+    ) -> Verdict:
+        """A verdict with a known outcome, without a comparison of numbers."""
         return Verdict(
-            self.test,
-            quantity,
-            outcome,
-            measured,
-            reference,
-            nan,
-            nan,
-            nan,
-            nan,
-            unit,
-            reason,
-            None,
-            self.rule,
-            self.verified,
+            test=self.test,
+            quantity=quantity,
+            outcome=outcome,
+            measured=figures[0],
+            reference=figures[1],
+            reason=reason,
+            rule=self.rule,
+            verified=self.verified,
         )
 
-    def stated(self, quantity: str, outcome: Outcome, figures: tuple[Figure, Figure], reason: str) -> Verdict:
-        """A verdict with a known outcome, without a comparison of numbers."""
-        measured, reference = figures
-        nan = math.nan
-        return Verdict(
-            self.test, quantity, outcome, measured, reference, nan, nan, nan, nan, "", reason, None, self.rule, self.verified
-        )  # fmt: skip
+
+def check_kind(test: Test, *kinds: str) -> None:
+    """Refuses a test of another kind.
+
+    Raises:
+        InputError: With the kinds that are expected.
+    """
+    if test.kind not in kinds:
+        raise InputError(f"test: expected a {' or '.join(kinds)} test, got {show(test.number)}, a {test.kind} test")
+
+
+class _Measured(Protocol):
+    @property
+    def name(self) -> str: ...
+    @property
+    def position_unit(self) -> str: ...
+
+
+def check_unit(measured: _Measured, reference: _Measured) -> None:
+    """Refuses two records of which one is of an angle and the other of a length.
+
+    Raises:
+        InputError: With their names and units.
+    """
+    if measured.position_unit != reference.position_unit:
+        came = f"{measured.name} is in {measured.position_unit}, {reference.name} in {reference.position_unit}"
+        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")
 
 
 def overall(verdicts: Iterable[Verdict]) -> Outcome:

@@ -20,6 +20,6 @@ from forcefeel.simulation.linear import simulate_linear_batch as simulate_linear
 from forcefeel.simulation.outcome import Measures as Measures
 from forcefeel.simulation.outcome import Run as Run
 from forcefeel.simulation.outcome import RunStatus as RunStatus
-from forcefeel.simulation.page.folder import write_simulation as write_simulation
+from forcefeel.simulation.page.page import write_simulation as write_simulation
 from forcefeel.simulation.scenario import FeelChange as FeelChange
 from forcefeel.simulation.scenario import Scenario as Scenario

@@ -181,7 +181,6 @@ def simulate_batch(
 def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law | None = None) -> _core.Simulation:
     """The engine for a scenario; ``law`` is the initial law, before the scenario's changes."""
     steps = Steps.of(scenario, loader)
-    curve = loader.force_curve
     return _core.Simulation(
         steps.inputs,
         steps.step_s,
@@ -190,7 +189,7 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
         start_force=steps.start_force_n,
         held=steps.held,
         timing=steps.timing,
-        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        curve=loader.force_curve.arrays if loader.force_curve else None,
         cancellation=None if law is None or law.cancellation is None else law.cancellation.numbers,
         changes=engine_changes(loader, scenario, steps, law),
     )

@@ -21,37 +21,20 @@ from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import (
     ANGLE,
     ANGULAR_VELOCITY,
+    BY_SI,
     CURRENT,
     FLOW,
-    FORCE,
-    LENGTH,
     MOTOR_CURRENT,
     PRESSURE,
     RATIO,
     SECONDS,
     VOLTAGE,
-    Unit,
     UnitSystem,
     show,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_SUFFIX = {
-    "": "",
-    "rad": "_rad",
-    "rad/s": "_rad_per_s",
-    "s": "_s",
-    "m": "_m",
-    "N": "_n",
-    "Pa": "_pa",
-    "A": "_a",
-    "m^3/s": "_m3_per_s",
-    "V": "_v",
-    "V/s": "_v_per_s",
-    "degC": "_degc",
-}
 
 BAND = 0.05
 """A run has settled when its last swing is within this share of its whole swing, the residual band of the rules, and stays
@@ -60,7 +43,7 @@ within it around where it rests."""
 
 def named(name: str, unit: str) -> str:
     """``name`` with the suffix of its unit."""
-    return name + _SUFFIX[unit]
+    return f"{name}_{BY_SI[unit].suffix}".rstrip("_")
 
 
 @cache
@@ -246,11 +229,13 @@ class Run:
         kinds = {self.history[name].attrs["units"] for name in outputs} or {"rad"}
         if len(kinds) > 1:
             raise InputError(f"outputs: expected one kind of quantity on one axis, got {', '.join(sorted(kinds))}")
-        unit = _SHOWN.get(kind := kinds.pop(), Unit(kind, kind, kind))
+        unit = BY_SI[kind := kinds.pop()]
         scale, time = unit.from_si(1.0, units), self.history["time_s"].to_numpy()
-        words = {name: _words(name, kind) for name in curves_si}
+        words = {name: in_words(name, kind) for name in curves_si}
         what = (
-            next(iter(words.values())) if len(curves_si) == 1 else _words("angle" if kind == "rad" else "output", kind)
+            next(iter(words.values()))
+            if len(curves_si) == 1
+            else in_words("angle" if kind == "rad" else "output", kind)
         )
         return curves(
             {words[name]: (time, scale * values) for name, values in curves_si.items()},
@@ -279,13 +264,9 @@ def per_feel_angle(run: Run) -> float:
     return loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
 
 
-_SHOWN = {unit.si: unit for unit in (ANGLE, LENGTH, CURRENT, PRESSURE, FLOW, FORCE)}
-_SHOWN["rad/s"] = ANGULAR_VELOCITY
-
-
-def _words(name: str, unit: str) -> str:
+def in_words(name: str, unit: str) -> str:
     """An output's name as people write it, without its unit."""
-    return name.removesuffix(_SUFFIX.get(unit, "")).replace("_", " ")
+    return name.removesuffix(f"_{BY_SI[unit].suffix}").replace("_", " ")
 
 
 def statuses(measures: NDArray[np.float64]) -> NDArray[np.str_]:

@@ -14,25 +14,8 @@ from forcefeel.json_values import json_value
 from forcefeel.simulation import Run
 from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.limits_met import known_measures, limit_times, why_no_overshoot
-from forcefeel.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    CURRENT,
-    FLOW,
-    FORCE,
-    LENGTH,
-    MOTOR_CURRENT,
-    PERCENT,
-    PRESSURE,
-    SECONDS,
-    TEMPERATURE,
-    VOLTAGE,
-    Json,
-    Unit,
-    UnitSystem,
-    factor,
-    to_text,
-)
+from forcefeel.simulation.outcome import in_words
+from forcefeel.units import BY_SI, MOTOR_CURRENT, PERCENT, Json, UnitSystem, to_text
 
 NAMES = {
     "maximum_angle_rad": "largest column angle",
@@ -54,21 +37,6 @@ NAMES = {
     "diverged_at_s": "diverged at",
 }
 """Each measure in words."""
-
-_HISTORY_UNITS = {
-    "s": SECONDS,
-    "rad": ANGLE,
-    "rad/s": ANGULAR_VELOCITY,
-    "V": VOLTAGE,
-    "V/s": Unit("V/s", "V/s", "V/s"),
-    "m": LENGTH,
-    "N": FORCE,
-    "Pa": PRESSURE,
-    "m^3/s": FLOW,
-    "A": CURRENT,
-    "degC": TEMPERATURE,
-}
-_SUFFIXES = ("_degc", "_m3_per_s", "_rad_per_s", "_v_per_s", "_rad", "_pa", "_m", "_n", "_v", "_a", "_s")
 
 
 @dataclass(frozen=True)
@@ -111,11 +79,8 @@ def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
     table = []
     for name in ("time_s", *map(str, run.history.data_vars)):
         data = run.history[name]
-        bare = next(name.removesuffix(end) for end in _SUFFIXES if name.endswith(end))
-        unit = MOTOR_CURRENT if name == "motor_current_a" else _HISTORY_UNITS[data.attrs["units"]]
-        table.append(
-            Column(bare.replace("_", " "), unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units)))
-        )
+        unit = MOTOR_CURRENT if name == "motor_current_a" else BY_SI[data.attrs["units"]]
+        table.append(Column(in_words(name, unit.si), unit.shown(units), data.values[known] * unit.from_si(1.0, units)))
     return tuple(table)
 
 

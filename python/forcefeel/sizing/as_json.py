@@ -10,11 +10,19 @@ from forcefeel.sizing.result import Sizing
 from forcefeel.units import ANGLE, MASS, Json, UnitSystem, quantity
 
 
-def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:
-    """Demands and capability, every number with its unit."""
+def sizing_json(sizing: Sizing | CockpitSizing, units: UnitSystem) -> dict[str, Json]:
+    """Demands and capability, every number with its unit; of a cockpit the sizing of each axis."""
+    head: dict[str, Json] = {"forcefeel": version("forcefeel"), "units": str(units)}
+    if isinstance(sizing, CockpitSizing):
+        return {
+            **head,
+            "project": sizing.name,
+            "ok": sizing.ok,
+            "conclusions": json_value(cockpit_conclusions(sizing, units), units),
+            "axes": {axis: sizing_json(axis_sizing, units) for axis, axis_sizing in sizing.axes.items()},
+        }
     return {
-        "forcefeel": version("forcefeel"),
-        "units": str(units),
+        **head,
         "loader": sizing.loader.name,
         "drive": sizing.loader.drive,
         "axis": sizing.plan.axis,
@@ -27,18 +35,6 @@ def sizing_json(sizing: Sizing, units: UnitSystem) -> dict[str, Json]:
         "added_mass": quantity(sizing.added_mass_kg, MASS, units),
         "column_mass": quantity(sizing.column_mass_kg, MASS, units),
         "missing": list(sizing.missing),
-    }
-
-
-def cockpit_json(cockpit: CockpitSizing, units: UnitSystem) -> dict[str, Json]:
-    """The sizing of each axis."""
-    return {
-        "forcefeel": version("forcefeel"),
-        "units": str(units),
-        "project": cockpit.name,
-        "ok": cockpit.ok,
-        "conclusions": json_value(cockpit_conclusions(cockpit, units), units),
-        "axes": {axis: sizing_json(sizing, units) for axis, sizing in cockpit.axes.items()},
     }
 
 

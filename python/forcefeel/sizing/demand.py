@@ -110,8 +110,8 @@ def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float6
     (`crates/model/src/feel.rs`).
     """
     angles = np.asarray(angles_rad, dtype=np.float64)
-    curve, factor = loader.force_curve, loader.stiffness_factor
-    engine = None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients))
+    factor = loader.stiffness_factor
+    engine = loader.force_curve.arrays if loader.force_curve else None
     between = [
         _core.feel_held_between(loader.si_values, angles.ravel(), scale, curve=engine)
         for scale in ((min(factor.y), max(factor.y)) if factor else (1.0,))

@@ -46,13 +46,7 @@ class Relief:
 
 
 def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief | None:
-    """The simulated release; ``None`` if no law can be designed, or the run diverges.
-
-    Args:
-        drive: The drive of the loader.
-        angle_rad: Angle of the release.
-        duration_s: Evaluated duration.
-    """
+    """The simulated release, evaluated over ``duration_s``; ``None`` if no law can be designed, or the run diverges."""
     loader = drive.loader
     try:
         law = Law.of(None, loader)
@@ -72,7 +66,6 @@ def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[i
     """Histories (outputs, samples) of a release, without the sensors' noise."""
     angle, duration = release
     step, timing = controller_steps(loader, _STEP_S) if loader["controller.period"] else (_STEP_S, None)
-    curve, cancellation = loader.force_curve, law.cancellation
     none = np.zeros((int(np.ceil(duration / step)), 2))
     values = loader.si_values.copy()
     values[_NOISE] = 0.0
@@ -82,8 +75,8 @@ def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[i
         outputs=outputs,
         held=(angle, 0),
         timing=timing,
-        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        cancellation=None if cancellation is None else cancellation.numbers,
+        curve=loader.force_curve.arrays if loader.force_curve else None,
+        cancellation=law.cancellation.numbers if law.cancellation else None,
     )
     _, histories = engine.run(values[np.newaxis], **law.engine(loader))
     return np.asarray(histories[0])

@@ -1,6 +1,6 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
-from forcefeel.sweep.page.folder import write_sweep as write_sweep
+from forcefeel.sweep.page.page import write_sweep as write_sweep
 from forcefeel.sweep.plan import Sweep as Sweep
 from forcefeel.sweep.result import SweepResult as SweepResult
 from forcefeel.sweep.run import run_sweep as run_sweep

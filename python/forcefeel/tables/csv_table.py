@@ -1,4 +1,4 @@
-"""Tables from CSV files in UTF-8, read row by row; only requested columns are kept."""
+"""Tables from CSV files in UTF-8, read row by row; only requested columns are kept. The text of those that are written."""
 
 import csv
 import hashlib
@@ -21,11 +21,6 @@ _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 def read_csv(path: Path, data: bytes, example: str) -> Table:
     """The table in a CSV file; lines that begin with ``#`` above the header are its notes.
 
-    Args:
-        path: Its path, for messages.
-        data: Its contents.
-        example: A good header, for messages.
-
     Raises:
         InputError: If it is no text, is empty, or is not separated by commas.
     """
@@ -40,6 +35,15 @@ def read_csv(path: Path, data: bytes, example: str) -> Table:
 
     cells = [" ".join(cell.split()) for cell in header]
     return Table(path, cells, f"{path}: line {line}", notes, hashlib.sha256(data).hexdigest(), take)
+
+
+def csv_text(heads: Iterable[str], rows: Iterable[Iterable[object]], digits: str = "") -> str:
+    """Rows below their heads as CSV; floats in the format ``digits``, without one exactly."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows([format(cell, digits) if isinstance(cell, float) else cell for cell in row] for row in rows)
+    return text.getvalue()
 
 
 def csv_rows(path: Path, lines: Iterable[str], example: str) -> Iterator[tuple[list[str], int]]:

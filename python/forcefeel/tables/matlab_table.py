@@ -12,11 +12,6 @@ from forcefeel.units import show
 def read_matlab(path: Path, data: bytes, example: str) -> Table:
     """The table in a MATLAB file up to version 7.
 
-    Args:
-        path: Its path, for messages.
-        data: Its contents.
-        example: A good CSV header, for messages.
-
     Raises:
         InputError: If it is damaged, of version 7.3, or has no rows of numbers.
     """

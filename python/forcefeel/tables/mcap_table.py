@@ -25,11 +25,6 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
     A simulated machine advances by a period per cycle, so missed periods do not count; for a real machine they do. Columns without
     numbers, such as an unmeasured pilot's force, and those of an absent force sensor are omitted.
 
-    Args:
-        path: Its path, for messages.
-        data: Its contents.
-        example: A good CSV header, for messages.
-
     Raises:
         InputError: If it is no such record, or the law drove in none of it.
     """

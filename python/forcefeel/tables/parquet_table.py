@@ -12,11 +12,6 @@ from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, check_
 def read_parquet(path: Path, data: bytes, example: str) -> Table:
     """The table in a Parquet file.
 
-    Args:
-        path: Its path, for messages.
-        data: Its contents.
-        example: A good CSV header, for messages.
-
     Raises:
         InputError: If it is damaged, or pyarrow is not installed.
     """

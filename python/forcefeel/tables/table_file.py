@@ -12,6 +12,7 @@ from forcefeel.tables.table import MOST_BYTES, Table
 from forcefeel.units import show
 
 _READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab, ".mcap": read_mcap}
+"""Reader by ending, of the path and the contents of a file, and of a good CSV header; path and header are for messages."""
 
 ENDINGS = tuple(_READERS)
 """Endings of readable files."""

@@ -11,7 +11,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification import fit
-from forcefeel.bench.identification.page.folder import LOADER, PAGE, RESULTS
+from forcefeel.bench.identification.page.page import LOADER, PAGE, RESULTS
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response

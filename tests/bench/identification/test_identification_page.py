@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from forcefeel.bench.identification.as_json import FitSettings
-from forcefeel.bench.identification.page.folder import write_identification
+from forcefeel.bench.identification.page.page import write_identification
 from forcefeel.bench.identification.result import Identification
 from forcefeel.units import UnitSystem
 from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined

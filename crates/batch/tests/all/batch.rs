@@ -1,6 +1,6 @@
 //! Batches of runs: the same bits on any number of threads and in any place, members that fail, samples, laws.
 
-use crate::runs::{GAINS, STEP, drawn, everything, job, order, run, steps};
+use crate::runs::{GAINS, STEP, assert_bits_stay, bits, drawn, everything, job, order, run, steps};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::machine::Inputs;
@@ -24,11 +24,6 @@ const ALL: [usize; OUTPUTS.len()] = {
 };
 const TIMING: Timing = Timing { period: 2, delay: 3 };
 
-/// Bits, so that what is not a number is equal to itself.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
-}
-
 fn bits_of(measures: &[Values]) -> Vec<u64> {
     bits(measures.as_flattened())
 }
@@ -50,29 +45,8 @@ fn jobs<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]]) -> [Job<'a>; 2] {
 #[test]
 fn bits_depend_neither_on_threads_nor_on_the_place_in_the_batch() {
     let (inputs, values) = (steps(100, STEP), drawn(RUNS, 0.1));
-    let turned: Vec<_> = values.iter().rev().copied().collect();
     for job in jobs(&inputs, &values) {
-        let (measures, histories) = run(&job, 1);
-        let size = histories.len() / RUNS;
-        for threads in [2, 3] {
-            let (again, histories_again) = run(&job, threads);
-            assert_eq!((bits_of(&measures), bits(&histories)), (bits_of(&again), bits(&histories_again)), "{threads}");
-        }
-        for k in [0, 7, 15, 16, 31, 32, 36] {
-            // Alone it runs in plain double precision, with the noise of its own index.
-            let alone = Job { values: &values[k..=k], noise: (job.noise.0, job.noise.1 + k as u64), ..job.clone() };
-            let (found, history) = run(&alone, 1);
-            assert_eq!(bits_of(&found), bits_of(&measures[k..=k]), "run {k}");
-            assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]), "run {k}");
-        }
-        // The other way round, each has other neighbours; the noise goes with the index and stays away.
-        let mut quiet = job.clone();
-        quiet.shared.effects.noise = false;
-        let (straight, _) = run(&quiet, 1);
-        let (found, _) = run(&Job { values: &turned, ..quiet }, 1);
-        for (k, found) in found.iter().rev().enumerate() {
-            assert_eq!(bits(found), bits(&straight[k]), "run {k}");
-        }
+        assert_bits_stay(&job, None);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Runs under sampled laws with an observer: one that repeats static gains, at rest, changed while running, side by side.
 
 use crate::observers::{DEAF, Sampled};
-use crate::runs::{drawn, pushed, run, steps};
+use crate::runs::{assert_bits_stay, bits, drawn, pushed, run, steps};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::Inputs;
@@ -26,10 +26,6 @@ const SIZES: [f64; OUTPUTS.len()] = [0.03, 0.6, 0.05, 1.0, 5e-3, 2e3, 1e6, 1e-4,
 const SAME: f64 = 1e-12;
 /// A current limit in A that a swing meets.
 const LIMIT: f64 = 8e-4;
-
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
-}
 
 /// A push, a pull, nothing and a push; the feel and its surroundings as they are.
 fn swing(count: usize) -> Vec<Inputs> {
@@ -352,32 +348,8 @@ fn bits_depend_neither_on_threads_nor_on_the_place_in_the_batch() {
     let laws = laws_of(&values);
     let changes = [Change { steps: fade_steps, values: values[3], observer: Some(laws[5]) }];
     let job = Job { changes: &changes, start: Start::Held(0.03, 20), ..job(&inputs, &values, Law::Observers(&laws)) };
-    let (measures, histories) = run(&job, 1);
-    assert!(histories.iter().all(|value| value.is_finite()));
-    for threads in [2, 3] {
-        let (again, histories_again) = run(&job, threads);
-        assert_eq!(bits(measures.as_flattened()), bits(again.as_flattened()), "{threads}");
-        assert_eq!(bits(&histories), bits(&histories_again), "{threads}");
-    }
-    let size = histories.len() / RUNS;
-    for k in [0, 7, 15, 16, 31, 32, 36] {
-        // Alone it runs in plain double precision, with the noise of its own index.
-        let law = Law::Observers(&laws[k..=k]);
-        let noise = (job.noise.0, job.noise.1 + k as u64);
-        let (found, history) = run(&Job { values: &values[k..=k], law, noise, ..job.clone() }, 1);
-        assert_eq!(bits(found.as_flattened()), bits(&measures[k]), "run {k}");
-        assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]), "run {k}");
-    }
-    // The other way round, each has other neighbours; the noise goes with the index and stays away.
-    let mut quiet = job.clone();
-    quiet.shared.effects.noise = false;
-    let (straight, _) = run(&quiet, 1);
-    let turned: Vec<_> = values.iter().rev().copied().collect();
-    let laws_turned: Vec<_> = laws.iter().rev().copied().collect();
-    let (found, _) = run(&Job { values: &turned, law: Law::Observers(&laws_turned), ..quiet }, 1);
-    for (k, found) in found.iter().rev().enumerate() {
-        assert_eq!(bits(found), bits(&straight[k]), "run {k}");
-    }
+    assert!(run(&job, 1).1.iter().all(|value| value.is_finite()));
+    assert_bits_stay(&job, Some(&laws));
 }
 
 #[test]

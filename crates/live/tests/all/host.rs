@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "what is recorded is the number itself")]
 
+use crate::loader::{PERIOD_S, setup};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::host_link;
 use forcefeel_live::input_output::{Disturbance, InputOutput};
@@ -10,11 +11,8 @@ use forcefeel_live::row::Row;
 use forcefeel_live::setup::Setup;
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::supervision::STATES;
-use forcefeel_model::compensator::Compensator;
-use forcefeel_model::controller::Timing;
 use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT};
 use forcefeel_model::host::{FromHost, ToHost};
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
 use forcefeel_model::supervisor::SupervisorState;
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -22,7 +20,6 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 use std::time::Duration;
 
-const PERIOD_S: f64 = 5e-4;
 /// Cycles between two packets: of a host with 100 a second.
 const APART: u64 = 20;
 
@@ -37,25 +34,7 @@ struct Run {
 
 impl Run {
     fn new(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>) -> Self {
-        let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
-            ("controller", "period") => PERIOD_S,
-            _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
-            _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
-        });
-        let parameters = Parameters::from_values(&values);
-        let mut setup = Setup {
-            values,
-            gains: Compensator::original(&parameters),
-            observer: None,
-            step_s: PERIOD_S,
-            timing: Timing { period: 1, delay: 1 },
-            curve: None,
-            factor,
-            host: true,
-            cancellation: None,
-            beginning: None,
-            supervised: true,
-        };
+        let mut setup = Setup { factor, host: true, ..setup() };
         let (machine, beginning) = simulated(&setup, Script::NONE);
         setup.beginning = Some(beginning);
         let mut controller = Controller::new(&setup).expect("it has limits");

@@ -2,6 +2,7 @@
 
 mod histogram;
 mod host;
+mod loader;
 mod no_allocation;
 mod packets;
 mod stall;

@@ -1,5 +1,6 @@
 //! A cycle allocates nothing: with the machine simulated, over UDP, while the feel changes, while it trips, under a host.
 
+use crate::loader::setup;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use forcefeel_live::clock::{AtOnce, Clock, Woken};
 use forcefeel_live::controller::Controller;
@@ -11,40 +12,14 @@ use forcefeel_live::setup::Setup;
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::status::Status;
 use forcefeel_live::udp::Udp;
-use forcefeel_model::compensator::Compensator;
-use forcefeel_model::controller::Timing;
 use forcefeel_model::host::FromHost;
 use forcefeel_model::host::packet::switches::{ACTIVE, AUTOPILOT, JAM, PUSHER, TRIM_RUNAWAY};
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
+use forcefeel_model::parameters::TABLE;
 use rtrb::RingBuffer;
 use std::sync::Arc;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-/// The report's loader in its own position loop, under a digital controller at 2 kHz.
-fn setup(supervised: bool) -> Setup {
-    let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
-        ("controller", "period") => 5e-4,
-        // Rows of the other drive are off, or zero.
-        _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
-        _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
-    });
-    let gains = Compensator::original(&Parameters::from_values(&values));
-    Setup {
-        values,
-        gains,
-        observer: None,
-        step_s: 5e-4,
-        timing: Timing { period: 1, delay: 1 },
-        curve: None,
-        factor: None,
-        host: false,
-        cancellation: None,
-        beginning: None,
-        supervised,
-    }
-}
 
 fn cycles(
     setup: &Setup,
@@ -90,7 +65,7 @@ fn run(cycles: &mut Cycles, count: u64, clock: &mut AtOnce) {
 #[test]
 fn a_cycle_allocates_nothing() {
     for supervised in [true, false] {
-        let mut setup = setup(supervised);
+        let mut setup = Setup { supervised, ..setup() };
         let (machine, beginning) = simulated(&setup, Script::NONE);
         setup.beginning = Some(beginning);
         let mut softer = setup.values;
@@ -112,7 +87,7 @@ fn a_cycle_allocates_nothing() {
 
 #[test]
 fn a_cycle_over_udp_allocates_nothing() {
-    let setup = setup(true);
+    let setup = setup();
     let other = std::net::UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let address = other.local_addr().expect("an address");
     let machine = Udp::connect(address, Some(setup.period_s())).expect("a socket");
@@ -122,7 +97,7 @@ fn a_cycle_over_udp_allocates_nothing() {
 
 #[test]
 fn a_cycle_under_a_host_allocates_nothing() {
-    let mut setup = Setup { host: true, ..setup(true) };
+    let mut setup = Setup { host: true, ..setup() };
     let (machine, beginning) = simulated(&setup, Script::NONE);
     setup.beginning = Some(beginning);
     let (mut sends, packets) = RingBuffer::new(16);

@@ -1,16 +1,14 @@
 //! A loop that is held up while its machine moves on: velocities are of the time that really went by.
 
+use crate::loader::{PERIOD_S, setup};
 use forcefeel_live::clock::{Clock, Monotonic};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::cycle::Cycles;
 use forcefeel_live::row::Row;
-use forcefeel_live::setup::Setup;
 use forcefeel_live::status::Status;
 use forcefeel_live::udp::{SAMPLE_BYTES, Stamped, Udp, request_of, sample_bytes};
-use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::Sample;
-use forcefeel_model::controller::Timing;
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
+use forcefeel_model::parameters::Parameters;
 use forcefeel_model::supervisor::Function;
 use rtrb::RingBuffer;
 use std::net::UdpSocket;
@@ -19,7 +17,6 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 use std::time::{Duration, Instant};
 
-const PERIOD_S: f64 = 5e-4;
 const STALL: Duration = Duration::from_millis(200);
 /// The column goes to and fro so far, in rad.
 const FARTHEST_RAD: f64 = 0.2;
@@ -33,29 +30,6 @@ enum Samples {
     WhenAsked,
     /// By a clock of its own.
     ByItself,
-}
-
-fn setup() -> Setup {
-    let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
-        ("controller", "period") => PERIOD_S,
-        _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
-        _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
-    });
-    let gains = Compensator::original(&Parameters::from_values(&values));
-    let timing = Timing { period: 1, delay: 1 };
-    Setup {
-        values,
-        gains,
-        observer: None,
-        step_s: PERIOD_S,
-        timing,
-        curve: None,
-        factor: None,
-        host: false,
-        cancellation: None,
-        beginning: None,
-        supervised: true,
-    }
 }
 
 /// Angle in rad of a column that goes to and fro at this speed.

@@ -19,15 +19,13 @@ pub mod pressure;
 pub mod statics;
 pub mod valve;
 
-use super::{
-    Contact, Coupling, Drive, DriveSignals, Link, Motion, Neighbors, QuickPart, REMEMBERED, SIGNALS, Signals, Statics,
-};
+use super::{Coupling, Drive, DriveSignals, Link, Motion, REMEMBERED, SIGNALS, Signals, Statics};
 use crate::Scalar;
 use crate::channels::{self, Bench, CHANNELS};
 use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::parameters::Parameters;
-use crate::run::{RunSnapshot, RunState, RunStepStart, Shared, StepFraction};
+use crate::run::{RunSnapshot, Shared, StepFraction};
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
 
@@ -175,77 +173,6 @@ impl<S: Scalar> Motion<S> for Hydraulic<S> {
 
     fn remember(memory: &mut Oil<S>, [pressure, lag]: [S; REMEMBERED]) {
         *memory = Oil { pressure, lag };
-    }
-}
-
-impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
-    #[inline(always)]
-    fn base_velocity(&self, w: S, balance: &Flow<S>) -> S {
-        w - self.base_impulse * balance.pressure
-    }
-
-    #[inline(always)]
-    fn base_momentum(&self, velocity: S, balance: &Flow<S>) -> S {
-        velocity + self.base_impulse * balance.pressure
-    }
-
-    #[inline(always)]
-    fn feel_velocity(&self, u: S, balance: &Flow<S>) -> S {
-        u + self.feel_impulse * balance.pressure
-    }
-
-    #[inline(always)]
-    fn feel_momentum(&self, rate: S, balance: &Flow<S>) -> S {
-        rate - self.feel_impulse * balance.pressure
-    }
-
-    #[inline(always)]
-    fn feel_changed(&mut self, from: S, to: S, balance: &Flow<S>) -> S {
-        let before = self.feel_impulse;
-        self.feel_impulse = before * to / from;
-        (before - self.feel_impulse) * balance.pressure
-    }
-
-    /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
-    #[inline(always)]
-    fn feel_force(&self, force: S, now: &RunSnapshot<S, Flow<S>>) -> S {
-        force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
-    }
-
-    #[inline(always)]
-    fn catch_up(
-        &self,
-        neighbors: &Neighbors<'_, S>,
-        effects: &Effects,
-        side: &Side<S>,
-        state: &mut RunState<S, Oil<S>>,
-        now: &mut RunSnapshot<S, Flow<S>>,
-    ) {
-        self.made_good(neighbors, effects, side, state, now);
-    }
-}
-
-impl<S: Scalar> Contact<S> for Hydraulic<S> {
-    #[inline(always)]
-    fn touches(&self, plant: &[S; 5]) -> S::Mask {
-        self.balance.touch(self.balance.stretch(plant[0], plant[3]))
-    }
-
-    #[inline(always)]
-    fn command_jump(&self, effects: &Effects, now: &RunSnapshot<S, Flow<S>>, e_change: S) -> S {
-        self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
-    }
-
-    #[inline(always)]
-    fn close_play(
-        &self,
-        neighbors: &Neighbors<'_, S>,
-        shared: &Shared,
-        state: &mut RunState<S, Oil<S>>,
-        start: &[S; 5],
-        step_start: &RunStepStart<S, Flow<S>, Side<S>>,
-    ) {
-        self.met(neighbors, shared, state, start, step_start);
     }
 }
 

@@ -43,25 +43,34 @@ fn five_samples_are_met_and_their_noise_goes_through() {
     assert!((found.time - 2.0).abs() < EXACT && (found.noise - 1.0).abs() < EXACT);
 }
 
+/// Damping ratio and natural frequency in rad/s of a column of second order.
+const ZETA: f64 = 0.2;
+const OMEGA: f64 = 10.0;
+
+/// Its frequency in swinging, in rad/s.
+fn damped() -> f64 {
+    OMEGA * (1.0 - ZETA * ZETA).sqrt()
+}
+
+/// So many samples of its release by 0.3, each millisecond: times and positions about 2.
+fn released(samples: i32) -> (Vec<f64>, Vec<f64>) {
+    let way =
+        |t: f64| (-ZETA * OMEGA * t).exp() * ((damped() * t).cos() + ZETA * OMEGA / damped() * (damped() * t).sin());
+    let time: Vec<f64> = (0..samples).map(|k| f64::from(k) * 1e-3).collect();
+    let position = time.iter().map(|t| 2.0 - 0.3 * way(*t)).collect();
+    (time, position)
+}
+
+fn measuring(time: &[f64], tail: usize) -> Measuring<'_> {
+    Measuring { time, held: 1, free: 0, tail, band: 0.05, high: 0.9, low: 0.1, reach: 0.0, hysteresis: 0.0 }
+}
+
 #[test]
 fn a_record_that_ends_early_is_measured_around_a_known_steady_state() {
-    let (zeta, omega) = (0.2_f64, 10.0);
-    let damped = omega * (1.0 - zeta * zeta).sqrt();
+    let (zeta, omega, damped) = (ZETA, OMEGA, damped());
     let lasts = 2.0 * std::f64::consts::PI / damped;
-    let time: Vec<f64> = (0..1100).map(|k| f64::from(k) * 1e-3).collect();
-    let way = |t: f64| (-zeta * omega * t).exp() * ((damped * t).cos() + zeta * omega / damped * (damped * t).sin());
-    let position: Vec<f64> = time.iter().map(|t| 2.0 - 0.3 * way(*t)).collect();
-    let measuring = Measuring {
-        time: &time,
-        held: 1,
-        free: 0,
-        tail: 1,
-        band: 0.05,
-        high: 0.9,
-        low: 0.1,
-        reach: 0.0,
-        hysteresis: 0.0,
-    };
+    let (time, position) = released(1100);
+    let measuring = measuring(&time, 1);
     let found = measuring.measure_around(&position, 2.0);
     let (size, at) = found.overshoots_beyond().next().unwrap();
     assert!((size - 0.3 * (-std::f64::consts::PI * zeta * omega / damped).exp()).abs() < FITTED);
@@ -78,22 +87,9 @@ fn a_record_that_ends_early_is_measured_around_a_known_steady_state() {
 
 #[test]
 fn a_column_of_second_order() {
-    let (zeta, omega) = (0.2_f64, 10.0);
-    let damped = omega * (1.0 - zeta * zeta).sqrt();
-    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) * 1e-3).collect();
-    let way = |t: f64| (-zeta * omega * t).exp() * ((damped * t).cos() + zeta * omega / damped * (damped * t).sin());
-    let position: Vec<f64> = time.iter().map(|t| 2.0 - 0.3 * way(*t)).collect();
-    let measuring = Measuring {
-        time: &time,
-        held: 1,
-        free: 0,
-        tail: 600,
-        band: 0.05,
-        high: 0.9,
-        low: 0.1,
-        reach: 0.0,
-        hysteresis: 0.0,
-    };
+    let (zeta, omega, damped) = (ZETA, OMEGA, damped());
+    let (time, position) = released(6000);
+    let measuring = measuring(&time, 600);
     let found = measuring.measure(&position).values;
     // The tail still swings by exp(-10.8).
     let near = |name: &str, k: usize, expected: f64, within: f64| {

@@ -117,9 +117,6 @@ def optimal_power(problem: PowerProblem) -> OptimalPower:
     A D-optimal spectrum of p parameters needs at most p (p + 1) / 2 lines and one more per limit, so the working set stays
     small.
 
-    Args:
-        problem: Informations, limits and smallest powers.
-
     Returns:
         The powers, with a certificate; see ``PowerProblem.certify``.
 

@@ -1,7 +1,5 @@
 """An identification as plain data for JSON, and frequency responses as tables."""
 
-import csv
-import io
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -15,6 +13,7 @@ from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Ident
 from forcefeel.bench.responses import Response
 from forcefeel.json_values import json_value
 from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import SECONDS, Json, UnitSystem, quantity
 
 _DIGITS = ".9g"
@@ -86,13 +85,11 @@ def response_csv(response: Response, units: UnitSystem) -> str:
         columns["coherence"] = response.coherence
     if response.deviation is not None:
         columns["deviation"] = response.deviation
-    text = io.StringIO()
-    text.write(f"# experiment: {response.experiment}\n")
-    text.write(f"# from: {response.input} ({source})\n# to: {response.output} ({target})\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([format(value, _DIGITS) for value in row] for row in zip(*columns.values(), strict=True))
-    return text.getvalue()
+    return (
+        f"# experiment: {response.experiment}\n"
+        f"# from: {response.input} ({source})\n# to: {response.output} ({target})\n"
+        f"{csv_text(columns, zip(*columns.values(), strict=True), _DIGITS)}"
+    )
 
 
 def _estimate(estimate: Estimate, units: UnitSystem) -> dict[str, Json]:

@@ -81,12 +81,9 @@ class GripSensorEstimate:
 
 
 def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorEstimate:
-    """Identify the sensor from records.
+    """Identify the sensor of an identified loader, with the sensor's rows of its file, from records.
 
-    Args:
-        loader: The identified loader, with the sensor's rows of its file.
-        data: Records and responses.
-        law: Law of the bench for records of the whole loader; without the sensor, which is not yet identified.
+    ``law`` is that of the bench for records of the whole loader, without the sensor, which is not yet identified.
     """
     records = [record for record in data if isinstance(record, BenchRecord) and GRIP_FORCE in record.channels]
     if not has_grip_sensor(loader):

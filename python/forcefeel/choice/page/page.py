@@ -1,16 +1,25 @@
-"""Page of a comparison of laws: the template filled with plots, tables and text."""
+"""Page of a comparison of laws, the template filled with plots, tables and text, and its folder."""
+
+from pathlib import Path
 
 from forcefeel.choice import Choice, LawScores, Score
+from forcefeel.choice.as_json import choice_json
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.page import plots as choice_plots
 from forcefeel.choice.page import tables as choice_tables
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD
 from forcefeel.envelope.page.tolerance_table import tolerances
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import parameter_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
+
+PAGE, RESULTS = "law.html", "results.json"
+
+FOLDER = OutputFolder("the laws", (PAGE, RESULTS))
 
 
 def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
@@ -58,3 +67,35 @@ def _displayed(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
 
 def _some_stable(scored: LawScores) -> bool:
     return any(score.own.stable for score in scored.scores)
+
+
+def write_choice(
+    scored: LawScores, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    """Write ``results.json`` and ``law.html``, the page last.
+
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
+
+    Args:
+        scored: The laws with their scores.
+        choice: The choice; ``None`` for one law requested by name.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of the law in ``results.json``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
+
+    Example:
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
+        >>> ff.choice.write_choice(scored, None, Path("choice"), ff.UnitSystem.SI).parent.name
+        'choice'
+    """
+    FOLDER.check(out, replace=replace)
+    results = json_text(choice_json(scored, choice, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: choice_page(scored, choice, units, command=command)})
+    return out / PAGE

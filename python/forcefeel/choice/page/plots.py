@@ -11,7 +11,7 @@ from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.rule import LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
 from forcefeel.loader.loader import FEEL_SETTING
-from forcefeel.page.canvas import ZERO, frame, line
+from forcefeel.page.canvas import ZERO, add_curve, frame
 from forcefeel.page.palette import COMPENSATED, IDEAL, RIGID, LineStyle
 from forcefeel.units import FORCE, UnitSystem
 
@@ -162,23 +162,23 @@ def release(scored: LawScores, scores: tuple[Score, ...]) -> go.Figure:
     for k, score in enumerate(score for score in scores if score.own.stable):
         released = score.own.release
         seen = released.time_s <= end
-        picture.add_scatter(
-            x=released.time_s[seen],
-            y=np.degrees(released.angle_rad[seen]),
-            mode="lines",
-            name=score.name,
-            line=line(looks[k % len(looks)]),
-            hovertemplate="%{y:.3f}°",
+        add_curve(
+            picture,
+            released.time_s[seen],
+            np.degrees(released.angle_rad[seen]),
+            score.name,
+            looks[k % len(looks)],
+            "%{y:.3f}°",
         )
     ideal = scores[0].own.release
     seen = ideal.time_s <= end
-    picture.add_scatter(
-        x=ideal.time_s[seen],
-        y=np.degrees(ideal.ideal_rad[seen]),
-        mode="lines",
-        name="I, B, G alone",
-        line=line(LineStyle(IDEAL, "dot")),
-        hovertemplate="%{y:.3f}°",
+    add_curve(
+        picture,
+        ideal.time_s[seen],
+        np.degrees(ideal.ideal_rad[seen]),
+        "I, B, G alone",
+        LineStyle(IDEAL, "dot"),
+        "%{y:.3f}°",
     )
     frame(picture, 360, top=40)
     picture.update_xaxes(title_text="Time, s", range=[0, end])

@@ -10,7 +10,7 @@ from forcefeel.bench.channels import channel_unit
 from forcefeel.commission.result import Curve, EnvelopeResult
 from forcefeel.envelope.result import COLORS
 from forcefeel.loader.loader import Loader
-from forcefeel.page.canvas import frame, line
+from forcefeel.page.canvas import add_curve, frame
 from forcefeel.page.palette import COMPENSATED, IDEAL, LineStyle
 from forcefeel.page.setting_maps import SettingMaps
 from forcefeel.page.typography import unit_text
@@ -36,17 +36,7 @@ def curve(data: Curve, units: UnitSystem) -> go.Figure:
             else (unit.from_si(1.0, units) * np.array(values[0]),)
         )
         for row, numbers in enumerate(rows, 1):
-            picture.add_scatter(
-                x=data.at,
-                y=numbers,
-                mode="lines",
-                name=name,
-                line=line(_STYLES[name]),
-                showlegend=row == 1,
-                hovertemplate="%{y:.4~g}",
-                row=row,
-                col=1,
-            )
+            add_curve(picture, data.at, numbers, name, _STYLES[name], "%{y:.4~g}", showlegend=row == 1, row=row, col=1)
     frame(picture, 440 if data.response else 340, top=60)
     picture.update_yaxes(automargin=True)
     if data.response:

@@ -1,8 +1,10 @@
 """The summary table: the three configurations and the ideal feel."""
 
 import math
+from collections.abc import Mapping
 
 from forcefeel.design.assessment import AnyPeaks, Assessment, programmed_angle_rad
+from forcefeel.design.page.stability import AnyDesign
 from forcefeel.design.workflow import Design
 from forcefeel.linear.boundary import StabilityBoundary
 from forcefeel.page.table import Cell, Table, Text, configuration, heads, number, words
@@ -12,30 +14,40 @@ from forcefeel.units import ANGLE, HERTZ, RATIO, ROTARY_STIFFNESS, Unit, UnitSys
 
 def side_by_side(design: Design, system: UnitSystem) -> Table:
     """Each configuration at the programmed setting."""
-    loops = [configuration.programmed for configuration in design.configurations]
-    assessments = [loop.assessment for loop in loops]
-    programmed_rad = programmed_angle_rad(design.loader)
+    loops = {configuration.name: configuration.programmed for configuration in design.configurations}
+    assessments = {name: loop.assessment for name, loop in loops.items()}
+    errors = [percent_text(assessment.static_error, signed=True) for assessment in assessments.values()]
+    edges = [edge(configuration.boundary, system) for configuration in design.configurations]
+    rows = (
+        row("Largest valve current, of its rating", [_share(loop.peaks, "current_share") for loop in loops.values()]),
+        row("Largest flow, of its rating", [_share(loop.peaks, "flow_share") for loop in loops.values()]),
+        row(smallest(system), edges),
+    )
+    return Table(
+        heads("At the programmed setting", *map(configuration, (*loops, "ideal feel"))),
+        (*rendering(design, assessments, errors, system), *rows),
+    )
+
+
+def rendering(
+    design: AnyDesign, assessments: Mapping[str, Assessment], errors: list[str], system: UnitSystem
+) -> tuple[tuple[Cell, ...], ...]:
+    """Rows of the rendered feel of each loop beside the ideal one; ``errors`` are those of the deflection at rest."""
+    judged = assessments.values()
 
     def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
-        values = [value_text(getattr(assessment, attribute), unit, system) for assessment in assessments]
+        values = [value_text(getattr(assessment, attribute), unit, system) for assessment in judged]
         return row(heading_text(name, unit, system), values, value_text(ideal, unit, system))
 
-    names = (*(configuration.name for configuration in design.configurations), "ideal feel")
-    rows = (
-        (words("Stable"), *(stable(assessment) for assessment in assessments), number("yes")),
+    return (
+        (words("Stable"), *map(stable, judged), number("yes")),
         of("Frequency of the feel", "frequency_rad_per_s", HERTZ, design.feel_frequency_rad_per_s),
         of("Its damping ratio", "damping_ratio", RATIO, design.feel_damping_ratio),
         of("Damping ratio of the least damped mode", "least_damping_ratio", RATIO),
-        of("Deflection at rest", "static_angle_rad", ANGLE, programmed_rad),
-        row("Its error", [percent_text(assessment.static_error, signed=True) for assessment in assessments]),
-        row(
-            "Deviation from the ideal over 2 s", [percent_text(assessment.tracking_error) for assessment in assessments]
-        ),
-        row("Largest valve current, of its rating", [_share(loop.peaks, "current_share") for loop in loops]),
-        row("Largest flow, of its rating", [_share(loop.peaks, "flow_share") for loop in loops]),
-        row(smallest(system), [edge(configuration.boundary, system) for configuration in design.configurations]),
+        of("Deflection at rest", "static_angle_rad", ANGLE, programmed_angle_rad(design.loader)),
+        row("Its error", errors),
+        row("Deviation from the ideal over 2 s", [percent_text(assessment.tracking_error) for assessment in judged]),
     )
-    return Table(heads("At the programmed setting", *map(configuration, names)), rows)
 
 
 def smallest(system: UnitSystem) -> str:

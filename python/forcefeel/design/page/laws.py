@@ -1,4 +1,4 @@
-"""Tables of the law: gains, dropped paths, sensitivity."""
+"""Tables of the law: gains, dropped paths, sensitivity with darker cells for a worse feel."""
 
 import math
 
@@ -6,7 +6,6 @@ from markupsafe import Markup
 
 from forcefeel.design.assessment import Assessment
 from forcefeel.design.page.glance import edge, smallest
-from forcefeel.design.page.heat import heat
 from forcefeel.design.studies import CHANGES, Deviation, DroppedPaths, best_of_each_count
 from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, GainDesign, gains_in
@@ -150,3 +149,32 @@ def _quantity(key: str) -> Cell:
         return Cell(Markup("{} <small>gain</small>").format(symbol_html(key)), "words")
     part, name = (word.replace("_", " ") for word in key.split("."))
     return Cell(Markup("{} <small>{} {}</small>").format(symbol_html(TABLE[key].symbol), part, name), "words")
+
+
+_CALM, _HOT, _BETTER = (255, 255, 255), (240, 140, 60), (205, 227, 243)
+
+
+def heat(row: Deviation | None, full: float, largest: float) -> Cell:
+    """The cell of one deviation.
+
+    Args:
+        row: The deviation.
+        full: Deviation from the ideal with nothing off its value.
+        largest: The largest of the table.
+    """
+    if row is None or row.assessment is None:
+        return Cell("out of range", "number")
+    if not row.assessment.stable:
+        return Cell("unstable", "number bad")
+    error = row.assessment.tracking_error
+    return Cell(percent_text(error), "number", _background(error, full, largest))
+
+
+def _background(error: float, full: float, largest: float) -> str:
+    if not math.isfinite(full) or largest <= full:
+        return ""
+    share = (error - full) / (largest - full)
+    # The root lets small differences show beside a very large one.
+    share, toward = (math.sqrt(share), _HOT) if share > 0 else (min(1.0, math.sqrt(-share) * 2), _BETTER)
+    mixed = (round(low + share * (high - low)) for low, high in zip(_CALM, toward, strict=True))
+    return "#" + "".join(f"{channel:02X}" for channel in mixed)

@@ -3,44 +3,33 @@
 import math
 
 from forcefeel.design.analysis import LoopResult
-from forcefeel.design.assessment import MotorPeaks, programmed_angle_rad
+from forcefeel.design.assessment import MotorPeaks
 from forcefeel.design.law_loop import LawLoop
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_figures import under
 from forcefeel.design.motor_findings import MILLISECONDS, delay_s
-from forcefeel.design.page.glance import row, stable
+from forcefeel.design.page.glance import rendering, row
 from forcefeel.design.page.loops import moves, pole
 from forcefeel.linear.electric_modes import NamedMode
 from forcefeel.linear.modes import MARGINAL_PER_S, Mode
 from forcefeel.page.table import Cell, Table, configuration, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, percent_text, prose_html, value_text
-from forcefeel.units import ANGLE, HERTZ, INERTIA, RATIO, ROTARY_STIFFNESS, Unit, UnitSystem
+from forcefeel.units import ANGLE, HERTZ, INERTIA, RATIO, ROTARY_STIFFNESS, UnitSystem
 
 
 def side_by_side(design: MotorDesign, system: UnitSystem) -> Table:
     """What the loader does by current alone and under the law, at the programmed setting."""
     loops = dict(_loops(design))
-    assessments = [loop.assessment for loop in loops.values()]
-    programmed_rad = programmed_angle_rad(design.loader)
-
-    def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
-        values = [value_text(getattr(assessment, attribute), unit, system) for assessment in assessments]
-        return row(heading_text(name, unit, system), values, value_text(ideal, unit, system))
-
+    assessments = {name: loop.assessment for name, loop in loops.items()}
+    errors = [_error(assessment.static_error) for assessment in assessments.values()]
     rows = (
-        (words("Stable"), *map(stable, assessments), number("yes")),
-        of("Frequency of the feel", "frequency_rad_per_s", HERTZ, design.feel_frequency_rad_per_s),
-        of("Its damping ratio", "damping_ratio", RATIO, design.feel_damping_ratio),
-        of("Damping ratio of the least damped mode", "least_damping_ratio", RATIO),
-        of("Deflection at rest", "static_angle_rad", ANGLE, programmed_rad),
-        row("Its error", [_error(assessment.static_error) for assessment in assessments]),
-        row(
-            "Deviation from the ideal over 2 s", [percent_text(assessment.tracking_error) for assessment in assessments]
-        ),
         row("Largest current, of the limit", [_share(loop, "current_share") for loop in loops.values()]),
         row("Largest voltage, of the limit", [_share(loop, "voltage_share") for loop in loops.values()]),
     )
-    return Table(heads("Step of pilot force", *map(configuration, (*loops, "ideal feel"))), rows)
+    return Table(
+        heads("Step of pilot force", *map(configuration, (*loops, "ideal feel"))),
+        (*rendering(design, assessments, errors, system), *rows),
+    )
 
 
 _NOTHING = 5e-5

@@ -22,15 +22,7 @@ def results_json(
     units: UnitSystem,
     tried: LawComparison | None,
 ) -> str:
-    """The results as JSON text.
-
-    Args:
-        design: The design.
-        drawn: The figures.
-        tables: Their tables of values by file name, in the order of ``drawn``.
-        units: The units of every number.
-        tried: Laws that were tried.
-    """
+    """The results as JSON text; ``tables`` are the figures' values by file name, in the order of ``drawn``."""
     curves = [
         {
             "figure": figure.key,

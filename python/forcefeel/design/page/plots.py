@@ -11,7 +11,7 @@ from forcefeel.design.figure import Figure, Kind
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_figures import FORCE, LOOP, POSITION, STEP
 from forcefeel.design.page.stability import AnyDesign, departs, is_unstable
-from forcefeel.page.canvas import frame, line, mark_level
+from forcefeel.page.canvas import add_curve, frame, line, mark_level
 from forcefeel.page.palette import LineStyle, look
 from forcefeel.page.signals import signal
 from forcefeel.page.typography import parameter_text, unit_text
@@ -54,7 +54,7 @@ def _valve(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
         pressure, flow = _in_units(data["load_pressure_pa"], system), _in_units(data["flow_m3_per_s"], system)
         units = [unit_text(pressure[1]), unit_text(flow[1])]
         style = look(figure.key, label, position)
-        picture.add_scatter(x=pressure[0], y=flow[0], name=label.replace("%", " %"), line=line(style), mode="lines")
+        add_curve(picture, pressure[0], flow[0], label.replace("%", " %"), style)
     supply = parameter_text(design.loader, "valve.supply_pressure", system)
     frame(picture, 440)
     picture.update_xaxes(title_text=f"Load pressure p, {units[0]} (supply {supply})")
@@ -139,14 +139,14 @@ def _angle_panel(picture: go.Figure, figure: Figure, design: AnyDesign, *, row: 
         bad = is_unstable(design, figure.key, label)
         angle = np.degrees(data["column_angle_rad"].values)
         time, angle = _cut(data["time_s"].values, angle, CUT * peak) if bad else (data["time_s"].values, angle)
-        picture.add_scatter(
-            x=time,
-            y=angle,
-            name=f"{label} (unstable)" if bad else label,
+        add_curve(
+            picture,
+            time,
+            angle,
+            f"{label} (unstable)" if bad else label,
+            look(figure.key, label, position),
+            "%{y:.2f}°",
             legendgroup=label,
-            line=line(look(figure.key, label, position)),
-            mode="lines",
-            hovertemplate="%{y:.2f}°",
             row=row,
             col=1,
         )
@@ -166,18 +166,7 @@ def _share_panel(picture: go.Figure, figure: Figure, design: AnyDesign, name: st
             time, share = _cut(time, share, CUT * 100)
         largest = max(largest, float(np.max(np.abs(share))))
         style: LineStyle = look(figure.key, label, position)
-        picture.add_scatter(
-            x=time,
-            y=share,
-            name=label,
-            legendgroup=label,
-            showlegend=False,
-            line=line(style),
-            mode="lines",
-            hovertemplate="%{y:.1f} %",
-            row=row,
-            col=1,
-        )
+        add_curve(picture, time, share, label, style, "%{y:.1f} %", legendgroup=label, showlegend=False, row=row, col=1)
     if largest > 60:  # the rating is worth showing once the demand comes near it
         for level in (-100.0, 100.0):
             mark_level(picture, level, row=row)

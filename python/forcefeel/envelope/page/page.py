@@ -1,15 +1,19 @@
-"""Page of an envelope: the template filled with maps, tables and text."""
+"""Page of an envelope, the template filled with maps, tables and text, and its folder."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
-from forcefeel.envelope.as_json import releases
+from forcefeel.envelope.as_json import envelope_json, releases, settings_csv
 from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.page import plots as envelope_plots
 from forcefeel.envelope.page import tables as envelope_tables
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.envelope.result import COLORS, Envelope
+from forcefeel.json_values import json_text
+from forcefeel.loader.axes import PROJECT_AXES
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.setting_maps import SettingMaps, picture, spans
 from forcefeel.page.typography import quantity_text
@@ -42,6 +46,16 @@ class Files:
     def names(self) -> tuple[str, str, str]:
         """All three."""
         return self.page, self.settings, self.maps
+
+
+PAGE, RESULTS = "envelope.html", "results.json"
+"""File names in addition to those of ``Files``."""
+
+FOLDER = OutputFolder(
+    "the envelope",
+    (PAGE, RESULTS, *(name for axis in ("", *PROJECT_AXES) for name in Files.of(axis).names)),
+)
+"""A loader's folder and a cockpit's replace each other."""
 
 
 def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
@@ -81,12 +95,7 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
 
 
 def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
-    """The outcomes of an envelope over its settings.
-
-    Args:
-        envelope: The envelope.
-        worst: Show the first failure in the first failing case instead of the nominal failure.
-    """
+    """The outcomes of an envelope over its settings: the nominal failure, or if ``worst`` that in the first failing case."""
     settings = envelope.plan.settings
     return SettingMaps(
         stiffness=settings.stiffness,
@@ -116,3 +125,44 @@ def cockpit_page(cockpit: CockpitEnvelope, units: UnitSystem, *, command: str = 
             )
         ),
     )
+
+
+def write_envelope(
+    envelope: Envelope | CockpitEnvelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    """Write ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
+
+    Of a cockpit the page and the two files of each axis, such as ``envelope-roll.html``, then those of all axes.
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
+
+    Args:
+        envelope: The envelope of a loader, or of each axis of a cockpit.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of ``envelope.nc``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
+
+    Example:
+        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
+        >>> envelope = ff.find_envelope(ff.elevator(), ["original"], grid)
+        >>> ff.envelope.write_envelope(envelope, Path("envelope"), ff.UnitSystem.SI).parent.name
+        'envelope'
+    """
+    FOLDER.check(out, replace=replace)
+    contents: dict[str, str | bytes] = {}
+    for axis, axis_envelope in envelope.axes.items() if isinstance(envelope, CockpitEnvelope) else [("", envelope)]:
+        files = Files.of(axis)
+        contents[files.maps] = bytes(axis_envelope.data.to_netcdf(engine="scipy"))
+        contents[files.settings] = settings_csv(axis_envelope, units)
+        contents[files.page] = envelope_page(axis_envelope, units, files, command=command)
+    if isinstance(envelope, CockpitEnvelope):
+        contents[PAGE] = cockpit_page(envelope, units, command=command)
+    contents = {RESULTS: json_text(envelope_json(envelope, units)), **contents}
+    FOLDER.write(out, contents)
+    return out / PAGE

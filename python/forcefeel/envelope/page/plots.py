@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.passivity import ARM_HZ
 from forcefeel.envelope.result import Envelope
 from forcefeel.loader.loader import FEEL_SETTING
-from forcefeel.page.canvas import frame, line
+from forcefeel.page.canvas import add_curve, frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.units import ANGLE, UnitSystem, to_text
 
@@ -53,21 +53,16 @@ def impedance(envelope: Envelope) -> go.Figure:
     picture = go.Figure()
     for name, look in _law_looks(envelope).items():
         grip = envelope.passivity[name]
-        picture.add_scatter(
-            x=grip.frequency_hz,
-            y=grip.phase_deg,
-            mode="lines",
-            name=name if grip.stable else f"{name} (unstable)",
-            line=line(look),
-            hovertemplate="%{y:.1f}°",
+        add_curve(
+            picture, grip.frequency_hz, grip.phase_deg, name if grip.stable else f"{name} (unstable)", look, "%{y:.1f}°"
         )
-    picture.add_scatter(
-        x=grip.frequency_hz,
-        y=_ideal_phase(envelope, grip.frequency_hz),
-        mode="lines",
-        name="I, B, G alone",
-        line=line(LineStyle(IDEAL, "dot")),
-        hovertemplate="%{y:.1f}°",
+    add_curve(
+        picture,
+        grip.frequency_hz,
+        _ideal_phase(envelope, grip.frequency_hz),
+        "I, B, G alone",
+        LineStyle(IDEAL, "dot"),
+        "%{y:.1f}°",
     )
     frame(picture, 380, top=40)
     for low, high in ((-180, -90), (90, 180)):

@@ -10,7 +10,7 @@ from forcefeel.flight_schedule.axes import ScheduleAxis, mesh
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.page.canvas import ZERO, frame, line
+from forcefeel.page.canvas import ZERO, add_curve, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import number_text, unit_text
 from forcefeel.units import Unit, UnitSystem
@@ -90,18 +90,7 @@ def _curve(
 ) -> None:
     x, y = points
     if np.isfinite(y).any():
-        picture.add_scatter(
-            x=x,
-            y=y,
-            mode="lines",
-            name=name,
-            legendgroup=name,
-            showlegend=row == 0,
-            line=line(look),
-            hovertemplate=hover,
-            row=row + 1,
-            col=1,
-        )
+        add_curve(picture, x, y, name, look, hover, legendgroup=name, showlegend=row == 0, row=row + 1, col=1)
 
 
 def _marks(picture: go.Figure, row: int, x: NDArray[np.float64], y: NDArray[np.float64], look: LineStyle) -> None:

@@ -20,11 +20,8 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from forcefeel.errors import InputError
-from forcefeel.laws.sampled.feedforward import feed_forward
-from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observed, process_noise, readings, sensor_noise
-from forcefeel.laws.sampled.observer_law import Gains, assemble, feel_rows, followed
+from forcefeel.laws.sampled.observer_law import Gains, design_with
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.riccati import residual, stationary
@@ -190,21 +187,12 @@ def filter_torque(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> 
 
 def design(loader: Loader, feel: ArrayLike, tuning: Tuning = H_INFINITY) -> SampledLaw:
     """The laws for many settings of one loader; arguments, returns and errors as ``laws.design``."""
-    rows = feel_rows(feel)
-    plant = SampledPlant.of(loader)
-    try:
-        ahead = feed_forward(plant, rows)
-        gains = _gains(plant, rows[:, 0] / loader["column.inertia"], tuning)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
-        ) from error
-    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
-    return trimmed(law, loader)
+    return design_with(_gains, loader, feel, tuning)
 
 
-def _gains(plant: SampledPlant, ratios: NDArray[np.float64], tuning: Tuning) -> Gains:
+def _gains(plant: SampledPlant, feel: NDArray[np.float64], loader: Loader, tuning: Tuning) -> Gains:
     """The gains of each setting; the equations once for each set of numbers that the tuning comes to."""
+    ratios = feel[:, 0] / loader["column.inertia"]
     powers = [power for row in fields(tuning) if (power := getattr(tuning, row.name)) is not None]
     numbers = np.array([[power.at(ratio) for power in powers] for ratio in ratios.tolist()])
     _, first, of_setting = np.unique(numbers, axis=0, return_index=True, return_inverse=True)

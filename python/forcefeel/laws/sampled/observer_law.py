@@ -7,7 +7,9 @@ The feel computer takes the pilot's torque that the observer estimates: the load
 what it takes to move the column's own inertia. The estimate has integral action on what is at the command.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,17 +44,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledLaw:
         InputError: If the loader has no period or a delay longer than that, a setting is not a row of three finite numbers
             with I > 0, B >= 0, G > 0, or there is no law in double precision.
     """
-    rows = feel_rows(feel)
-    plant = SampledPlant.of(loader)
-    try:
-        ahead = feed_forward(plant, rows)
-        gains = _gains(plant, rows, loader, tuning)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
-        ) from error
-    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
-    return trimmed(law, loader)
+    return design_with(_gains, loader, feel, tuning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +53,25 @@ class Gains:
 
     regulator: NDArray[np.float64] = field(repr=False)
     observer: NDArray[np.float64] = field(repr=False)
+
+
+GainFunction = Callable[[SampledPlant, NDArray[np.float64], Loader, Any], Gains]
+"""Gains for each setting of the feel of a loader, from a tuning."""
+
+
+def design_with(gains_of: GainFunction, loader: Loader, feel: ArrayLike, tuning: object) -> SampledLaw:
+    """As ``design``, with other gains."""
+    rows = feel_rows(feel)
+    plant = SampledPlant.of(loader)
+    try:
+        ahead = feed_forward(plant, rows)
+        gains = gains_of(plant, rows, loader, tuning)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
+        ) from error
+    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    return trimmed(law, loader)
 
 
 def _gains(plant: SampledPlant, feel: NDArray[np.float64], loader: Loader, tuning: Tuning) -> Gains:

@@ -66,11 +66,7 @@ class Admission:
         return f"forcefeel-{self.port}"
 
     def role(self, path: str, headers: Mapping[str, str]) -> Role:
-        """Role of a request.
-
-        Args:
-            path: Path of the request, with its query.
-            headers: Headers of the request.
+        """Role of a request by its path, with its query, and its headers.
 
         Raises:
             Refused: With another Host, or without a valid token.

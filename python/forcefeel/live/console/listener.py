@@ -27,12 +27,7 @@ class Listener:
 
     @classmethod
     def at(cls, port: int, bind: str, *, token: bool) -> Self:
-        """Open a socket.
-
-        Args:
-            port: Port; 0 for a free one.
-            bind: Address.
-            token: Whether requests need a token.
+        """Open a socket; port 0 takes a free one.
 
         Raises:
             InputError: If the port is in use, the address does not belong to this machine, or it is public without a token.

@@ -1,18 +1,27 @@
-"""The page of a qualification, in the manner of a qualification test guide."""
+"""The page of a qualification, in the manner of a qualification test guide, and its folder."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from markupsafe import Markup
 
 from forcefeel.conclusions import Conclusions
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.chromium import page_pdf
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Table
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
+from forcefeel.qualification.plan.as_json import qualification_json
 from forcefeel.qualification.plan.cockpit import CockpitQualification, cockpit_conclusions
 from forcefeel.qualification.plan.result import Qualification, Result, Section
 from forcefeel.qualification.plan.sentences import conclusions, outcome_counts, result_text, unverified_tests
+
+PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
+
+FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
 
 _RELEASE = (
     "Position from each record's own steady state. Circles: evaluated times and overshoots; bars: tolerances around "
@@ -69,14 +78,12 @@ class ShownAxis:
     parameters: Table
 
 
-def qualification_page(qualification: Qualification, beside: tuple[str, ...], *, command: str = "") -> str:
-    """The whole page.
-
-    Args:
-        qualification: The qualification to show.
-        beside: Names of the files beside it.
-        command: The command that asked for it.
-    """
+def qualification_page(
+    qualification: Qualification | CockpitQualification, beside: tuple[str, ...], *, command: str = ""
+) -> str:
+    """The whole page; ``beside`` are the names of the files beside it."""
+    if isinstance(qualification, CockpitQualification):
+        return _cockpit_page(qualification, beside, command)
     return render(
         "qualification/page/qualification.html.j2",
         command=command,
@@ -92,8 +99,8 @@ def qualification_page(qualification: Qualification, beside: tuple[str, ...], *,
     )
 
 
-def cockpit_page(cockpit: CockpitQualification, beside: tuple[str, ...], *, command: str = "") -> str:
-    """The test guide of a cockpit: an overview, then the sections of each axis; arguments as ``qualification_page``."""
+def _cockpit_page(cockpit: CockpitQualification, beside: tuple[str, ...], command: str) -> str:
+    """The test guide of a cockpit: an overview, then the sections of each axis."""
     axes = [
         ShownAxis(
             axis,
@@ -140,3 +147,37 @@ def _test(result: Result, section: Section, qualification: Qualification, axis: 
         meaning=_MEANINGS[result.trial.test.kind],
         figures=qualification_tables.figures(result, qualification.system) if result.verdicts else None,
     )
+
+
+def write_qualification(
+    qualification: Qualification | CockpitQualification, out: Path, *, pdf: bool = False, command: str = ""
+) -> Path:
+    """Writes ``qualification.html``, ``results.json`` and, with ``pdf``, ``qualification.pdf``.
+
+    Existing files stay until the new ones are complete; other files in the folder are not changed.
+
+    Args:
+        qualification: The qualification to report, of a loader or of a cockpit: one test guide over its axes.
+        out: The folder; created if it does not exist.
+        pdf: Print the page too; requires Chromium.
+        command: The command line, shown on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
+
+    Example:
+        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> qualification = ff.qualify_loader(ff.elevator(), setup)
+        >>> ff.qualification.write_qualification(qualification, Path("my-tests")).parent.name
+        'my-tests'
+    """
+    FOLDER.check(out)
+    page = qualification_page(qualification, (NUMBERS, PDF) if pdf else (NUMBERS,), command=command)
+    contents: dict[str, str | bytes] = {NUMBERS: json_text(qualification_json(qualification)), PAGE: page}
+    if pdf:
+        contents = {PDF: page_pdf(page), **contents}
+    FOLDER.write(out, contents)
+    return out / PAGE

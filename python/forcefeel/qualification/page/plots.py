@@ -5,7 +5,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.page.canvas import frame, line
+from forcefeel.page.canvas import add_curve, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, LineStyle
 from forcefeel.qualification.page.release_plot import BAND, REFERENCE, release
 from forcefeel.qualification.plan.result import Qualification, Result, Side
@@ -45,15 +45,15 @@ def sweep(result: Result, qualification: Qualification, section: str) -> go.Figu
     ):
         for direction in ("up", "down"):
             at, curve = curves[direction]
-            picture.add_scatter(
-                x=at * scale,
-                y=curve * force,
-                name=name,
+            add_curve(
+                picture,
+                at * scale,
+                curve * force,
+                name,
+                look,
+                f"{name}, {direction}: {hover}<extra></extra>",
                 legendgroup=name,
                 showlegend=direction == "up",
-                mode="lines",
-                line=line(look),
-                hovertemplate=f"{name}, {direction}: {hover}<extra></extra>",
             )
     frame(picture, 420, hover="closest")
     what = "Force" if result.measured.slow is None else "Above the slow sweep"
@@ -79,7 +79,7 @@ def small_inputs(result: Result, section: str) -> go.Figure:
         time = side.record.time_s - side.record.time_s[0]
         if side is result.reference:
             _band(picture, time, rate * degrees - limit, rate * degrees + limit, first=True)
-        picture.add_scatter(x=time, y=rate * degrees, name=name, mode="lines", line=line(look))
+        add_curve(picture, time, rate * degrees, name, look)
     frame(picture, 380)
     picture.update_xaxes(title_text="Time, s")
     picture.update_yaxes(title_text="Body rate, deg/s")

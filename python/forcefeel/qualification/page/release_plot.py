@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from forcefeel.page.canvas import drawn, frame, line
+from forcefeel.page.canvas import add_curve, drawn, frame
 from forcefeel.page.palette import IDEAL, LineStyle
 from forcefeel.qualification.plan.result import Qualification, Result, Side
 from forcefeel.qualification.plan.sentences import UNITS
@@ -48,9 +48,7 @@ def release(result: Result, qualification: Qualification, color: str) -> go.Figu
         seen = np.flatnonzero((time >= -0.05 * end) & (time <= end))
         kept = seen[drawn(side.record.position[seen], _MOST_POINTS)]
         position = (side.record.position[kept] - _features(side).steady.value) * scale
-        picture.add_scatter(
-            x=time[kept], y=position, name=name, mode="lines", line=line(look), hovertemplate=f"%{{y:.3~g}} {unit_name}"
-        )
+        add_curve(picture, time[kept], position, name, look, f"%{{y:.3~g}} {unit_name}")
     _marks(picture, result, qualification, color, _ROOM * end)
     frame(picture, 380)
     picture.update_xaxes(

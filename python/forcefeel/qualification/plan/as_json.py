@@ -28,9 +28,19 @@ _SWEEP = (
 )
 
 
-def qualification_json(qualification: Qualification) -> dict[str, Json]:
-    """The whole qualification without the records' samples."""
-    system, rules = qualification.system, qualification.rules
+def qualification_json(qualification: Qualification | CockpitQualification) -> dict[str, Json]:
+    """The whole qualification without the records' samples; of a cockpit the qualification of each axis."""
+    system = qualification.system
+    if isinstance(qualification, CockpitQualification):
+        return {
+            "forcefeel": version("forcefeel"),
+            "units": str(system),
+            "project": qualification.name,
+            "status": str(qualification.status),
+            "conclusions": json_value(cockpit_conclusions(qualification), system),
+            "axes": {axis: qualification_json(one_axis) for axis, one_axis in qualification.axes.items()},
+        }
+    rules = qualification.rules
     rule = {
         "id": rules.id,
         "title": rules.title,
@@ -63,18 +73,6 @@ def qualification_json(qualification: Qualification) -> dict[str, Json]:
         "files": files,
         "sections": [_section(section, qualification) for section in qualification.sections],
         "loader": json_value(qualification.loader, system),
-    }
-
-
-def cockpit_json(cockpit: CockpitQualification, system: UnitSystem) -> dict[str, Json]:
-    """The qualification of each axis."""
-    return {
-        "forcefeel": version("forcefeel"),
-        "units": str(system),
-        "project": cockpit.name,
-        "status": str(cockpit.status),
-        "conclusions": json_value(cockpit_conclusions(cockpit), system),
-        "axes": {axis: qualification_json(qualification) for axis, qualification in cockpit.axes.items()},
     }
 
 

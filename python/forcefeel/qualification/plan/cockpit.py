@@ -11,6 +11,7 @@ from forcefeel.loader.project import Project
 from forcefeel.qualification.plan.result import Qualification, QualificationStatus, worst_status
 from forcefeel.qualification.plan.run import Progress, QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.sentences import reasons, rule_text, standing_text
+from forcefeel.units import UnitSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +25,11 @@ class CockpitQualification:
 
     name: str
     axes: Mapping[str, Qualification]
+
+    @property
+    def system(self) -> UnitSystem:
+        """Unit system of the first axis."""
+        return next(iter(self.axes.values())).system
 
     @property
     def status(self) -> QualificationStatus:

@@ -30,9 +30,27 @@ from forcefeel.units import show
 
 Spacing = Literal["linear", "logarithmic"]
 
+Points = tuple[list[float], list[float]]
+"""Times in s and forces in N."""
+
+
+class _Straight:
+    """A force that is straight between points; two at one time are a jump."""
+
+    def _points(self) -> Points:
+        raise NotImplementedError
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or a jump is within it and not between two steps.
+        """
+        return through_points(type(self).__name__, Grid.of(time_s, step_s), *self._points())
+
 
 @dataclass(frozen=True)
-class HandsOff:
+class HandsOff(_Straight):
     """No force at the grip: ``F(t) = 0``.
 
     Example:
@@ -40,17 +58,12 @@ class HandsOff:
         HandsOff()
     """
 
-    def sample(self, time_s: float, step_s: float) -> Sampled:
-        """Zeros.
-
-        Raises:
-            InputError: If the run is not a whole number of steps.
-        """
-        return through_points("HandsOff", Grid.of(time_s, step_s), [0.0], [0.0])
+    def _points(self) -> Points:
+        return [0.0], [0.0]
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(_Straight):
     """A step of force: ``F(t) = force_n`` for ``t > start_s``.
 
     Attributes:
@@ -66,23 +79,14 @@ class Step:
     """
 
     force_n: Quantity = Quantity()
-    start_s: Quantity = Quantity(0.0)
+    start_s: Quantity = Quantity(0.0, "number of 0 or more")
 
-    def __post_init__(self) -> None:
-        check_number("Step", "force_n", self.force_n, "finite number")
-        check_number("Step", "start_s", self.start_s, "number of 0 or more")
-
-    def sample(self, time_s: float, step_s: float) -> Sampled:
-        """The force over a run, N.
-
-        Raises:
-            InputError: If the run is not a whole number of steps, or the jump is within it and not between two steps.
-        """
-        return through_points("Step", Grid.of(time_s, step_s), [self.start_s] * 2, [0.0, self.force_n])
+    def _points(self) -> Points:
+        return [self.start_s] * 2, [0.0, self.force_n]
 
 
 @dataclass(frozen=True)
-class Pulse:
+class Pulse(_Straight):
     """A pulse of force: ``F(t) = force_n`` for ``start_s < t < start_s + width_s``.
 
     Attributes:
@@ -99,27 +103,16 @@ class Pulse:
     """
 
     force_n: Quantity = Quantity()
-    start_s: Quantity = Quantity()
-    width_s: Quantity = Quantity()
+    start_s: Quantity = Quantity(bound="number of 0 or more")
+    width_s: Quantity = Quantity(bound="number above 0")
 
-    def __post_init__(self) -> None:
-        check_number("Pulse", "force_n", self.force_n, "finite number")
-        check_number("Pulse", "start_s", self.start_s, "number of 0 or more")
-        check_number("Pulse", "width_s", self.width_s, "number above 0")
-
-    def sample(self, time_s: float, step_s: float) -> Sampled:
-        """The force over a run, N.
-
-        Raises:
-            InputError: If the run is not a whole number of steps, or a jump is within it and not between two steps.
-        """
+    def _points(self) -> Points:
         first, last = self.start_s, self.start_s + self.width_s
-        times, values = [first, first, last, last], [0.0, self.force_n, self.force_n, 0.0]
-        return through_points("Pulse", Grid.of(time_s, step_s), times, values)
+        return [first, first, last, last], [0.0, self.force_n, self.force_n, 0.0]
 
 
 @dataclass(frozen=True)
-class Doublet:
+class Doublet(_Straight):
     """A pulse and its opposite: ``force_n`` for ``width_s`` from ``start_s``, then ``-force_n`` for ``width_s``.
 
     Attributes:
@@ -136,23 +129,12 @@ class Doublet:
     """
 
     force_n: Quantity = Quantity()
-    start_s: Quantity = Quantity()
-    width_s: Quantity = Quantity()
+    start_s: Quantity = Quantity(bound="number of 0 or more")
+    width_s: Quantity = Quantity(bound="number above 0")
 
-    def __post_init__(self) -> None:
-        check_number("Doublet", "force_n", self.force_n, "finite number")
-        check_number("Doublet", "start_s", self.start_s, "number of 0 or more")
-        check_number("Doublet", "width_s", self.width_s, "number above 0")
-
-    def sample(self, time_s: float, step_s: float) -> Sampled:
-        """The force over a run, N.
-
-        Raises:
-            InputError: If the run is not a whole number of steps, or a jump is within it and not between two steps.
-        """
+    def _points(self) -> Points:
         times = [self.start_s + widths * self.width_s for widths in (0, 0, 1, 1, 2, 2)]
-        values = [0.0, self.force_n, self.force_n, -self.force_n, -self.force_n, 0.0]
-        return through_points("Doublet", Grid.of(time_s, step_s), times, values)
+        return times, [0.0, self.force_n, self.force_n, -self.force_n, -self.force_n, 0.0]
 
 
 @dataclass(frozen=True)
@@ -174,11 +156,7 @@ class StopToStop:
     """
 
     force_n: Quantity = Quantity()
-    duration_s: Quantity = Quantity()
-
-    def __post_init__(self) -> None:
-        check_number("StopToStop", "force_n", self.force_n, "finite number")
-        check_number("StopToStop", "duration_s", self.duration_s, "number above 0")
+    duration_s: Quantity = Quantity(bound="number above 0")
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
         """The force over a run, N; a corner within a step is cut off, by ``2 force_n step_s / duration_s`` at most.
@@ -217,19 +195,17 @@ class Chirp:
     """
 
     force_n: Quantity = Quantity()
-    from_hz: Quantity = Quantity()
-    to_hz: Quantity = Quantity()
-    duration_s: Quantity = Quantity()
+    from_hz: Quantity = Quantity(bound=None)
+    to_hz: Quantity = Quantity(bound=None)
+    duration_s: Quantity = Quantity(bound="number above 0")
     spacing: Spacing = "linear"
 
     def __post_init__(self) -> None:
         if self.spacing not in get_args(Spacing):
             raise InputError(f"Chirp: expected spacing to be 'linear' or 'logarithmic', got {show(self.spacing)}")
-        check_number("Chirp", "force_n", self.force_n, "finite number")
         bound: Bound = "number of 0 or more" if self.spacing == "linear" else "number above 0"
         for name in ("from_hz", "to_hz"):
             check_number("Chirp", name, getattr(self, name), bound)
-        check_number("Chirp", "duration_s", self.duration_s, "number above 0")
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
         """The force over a run, N: exact at the times of the steps, straight between.
@@ -256,8 +232,10 @@ class Chirp:
 
 
 @dataclass(frozen=True)
-class Release:
+class Release(_Straight):
     """A release: the grip is held at an angle until ``start_s``; the free response begins there, at rest.
+
+    The sampled force is zero; the caller must hold the grip until ``start_s`` by a constraint.
 
     Attributes:
         angle_rad: The column's angle until ``start_s``, rad.
@@ -273,16 +251,7 @@ class Release:
     """
 
     angle_rad: Quantity = Quantity()
-    start_s: Quantity = Quantity(0.0)
+    start_s: Quantity = Quantity(0.0, "number of 0 or more")
 
-    def __post_init__(self) -> None:
-        check_number("Release", "angle_rad", self.angle_rad, "finite number")
-        check_number("Release", "start_s", self.start_s, "number of 0 or more")
-
-    def sample(self, time_s: float, step_s: float) -> Sampled:
-        """Zeros, N; the caller must hold the grip until ``start_s`` by a constraint.
-
-        Raises:
-            InputError: If the run is not a whole number of steps, or ``start_s`` is within it and not between two steps.
-        """
-        return through_points("Release", Grid.of(time_s, step_s), [self.start_s] * 2, [0.0, 0.0])
+    def _points(self) -> Points:
+        return [self.start_s] * 2, [0.0, 0.0]

@@ -1,6 +1,10 @@
-"""The page of a run: the template filled with plots, tables and words."""
+"""The page of a run, the template filled with plots, tables and words, and its folder."""
 
+from pathlib import Path
+
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import render
 from forcefeel.simulation import Run, RunStatus
@@ -8,7 +12,13 @@ from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.page import plots as simulation_plots
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
+from forcefeel.simulation.tables import columns, run_json
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import UnitSystem
+
+SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
+
+FOLDER = OutputFolder("the simulation", (SIMULATION, HISTORY, NUMBERS))
 
 _MOTION = (
     "The column and the programmed control. The load cell's force is referred to the grip: at rest and without friction it equals "
@@ -22,14 +32,7 @@ _LOOP = "In slow motion without friction and hysteresis both directions coincide
 
 
 def simulation_page(run: Run, units: UnitSystem, law: str = "original", *, command: str = "") -> str:
-    """The whole page.
-
-    Args:
-        run: What to show.
-        units: The units of every number.
-        law: What the law that drove the servo is called.
-        command: The command that asked for it.
-    """
+    """The whole page; ``law`` is what the law that drove the servo is called."""
     return render(
         "simulation/page/simulation.html.j2",
         command=command,
@@ -56,3 +59,40 @@ def _pictures(run: Run, units: UnitSystem) -> dict[str, Picture]:
     if simulation_plots.has_loop(run):
         pictures.append(Picture.of("loop", "", _LOOP, simulation_plots.loop(run, units)))
     return {picture.key: picture for picture in pictures}
+
+
+def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original", *, command: str = "") -> Path:
+    """Writes ``simulation.html``, ``history.csv`` and ``results.json``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        run: What to report.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        law: What the law that drove the servo is called.
+        command: The command that asked for it, to stand on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+
+    Example:
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5))
+        >>> ff.simulation.write_simulation(run, Path("run"), ff.UnitSystem.SI).parent.name
+        'run'
+    """
+    FOLDER.check(out)
+    history = columns(run, units)
+    rows = zip(*(column.values.tolist() for column in history), strict=True)
+    heads = [f"{column.name} ({column.unit})" for column in history]
+    document = run_json(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
+    contents = {
+        HISTORY: csv_text(heads, rows, ".9g"),
+        NUMBERS: json_text(document),
+        SIMULATION: simulation_page(run, units, law, command=command),
+    }
+    FOLDER.write(out, contents)
+    return out / SIMULATION

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.page.canvas import drawn, frame, line
+from forcefeel.page.canvas import add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import parameter_text
 from forcefeel.simulation import Run, RunStatus
@@ -121,19 +121,10 @@ def loop(run: Run, system: UnitSystem) -> go.Figure:
     every = -(-len(angle) // MOST_LOOP_POINTS) or 1
     angle, force = angle[::every], force[::every]
     unit = FORCE.shown(system)
-    picture.add_scatter(
-        x=angle,
-        y=force,
-        name="run",
-        mode="lines",
-        line=line(_LOOP),
-        hovertemplate=f"%{{x:.2f}}°, %{{y:.3~g}} {unit}",
-    )
+    add_curve(picture, angle, force, "run", _LOOP, f"%{{x:.2f}}°, %{{y:.3~g}} {unit}")
     spring = _spring(run, angle, system)
     if spring is not None:
-        picture.add_scatter(
-            x=spring[0], y=spring[1], name="programmed spring", mode="lines", line=line(_IDEAL), hoverinfo="skip"
-        )
+        add_curve(picture, spring[0], spring[1], "programmed spring", _IDEAL, hoverinfo="skip")
     frame(picture, 480, hover="closest")
     if len(angle):
         low, high = float(angle.min()), float(angle.max())
@@ -194,15 +185,15 @@ def _curve(
 ) -> None:
     time = run.history["time_s"].values[: len(values)]
     kept = drawn(values, MOST_POINTS)
-    picture.add_scatter(
-        x=time[kept],
-        y=values[kept],
-        name=name,
+    add_curve(
+        picture,
+        time[kept],
+        values[kept],
+        name,
+        look,
+        hover,
         legendgroup=name,
         showlegend=all(trace.name != name for trace in picture.data),
-        line=line(look),
-        mode="lines",
-        hovertemplate=hover,
         row=row,
         col=1,
     )

@@ -1,8 +1,13 @@
-"""The page of a sizing: the template filled with plot, table and texts."""
+"""The page of a sizing, the template filled with plot, table and texts, and its folder."""
 
+from pathlib import Path
+
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import quantity_text
+from forcefeel.sizing.as_json import sizing_json
 from forcefeel.sizing.cockpit import CockpitSizing, cockpit_conclusions
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.findings import noun, sizing_conclusions
@@ -12,9 +17,15 @@ from forcefeel.sizing.page import tables as sizing_tables
 from forcefeel.sizing.result import Sizing
 from forcefeel.units import ANGLE, UnitSystem
 
+PAGE, RESULTS = "size.html", "results.json"
 
-def sizing_page(sizing: Sizing, units: UnitSystem, *, command: str = "") -> str:
+FOLDER = OutputFolder("the sizing", (PAGE, RESULTS))
+
+
+def sizing_page(sizing: Sizing | CockpitSizing, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``."""
+    if isinstance(sizing, CockpitSizing):
+        return _cockpit_page(sizing, units, command)
     return render(
         "sizing/page/size.html.j2",
         command=command,
@@ -32,8 +43,7 @@ def sizing_page(sizing: Sizing, units: UnitSystem, *, command: str = "") -> str:
     )
 
 
-def cockpit_page(cockpit: CockpitSizing, units: UnitSystem, *, command: str = "") -> str:
-    """The page of a cockpit, numbers in ``units``."""
+def _cockpit_page(cockpit: CockpitSizing, units: UnitSystem, command: str) -> str:
     parts = [
         (
             axis,
@@ -54,3 +64,32 @@ def cockpit_page(cockpit: CockpitSizing, units: UnitSystem, *, command: str = ""
         rule=RULE,
         parts=parts,
     )
+
+
+def write_sizing(
+    sizing: Sizing | CockpitSizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    """Writes ``results.json`` and ``size.html``, the page last; other files in the folder are left alone.
+
+    Args:
+        sizing: The sizing of a loader, or of each axis of a cockpit.
+        out: The folder; created if it does not exist.
+        units: The units of every number.
+        replace: Whether existing files may be replaced.
+        command: The command line, shown on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, contains files of these names without ``replace``, or cannot be written.
+
+    Example:
+        >>> sizing = ff.sizing.size_drive(ff.elevator())
+        >>> ff.sizing.write_sizing(sizing, Path("size"), ff.UnitSystem.US).name
+        'size.html'
+    """
+    FOLDER.check(out, replace=replace)
+    results = json_text(sizing_json(sizing, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: sizing_page(sizing, units, command=command)})
+    return out / PAGE

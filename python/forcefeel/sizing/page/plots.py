@@ -2,7 +2,7 @@
 
 import plotly.graph_objects as go
 
-from forcefeel.page.canvas import frame, line
+from forcefeel.page.canvas import add_curve, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import heading_text
 from forcefeel.sizing.demand import Duration
@@ -19,7 +19,7 @@ def force_over_speed(sizing: Sizing, units: UnitSystem) -> go.Figure:
     picture = go.Figure()
     for curve, look in zip(sizing.curves, _CURVES, strict=False):
         x, y = SPEED.from_si(1.0, units) * curve.speed_m_per_s, FORCE.from_si(1.0, units) * curve.force_n
-        picture.add_scatter(x=x, y=y, mode="lines", name=curve.name, line=line(look), hovertemplate="%{y:.3~g}")
+        add_curve(picture, x, y, curve.name, look, "%{y:.3~g}")
     feel, rule = iter(_FEEL), iter(_RULE)
     for demand in sizing.demands:
         if demand.duration is Duration.MOVING:
@@ -34,13 +34,13 @@ def force_over_speed(sizing: Sizing, units: UnitSystem) -> go.Figure:
 
 
 def _path(picture: go.Figure, demand: DemandResult, units: UnitSystem) -> None:
-    picture.add_scatter(
-        x=SPEED.from_si(1.0, units) * demand.path_speed_m_per_s,
-        y=FORCE.from_si(1.0, units) * demand.path_force_n,
-        mode="lines",
-        name=demand.name,
-        line=line(LineStyle(COMPLIANT)),
-        hovertemplate="%{x:.3~g}, %{y:.3~g}",
+    add_curve(
+        picture,
+        SPEED.from_si(1.0, units) * demand.path_speed_m_per_s,
+        FORCE.from_si(1.0, units) * demand.path_force_n,
+        demand.name,
+        LineStyle(COMPLIANT),
+        "%{x:.3~g}, %{y:.3~g}",
     )
 
 

@@ -1,8 +1,11 @@
-"""The page of a sweep: the template with plots, tables and text."""
+"""The page of a sweep, the template with plots, tables and text, and its folder with summary and band of responses."""
 
 from dataclasses import replace
+from pathlib import Path
 
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import render
 from forcefeel.simulation import Run, simulate
@@ -10,15 +13,25 @@ from forcefeel.simulation.findings import input_text
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.sweep import SweepResult
-from forcefeel.sweep.as_json import whose_law
+from forcefeel.sweep.as_json import sweep_json, whose_law
 from forcefeel.sweep.findings import main_measures, number_of, sweep_conclusions
+from forcefeel.sweep.folder import CHUNKS, PLAN, RUNS
 from forcefeel.sweep.page import maps as sweep_maps
 from forcefeel.sweep.page import plots as sweep_plots
 from forcefeel.sweep.page import tables as sweep_tables
 from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import Spread, Summary
-from forcefeel.units import UnitSystem
+from forcefeel.tables.csv_table import csv_text
+from forcefeel.units import ANGLE, UnitSystem
+
+PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
+
+FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
+"""Files of the report."""
+
+RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,), plots=False)
+"""Files of the runs."""
 
 _TORNADOS = 4
 """Number of measures with a plot of correlations."""
@@ -32,15 +45,7 @@ _MAPPED = 5
 def sweep_page(
     result: SweepResult, summary: Summary, units: UnitSystem, law: str = "original", *, command: str = ""
 ) -> str:
-    """The whole page.
-
-    Args:
-        result: The sweep.
-        summary: Its summary.
-        units: The units of every number.
-        law: Name of the law.
-        command: The command.
-    """
+    """The whole page."""
     sweep = result.sweep
     nominal = simulate(sweep.loader, sweep.scenario, sweep.nominal_law)
     measures = main_measures(result, summary)
@@ -157,3 +162,48 @@ def _middle(spread: Spread, units: UnitSystem) -> str:
         number_of(spread.unit, value, units) for value in (spread.quantile(0.05), spread.quantile(0.95), spread.nominal)
     )
     return f"{low} to {high} {spread.unit.shown(units)} for nine of ten; nominal {nominal}."
+
+
+def write_sweep(
+    result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original", *, command: str = ""
+) -> Path:
+    """Write ``sweep.html``, ``summary.json`` and, for a sweep without grid, ``envelope.csv``.
+
+    Existing files stay until the new ones are complete; other files in the folder are kept.
+
+    Args:
+        result: The sweep.
+        summary: Its summary.
+        out: The folder; created if missing.
+        units: The units of every number.
+        law: Name of the law.
+        command: The command, for the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+
+    Example:
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> ff.sweep.write_sweep(found, ff.sweep.summarize(found), Path("sweep"), ff.UnitSystem.SI).parent.name
+        'sweep'
+    """
+    FOLDER.check(out)
+    contents = {
+        SUMMARY: json_text(sweep_json(result, summary, units)),
+        PAGE: sweep_page(result, summary, units, law, command=command),
+    }
+    if not result.sweep.axes:
+        contents = {ENVELOPE: _envelope(result, units), **contents}
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def _envelope(result: SweepResult, units: UnitSystem) -> str:
+    """The edges of the band over time."""
+    band = result.envelope
+    heads = ["time (s)", *(f"{edge} ({ANGLE.shown(units)})" for edge in band["edge"].values)]
+    columns = band["column_angle_rad"].values * ANGLE.from_si(1.0, units)
+    return csv_text(heads, zip(band["time_s"].values.tolist(), *columns.tolist(), strict=True), ".9g")

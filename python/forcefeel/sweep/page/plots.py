@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import capital
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.page.canvas import frame, line
+from forcefeel.page.canvas import add_curve, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import heading_text, unit_text
 from forcefeel.sweep import SweepResult
@@ -40,14 +40,7 @@ def color(law: str) -> str:
 
 
 def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.float64] | None, hue: str) -> go.Figure:
-    """Column angle over time: all of the sample, nine of ten, the median, the nominal loader and the ideal feel.
-
-    Args:
-        result: The sweep.
-        nominal: Column angle of the nominal loader at the samples, rad.
-        ideal: The same of the ideal feel, if relevant.
-        hue: Color of the band.
-    """
+    """Column angle over time: all of the sample, nine of ten, the median, the nominal loader and the ideal feel if given, rad."""
     envelope = result.envelope
     time = envelope["time_s"].values
     every = max(1, -(-len(time) // MOST_POINTS))
@@ -66,7 +59,7 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
     if ideal is not None:
         curves.append(("ideal feel", np.degrees(ideal[::every]), _IDEAL))
     for name, angle, style in curves:
-        picture.add_scatter(x=time, y=angle, mode="lines", line=line(style), name=name, hovertemplate="%{y:.2f}°")
+        add_curve(picture, time, angle, name, style, "%{y:.2f}°")
     frame(picture, 460)
     picture.update_xaxes(
         title_text="Time, s", range=[0, float(envelope["time_s"].values[-1])], unifiedhovertitle={"text": "%{x:.3f} s"}
@@ -141,13 +134,8 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
         ("nominal", spread.nominal, _MARK),
     ):
         if np.isfinite(position):
-            picture.add_scatter(
-                x=[position * scale] * 2,
-                y=[0, top],
-                mode="lines",
-                name=name,
-                line=line(style),
-                hovertemplate=f"{name} %{{x:.4~g}} {unit}<extra></extra>",
+            add_curve(
+                picture, [position * scale] * 2, [0, top], name, style, f"{name} %{{x:.4~g}} {unit}<extra></extra>"
             )
     frame(picture, 320, top=34, hover="closest")
     picture.update_layout(bargap=0, barmode="overlay")
@@ -209,9 +197,7 @@ def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue:
     picture = go.Figure()
     hover = f"%{{y:.4~g}} {unit_text(measured_in.shown(system))}"
     filled(picture, x, {"5 %": y[:, 0], "95 %": y[:, 2]}, Fill("5 to 95 %", tint(hue, MIDDLE), hover))
-    picture.add_scatter(
-        x=x, y=y[:, 1], mode="lines", line=line(LineStyle(hue, "solid", 2.4)), name="median", hovertemplate=hover
-    )
+    add_curve(picture, x, y[:, 1], "median", LineStyle(hue, "solid", 2.4), hover)
     frame(picture, 320, top=34)
     picture.update_xaxes(title_text=parameter_title(key, system))
     picture.update_yaxes(title_text=axis_title(measure, measured_in, system))

@@ -5,6 +5,7 @@ use crate::draws::Draws;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
 use forcefeel_simulate::batch::{Job, Sampling, Values};
 use forcefeel_solve::law::Law;
@@ -110,4 +111,39 @@ pub fn run(job: &Job<'_>, threads: usize) -> (Vec<Values>, Vec<f64>) {
 /// How fast errors fall when the step is halved: the least slope.
 pub fn order(errors: &[f64]) -> f64 {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).fold(f64::INFINITY, f64::min)
+}
+
+/// Bits, so that what is not a number is equal to itself.
+pub fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The bits of each run depend neither on the threads nor on its place in the batch; `laws` are those of the runs, if each has one.
+pub fn assert_bits_stay(job: &Job<'_>, laws: Option<&[[f64; NUMBERS]]>) {
+    let (measures, histories) = run(job, 1);
+    for threads in [2, 3] {
+        let (again, histories_again) = run(job, threads);
+        assert_eq!(bits(measures.as_flattened()), bits(again.as_flattened()), "{threads}");
+        assert_eq!(bits(&histories), bits(&histories_again), "{threads}");
+    }
+    let size = histories.len() / job.values.len();
+    for k in [0, 7, 15, 16, 31, 32, 36] {
+        // Alone it runs in plain double precision, with the noise of its own index.
+        let law = laws.map_or(job.law, |laws| Law::Observers(&laws[k..=k]));
+        let noise = (job.noise.0, job.noise.1 + k as u64);
+        let (found, history) = run(&Job { values: &job.values[k..=k], law, noise, ..job.clone() }, 1);
+        assert_eq!(bits(found.as_flattened()), bits(&measures[k]), "run {k}");
+        assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]), "run {k}");
+    }
+    // The other way round, each has other neighbours; the noise goes with the index and stays away.
+    let mut quiet = job.clone();
+    quiet.shared.effects.noise = false;
+    let (straight, _) = run(&quiet, 1);
+    let turned: Vec<_> = job.values.iter().rev().copied().collect();
+    let laws_turned: Vec<_> = laws.unwrap_or_default().iter().rev().copied().collect();
+    let law = laws.map_or(job.law, |_| Law::Observers(&laws_turned));
+    let (found, _) = run(&Job { values: &turned, law, ..quiet }, 1);
+    for (k, found) in found.iter().rev().enumerate() {
+        assert_eq!(bits(found), bits(&straight[k]), "run {k}");
+    }
 }

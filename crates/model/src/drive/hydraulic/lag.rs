@@ -3,14 +3,47 @@
 use super::pressure::{Flow, PressureSensitivity, Side};
 use super::{FLOW, Hydraulic, Oil, PRESSURE};
 use crate::Scalar;
-use crate::drive::{Motion, Neighbors};
+use crate::drive::{Motion, Neighbors, QuickPart};
 use crate::effects::Effects;
 use crate::run::{RunSnapshot, RunState};
 
-impl<S: Scalar> Hydraulic<S> {
+impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
+    #[inline(always)]
+    fn base_velocity(&self, w: S, balance: &Flow<S>) -> S {
+        w - self.base_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn base_momentum(&self, velocity: S, balance: &Flow<S>) -> S {
+        velocity + self.base_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_velocity(&self, u: S, balance: &Flow<S>) -> S {
+        u + self.feel_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_momentum(&self, rate: S, balance: &Flow<S>) -> S {
+        rate - self.feel_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_changed(&mut self, from: S, to: S, balance: &Flow<S>) -> S {
+        let before = self.feel_impulse;
+        self.feel_impulse = before * to / from;
+        (before - self.feel_impulse) * balance.pressure
+    }
+
+    /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
+    #[inline(always)]
+    fn feel_force(&self, force: S, now: &RunSnapshot<S, Flow<S>>) -> S {
+        force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
+    }
+
     /// At the start of a step: makes good what the lag did in the last one, and shows pressure and flow behind their balance.
     #[inline(always)]
-    pub(super) fn made_good(
+    fn catch_up(
         &self,
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
@@ -22,7 +55,9 @@ impl<S: Scalar> Hydraulic<S> {
         self.catch(effects, &yielding, state, now);
         self.follow(neighbors, effects, (side, &yielding), state, now);
     }
+}
 
+impl<S: Scalar> Hydraulic<S> {
     /// Makes good what the pressure's lag behind its slaved value did in the last step.
     #[inline(always)]
     fn catch(

@@ -3,15 +3,26 @@
 //! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
 
 use super::pressure::{Flow, Side};
-use super::{Hydraulic, Oil};
+use super::{CURRENT, Hydraulic, Oil};
 use crate::Scalar;
 use crate::contact::since_touch;
 use crate::drive::{Contact, Neighbors};
-use crate::run::{RunState, RunStepStart, Shared};
+use crate::effects::Effects;
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared};
 
-impl<S: Scalar> Hydraulic<S> {
+impl<S: Scalar> Contact<S> for Hydraulic<S> {
     #[inline(always)]
-    pub(super) fn met(
+    fn touches(&self, plant: &[S; 5]) -> S::Mask {
+        self.balance.touch(self.balance.stretch(plant[0], plant[3]))
+    }
+
+    #[inline(always)]
+    fn command_jump(&self, effects: &Effects, now: &RunSnapshot<S, Flow<S>>, e_change: S) -> S {
+        self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
+    }
+
+    #[inline(always)]
+    fn close_play(
         &self,
         neighbors: &Neighbors<'_, S>,
         shared: &Shared,

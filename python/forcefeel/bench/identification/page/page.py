@@ -1,10 +1,13 @@
-"""The page of an identification: the template with plots, tables and text."""
+"""The page of an identification and its folder: results, the new loader file, responses estimated from records."""
 
+import dataclasses
+import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from markupsafe import Markup
 
-from forcefeel.bench.identification.as_json import FitSettings
+from forcefeel.bench.identification.as_json import FitSettings, identification_json, response_csv
 from forcefeel.bench.identification.digits import title_of
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.misfit import size_text, stated_noise
@@ -12,11 +15,19 @@ from forcefeel.bench.identification.page import plots as identification_plots
 from forcefeel.bench.identification.page import tables as identification_tables
 from forcefeel.bench.identification.result import Fitted, Identification, Status
 from forcefeel.bench.responses import Response
+from forcefeel.json_values import json_text
 from forcefeel.page import machine
+from forcefeel.page.folder import OutputFolder
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import number_text, prose_html
 from forcefeel.units import UnitSystem
+
+PAGE, RESULTS, LOADER, RESPONSES = "identification.html", "results.json", "loader.toml", "responses"
+
+FOLDER = OutputFolder("the identification", (PAGE, RESULTS, LOADER), (RESPONSES,))
+
+_NAME = re.compile(r"[^\w.-]+")
 
 
 def identification_page(
@@ -27,15 +38,7 @@ def identification_page(
     *,
     command: str = "",
 ) -> str:
-    """The whole page, numbers in ``units``.
-
-    Args:
-        identification: The identification.
-        units: Units of the numbers.
-        settings: Settings of the fit.
-        estimated: Files with responses estimated from records.
-        command: The command.
-    """
+    """The whole page, numbers in ``units``; ``estimated`` are the files with responses estimated from records."""
     responses = [fitted for fitted in identification.fitted if isinstance(fitted.data, Response)]
     return render(
         "bench/identification/page/identification.html.j2",
@@ -95,3 +98,64 @@ def _meaning(fitted: Fitted, units: UnitSystem) -> Markup:
     return prose_html(
         f"Experiment {experiment}; the fit leaves {size_text(fitted, fitted.residual_rms, units)} (root mean square)."
     )
+
+
+def write_identification(  # noqa: PLR0913  keywords of what is asked
+    identification: Identification,
+    out: Path,
+    units: UnitSystem,
+    settings: FitSettings | None = None,
+    *,
+    estimated: Sequence[Response] = (),
+    inputs: Sequence[Path] = (),
+    replace: bool = False,
+    command: str = "",
+) -> Path:
+    """Write ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
+
+    ``loader.toml`` is written only if every parameter is determined and the model explains the data; an earlier one is removed.
+    Other files in the folder are kept.
+
+    Args:
+        identification: The identification.
+        out: The folder; created if missing.
+        units: The units of every number.
+        settings: Settings of the fit, for the page.
+        estimated: Responses estimated from records; a file each in ``responses``.
+        inputs: Input files, which are not overwritten.
+        replace: Whether to replace existing files.
+        command: The command, for the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file or cannot be written, holds files of these names without ``replace``, or one of ``inputs``
+            has such a name.
+
+    Example:
+        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
+        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> ff.bench.write_identification(found, Path("found"), ff.UnitSystem.US).parent.name
+        'found'
+    """
+    tables = {f"{RESPONSES}/{name}": response for name, response in zip(_names(estimated), estimated, strict=True)}
+    dataclasses.replace(FOLDER, files=(*FOLDER.files, *tables)).check(out, replace=replace, inputs=inputs)
+    contents = {name: response_csv(response, units) for name, response in tables.items()}
+    if identification.loader is not None:
+        contents[LOADER] = identification.loader.to_toml(units)
+    results = identification_json(identification, units, settings)
+    contents[RESULTS] = json_text(results)
+    contents[PAGE] = identification_page(identification, units, settings, tuple(tables), command=command)
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def _names(estimated: Sequence[Response]) -> list[str]:
+    """A file name for each response, the channel in it where a record has several."""
+    names = [_NAME.sub("-", response.name) for response in estimated]
+    full = [
+        f"{name}-{response.output}" if names.count(name) > 1 else name
+        for name, response in zip(names, estimated, strict=True)
+    ]
+    return [f"{name}.csv" for name in full]

@@ -12,7 +12,7 @@ from forcefeel.bench.identification.digits import NOT_DETERMINED, gain_unit
 from forcefeel.bench.identification.result import Estimate, Fitted, Identification, Status
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE
-from forcefeel.page.canvas import ZERO, drawn, frame, line
+from forcefeel.page.canvas import ZERO, add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import split_symbol, unit_text
 from forcefeel.units import UnitSystem
@@ -266,15 +266,15 @@ def _line(
     style: LineStyle,
     hover: str = "%{y:.3~g}",
 ) -> None:
-    picture.add_scatter(
-        x=x,
-        y=y,
-        mode="lines",
-        name=name,
+    add_curve(
+        picture,
+        x,
+        y,
+        name,
+        style,
+        hover,
         legendgroup=name,
         showlegend=row != 4 and all(trace.name != name for trace in picture.data),
-        line=line(style),
-        hovertemplate=hover,
         row=row,
         col=1,
     )
