@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.errors import InputError
 from forcefeel.laws.sampled.contact_law import torque_noise
 from forcefeel.loader.sensors import sample_variance
 from tests import electric_witness as witness
@@ -38,8 +37,8 @@ def test_a_light_feel_is_quiet_against_a_stop_and_in_a_clamp(clamped: bool) -> N
         {"pilot.arm_stiffness": 1e5, "pilot.arm_damping": 300.0} if clamped else {"column.stop_high": np.radians(5.0)}
     )
     there = loader.replace(held, si=True)
-    assert _range_at_the_end(there, law, "1.8 lb") > 5 * QUIET_RAD
-    assert _range_at_the_end(there, law.with_contact(loader), "1.8 lb") < QUIET_RAD
+    assert _range_at_the_end(there, law.without_contact(), "1.8 lb") > 5 * QUIET_RAD
+    assert _range_at_the_end(there, law, "1.8 lb") < QUIET_RAD
 
 
 def test_a_free_release_is_the_same_with_and_without_it() -> None:
@@ -47,7 +46,7 @@ def test_a_free_release_is_the_same_with_and_without_it() -> None:
     law = ff.Law.of("robust", loader)
     runs = [
         ff.simulate(loader, ff.Scenario(ff.Release(0.17), duration_s=2.0), given).history["column_angle_rad"]
-        for given in (law, law.with_contact(loader))
+        for given in (law, law.without_contact())
     ]
     np.testing.assert_array_equal(*runs)
 
@@ -62,7 +61,7 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     loader = ff.loader.electric("elevator-electric").replace(
         _light_feel() | stop | quiet | {"motor.cogging_torque": 0.0}, si=True
     )
-    law = ff.Law.of("robust", loader).with_contact(loader)
+    law = ff.Law.of("robust", loader)
     force, duration = 8.0, 0.5
     run = ff.simulate(loader, ff.Scenario(ff.Step(f"{force} N"), duration, 5e-4, 5e-4), law).history
     found = witness.simulate(loader, law.sampled, lambda _: force, duration)["column_angle_rad"]
@@ -88,20 +87,18 @@ def test_the_noise_of_the_torque_is_that_of_a_simulated_observer() -> None:
 
 def test_a_law_file_keeps_it(tmp_path: object) -> None:
     loader = ff.digital_elevator()
-    law = ff.Law.of("robust", loader).with_contact(loader)
+    law = ff.Law.of("robust", loader)
     path = f"{tmp_path}/law.json"
     law.save(path)
     np.testing.assert_array_equal(ff.Law.of(path, loader).sampled.contact, law.sampled.contact)
 
 
 def test_a_law_of_gains_has_none() -> None:
-    loader = ff.elevator()
-    with pytest.raises(InputError, match="original has no part for contact"):
-        ff.Law.of("original", loader).with_contact(loader)
+    law = ff.Law.of("original", ff.elevator())
+    assert law.without_contact() is law
 
 
 @pytest.mark.parametrize("name", ["torque-mode", "load-cell"])
 def test_a_law_that_estimates_no_hand_from_the_load_cell_has_none(name: str) -> None:
-    loader = ff.loader.electric("elevator-electric")
-    with pytest.raises(InputError, match=f"{name} has no part for contact"):
-        ff.Law.of(name, loader).with_contact(loader)
+    law = ff.Law.of(name, ff.loader.electric("elevator-electric"))
+    assert not law.sampled.knows_contact

@@ -167,7 +167,7 @@ def test_verdict_of_held_column_names_angle_and_cause():
     assert run.measures.final_angle_rad > loader["column.stop_high"]
     text = verdict(run)
     assert "Settled" not in text
-    assert text.startswith("The column hangs at 13.1 deg on the upper end stop while its feel is at 6.8")
+    assert text.startswith("The column hangs at 13.1 deg on the upper end stop while its feel is at 6.9")
     assert "with the current at its limit of 8 A" in text
 
 

@@ -14,7 +14,7 @@ from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
-from forcefeel.units import UnitSystem
+from forcefeel.units import FORCE, UnitSystem
 
 if TYPE_CHECKING:
     from forcefeel.envelope import CockpitEnvelope, Envelope
@@ -53,6 +53,10 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         bool,
         option("Draw machines with every tolerance at one of its ends, in place of anywhere between.", DRAWN),
     ] = False
+    contact: Annotated[
+        bool,
+        option("Also against clamps and stops of 1e3 to 1e6 N/m at the grip; --no-contact leaves them out.", ASKED),
+    ] = True
     out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(
         "forcefeel-envelope"
     )
@@ -71,7 +75,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         if self.compare and self.law:
             raise InputError("--compare and --law: given both; --compare takes all, leave one out")
         names = names_for(loader) if self.compare else self.law or (default_law(loader),)
-        return make_plan(
+        plan = make_plan(
             loader,
             names,
             text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log"),
@@ -79,7 +83,8 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             angle_rad=self.angle_rad,
             changes=self.deviations(loader),
             draws=Draws(self.draws, self.seed, self.corners),
-        ).with_smaller_releases()
+        )
+        return (plan.with_contacts() if self.contact else plan).with_smaller_releases()
 
 
 def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
@@ -154,11 +159,26 @@ def _show(console: Terminal, envelope: "Envelope | CockpitEnvelope", units: Unit
             name, *map(share_text, (shares.stable, shares.nominal_share, shares.stable_worst, shares.worst_case_share))
         )
     console.show(table)
+    if envelope.plan.contacts:
+        console.show(_in_contact(envelope, units))
     if envelope.smaller:
         console.show(_by_angle(envelope, units))
     if envelope.plan.machines:
         console.show(_drawn(envelope))
     console.conclude(envelope_conclusions(envelope, units), alarming=False)
+
+
+def _in_contact(envelope: "Envelope", units: UnitSystem) -> Table:
+    """Quiet settings; the largest force is that of a contact at the grip."""
+    from forcefeel.page.typography import quantity_text
+
+    numbers = ("quiet in every contact", "least share in a contact", "largest force")
+    table = titled(f"Settings in {len(envelope.plan.contacts)} contacts, clamps and stops", "law", numbers=numbers)
+    for name in envelope.laws:
+        shares = envelope.contact_shares(name)
+        least = share_text(min(shares.by_contact.values()))
+        table.add_row(name, share_text(shares.quiet), least, quantity_text(shares.largest_force_n, FORCE, units, 3))
+    return table
 
 
 def _by_angle(envelope: "Envelope", units: UnitSystem) -> Table:

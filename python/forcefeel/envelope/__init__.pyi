@@ -2,6 +2,10 @@
 
 from forcefeel.envelope.cockpit import CockpitEnvelope as CockpitEnvelope
 from forcefeel.envelope.cockpit import find_cockpit as find_cockpit
+from forcefeel.envelope.contact import CONTACTS as CONTACTS
+from forcefeel.envelope.contact import Contact as Contact
+from forcefeel.envelope.contact import ContactShares as ContactShares
+from forcefeel.envelope.contact import swings_on as swings_on
 from forcefeel.envelope.draws import Draws as Draws
 from forcefeel.envelope.page.page import write_envelope as write_envelope
 from forcefeel.envelope.plan import Plan as Plan

@@ -13,7 +13,7 @@ from forcefeel.envelope.result import MOST, Envelope, Shares
 from forcefeel.envelope.settings import AXES, Axis
 from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_sentences
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, INERTIA, UnitSystem, to_text
+from forcefeel.units import ANGLE, FORCE, INERTIA, UnitSystem, to_text
 
 _MOST_NAMED = 2
 """Laws that the verdict names; of more, it names the best."""
@@ -39,6 +39,7 @@ def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
         verdict = f"Within tolerance: {each}{among}, of {_feels(envelope)}, released from {_angle(envelope, units)}."
     others = [name for name in envelope.laws if name != best.law]
     lines = [*forbidden_sentences(envelope.forbidden, units), _fails(envelope, best.law), _worst(envelope, best.law)]
+    lines += [_in_contact(envelope, best.law, units)] if envelope.plan.contacts else []
     lines += [_drawn(envelope, best.law)] if envelope.plan.machines else []
     lines += [_smallest(envelope, best.law, units), _passive(envelope)]
     lines += [_by_angle(envelope, best.law, units)] if envelope.smaller else []
@@ -50,7 +51,8 @@ def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
 def renders(envelope: Envelope) -> bool:
     """Whether the best of the laws renders the envelope."""
     best = _best(envelope)
-    return best.nominal_share >= WHOLE_NOMINAL and best.worst_case_share >= WHOLE_WORST
+    quiet = envelope.contact_shares(best.law).quiet if envelope.plan.contacts else 1.0
+    return best.nominal_share >= WHOLE_NOMINAL and min(best.worst_case_share, quiet) >= WHOLE_WORST
 
 
 def _best(envelope: Envelope) -> Shares:
@@ -104,6 +106,20 @@ def _feels(envelope: Envelope) -> str:
     *others, last = counts
     limits = f"{', '.join(others)} and {last} allow" if others else f"{last} allows"
     return f"the {count - sum(counts.values()):,} of {count:,} programmed feels that {limits}"
+
+
+def _in_contact(envelope: Envelope, name: str, units: UnitSystem) -> str:
+    """Whether the settings are quiet against something stiff, and where fewest are."""
+    shares = envelope.contact_shares(name)
+    count = len(envelope.plan.contacts)
+    if shares.quiet == 1:
+        return f"With {name_text(name)} every setting is quiet in all {count} contacts, clamps and stops of 1e3 to 1e6 N/m."
+    worst = min(shares.by_contact, key=shares.by_contact.__getitem__)
+    force = f"{to_text(FORCE.from_si(shares.largest_force_n, units), 3)} {FORCE.shown(units)}"
+    return (
+        f"With {name_text(name)} {share_text(shares.quiet)} of the settings are quiet in all {count} contacts; fewest, "
+        f"{share_text(shares.by_contact[worst])}, in: {worst}. The largest force is {force}."
+    )
 
 
 def _by_angle(envelope: Envelope, name: str, units: UnitSystem) -> str:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Annotated, TypedDict, Unpack
 
 from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelope.contact import CONTACTS, Contact
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
@@ -43,6 +44,7 @@ class Plan:
         angle_rad: Release angle; default: the rule's largest share of the throw, of its shorter side.
         draws: Machines drawn with all tolerances at once; default: none.
         smaller_rad: Further release angles for the nominal plant, hands off; default: none.
+        contacts: What the column touches, with the nominal plant; default: nothing.
         axis: Control axis of the rule; default: that of a built-in loader with the same name, else pitch.
         loader: The loader with only I, B and G as its feel.
         omitted: Rows of feel and arm that the envelope omits.
@@ -66,6 +68,7 @@ class Plan:
     angle_rad: Annotated[float, ANGLE] | None = None
     draws: Draws = NO_DRAWS
     smaller_rad: Sequence[float] = ()
+    contacts: Sequence[Contact] = ()
     axis: Axis | None = None
     loader: Loader = field(init=False)
     omitted: tuple[str, ...] = field(init=False)
@@ -114,10 +117,14 @@ class Plan:
             return self
         return replace(self, smaller_rad=tuple(angle for angle in SMALLER if angle < _BELOW * self.release_rad))
 
+    def with_contacts(self) -> "Plan":
+        """The plan with ``CONTACTS``."""
+        return replace(self, contacts=CONTACTS)
+
     @property
     def releases(self) -> int:
-        """Number of releases."""
-        cases = len(self.cases) + len(self.machines) + len(self.smaller_rad)
+        """Number of releases and of contacts."""
+        cases = len(self.cases) + len(self.machines) + len(self.smaller_rad) + len(self.contacts)
         return len(self.laws) * cases * self.settings.count
 
     @property
@@ -141,6 +148,7 @@ class PlanOptions(TypedDict, total=False):
     angle_rad: float | None
     draws: Draws
     smaller_rad: Sequence[float]
+    contacts: Sequence[Contact]
     axis: Axis | None
 
 
@@ -162,7 +170,7 @@ def make_plan(
         loader: The loader.
         laws: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes, as in ``Settings.of``.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``axis`` of ``Plan``.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``contacts``, ``axis`` of ``Plan``.
 
     Raises:
         InputError: If an argument is invalid.

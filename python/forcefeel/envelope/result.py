@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case, Kind
+from forcefeel.envelope.contact import ContactShares
 from forcefeel.envelope.forbidden import NOISE, Forbidden, forbidden
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
@@ -219,7 +220,7 @@ class Envelope:
         data: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
             margin as a share of its tolerance: 1 exact, 0 at the limit, NaN if not measurable. With drawn machines also
             ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
-            parameter as a share of its value.
+            parameter as a share of its value. With contacts also ``swings_on`` and ``largest_force_n`` (law, contact, ..).
         outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
         passivity: Passivity of the grip, by law.
         smaller: Shares at the angles of ``Plan.smaller_rad``.
@@ -322,6 +323,15 @@ class Envelope:
     def stable(self, law: str) -> NDArray[np.bool_]:
         """Which settings are stable (case, settings)."""
         return np.asarray(self.codes(law) != self.outcomes.index(UNSTABLE))
+
+    def contact_shares(self, law: str) -> ContactShares:
+        """Settings that are quiet in contact; only with ``Plan.contacts``."""
+        row = self.laws.index(law)
+        quiet = ~self.data["swings_on"].to_numpy()[row].reshape(len(self.plan.contacts), -1)
+        names = [contact.name for contact in self.plan.contacts]
+        by_contact = dict(zip(names, quiet.mean(axis=1).tolist(), strict=True))
+        largest = float(self.data["largest_force_n"].to_numpy()[row].max())
+        return ContactShares(law, float(quiet.all(axis=0).mean()), largest, by_contact)
 
     def shares(self, law: str) -> Shares:
         """Shares of all settings for a law."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any, Unpack
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, Case, PilotArm
+from forcefeel.envelope.contact import swings_on
 from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
@@ -54,7 +56,7 @@ def find_envelope(
         progress: Called with the numbers of completed and of all releases.
         options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares or deviations by plant parameter instead
             of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
-            ``smaller_rad``, further release angles for the nominal plant.
+            ``smaller_rad``, further release angles for the nominal plant; ``contacts``, such as ``ff.envelope.CONTACTS``.
 
     Returns:
         The envelope.
@@ -109,7 +111,29 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
     # A law designed here is for the plan's reduced loader, a law of a file for the whole loader.
     remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
     data = _dataset(plan, outcomes, outcome, margin)
+    if plan.contacts:
+        _touch(plan, feel, laws, threads, advance, data)
     return Envelope(plan, data, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
+
+
+def _touch(
+    plan: Plan,
+    feel: NDArray[np.float64],
+    laws: Mapping[str, Law],
+    threads: int,
+    advance: Callable[[int], None],
+    data: xr.Dataset,
+) -> None:
+    """Add to the data which settings swing on in which contact, and the largest forces."""
+    over = ("law", "contact", *AXES)
+    swings, forces = np.zeros((2, len(laws), len(plan.contacts), len(feel)))
+    for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
+        swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
+        advance(len(feel))
+    shape = (len(laws), len(plan.contacts), *plan.settings.shape)
+    data.coords["contact"] = [contact.name for contact in plan.contacts]
+    data["swings_on"] = over, swings.astype(bool).reshape(shape)
+    data["largest_force_n"] = over, forces.reshape(shape)
 
 
 def _outcomes(

@@ -22,7 +22,6 @@ from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignS
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, LawNumbers, check_law_file, read_law, write_law
 from forcefeel.laws.made_for import design_rows, differing
-from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.feel_settings import own_feel
@@ -228,27 +227,16 @@ class Law:
         law = self.some([setting])
         return replace(law, numbers=FixedGains(law.numbers.gain_law(loader))) if self.numbers.by_machine else law
 
-    def with_contact(self, loader: Loader) -> "Law":
-        """The law with its part for contact: ``laws.sampled.contact_law``.
-
-        Raises:
-            InputError: If it has no observer that reads the load cell, or no settings of its own.
+    def without_contact(self) -> "Law":
+        """The law without its part for contact (``laws.sampled.contact_law``), for a column that nothing stiff can touch.
 
         Example:
-            >>> import forcefeel as ff
-            >>> loader = ff.digital_elevator()
-            >>> law = ff.Law.of("robust", loader).with_contact(loader)
-            >>> law.sampled.contact.shape
-            (1, 10)
+            >>> law = ff.Law.of("robust", ff.digital_elevator())
+            >>> law.sampled.knows_contact, law.without_contact().sampled.knows_contact
+            (True, False)
         """
         law = self.sampled
-        observes = law is not None and law.torque[:, : law.states].any() and law.input[..., 0].any()
-        if law is None or self.feel is None or not observes:
-            raise InputError(
-                f"law: {self.name} has no part for contact; expected a design with an observer that reads the load cell, "
-                "such as robust"
-            )
-        return replace(self, numbers=with_contact(law, loader, self.feel))
+        return self if law is None else replace(self, numbers=replace(law, contact=np.empty(0)))
 
     def save(self, path: str | Path) -> None:
         """Writes the law to a file that ``Law.of`` reads: numbers, settings, time, units and the loader that it was made for.

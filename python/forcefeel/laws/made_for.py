@@ -2,8 +2,8 @@
 
 A design takes the linear machine, its controller, the noise of its sensors and its dry friction from the loader file. It does
 not ask for the loader's name, the pilot, what ends a motion or a force, offsets and play, or the supervisor's limits. Of the feel
-it takes I, B and G, which a law holds for itself, and the scale of the load cell's channel; on a motor ``torque-mode`` also asks
-how steep the feel can be.
+it takes I, B and G, which a law holds for itself, the shaker's force, which is no contact, and the load cell's scale;
+on a motor ``torque-mode`` also asks how steep the feel can be.
 """
 
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ _ROWS = (
 
 _LARGEST_CURRENT = "current_loop.current_limit"
 
-_SCALE = "feel.maximum_stiffness"
+_SCALE, _SHAKER = "feel.maximum_stiffness", "feel.shaker_force"
 _STEEP = ("coulomb_friction", "static_friction", "breakout", "detent_", "hysteresis", "soft_stop_")
 """How the rows of the feel begin that can make it steep."""
 
@@ -76,4 +76,4 @@ def _asked_for(key: str, loader: Loader) -> bool:
         return bool(loader["grip_sensor.gain"])
     steep = loader.drive == ELECTRIC and key.removeprefix("feel.").startswith(_STEEP)
     others = not key.startswith(_PARTS) and not key.endswith(_ROWS)
-    return steep or others or key in {_SCALE, _LARGEST_CURRENT}
+    return steep or others or key in {_SCALE, _SHAKER, _LARGEST_CURRENT}

@@ -75,6 +75,7 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
         allowed=envelope_tables.allowed(envelope) if envelope.forbidden.settings.any() else None,
         angles=envelope_tables.by_angle(envelope, units) if envelope.smaller else None,
         angles_plot=drawing(envelope_plots.by_angle(envelope, units), "angles") if envelope.smaller else None,
+        contacts=envelope_tables.contacts(envelope) if plan.contacts else None,
         spans=spans(nominal, units),
         nominal=picture(nominal, units, worst),
         worst=picture(worst, units, nominal),

@@ -1,6 +1,7 @@
 """Tables of an envelope: shares, failures, loss in each case, smallest feel, passivity."""
 
 from collections.abc import Mapping
+from itertools import product
 from math import isfinite
 
 from markupsafe import Markup
@@ -63,6 +64,29 @@ def by_angle(envelope: Envelope, system: UnitSystem) -> Table:
     ]
     head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in envelope.laws))
     return Table(tuple(Cell(text, "number") for text in head), tuple(rows))
+
+
+def contacts(envelope: Envelope) -> Table:
+    """Share of the settings that are quiet, a row for each kind of contact and law, a column for each stiffness."""
+    planned = envelope.plan.contacts
+    stiffnesses = sorted({contact.stiffness_n_per_m for contact in planned})
+    kinds = dict.fromkeys((contact.kind, contact.damping_ratio, contact.mass_kg) for contact in planned)
+    rows = []
+    for law, (kind, ratio, mass) in product(envelope.laws, kinds):
+        shares = envelope.contact_shares(law).by_contact
+        what = f"{capital(kind)}, damping {ratio:g}{f', {mass:g} kg at the grip' if mass else ''}"
+        of = {
+            c.stiffness_n_per_m: shares[c.name]
+            for c in planned
+            if (c.kind, c.damping_ratio, c.mass_kg) == (kind, ratio, mass)
+        }
+        cells = (
+            Cell(share_text(of[k]), "number", _heat(1 - of[k])) if k in of else Cell(NONE, "number")
+            for k in stiffnesses
+        )
+        rows.append((words(capital(law)), words(what), *cells))
+    head = (*heads("Law"), Cell("Contact"), *heads("", *(f"{k:,.0f} N/m" for k in stiffnesses))[1:])
+    return Table(head, tuple(rows))
 
 
 def axes(cockpit: CockpitEnvelope, pages: Mapping[str, str]) -> Table:

@@ -117,7 +117,7 @@ def with_contact(law: SampledLaw, loader: Loader, feel: NDArray[np.float64]) -> 
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.digital_elevator()
-        >>> ff.Law.of("robust", loader).with_contact(loader).sampled.knows_contact
+        >>> ff.Law.of("robust", loader).sampled.knows_contact
         True
     """
     inertia, damping, stiffness = feel.T

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.feedforward import feed_forward, follow
 from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observe, observed, readings
@@ -90,7 +91,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
         command=command * scale.command_v,
         torque=np.hstack([hand * scale.torque_n_m, np.zeros((settings, 2))]),
     )
-    return trimmed(law, loader)
+    return with_contact(trimmed(law, loader), loader, rows)
 
 
 def no_sensor(loader: Loader) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.feedforward import feed_forward
 from forcefeel.laws.sampled.known_friction import known_friction
 from forcefeel.laws.sampled.neutral import trimmed
@@ -71,7 +72,7 @@ def design_with(gains_of: GainFunction, loader: Loader, feel: ArrayLike, tuning:
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
     law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
-    return trimmed(law, loader)
+    return with_contact(trimmed(law, loader), loader, rows)
 
 
 def _gains(plant: SampledPlant, feel: NDArray[np.float64], loader: Loader, tuning: Tuning) -> Gains:

@@ -1,0 +1,146 @@
+"""Contact: whether a setting swings on while the grip is clamped or the column is pushed into a stop.
+
+A clamp holds the grip by a spring and a damper and is tapped; into a stop the grip is pushed without end. A setting swings on if
+the force of the contact varies by ``QUIET_N`` or more over the last part of the run, and by no less than ``DECAYED`` of that over
+the part before: a spring without damping rings for long, and that is no fault of the loop.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from math import radians, sqrt
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.laws.law import Law
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.inputs import Pulse, Step
+from forcefeel.units import FORCE, MASS, PERCENT, RATIO, Unit
+
+_STIFFNESS = Unit("N/m", "N/m", "lb/in")
+
+QUIET_N = 8.9
+"""2 lb."""
+
+DECAYED = 0.9
+
+TAP_N, PUSH_N = 13.3, 8.0
+"""3 lb for 50 ms on a clamp, 1.8 lb into a stop."""
+
+STOP_RAD = radians(5.0)
+"""Where the stop stands, away from the neutral."""
+
+_CLAMP_S, _STOP_S = 2.5, 4.0
+"""Durations; the last two fifths (clamp) and the last half (stop) are looked at."""
+
+_LAST_S = {False: 0.5, True: 1.0}
+"""Each of the two parts."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Something stiff at the grip.
+
+    Attributes:
+        stop: Whether it is a stop on one side; else a clamp.
+        stiffness_n_per_m: Its stiffness at the grip.
+        damping_ratio: Its damping, with the column's own inertia and the mass.
+        mass_kg: Mass that a clamp adds to the grip.
+    """
+
+    stop: bool
+    stiffness_n_per_m: Annotated[float, _STIFFNESS]
+    damping_ratio: Annotated[float, RATIO]
+    mass_kg: Annotated[float, MASS] = 0.0
+
+    @property
+    def name(self) -> str:
+        """Its name, such as ``clamp 10,000 N/m, damping 0.02, 3 kg``."""
+        mass = f", {self.mass_kg:g} kg" if self.mass_kg else ""
+        return f"{self.kind} {self.stiffness_n_per_m:,.0f} N/m, damping {self.damping_ratio:g}{mass}"
+
+    @property
+    def kind(self) -> str:
+        """``clamp`` or ``stop``."""
+        return "stop" if self.stop else "clamp"
+
+    def on(self, loader: Loader) -> Loader:
+        """The loader in this contact."""
+        arm = loader["column.grip_arm"]
+        own = loader["column.inertia"] / arm**2
+        damping = 2 * self.damping_ratio * sqrt(self.stiffness_n_per_m * (own + self.mass_kg))
+        if self.stop:
+            rows = {"stop_high": STOP_RAD, "stop_stiffness": self.stiffness_n_per_m, "stop_damping": damping}
+            at_column = {"stop_high": 1.0, "stop_stiffness": arm**2, "stop_damping": arm**2}
+            return loader.replace({f"column.{row}": value * at_column[row] for row, value in rows.items()}, si=True)
+        arms = {"arm_mass": self.mass_kg, "arm_stiffness": self.stiffness_n_per_m, "arm_damping": damping}
+        return loader.replace({f"pilot.{row}": value for row, value in arms.items()}, si=True)
+
+
+STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
+"""N/m at the grip: from a firm arm's to a steel stop's."""
+
+CONTACTS = (
+    *(Contact(False, k, ratio, mass) for mass, k, ratio in product((0.0, 3.0), STIFFNESSES, (0.02, 0.5))),
+    *(Contact(True, k, ratio) for k, ratio in product((1e4, 1e6), (0.02, 0.5))),
+)
+"""24 contacts."""
+
+
+@dataclass(frozen=True)
+class ContactShares:
+    """Settings of one law that are quiet in contact.
+
+    Attributes:
+        law: Its name.
+        quiet: Share of the settings that swing on in no contact.
+        largest_force_n: Largest force of any contact with any setting.
+        by_contact: Share of the settings that are quiet, by the name of the contact.
+    """
+
+    law: str
+    quiet: Annotated[float, PERCENT]
+    largest_force_n: Annotated[float, FORCE]
+    by_contact: Mapping[str, float]
+
+
+def swings_on(
+    loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, *, threads: int | None = None
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Whether each setting swings on in a contact, and the contact's largest force in N.
+
+    Args:
+        loader: The loader, free.
+        law: Law of each setting.
+        feel: I, B, G of the settings in SI units, (settings, 3).
+        contact: What it touches.
+        threads: Number of threads; default: all cores.
+
+    Example:
+        >>> loader, feel = ff.digital_elevator(), np.array([[0.5, 1.4, 45.0]])
+        >>> law, clamp = ff.Law.of("robust", loader, feel), ff.envelope.Contact(False, 1e5, 0.5)
+        >>> [bool(ff.envelope.swings_on(loader, one, feel, clamp)[0][0]) for one in (law, law.without_contact())]
+        [False, True]
+    """
+    there = contact.on(loader)
+    force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=0.05)
+    duration, last = _STOP_S if contact.stop else _CLAMP_S, _LAST_S[contact.stop]
+    runs = simulate_batch(
+        there,
+        Scenario(force, duration_s=duration),
+        there.rows(FEEL_SETTING, feel),
+        law,
+        keep=["column_angle_rad"],
+        threads=threads,
+    )
+    # A run that diverges has no angle any more.
+    angle = np.nan_to_num(runs["column_angle_rad"].to_numpy(), nan=np.pi, posinf=np.pi, neginf=-np.pi)
+    depth = np.maximum(angle - STOP_RAD, 0.0) if contact.stop else angle
+    held = depth * contact.stiffness_n_per_m * loader["column.grip_arm"]
+    from_end = duration - runs["time_s"].to_numpy()
+    before, after = (np.ptp(held[:, (k * last <= from_end) & (from_end < (k + 1) * last)], axis=1) for k in (1, 0))
+    diverged = ~np.isfinite(runs["column_angle_rad"].to_numpy()).all(axis=1)
+    return diverged | ((after >= QUIET_N) & (after > DECAYED * before)), np.abs(held).max(axis=1)
