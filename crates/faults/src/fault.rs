@@ -127,8 +127,9 @@ impl Fault {
                 input.sensed[k] = self.way * range * (1.001 + self.size);
             }
             Kind::Jump => {
-                let jump = [limits.jump[0], limits.jump[1], limits.jump[2] * limits.base_arm][k];
-                input.sensed[k] += self.way * jump * (2.1 + self.size);
+                let [force, position, angle] = limits.plausible;
+                let implausible = [force, position, angle * limits.base_arm][k];
+                input.sensed[k] += self.way * implausible * (4.0 + 20.0 * self.size);
             }
             Kind::Silence => {
                 before.missed += 1;

@@ -7,6 +7,7 @@ use crate::case::Case;
 use crate::fault::Kind;
 use crate::run::{Moving, Row, safe_from};
 use forcefeel_model::supervisor::{Function, Limits, SupervisorState};
+use forcefeel_model::transducers::SENSORS;
 
 /// What came of a case.
 #[derive(Debug, Clone, Copy)]
@@ -144,8 +145,9 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     };
     let received = |k: usize| rows[k].input.missed == 0;
     let sensed = |k: usize| received(k) && rows[k].input.sensed.iter().all(|value| value.is_finite());
-    let grip = |k: usize| rows[k].input.sensed[0] * limits.lever / limits.grip_arm;
-    let angle = |k: usize| rows[k].input.sensed[2] / limits.base_arm;
+    // What is watched are the readings that the law is given, too.
+    let grip = |k: usize| used(&rows[k])[0] * limits.lever / limits.grip_arm;
+    let angle = |k: usize| used(&rows[k])[2] / limits.base_arm;
     see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].input.emergency_stop));
     see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].input.drive_fault));
     see(
@@ -164,19 +166,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
             sensed(k) && beyond
         }),
     );
-    see(
-        Function::Jump,
-        run_of(Function::Jump, &|k| {
-            // Only beside a sample that was heard right before: else the machine had more time. A new start forgets.
-            let neighbours = k > 1 && sensed(k) && sensed(k - 1) && on(k - 1);
-            neighbours
-                && (0..3).any(|i| {
-                    let scale = if i == 2 { limits.base_arm } else { 1.0 };
-                    (rows[k].input.sensed[i] - rows[k - 1].input.sensed[i]).abs()
-                        > limits.jump[i] * scale * (1.0 + ROUNDING)
-                })
-        }),
-    );
+    see(Function::ColumnAngle, jumped(case, limits));
     see(Function::Silence, run_of(Function::Silence, &|k| rows[k].input.missed > 0));
     see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].input.late > 0));
     let runs = |k: usize| sensed(k) && on(k);
@@ -233,14 +223,29 @@ fn steady(limits: &Limits, rows: &[Row], k: usize) -> bool {
     }
 }
 
+/// Where one sensor alone jumps, by clearly more than it may, while the loader has been watched for long.
+fn jumped(case: &Case, limits: &Limits) -> Option<usize> {
+    let single = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() == 1;
+    let fault = case.faults.iter().find(|fault| fault.kind == Kind::Jump && single)?;
+    (fault.from > WATCHED).then_some(fault.from + limits.bridge as usize)
+}
+
+/// Samples after which the supervisor has watched for long.
+const WATCHED: usize = 120;
+
+/// The readings of a sample that were used.
+fn used(row: &Row) -> [f64; SENSORS] {
+    row.used.unwrap_or(row.input.sensed)
+}
+
 /// Eq. (9) with what the sensors show, in newtons in place of metres.
 fn disagree(limits: &Limits, rows: &[Row], k: usize) -> bool {
     let [per_stiffness, half_play, damping_time] = limits.link;
-    let stretch = |k: usize| rows[k].input.sensed[1] - rows[k].input.sensed[2] / limits.base_arm * limits.lever;
+    let stretch = |k: usize| used(&rows[k])[1] - used(&rows[k])[2] / limits.base_arm * limits.lever;
     let rate = (stretch(k) - stretch(k - 1)) / limits.period;
     let of_link = (stretch(k) + damping_time * rate) / per_stiffness;
     let allowed = (half_play + limits.agreement_m) / per_stiffness;
-    (of_link - rows[k].input.sensed[0]).abs() > allowed * (1.0 + 1e-6)
+    (of_link - used(&rows[k])[0]).abs() > allowed * (1.0 + 1e-6)
 }
 
 /// A sensor that was made to stick, once the machine has moved on by clearly more than it may.
@@ -250,7 +255,7 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let from = fault.from + limits.stuck as usize;
     let [per_stiffness, half_play, _] = limits.link;
     (from..rows.len()).find(|&k| {
-        let input = |k: usize| rows[k].input.sensed;
+        let input = |k: usize| used(&rows[k]);
         let expected = |k: usize| match fault.sensor {
             0 => input(k)[1] - input(k)[2] / limits.base_arm * limits.lever,
             1 => input(k)[2] / limits.base_arm * limits.lever + input(k)[0] * per_stiffness,

@@ -14,6 +14,7 @@ use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
 use forcefeel_model::supervisor::{
     Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
 };
+use forcefeel_model::transducers::SENSORS;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -23,6 +24,8 @@ use rand_distr::{Distribution, StandardNormal};
 pub struct Row {
     /// What the supervisor was told.
     pub input: SupervisorInput<f64>,
+    /// The readings that it admitted.
+    pub used: Option<[f64; SENSORS]>,
     /// What it allowed.
     pub allowed: SupervisorOutput<f64>,
     /// Column's rate in rad/s, as it is.
@@ -95,6 +98,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     sensed: sensors,
                     missed: 0,
                     periods: 1.0,
+                    delay: 0,
                     late: 0,
                     host_age: Some(0),
                     command: 0.0,
@@ -108,10 +112,10 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     fault.spoil_sensed(before, &limits, sample, &mut input);
                     before.shown = sensors;
                 }
-                let of = Sample { sensors: input.sensed, pilot_force: now.pilot_force };
-                let sampled = (input.missed == 0).then_some(&of);
+                let admitted = supervisor.admit(&input);
+                let of = admitted.map(|sensors| Sample { sensors, pilot_force: now.pilot_force });
                 let mut allowed = None;
-                let e = followed.step((&shared, &control), &inputs, sampled, |answer| {
+                let e = followed.step((&shared, &control), &inputs, of.as_ref(), |answer| {
                     input.command = answer.command;
                     for fault in &case.faults {
                         fault.spoil_command(&limits, sample, &mut input);
@@ -124,7 +128,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                 under_way.send(sample, if allowed.enable { e } else { 0.0 });
                 let rate = now.base_rate / column.base_arm;
                 let stored = moving.stored(rate, now.force);
-                rows.push(Row { input, allowed, rate, force: now.force, hand, given, stored });
+                rows.push(Row { input, used: admitted, allowed, rate, force: now.force, hand, given, stored });
             }
             if let Some(arriving) = timing.arriving_at(state.steps()) {
                 state.command(under_way.arriving(arriving));

@@ -401,7 +401,8 @@ parameter_table! {
         force_range: "F_r", "largest force that the load cell can show", FORCE, 2500.0, 0.1..1e6, off 2500.0;
         position_range: "x_r", "largest displacement that the drive's sensor can show", LENGTH, 12.0, 1e-2..1e3, off 12.0;
         angle_range: "theta_r", "largest angle that the column's sensor can show", ANGLE, 180.0, 0.1..3600.0, off 180.0;
-        jump_speed: "theta'_j", "angular velocity of the column that no change from sample to sample can stand for", ANGULAR_VELOCITY, 3000.0, 10.0..1e6, off 3000.0;
+        bridge_time: "t_b", "how long a prediction stands for a reading that the observer cannot explain", TIME, 2.0, 0.1..20.0, off 2.0;
+        delay_tolerance: "t_l", "time by which a sample may be later than controller.delay has it; later ones are taken as lost", TIME, 1.0, 0.0..20.0, off 1.0;
         agreement: "d_theta", "angle within which drive, load cell and column agree by the link's spring", ANGLE, 0.5, 1e-3..30.0, off 0.5;
         agreement_time: "t_a", "how long they may disagree", TIME, 10.0, 0.1..1e4, off 10.0;
         stuck_time: "t_s", "how long a sensor may show the same number while the others show motion", TIME, 50.0, 1.0..1e4, off 50.0;

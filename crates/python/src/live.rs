@@ -271,6 +271,15 @@ fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
         .ok_or_else(|| refused(format!("request: {name:?} with {} numbers is none", numbers.len())))
 }
 
+/// Whole cycles, as a number from Python.
+fn cycles_of(number: f64) -> PyResult<usize> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to be small and not negative")]
+    (0.0..=1e3)
+        .contains(&number)
+        .then_some(number as usize)
+        .ok_or_else(|| refused(format!("number: expected 0 to 1000 cycles, got {number}")))
+}
+
 fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
     if sensor >= SENSORS {
         return Err(refused(format!("sensor: expected a place below {SENSORS}, got {sensor}")));
@@ -282,11 +291,15 @@ fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Di
         "stuck" => Disturbance::Fault(Fault::Stuck(sensor)),
         "not_a_number" => Disturbance::Fault(Fault::NotANumber(sensor)),
         "jump" => Disturbance::Fault(Fault::Jump(sensor, number.unwrap_or(0.0))),
+        "spike" => Disturbance::Fault(Fault::Spike(sensor, number.unwrap_or(0.0))),
+        "reversed" => Disturbance::Fault(Fault::Reversed(sensor)),
+        "hardover" => Disturbance::Fault(Fault::Hardover(number.unwrap_or(0.0))),
+        "late" => Disturbance::Fault(Fault::Late(cycles_of(number.unwrap_or(0.0))?)),
         "ignores_command" => Disturbance::Fault(Fault::Deaf),
         "repair" => Disturbance::Repair,
         other => {
             return Err(refused(format!(
-                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, ignores_command or repair, got {other:?}"
+                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, spike, reversed, late, ignores_command, hardover or repair, got {other:?}"
             )));
         }
     })

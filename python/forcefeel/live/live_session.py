@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from threading import Lock, RLock
 from types import MappingProxyType, TracebackType
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,15 @@ Sensor = Literal["load_cell", "drive", "column", "grip"]
 SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column", "grip")
 """Sensors in the order of a sample."""
 
-Fault = Literal["no_samples", "stuck", "not_a_number", "jump", "ignores_command"]
-FAULTS: tuple[Fault, ...] = ("no_samples", "stuck", "not_a_number", "jump", "ignores_command")
-"""Faults of a simulated machine: no samples; a sensor that is stuck, returns NaN or jumps; lost commands."""
+Fault = Literal[
+    "no_samples", "late", "stuck", "not_a_number", "jump", "spike", "reversed", "ignores_command", "hardover"
+]
+FAULTS: tuple[Fault, ...] = get_args(Fault)
+"""Faults of a simulated machine: no samples, late ones; a sensor that is stuck, returns NaN, jumps, for one
+sample or for good, or has its sign reversed; lost commands; a drive that has one command for good."""
+
+OF_A_SENSOR: tuple[Fault, ...] = ("stuck", "not_a_number", "jump", "spike", "reversed")
+"""Faults of a sensor."""
 
 FADE_S = 0.5
 """Default fade time of a feel."""
@@ -195,8 +201,9 @@ class LiveSession:
 
         Args:
             fault: One of ``FAULTS``.
-            sensor: One of ``SENSORS``, for ``stuck``, ``not_a_number`` and ``jump``.
-            by: Jump of the sensor: N, m at the drive's end, rad of the column.
+            sensor: One of ``SENSORS``, for ``OF_A_SENSOR``.
+            by: Jump or spike of the sensor: N, m at the drive's end, rad of the column; of ``late`` cycles, of ``hardover`` the
+                command, V or A.
 
         Raises:
             InputError: If the machine is not simulated, or the fault is unknown.
@@ -206,7 +213,7 @@ class LiveSession:
                 f"fault: expected one of {', '.join(FAULTS)}, of a sensor out of {', '.join(SENSORS)}, got {show(fault)} of "
                 f"{show(sensor)}"
             )
-        if (sensor is None) != (fault in ("no_samples", "ignores_command")):
+        if (sensor is None) != (fault not in OF_A_SENSOR):
             raise InputError(
                 f"sensor: {fault} requires {'no' if sensor else 'a'} sensor; {'omit it' if sensor else 'add one'}"
             )

@@ -81,9 +81,18 @@ functions! {
     /// A sensor shows more than it can measure.
     OutOfRange: "out of range", Stop, |_| 1,
         "A sensor shows more than its range. Look for a broken wire or a short circuit.";
-    /// A sensor changed by more from one sample to the next than the machine can move.
-    Jump: "jump", Stop, |_| 1,
-        "A sensor jumped by more than the machine can move in a sample. Look at its cable, screen and counter.";
+    /// The load cell shows what the observer cannot explain.
+    LoadCell: "load cell implausible", Stop, |limits| limits.bridge + 1,
+        "The load cell contradicts drive, link and command. Look at its cable, its sign and its amplifier.";
+    /// The drive's position does.
+    DrivePosition: "drive position implausible", Stop, |limits| limits.bridge + 1,
+        "The drive's position contradicts its command. Look at its sensor's cable and counter, and at valve or motor.";
+    /// The column's angle does.
+    ColumnAngle: "column angle implausible", Stop, |limits| limits.bridge + 1,
+        "The column's angle contradicts the force on it. Look at its sensor's cable, screen and counter.";
+    /// Samples answer commands that are too old.
+    Late: "samples late", Stop, |limits| limits.silence,
+        "The samples came later than the law allows for. Look at the network, or design the law for a longer delay.";
     /// Drive and sensors give nothing.
     Silence: "sensors silent", Stop, |limits| limits.silence,
         "The drive and its sensors sent nothing. Look at the cable to the drive and its power.";

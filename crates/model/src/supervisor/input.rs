@@ -11,6 +11,8 @@ pub struct SupervisorInput<S> {
     pub missed: u32,
     /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
     pub periods: S,
+    /// Cycles by which the sample is late: zero where it answers the command of the cycle before.
+    pub delay: u32,
     /// Cycles in a row, this one included, that the loop was late.
     pub late: u32,
     /// Samples since the host's last packet; nothing where there is no host.

@@ -1,4 +1,4 @@
-//! Sensors: silent, not a number, out of range, jumping, stuck, or in disagreement.
+//! Sensors: silent, late, not a number, out of range, stuck, or in disagreement.
 //!
 //! `F` load cell · `x` drive position · `theta` column angle · `s = x - alpha R_b theta` stretch of the link · `k`, `c` its spring and
 //! damping, `b` half its play
@@ -25,6 +25,8 @@ pub(super) struct Sensors<S> {
     stretch: S,
     /// Periods up to samples since `last` that could not be used.
     unused: S,
+    /// Cycles in a row without a sample that could be used for its delay.
+    lost: u32,
     still: [Still<S>; OF_LINK],
     disagree: Debounce,
 }
@@ -49,44 +51,49 @@ impl<S: Scalar> Sensors<S> {
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
         let still = Still { expected: zero, samples: 0 };
-        Self { last: None, stretch: zero, unused: zero, still: [still; OF_LINK], disagree: Debounce::default() }
+        Self {
+            last: None,
+            stretch: zero,
+            unused: zero,
+            lost: 0,
+            still: [still; OF_LINK],
+            disagree: Debounce::default(),
+        }
     }
 
-    /// What is wrong with a sample, and the sample if it can be used.
+    /// What is wrong with a sample, and the readings that are used for it, if it can be used at all.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
         limits: &Limits<S>,
         input: &SupervisorInput<S>,
+        used: Option<[S; SENSORS]>,
         functions: &mut Functions,
     ) -> Option<Fresh<S>> {
-        if input.missed > 0 {
-            *functions = functions.with(Function::Silence, input.missed >= limits.silence);
+        let late = input.missed == 0 && input.delay > limits.late;
+        self.lost = if late || input.missed > 0 { self.lost.saturating_add(1).max(input.missed) } else { 0 };
+        if self.lost > 0 {
+            let over = self.lost >= limits.silence;
+            *functions = functions.with(Function::Late, late && over).with(Function::Silence, !late && over);
+            self.unused = if late { self.unused + input.periods } else { self.unused };
             return None;
         }
-        let [force, position, base, _]: [S; SENSORS] = input.sensed;
-        let y = [force, position, base * (base.constant(1.0) / limits.base_arm)];
         // The sensor at the grip measures a hand, which may do anything; it must be a number.
-        if !input.sensed.iter().all(|&value| finite(value)) {
+        let numbers = input.sensed.iter().all(|&value| finite(value));
+        let (true, Some(used)) = (numbers, used) else {
             *functions = functions.with(Function::NotANumber, true);
             self.unused = self.unused + input.periods;
             return None;
-        }
-        let beyond = |k: usize| below(limits.range[k], y[k].abs());
+        };
+        let in_rad = |[force, position, base, _]: [S; SENSORS]| [force, position, base / limits.base_arm];
+        let (raw, y) = (in_rad(input.sensed), in_rad(used));
+        let beyond = |k: usize| below(limits.range[k], raw[k].abs());
         *functions = functions.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
         let periods = self.unused + input.periods;
-        self.unused = base.zero();
-        self.jump(limits, &y, periods, functions);
+        self.unused = periods.zero();
         self.agree(limits, &y, periods, functions);
         self.last = Some(y);
         Some(Fresh { sensed: y, periods })
-    }
-
-    #[inline(always)]
-    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
-        let Some(last) = &self.last else { return };
-        let jumped = |k: usize| below(limits.jump[k] * periods, (y[k] - last[k]).abs());
-        *functions = functions.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
     }
 
     /// Eq. (9) against the three sensors, and each against what the other two make of it.

@@ -136,7 +136,7 @@ const fault = () => told.faults.find(({ name }) => name === by("fault").value);
 function breakIt() {
   const { name, of } = fault();
   const sensor = told.sensors.find((one) => one.name === by("sensor").value);
-  send({ do: "break", fault: name, sensor: of ? sensor.name : null, by: name === "jump" ? sensor.jump : 0 });
+  send({ do: "break", fault: name, sensor: of ? sensor.name : null, by: ["jump", "spike"].includes(name) ? sensor.jump : 0 });
 }
 
 by("stop").onclick = () => send({ do: "stop" });
