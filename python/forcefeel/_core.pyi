@@ -604,6 +604,6 @@ def supervised_faults(
     seed: int = 0,
     first: int = 0,
     count: int = 1000,
-    pairs: bool = False,
+    faults: int = 1,
     threads: int = 1,
 ) -> NDArray[np.float64]: ...

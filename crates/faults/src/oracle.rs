@@ -12,6 +12,8 @@ use forcefeel_model::transducers::SENSORS;
 /// What came of a case.
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome {
+    /// Which of the loaders.
+    pub loader: usize,
     /// Kinds of its faults, by their place.
     pub kinds: [usize; 2],
     /// Sample at which the supervisor had to have stopped the loader at the latest.
@@ -28,6 +30,14 @@ pub struct Outcome {
     pub wrong: Violation,
     /// Energy given to the hand from the fault on until the loader is safe, in J; and its bound.
     pub energy: [f64; 2],
+    /// Most energy in J that the hand is given from the fault on, or from any moment after it, beyond what the feel gives: until the loader is
+    /// safe, or to the end.
+    pub excess: f64,
+    /// Time in s for which the drive's force at the grip is above the largest legal one by a half, without a pause, where the hand pushes with
+    /// less and no end stop carries it.
+    pub above: f64,
+    /// Largest force of the drive at the grip from the fault on, in N, where no end stop carries it.
+    pub force: f64,
     /// What the supervisor names as the cause.
     pub cause: Option<Function>,
 }
@@ -71,8 +81,14 @@ impl Violation {
     }
 }
 
+/// Samples by which the supervisor may be sooner than what the machine really did is plain in its readings.
+const SOONER: usize = 5;
+
 /// Relative, of sums in another order.
 const ROUNDING: f64 = 1e-9;
+
+/// Multiple of the largest legal force that no fault may keep up.
+const ABOVE_LEGAL: f64 = 1.5;
 
 /// Judges a record.
 pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Outcome {
@@ -99,7 +115,15 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     }
     let kinds = case.faults.map(|fault| Kind::ALL.iter().position(|&kind| kind == fault.kind).unwrap_or(0));
     let only = |kind: Kind| case.faults.iter().all(|fault| fault.kind == kind || fault.kind == Kind::None);
-    wrong.false_alarm = only(Kind::None) && stopped.is_some();
+    // Two faults that are bridged may be more than one that is.
+    let bridged = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() < 2
+        && case.faults.iter().all(|fault| fault.is_bridged(limits));
+    // Before there is power, one that is not bridged does no harm.
+    let bridged = bridged && onset.is_none_or(|from| rows[from].allowed.enable);
+    // Beside what is due within a few samples, which the supervisor may see first.
+    wrong.false_alarm = bridged && stopped.is_some_and(|at| due.is_none_or(|(_, by)| by > at + SOONER));
+    let swings = rows.iter().any(|row| row.allowed.tripped.has(Function::Swing));
+    wrong.false_alarm |= onset.is_none() && swings;
     if only(Kind::HostSilent) && onset.is_some() {
         wrong.false_alarm |= stopped.is_some() && due.is_none();
         let by = onset.unwrap_or(0) + limits.host as usize + samples(1.0 / limits.host_step) + 1;
@@ -114,7 +138,18 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let fastest = rows[from..=until].iter().map(|row| row.rate.abs()).fold(0.0, f64::max);
     let bound = rows[from].stored + moving.power(fastest) * time;
     wrong.energy = given > bound;
+    let by_hand = case.faults.iter().any(|fault| fault.kind.is_of_hand());
+    let [low, high] = limits.stops;
+    let stopped_by = |row: &Row| row.angle <= low || row.angle >= high;
+    let grip = |row: &Row| if stopped_by(row) { 0.0 } else { (row.force * limits.lever / limits.grip_arm).abs() };
+    let most = ABOVE_LEGAL * limits.absolute_force;
+    let (mut run, mut longest) = (0_u32, 0_u32);
+    for row in &rows[from..] {
+        run = if grip(row) > most && row.hand.abs() < limits.absolute_force { run + 1 } else { 0 };
+        longest = longest.max(run);
+    }
     Outcome {
+        loader: case.loader,
         kinds,
         due: due.map(|(_, by)| by),
         due_to: due.map(|(function, _)| function),
@@ -123,8 +158,25 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
         state: rows[from].allowed.state,
         wrong,
         energy: [given, bound],
+        excess: excess(limits, by_hand, &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
+        above: f64::from(longest) * limits.period,
+        force: rows[from..].iter().map(grip).fold(0.0, f64::max),
         cause: rows.last().and_then(|row| row.allowed.cause),
     }
+}
+
+/// Most energy to the hand beyond what the feel gives it; of a hand that is the fault, what it put in itself is left out.
+fn excess(limits: &Limits, by_hand: bool, rows: &[Row]) -> f64 {
+    let (mut sum, mut most) = (0.0_f64, 0.0_f64);
+    for two in rows.windows(2) {
+        let row = &two[0];
+        let of_feel = -row.hand * limits.grip_arm * row.input.feel_rate * limits.period;
+        let of_feel = if row.allowed.follows && of_feel.is_finite() { of_feel.max(0.0) } else { 0.0 };
+        sum += two[1].given - row.given - of_feel;
+        sum = if by_hand { sum } else { sum.max(0.0) };
+        most = most.max(sum);
+    }
+    most
 }
 
 /// The first sample at which some function had to have stopped the loader.
@@ -143,7 +195,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         let needed = function.samples(limits) as usize;
         (0..rows.len()).find(|&k| on(k) && k + 1 >= needed && (k + 1 - needed..=k).all(holds))
     };
-    let received = |k: usize| rows[k].input.missed == 0;
+    let received = |k: usize| rows[k].input.missed == 0 && rows[k].input.delay <= limits.late;
     let sensed = |k: usize| received(k) && rows[k].input.sensed.iter().all(|value| value.is_finite());
     // What is watched are the readings that the law is given, too.
     let grip = |k: usize| used(&rows[k])[0] * limits.lever / limits.grip_arm;
@@ -168,6 +220,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     );
     see(Function::ColumnAngle, jumped(case, limits));
     see(Function::Silence, run_of(Function::Silence, &|k| rows[k].input.missed > 0));
+    see(Function::Late, run_of(Function::Late, &|k| rows[k].input.delay > limits.late));
     see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].input.late > 0));
     let runs = |k: usize| sensed(k) && on(k);
     see(
@@ -182,7 +235,10 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     see(
         Function::Speed,
         run_of(Function::Speed, &|k| {
-            runs(k) && k > 1 && runs(k - 1) && (angle(k) - angle(k - 1)).abs() > limits.speed_step * (1.0 + ROUNDING)
+            // In both of two samples, the same way, and so in each of the last two.
+            let moved = |k: usize| angle(k) - angle(k - 1);
+            let fast = |k: usize| moved(k).abs() > limits.speed_step * (1.0 + ROUNDING);
+            runs(k) && k > 2 && runs(k - 1) && runs(k - 2) && fast(k) && fast(k - 1) && moved(k) * moved(k - 1) > 0.0
         }),
     );
     see(
@@ -254,7 +310,7 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let fault = case.faults.iter().find(|fault| fault.kind == Kind::Stuck && single)?;
     let from = fault.from + limits.stuck as usize;
     let [per_stiffness, half_play, _] = limits.link;
-    (from..rows.len()).find(|&k| {
+    let apart = |k: usize| {
         let input = |k: usize| used(&rows[k]);
         let expected = |k: usize| match fault.sensor {
             0 => input(k)[1] - input(k)[2] / limits.base_arm * limits.lever,
@@ -266,7 +322,8 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
         fault.from > 2
             && started(fault.from - 1)
             && (expected(k) - expected(fault.from)).abs() > 2.0 * (2.0 * half_play + limits.agreement_m)
-    })
+    };
+    (from..rows.len()).find(|&k| (k - limits.bridge as usize..=k).all(apart))
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]

@@ -130,6 +130,7 @@ impl<S: Scalar> Axis<S> {
             // The law's, as it comes to it.
             command: like.zero(),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
+            feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             drive_fault: given.flags & DRIVE_FAULT != 0,
             requested: match given.request {

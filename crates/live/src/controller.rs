@@ -151,6 +151,7 @@ impl Controller {
             periods: sampled.map(|sampled| sampled.periods),
             delay: sampled.map_or(0, |sampled| sampled.delay),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
+            feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
             host_age: of_host.age,

@@ -45,6 +45,8 @@ pub struct CycleStatus {
     pub delay: u32,
     /// Acceleration that the feel would give with no hand on it, in rad/s².
     pub feel_acceleration: f64,
+    /// Rate of the programmed control, as an angle of the column, in rad/s.
+    pub feel_rate: f64,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
     /// Beats that were missed before.
@@ -137,6 +139,7 @@ impl Supervision {
             host_age: seen.host_age,
             command: 0.0,
             feel_acceleration: seen.feel_acceleration,
+            feel_rate: seen.feel_rate,
             emergency_stop: seen.emergency_stop || stop,
             drive_fault: false,
             requested: request,

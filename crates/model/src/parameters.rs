@@ -414,6 +414,9 @@ parameter_table! {
         hand_force: "F_n", "force at the grip below which there is no hand on it", FORCE, 2.0, 0.0..1e3, off 2.0;
         runaway_power: "P_r", "power that the feel would take from a moving column, below which it is not watched for running away", POWER, 5.0, 1e-3..1e5, off 5.0;
         runaway_time: "t_r", "how long a column may move against its feel with no hand on it", TIME, 50.0, 1.0..1e4, off 50.0;
+        energy_limit: "E_1", "energy that a hand may be given by a column that moves otherwise than its feel; what is older than a second is forgotten", ENERGY, 4.0, 1e-2..1e3, off 4.0;
+        motion_limit: "E_2", "energy of motion by which a column may be faster than its feel", ENERGY, 20.0, 1e-1..1e4, off 20.0;
+        swing_limit: "theta_w", "swing of a column with no hand on it, from side to side, that must die away; else the host's values go", ANGLE, 2.0, 1e-2..90.0, off 2.0;
         fade_time: "t_f", "how long the feel takes to come and to go", TIME, 500.0, 1.0..1e5, off 500.0;
         stop_time: "t_z", "how long the command takes to zero when the loader is stopped", TIME, 20.0, 0.0..1e3, off 20.0;
         start_share: "s_0", "share of the largest command that there is when the feel begins to come", RATIO, 0.2, 1e-3..1.0, off 0.2;

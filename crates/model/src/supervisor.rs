@@ -56,6 +56,9 @@ use plausibility::Plausibility;
 use sensors::Sensors;
 use sequence::Sequence;
 
+/// How much quicker than those of a silent host the values of one that swings the column go: within two swings of it.
+const SWING_FADES: f64 = 5.0;
+
 /// What a loop may do in this period.
 #[derive(Debug, Clone, Copy)]
 pub struct SupervisorOutput<S> {
@@ -105,6 +108,8 @@ pub struct Supervisor<S> {
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
+    /// The column swings under the host, until that is acknowledged.
+    swings: bool,
     /// The column's angle as sampled last.
     angle: S,
 }
@@ -121,6 +126,7 @@ impl<S: Scalar> Supervisor<S> {
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
+            swings: false,
             angle: like.zero(),
         }
     }
@@ -168,11 +174,12 @@ impl<S: Scalar> Supervisor<S> {
             self.angle = fresh.sensed[2];
             let known = finite(input.feel_acceleration);
             let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
-            self.watch.watch(&limits, fresh, (follows, of_feel), &mut functions);
+            let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
+            self.watch.watch(&limits, fresh, (follows, of_feel, rate), &mut functions);
         }
         let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
         functions = functions.with(Function::Saturation, saturated);
-        self.host(&limits, input.host_age, &mut functions);
+        self.host(&limits, (input.host_age, input.acknowledge), &mut functions);
         if self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut functions) {
             // A new start: nothing of before counts.
             self.sensors = Sensors::new(self.angle);
@@ -209,18 +216,24 @@ impl<S: Scalar> Supervisor<S> {
             leads: self.sequence.leads(),
             grip: self.watch.grip,
             acting: functions,
-            tripped: self.sequence.tripped,
+            tripped: self.sequence.tripped.with(Function::Swing, self.swings),
             cause: self.sequence.cause,
         }
     }
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits<S>, age: Option<u32>, functions: &mut Functions) {
+    fn host(&mut self, limits: &Limits<S>, (age, acknowledge): (Option<u32>, bool), functions: &mut Functions) {
         let silent = age.is_some_and(|samples| samples >= limits.host);
-        *functions = functions.with(Function::HostSilent, silent);
+        self.swings = !acknowledge && age.is_some() && (self.swings || functions.has(Function::Swing));
+        *functions = functions.with(Function::HostSilent, silent).only(Function::Swing, self.swings);
         let step = limits.host_step;
-        let moved = if silent { self.host_share - step } else { self.host_share + step };
-        self.host_share = moved.clamp(step.zero(), step.constant(1.0));
+        let (zero, one) = (step.zero(), step.constant(1.0));
+        let change = match (self.swings, silent) {
+            (true, _) => -step.times(SWING_FADES),
+            (_, true) => -step,
+            _ => step,
+        };
+        self.host_share = (self.host_share + change).clamp(zero, one);
     }
 }

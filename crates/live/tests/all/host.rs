@@ -181,6 +181,40 @@ fn dynamic_pressure_has_the_factor_of_the_loader_and_a_disconnect_takes_the_spri
     assert_eq!(run.on(4000, None).spring_factor, 1.0, "the default feel has no factor");
 }
 
+/// Cycles between two packets of a host with 60 a second.
+const FRAME: u64 = 33;
+
+#[test]
+fn a_host_that_closes_a_spring_over_its_packets_is_told_and_its_swing_damped_within_half_a_second() {
+    let mut run = Run::new(None);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    run.machine.disturb(Disturbance::Force(60.0));
+    let (spring, mut angle, mut told) = (2700.0, 0.0, None);
+    for frame in 0..200 {
+        if frame == 30 {
+            run.machine.disturb(Disturbance::Force(0.0));
+        }
+        // By the angle of the frame before.
+        #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+        let numbers = sent(&[(ADDED, (-spring * angle) as f32)]);
+        angle = run.rows[run.rows.len() - 1].column_angle_rad;
+        run.sequence += 1;
+        run.controller.take(&LoopRequest::Host(FromHost { sequence: run.sequence, switches: ACTIVE, numbers }));
+        let row = run.on(FRAME, None);
+        told = told.or((row.trips != 0.0).then_some(run.rows.len()));
+    }
+    let told = told.expect("it is told");
+    let largest = |rows: &[Row]| rows.iter().map(|row| row.column_angle_rad.abs()).fold(0.0, f64::max);
+    let (before, after) = (largest(&run.rows[told - 1000..told]), largest(&run.rows[told + 1000..]));
+    assert!(after < 0.5 * before, "{before} and {after}");
+    let last = run.rows[run.rows.len() - 1];
+    assert_eq!((last.host_share, run.state()), (0.0, SupervisorState::Active));
+    // A person acknowledges; the host, which sends no force any more, comes back.
+    run.controller.take(&LoopRequest::Acknowledge);
+    let row = run.on(2000, Some((ACTIVE, sent(&[]))));
+    assert_eq!((row.trips, row.host_share), (0.0, 1.0));
+}
+
 #[test]
 fn each_packet_is_answered_with_what_there_is() {
     let mut run = Run::new(None);

@@ -120,6 +120,9 @@ functions! {
     /// The column moves against its feel with no hand on it.
     Runaway: "runaway", Stop, |limits| limits.runaway,
         "The column moved against its feel with no hand on it. Do not start again before law and valve or motor are checked.";
+    /// The column gives energy to the hand that its feel does not.
+    Energy: "energy at the grip", Stop, |_| CONFIRMED,
+        "The column moved against the hand otherwise than its feel. Check law, valve or motor before starting again.";
     /// The command stays at its limit.
     Saturation: "limit too long", Stop, |limits| limits.saturation,
         "Current or flow stayed at its limit. The feel asks for more than the drive has, or something blocks it.";
@@ -132,6 +135,9 @@ functions! {
     /// The host sends nothing.
     HostSilent: "host silent", Fade, |limits| limits.host,
         "The simulator sends nothing; the default feel is on. The loader goes back to it when it sends again.";
+    /// A column with no hand on it swings on under a host.
+    Swing: "swing", Fade, |_| 1,
+        "The column swings with no hand on it; the default feel is on. Close no spring over the host, then acknowledge.";
     /// The law asks for more than the largest command.
     CommandLimit: "command limit", Limit, |_| 1,
         "The law asks for more than the drive may give.";
@@ -146,7 +152,7 @@ pub(super) const CONFIRMED: u32 = 2;
 impl Function {
     /// Whether it stays until somebody acknowledges it.
     pub const fn latched(self) -> bool {
-        self.action().stops()
+        self.action().stops() || matches!(self, Self::Swing)
     }
 }
 
@@ -177,6 +183,12 @@ impl Functions {
     #[inline(always)]
     pub const fn with(self, function: Function, holds: bool) -> Self {
         Self(self.0 | (holds as u32) << function as u32)
+    }
+
+    /// With `function` where `holds`, and without it elsewhere.
+    #[inline(always)]
+    pub const fn only(self, function: Function, holds: bool) -> Self {
+        Self(self.0 & !(1 << function as u32)).with(function, holds)
     }
 
     /// Those of both.

@@ -22,6 +22,8 @@ pub struct SupervisorInput<S> {
     /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
     /// [`Control::free_acceleration`](crate::control::Control::free_acceleration).
     pub feel_acceleration: S,
+    /// Rate of the programmed control, as an angle of the column, in rad/s.
+    pub feel_rate: S,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// The drive reports a fault.

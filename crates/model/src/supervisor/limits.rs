@@ -144,6 +144,12 @@ limits! {
     hand_torque: S,
     /// In W.
     runaway_power: S,
+    /// Energy to the hand in J, the share of it that is forgotten in a sample, and the time in s in which a stop gives as much again.
+    energy: [S; 3],
+    /// Energy in J of a column's motion beyond its feel's.
+    motion: S,
+    /// Swing of a column with no hand on it, from side to side, in rad.
+    swing: S,
     /// `R_p` in m.
     grip_arm: S,
     /// `alpha R_b` in m.
@@ -164,6 +170,8 @@ limits! {
 
 /// `w_o` of the hand's estimate, in rad/s: quick beside the times of the table, slow beside a sample.
 pub const ESTIMATE_BANDWIDTH: f64 = 190.0;
+/// Time constant in s with which the energy that a hand was given is forgotten.
+const FORGETS_S: f64 = 1.0;
 /// Time constants after which a filter has come to within a hundredth.
 const FILTER_SETTLES: f64 = 5.0;
 
@@ -236,6 +244,9 @@ impl Limits {
             runaway_condition,
             hand_torque: safety.hand_force * column.grip_arm,
             runaway_power: safety.runaway_power,
+            energy: [safety.energy_limit, (period / FORGETS_S).min(1.0), 0.5 * f64::from(stop) * period],
+            motion: safety.motion_limit,
+            swing: safety.swing_limit,
             grip_arm: column.grip_arm,
             lever,
             inertia: column.inertia,
@@ -294,18 +305,21 @@ const LARGEST_LAG: f64 = 0.5;
 const SHARE_OF_LAG: f64 = 0.25;
 
 /// By how much a reading may differ from its prediction: noise and steps of the sensor, and the lag behind the largest acceleration that
-/// the prediction does not know of: that of the column by the largest force of a hand, that of the drive by its largest command.
+/// the prediction does not know of: that of the column by the largest force of a hand, that of the drive by its largest command. The column's
+/// is no more than that behind a step to its speed limit.
 fn plausible(values: &Parameters<f64>, [a, ..]: &[f64; 4], per_stiffness: f64, command: f64) -> [f64; 3] {
     let Parameters { safety, column, linkage, load_cell, potentiometer, column_sensor, .. } = values;
     let per_acceleration = LARGEST_LAG / (ESTIMATE_BANDWIDTH * ESTIMATE_BANDWIDTH);
     let noise = |noise: f64, resolution: f64| MOST_NOISE * noise + MOST_STEPS * resolution;
     let position = per_acceleration * a * command;
     let angle = per_acceleration * safety.absolute_force * column.grip_arm / column.inertia;
+    // A light column is at its speed limit before the largest force has done so much.
+    let to_speed_limit = safety.speed_limit / ESTIMATE_BANDWIDTH;
     let lever = linkage.ratio * column.base_arm;
     [
         noise(load_cell.noise, load_cell.resolution) + SHARE_OF_LAG * (position + lever * angle) / per_stiffness,
         noise(potentiometer.noise, potentiometer.resolution) + position,
-        noise(column_sensor.noise, column_sensor.resolution) + angle,
+        noise(column_sensor.noise, column_sensor.resolution) + angle.min(to_speed_limit),
     ]
 }
 

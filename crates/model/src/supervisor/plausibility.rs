@@ -43,9 +43,8 @@ pub(super) struct Plausibility<S> {
     pub(super) wrong: [u32; OF_LINK],
 }
 
-/// Slack at the first sample, when no rate is known, and where it begins anew with rates of differences.
-const SLACK_AT_FIRST: f64 = 1e3;
-const SLACK_ANEW: f64 = 10.0;
+/// Slack where it begins: of a column at the speed limit, whose rate is not known, the filter's lag comes to six times what is plausible.
+const SLACK_AT_FIRST: f64 = 10.0;
 
 impl<S: Scalar> Plausibility<S> {
     #[inline(always)]
@@ -118,19 +117,19 @@ impl<S: Scalar> Plausibility<S> {
     fn begin(&mut self, limits: &Limits<S>, y: [S; OF_LINK], periods: S) {
         let [force, position, angle] = y;
         let zero = force.zero();
-        let (rates, slack) = match self.last {
+        let rates = match self.last {
             Some(last) => {
                 let per_time = force.constant(1.0) / (limits.period * periods);
-                ([(position - last[1]) * per_time, (angle - last[2]) * per_time], SLACK_ANEW)
+                [(position - last[1]) * per_time, (angle - last[2]) * per_time]
             }
-            None => ([zero; 2], SLACK_AT_FIRST),
+            None => [zero; 2],
         };
         let [.., per_force] = limits.drive;
         self.column = [angle, rates[1], -(force * limits.lever)];
         self.drive = [position, rates[0] + per_force * force];
         let link_force = self.link_force(limits, rates[0] - limits.lever * rates[1]);
         self.link = [force, force - link_force];
-        (self.last, self.lost, self.slack, self.wrong) = (Some(y), zero, force.constant(slack), [0; OF_LINK]);
+        (self.last, self.lost, self.slack, self.wrong) = (Some(y), zero, force.constant(SLACK_AT_FIRST), [0; OF_LINK]);
     }
 
     /// `F - F_b` with drive and column as they are, `x' - alpha R_b v` being `rate`.

@@ -34,9 +34,11 @@ pub(super) struct Sensors<S> {
 /// A sensor that shows the same number.
 #[derive(Debug, Clone, Copy)]
 struct Still<S> {
-    /// What the others made of it when it changed last, as drive travel in m.
-    expected: S,
+    /// What the others made of it when it changed last, as drive travel in m; nothing before they are read.
+    expected: Option<S>,
     samples: u32,
+    /// Samples in a row in which the others show motion since then.
+    apart: u32,
 }
 
 /// A sample that can be used, and how many periods it is younger than the one before that could be.
@@ -50,7 +52,7 @@ impl<S: Scalar> Sensors<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
-        let still = Still { expected: zero, samples: 0 };
+        let still = Still { expected: None, samples: 0, apart: 0 };
         Self {
             last: None,
             stretch: zero,
@@ -91,14 +93,15 @@ impl<S: Scalar> Sensors<S> {
         *functions = functions.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
         let periods = self.unused + input.periods;
         self.unused = periods.zero();
-        self.agree(limits, &y, periods, functions);
+        let same = |k: usize| !below(y[k].zero(), (raw[k] - y[k]).abs());
+        self.agree(limits, (&y, same(0) && same(1) && same(2)), periods, functions);
         self.last = Some(y);
         Some(Fresh { sensed: y, periods })
     }
 
-    /// Eq. (9) against the three sensors, and each against what the other two make of it.
+    /// Eq. (9) against the three sensors, and each against what the other two make of it; `read`: none of them is a prediction.
     #[inline(always)]
-    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
+    fn agree(&mut self, limits: &Limits<S>, (y, read): (&[S; OF_LINK], bool), periods: S, functions: &mut Functions) {
         let [per_stiffness, half_play, damping_time] = limits.link;
         let [force, position, angle] = *y;
         let (pulled, base) = (force * per_stiffness, angle * limits.lever);
@@ -120,9 +123,13 @@ impl<S: Scalar> Sensors<S> {
             if same {
                 let still = &mut self.still[k];
                 still.samples = still.samples.saturating_add(1);
-                stuck |= still.samples >= limits.stuck && below(most, (expected[k] - still.expected).abs());
+                still.expected = still.expected.or(read.then_some(expected[k]));
+                // A column that a hand holds still is no fault.
+                let apart = still.expected.is_some_and(|before| below(most, (expected[k] - before).abs()));
+                still.apart = if apart && read { still.apart.saturating_add(1) } else { 0 };
+                stuck |= still.samples >= limits.stuck && still.apart > limits.bridge;
             } else {
-                self.still[k] = Still { expected: expected[k], samples: 0 };
+                self.still[k] = Still { expected: read.then_some(expected[k]), samples: 0, apart: 0 };
             }
         }
         *functions = functions.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);

@@ -1,6 +1,7 @@
 //! The supervisor's functions, states and limits, a sample at a time.
 
 use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::supervisor::limits::ESTIMATE_BANDWIDTH;
 use forcefeel_model::supervisor::{
     Action, Function, Functions, Limits, Refusal, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput,
     SupervisorState,
@@ -32,7 +33,11 @@ fn still(requested: RequestedMode) -> SupervisorInput<f64> {
 
 /// A loader that is active, and a sample to go on with.
 fn active() -> (Supervisor<f64>, SupervisorInput<f64>) {
-    let mut supervisor = Supervisor::new(limits(), 0.0);
+    active_under(limits())
+}
+
+fn active_under(limits: Limits) -> (Supervisor<f64>, SupervisorInput<f64>) {
+    let mut supervisor = Supervisor::new(limits, 0.0);
     supervisor.step(&still(RequestedMode::Off));
     let input = still(RequestedMode::Active);
     let output = (0..2000).map(|_| supervisor.step(&input)).last().expect("samples");
@@ -64,8 +69,7 @@ type Spoil = Box<dyn Fn(u32, &mut SupervisorInput<f64>)>;
 fn each_function_acts_in_its_stated_sample_and_is_latched() {
     let of = limits();
     let (grip, base) = (of.grip_arm / of.lever, of.base_arm);
-    let speed = of.speed_step * 1.01;
-    let cases: [(Function, Spoil); 12] = [
+    let cases: [(Function, Spoil); 11] = [
         (Function::EmergencyStop, Box::new(|_, input| input.emergency_stop = true)),
         (Function::DriveFault, Box::new(|_, input| input.drive_fault = true)),
         (Function::NotANumber, Box::new(|_, input| input.sensed[1] = f64::NAN)),
@@ -77,10 +81,17 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
         (Function::Silence, Box::new(|k, input| input.missed = k)),
         (Function::Overrun, Box::new(|k, input| input.late = k)),
         (Function::Force, Box::new(move |_, input| held(&of, of.force_limit * grip * 1.01, input))),
-        (Function::Speed, Box::new(move |k, input| moved(&of, f64::from(k) * speed, input))),
     ];
     for (function, spoil) in cases {
         let (mut supervisor, input) = active();
+        if function == Function::Force {
+            // A force that jumps is bridged for a sample; a hand's rises.
+            for share in 0..100 {
+                let mut now = input;
+                held(&of, of.force_limit * grip * 0.01 * f64::from(share), &mut now);
+                supervisor.step(&now);
+            }
+        }
         let (stopped, safe, allowed) = until_safe(&mut supervisor, |k| {
             let mut now = input;
             spoil(k, &mut now);
@@ -91,6 +102,23 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
         assert!(safe < stopped + of.stop, "{function:?}");
         assert_eq!(supervisor.step(&input).state, SupervisorState::Tripped, "latched: {function:?}");
     }
+}
+
+#[test]
+fn a_column_that_a_hand_throws_to_its_speed_limit_is_stopped_in_the_second_sample() {
+    let of = limits();
+    let (mut supervisor, input) = active();
+    let acceleration = 100.0;
+    let angle = |k: u32| 0.5 * acceleration * (f64::from(k) * PERIOD).powi(2);
+    let (stopped, safe, allowed) = until_safe(&mut supervisor, |k| {
+        let mut now = input;
+        now.feel_rate = acceleration * f64::from(k) * PERIOD;
+        moved(&of, angle(k), &mut now);
+        now
+    });
+    let fast = (1..).find(|&k| angle(k) - angle(k - 1) > of.speed_step).expect("it becomes so fast");
+    assert_eq!((allowed.cause, stopped), (Some(Function::Speed), fast + Function::Speed.samples(&of) - 1));
+    assert!(safe < stopped + of.stop);
 }
 
 /// The machine under a force of the load cell, the link stretched as it is.
@@ -157,8 +185,11 @@ fn a_spike_is_bridged_and_a_lost_sample_is_predicted() {
     }
     // A column that turns at a constant speed goes on through what is lost.
     let (mut supervisor, input) = active();
-    let angle = |k: i32| 0.05 * f64::from(k) * PERIOD;
-    let mut last = input;
+    let rate = 0.05;
+    let angle = |k: i32| rate * f64::from(k) * PERIOD;
+    // Under the command that moves the drive at that speed: a e = d x'.
+    let [per_volt, .., lag, _] = of.drive;
+    let mut last = SupervisorInput { command: lag / per_volt * of.lever * rate, ..input };
     for k in 0..300 {
         moved(&of, angle(k), &mut last);
         supervisor.step(&last);
@@ -169,6 +200,35 @@ fn a_spike_is_bridged_and_a_lost_sample_is_predicted() {
         assert!((readings[2] / of.base_arm - angle(k)).abs() < 1e-5, "{k}: {readings:?}");
         assert_eq!(supervisor.step(&lost).state, SupervisorState::Active);
     }
+}
+
+#[test]
+fn an_angle_that_jumps_for_a_sample_is_no_speed() {
+    let plain = Parameters::elevator();
+    let strong = forcefeel_model::parameters::Safety { absolute_force: 1e5, ..plain.safety };
+    let of = Limits::new(&Parameters { safety: strong, ..plain }, DriveKind::Hydraulic, PERIOD).expect("limits");
+    let (mut supervisor, input) = active_under(of);
+    let mut jumps = input;
+    jumps.sensed[2] = 3.0 * of.speed_step * of.base_arm;
+    assert!(3.0 * of.speed_step < of.plausible[2], "it is not bridged");
+    assert_eq!(supervisor.step(&jumps).state, SupervisorState::Active);
+    assert_eq!(supervisor.step(&input).state, SupervisorState::Active);
+}
+
+#[test]
+fn a_column_held_still_by_a_force_that_changes_is_no_stuck_sensor() {
+    let of = limits();
+    let (mut supervisor, input) = active();
+    for k in 0..2000_u32 {
+        let mut now = input;
+        held(&of, 0.9 * of.force_limit * of.grip_arm / of.lever * (0.01 * f64::from(k)).sin(), &mut now);
+        let allowed = supervisor.step(&now);
+        assert_eq!((allowed.state, allowed.cause), (SupervisorState::Active, None), "{k}");
+    }
+    // And one that stays for good after a jump.
+    let (mut supervisor, mut now) = active();
+    held(&of, 0.9 * of.force_limit * of.grip_arm / of.lever, &mut now);
+    assert!((0..2000).all(|_| supervisor.step(&now).state == SupervisorState::Active));
 }
 
 #[test]
@@ -347,7 +407,8 @@ fn single_precision_does_the_same() {
 fn the_table_is_whole() {
     let all = Function::ALL.iter().fold(Functions::NONE, |set, &function| set.with(function, true));
     assert_eq!(all.bits().count_ones() as usize, Function::ALL.len());
-    assert!(Function::ALL.iter().all(|&f| f.latched() == all.stopping().has(f) && f.sentence().ends_with('.')));
+    let stays = |f: Function| all.stopping().has(f) || f == Function::Swing;
+    assert!(Function::ALL.iter().all(|&f| f.latched() == stays(f) && f.sentence().ends_with('.')));
     assert_eq!(all.that(Action::Cut).first(), Some(Function::EmergencyStop));
 }
 
@@ -383,8 +444,31 @@ fn a_column_that_pushes_against_the_hand_otherwise_than_its_feel_is_stopped_by_t
             }
         }
         assert_eq!(stopped.is_some(), stops, "{stopped:?}");
-        // 200 N at 0.8 m/s: 2 J take 13 ms.
-        assert!(stopped.is_none_or(|k| k < 80), "{stopped:?}");
+        // 200 N at 0.8 m/s: 4 J take 25 ms, of which the stop has 10 ms; the estimate lags by 5 ms.
+        assert!(stopped.is_none_or(|k| k < 50 + 40), "{stopped:?}");
+    }
+}
+
+#[test]
+fn a_column_that_is_thrown_faster_than_its_feel_is_stopped_before_it_is_too_fast() {
+    let of = limits();
+    for (follows, stops) in [(0.0, true), (1.0, false)] {
+        let (mut supervisor, input) = active();
+        let acceleration = 60.0;
+        let mut rate = 0.0;
+        for k in 1..100 {
+            let time = f64::from(k) * PERIOD;
+            rate = acceleration * time;
+            let (force, angle) = (of.inertia * acceleration / of.lever, 0.5 * rate * time);
+            let mut now = SupervisorInput { feel_rate: follows * rate, ..input };
+            now.sensed = [force, angle * of.lever + force * of.link[0], angle * of.base_arm, 0.0];
+            if supervisor.step(&now).acting.has(Function::Energy) {
+                break;
+            }
+        }
+        // J v^2 / 2 of the lagged rate.
+        let most = (2.0 * of.motion / of.inertia).sqrt() + 1.5 * acceleration / ESTIMATE_BANDWIDTH;
+        assert_eq!(rate < most, stops, "{rate} and {most}");
     }
 }
 
@@ -411,8 +495,11 @@ fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel
             shares.push(allowed.host_share);
         }
         assert_eq!((told, shares.last() == Some(&0.0)), (fades, fades));
-        let now = SupervisorInput { host_age: Some(0), acknowledge: true, ..input };
+        let now = SupervisorInput { host_age: Some(0), ..input };
+        assert_eq!(supervisor.step(&now).tripped.has(Function::Swing), fades, "it stays");
+        supervisor.step(&SupervisorInput { acknowledge: true, ..now });
         let back = (0..600).map(|_| supervisor.step(&now)).last().expect("samples");
+        assert!(!back.tripped.has(Function::Swing));
         assert_eq!(back.host_share, 1.0);
     }
 }
