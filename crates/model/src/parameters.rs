@@ -417,6 +417,12 @@ parameter_table! {
         energy_limit: "E_1", "energy that a hand may be given by a column that moves otherwise than its feel; what is older than a second is forgotten", ENERGY, 4.0, 1e-2..1e3, off 4.0;
         motion_limit: "E_2", "energy of motion by which a column may be faster than its feel", ENERGY, 20.0, 1e-1..1e4, off 20.0;
         swing_limit: "theta_w", "swing of a column with no hand on it, from side to side, that must die away; else the host's values go", ANGLE, 2.0, 1e-2..90.0, off 2.0;
+        host_force: "F_h", "largest force at the grip of each of the host's values that is one", FORCE, 100.0, 0.0..1e4, off f64::INFINITY;
+        host_force_rate: "F'_h", "its largest change in time", FORCE_RATE, 500.0, 1e-2..1e7, off f64::INFINITY;
+        host_angle: "theta_h", "largest trim and autopilot position of the host", ANGLE, 10.0, 0.0..180.0, off f64::INFINITY;
+        host_angle_rate: "theta'_h", "their largest change in time, and that of a trim runaway", ANGULAR_VELOCITY, 20.0, 1e-3..1e5, off f64::INFINITY;
+        host_spring: "k_h", "largest spring factor of the host, and of its dynamic pressure", RATIO, 5.0, 0.0..100.0, off f64::INFINITY;
+        host_spring_rate: "k'_h", "its largest change in time", RATE, 2.0, 1e-3..1e5, off f64::INFINITY;
         fade_time: "t_f", "how long the feel takes to come and to go", TIME, 500.0, 1.0..1e5, off 500.0;
         stop_time: "t_z", "how long the command takes to zero when the loader is stopped", TIME, 20.0, 0.0..1e3, off 20.0;
         start_share: "s_0", "share of the largest command that there is when the feel begins to come", RATIO, 0.2, 1e-3..1.0, off 0.2;

@@ -37,8 +37,15 @@ struct Run {
 
 impl Run {
     fn new(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>) -> Self {
+        Self::limited(factor, &[])
+    }
+
+    /// With these rows of `safety`.
+    fn limited(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>, safety: &[(&str, f64)]) -> Self {
+        let limit = |name: &str| safety.iter().find(|row| row.0 == name).map(|row| row.1);
         let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
             ("controller", "period") => PERIOD_S,
+            ("safety", name) if limit(name).is_some() => limit(name).unwrap_or(0.0),
             _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
             _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
         });
@@ -179,6 +186,40 @@ fn dynamic_pressure_has_the_factor_of_the_loader_and_a_disconnect_takes_the_spri
     let row = run.on(2000, Some((ACTIVE | DISCONNECT, sent(&[(0, 9000.0)]))));
     assert_eq!((row.spring_factor, row.trips), (0.0, 0.0));
     assert_eq!(run.on(4000, None).spring_factor, 1.0, "the default feel has no factor");
+}
+
+#[test]
+fn each_value_of_a_host_has_the_range_and_the_rate_of_the_loader_file() {
+    let factor = Some((vec![1000.0, 5000.0], vec![[0.0, 0.0, 5e-4, 1.0]]));
+    let safety = [
+        ("host_force", 30.0),
+        ("host_force_rate", 20.0),
+        ("host_angle", 0.02),
+        ("host_angle_rate", 0.01),
+        ("host_spring", 2.0),
+        ("host_spring_rate", 0.5),
+    ];
+    let mut run = Run::limited(factor.clone(), &safety);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    // Force, angle, factor: for two seconds they go at their rate, then they are at the end of their range.
+    let wild = Some((ACTIVE, sent(&[(0, 9000.0), (TRIM, 0.5), (ADDED, 500.0)])));
+    let begun = run.rows.len();
+    let row = run.on(12_000, wild);
+    assert_eq!((row.added_force_n, row.spring_factor), (30.0, 2.0));
+    assert!((row.neutral_rad - 0.02).abs() < 1e-12, "{}", row.neutral_rad);
+    let rate = |of: fn(&Row) -> f64| {
+        run.rows[begun..].windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f64::max) / PERIOD_S
+    };
+    assert!(rate(|row| row.added_force_n) < 20.0 * 1.001 && rate(|row| row.spring_factor) < 0.5 * 1.001);
+    assert!(rate(|row| row.neutral_rad) < 0.01 * 1.001);
+    // A silent host loses its values as ever.
+    let row = run.on(2000, None);
+    assert_eq!((row.added_force_n, row.spring_factor, row.trips), (0.0, 1.0, 0.0));
+    // Without the rows they are what was sent.
+    let mut run = Run::new(factor);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    let row = run.on(4000, Some((ACTIVE, sent(&[(0, 9000.0), (TRIM, 0.1), (ADDED, 90.0)]))));
+    assert!((row.added_force_n - 90.0).abs() < 1e-9 && row.spring_factor == 3.0, "{}", row.added_force_n);
 }
 
 /// Cycles between two packets of a host with 60 a second.
