@@ -6,6 +6,7 @@ use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
+use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
 use forcefeel_live::record::{Record, Size};
 use forcefeel_live::replay::{Contents, read, replay};
@@ -162,9 +163,12 @@ impl LiveLoop {
         Ok(Self { running })
     }
 
-    /// Asks something of the loop by name, with its numbers; whether there was room for it.
+    /// Asks something of the loop by name, with its numbers; whether there was room for it, or a host to accept.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
     fn request(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
+        if name == "accept_host" {
+            return Ok(self.running.host_status().is_some_and(HostStatus::accept));
+        }
         Ok(self.running.request(request_of(name, &numbers)?))
     }
 
@@ -190,13 +194,15 @@ impl LiveLoop {
         (bytes, lacks, ended.map(str::to_string))
     }
 
-    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who spoke last and how many seconds
-    /// ago; nothing where none is listened to.
+    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who it is and how many seconds ago it
+    /// spoke, and who else waits to be accepted; nothing where none is listened to.
     #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
-    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, f64)>)> {
+    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, Option<f64>)>, Option<String>)> {
         self.running.host_status().map(|host_status| {
-            let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.as_secs_f64()));
-            (host_status.at.to_string(), host_status.packets.load(Relaxed), host_status.refused.load(Relaxed), last)
+            let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.map(|ago| ago.as_secs_f64())));
+            let waits = host_status.waiting().map(|address| address.to_string());
+            let [packets, refused] = [&host_status.packets, &host_status.refused].map(|it| it.load(Relaxed));
+            (host_status.at.to_string(), packets, refused, last, waits)
         })
     }
 

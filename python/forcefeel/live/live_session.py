@@ -101,6 +101,17 @@ class LiveSession:
         """Clear latched trips whose cause is gone."""
         self._request("acknowledge")
 
+    def accept_host(self) -> None:
+        """Let the sender in ``host.waiting`` take over from the silent aircraft simulator.
+
+        Raises:
+            InputError: If no other sender waits.
+        """
+        if not self.loop.request("accept_host", []):
+            raise InputError(
+                "host: expected another sender after the simulator's silence of 1 s, got none; see session.host"
+            )
+
     @property
     def loader(self) -> Loader:
         """The loader with the current feel."""
@@ -286,11 +297,11 @@ class LiveSession:
         """State of the aircraft simulator; ``None`` without a host port."""
         if (status := self.loop.host_status()) is None:
             return None
-        listens, packets, refused, last = status
+        listens, packets, refused, last, waiting = status
         newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
-        return HostState(listens, address, packets, refused, silent_s, share)
+        return HostState(listens, address, packets, refused, silent_s, share, waiting or "")
 
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
         """A row for each stored cycle after cycle ``since``, at most the newest ``most``; (rows, columns).

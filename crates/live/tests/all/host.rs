@@ -324,6 +324,29 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
     }
     assert_eq!((host_status.packets.load(Relaxed), host_status.refused.load(Relaxed)), (2, 4));
     assert_eq!(host_status.last().expect("it spoke").0, host.local_addr().expect("an address"));
+    // Another sender waits for a person's word, however long the host is silent; a third has to wait then, too.
+    assert!(!host_status.accept(), "nobody waits while the host speaks");
+    thread::sleep(Duration::from_millis(1100));
+    let (others, third) = (other.local_addr().expect("an address"), bound());
+    for (k, from) in [&other, &other].into_iter().enumerate() {
+        from.send_to(&packet(8).encode(), host_status.at).expect("it is sent");
+        wait(7 + k as u64);
+        assert_eq!((host_status.packets.load(Relaxed), host_status.waiting()), (2, Some(others)));
+    }
+    assert!(host_status.accept() && host_status.waiting().is_none());
+    third.send_to(&packet(9).encode(), host_status.at).expect("it is sent");
+    wait(9);
+    assert_eq!(host_status.packets.load(Relaxed), 2);
+    other.send_to(&packet(1).encode(), host_status.at).expect("it is sent");
+    while of_host.packets.is_empty() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(of_host.packets.pop().expect("it is there").sequence, 1);
+    wait(10);
+    assert_eq!((host_status.packets.load(Relaxed), host_status.last().expect("it spoke").0), (3, others));
+    host.send_to(&packet(99).encode(), host_status.at).expect("it is sent");
+    wait(11);
+    assert_eq!(host_status.packets.load(Relaxed), 3, "the host before is another sender now");
     ended.store(true, Relaxed);
     thread.join().expect("it ends");
 }

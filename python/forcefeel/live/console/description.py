@@ -139,7 +139,13 @@ def host_json(running: LiveSession) -> Json:
     if host is None:
         return None
     status = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
-    return {"listens": host.listens, "status": status, "share": round(host.share, 2), "refused": host.refused}
+    return {
+        "listens": host.listens,
+        "status": status,
+        "share": round(host.share, 2),
+        "refused": host.refused,
+        "waiting": host.waiting,
+    }
 
 
 _SILENT_S = 0.2
