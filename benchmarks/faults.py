@@ -7,8 +7,8 @@ controller, each under its laws, with its own feel and with feels drawn about it
 ``robust``. Each case has safety times, a hand, and faults of drawn kinds at drawn moments; see ``crates/faults``.
 
 It fails if a loader is stopped too late or without a fault, a command is beyond its limit or no number, the hand is given more
-energy than the physical bound, or, with one fault, more than 10 J beyond the feel, or if the force at the grip is above 1.5
-times the largest legal one for longer than 20 ms, where neither a hand pushes harder nor an end stop carries it.
+energy than the physical bound, or if with one fault it is given more than 10 J beyond the feel, or the force at the grip is above
+1.5 times the largest legal one for longer than 20 ms, where neither a hand pushes harder nor an end stop carries it.
 """
 
 import os
@@ -89,7 +89,7 @@ def judged(outcomes: Rows, faults: int) -> Counter[str]:
     kinds, bad = _core.fault_kinds(), Counter[str]()
     by_hand = np.isin(outcomes[:, [KIND, SECOND]], [kinds.index(kind) for kind in OF_HAND]).any(axis=1)
     energy = (outcomes[:, EXCESS] > MOST_ENERGY_J) & (faults < 2)
-    force = (outcomes[:, ABOVE] > MOST_TIME_ABOVE_S) & ~by_hand
+    force = (outcomes[:, ABOVE] > MOST_TIME_ABOVE_S) & (faults < 2) & ~by_hand
     for row, more, above in zip(outcomes, energy, force, strict=True):
         what = [name for bit, name in enumerate(WRONG) if int(row[BITS]) >> bit & 1]
         what += ["above 10 J"] * bool(more) + ["above 1.5 times the largest force"] * bool(above)

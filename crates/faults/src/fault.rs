@@ -137,7 +137,7 @@ impl FaultHistory {
 }
 
 /// Lost samples in a row that the loader is to go on in spite of: a law of high gain may swing after more.
-const BRIDGED: usize = 10;
+const BRIDGED: usize = 5;
 
 impl Fault {
     /// Samples that are lost.

@@ -135,7 +135,12 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let time = (until - from + 2) as f64 * limits.period;
     // The row that stands for a sample is from before its step: one more on both sides.
     let given = rows[until].given - rows[from].given;
-    let fastest = rows[from..=until].iter().map(|row| row.rate.abs()).fold(0.0, f64::max);
+    // The drive is faster than the column by what stretches the link.
+    let drive_rate = |two: &[Row]| {
+        let stretched = (two[1].force - two[0].force) * limits.link[0] / (limits.lever * limits.period);
+        two[1].rate.abs() + stretched.abs()
+    };
+    let fastest = rows[from..=until].windows(2).map(drive_rate).fold(rows[from].rate.abs(), f64::max);
     let bound = rows[from].stored + moving.power(fastest) * time;
     wrong.energy = given > bound;
     let by_hand = case.faults.iter().any(|fault| fault.kind.is_of_hand());
@@ -220,7 +225,8 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     );
     see(Function::ColumnAngle, jumped(case, limits));
     see(Function::Silence, run_of(Function::Silence, &|k| rows[k].input.missed > 0));
-    see(Function::Late, run_of(Function::Late, &|k| rows[k].input.delay > limits.late));
+    // Counted from the start on.
+    see(Function::Late, run_of(Function::Late, &|k| on(k) && rows[k].input.delay > limits.late));
     see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].input.late > 0));
     let runs = |k: usize| sensed(k) && on(k);
     see(
@@ -310,6 +316,9 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let fault = case.faults.iter().find(|fault| fault.kind == Kind::Stuck && single)?;
     let from = fault.from + limits.stuck as usize;
     let [per_stiffness, half_play, _] = limits.link;
+    // None of the readings is a prediction.
+    let read =
+        |k: usize| rows[k].used.is_some_and(|used| (0..3).all(|j| (used[j] - rows[k].input.sensed[j]).abs() <= 0.0));
     let apart = |k: usize| {
         let input = |k: usize| used(&rows[k]);
         let expected = |k: usize| match fault.sensor {
@@ -321,6 +330,8 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
         // What a new start, or the last change of the sensor, begins from is no later than the fault.
         fault.from > 2
             && started(fault.from - 1)
+            && read(fault.from)
+            && read(k)
             && (expected(k) - expected(fault.from)).abs() > 2.0 * (2.0 * half_play + limits.agreement_m)
     };
     (from..rows.len()).find(|&k| (k - limits.bridge as usize..=k).all(apart))
