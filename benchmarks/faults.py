@@ -1,10 +1,14 @@
-"""A million faults in supervised loaders, in virtual time: half of them single, half in pairs.
+"""A million faults in supervised loaders, in virtual time, and 100,000 runs without one.
 
     python benchmarks/faults.py [cases] [threads]
 
-Loaders are the built-in ones with a sampled controller, each under its laws and with feels drawn about its own. Each case has
-safety times, a hand, and faults of drawn kinds at drawn moments; see ``crates/faults``. It fails if a loader is stopped too late
-or without a fault, a command is beyond its limit or no number, or the hand is given more energy than the bound.
+Half of the cases have one fault, half have two; a tenth as many runs have none. Loaders are the built-in ones under a sampled
+controller, each under its laws, with its own feel and with feels drawn about it; without a fault, with its own feel and the law
+``robust``. Each case has safety times, a hand, and faults of drawn kinds at drawn moments; see ``crates/faults``.
+
+It fails if a loader is stopped too late or without a fault, a command is beyond its limit or no number, the hand is given more
+energy than the physical bound, or if with one fault it is given more than 10 J beyond the feel, or the force at the grip is above
+1.5 times the largest legal one for longer than 20 ms, where neither a hand pushes harder nor an end stop carries it.
 """
 
 import os
@@ -16,6 +20,7 @@ import time
 from collections import Counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 import forcefeel as ff
 from forcefeel import _core
@@ -26,58 +31,98 @@ from forcefeel.loader.built_in import open_loader
 CASES, FEELS, SEED = 1_000_000, 6, 0
 WRONG = ("late", "unsafe", "beyond the limit", "too fast", "no number", "energy", "false alarm", "host")
 PIECE = 50_000
+MOST_ENERGY_J, MOST_TIME_ABOVE_S = 10.0, 0.02
+OF_HAND = ("LargestForce", "LastingForce")
+"""Faults of the hand: what it feels is its own force."""
+KIND, SECOND, STOPPED, BITS, GIVEN, BOUND, ABOVE, EXCESS = 0, 1, 3, 5, 6, 7, 10, 12
+"""Columns of the outcomes."""
+
+Rows = NDArray[np.float64]
 
 
-def drawn() -> tuple[np.ndarray, np.ndarray]:
-    """Values and laws, a row for each loader with a feel."""
+def loaders() -> list[tuple[str, ff.Loader]]:
+    """The built-in loaders under a sampled controller."""
+    analog = ff.elevator().replace({"controller.period": "1 ms", "controller.delay": "1 ms"})
+    names = ("elevator-2khz", *ELECTRIC_AXES)
+    return [("elevator-1974", analog), *((name, open_loader(name)) for name in names)]
+
+
+def drawn() -> tuple[Rows, Rows, list[int]]:
+    """Values and laws, a row for each loader with a feel; which rows are its own feel under the law ``robust``."""
     rng = np.random.default_rng(SEED)
-    values, laws = [], []
-    for name in ("elevator-2khz", *ELECTRIC_AXES):
-        loader = open_loader(name)
+    values, laws, own = [], [], []
+    for name, loader in loaders():
         inertia, damping, stiffness = (loader[f"feel.{key}"] for key in ("inertia", "damping", "stiffness"))
         frequency, ratio = np.sqrt(stiffness / inertia), damping / (2 * np.sqrt(stiffness * inertia))
         for law in ("robust", "observer") if name in ELECTRIC_AXES else ("robust", "agile"):
-            for _ in range(FEELS):
+            for k in range(FEELS):
                 g = stiffness * 2 ** rng.uniform(-1.5, 0.7)
                 w, zeta = frequency * 2 ** rng.uniform(-0.5, 0.5), ratio * 2 ** rng.uniform(-0.5, 1)
                 feel = {"feel.inertia": g / w**2, "feel.damping": 2 * zeta * g / w, "feel.stiffness": g}
-                changed = loader.replace(feel, si=True)
+                changed = loader if k == 0 else loader.replace(feel, si=True)
                 try:
                     made = ff.Law.of(law, changed).sampled
                 except InputError as error:
                     print(f"{name}, {law}: left out: {error}")
                     continue
                 if made is not None:
+                    if k == 0 and law == "robust":
+                        own.append(len(values))
                     values.append(np.asarray(changed.si_values, dtype=np.float64))
                     laws.append(made.rows()[0])
-    return np.array(values), np.array(laws)
+    return np.array(values), np.array(laws), own
+
+
+def run(of: tuple[Rows, Rows], faults: int, cases: int, threads: int) -> Rows:
+    """Outcomes of the cases, each with so many faults."""
+    pieces = [
+        _core.supervised_faults(
+            *of, seed=7, first=first, count=min(PIECE, cases - first), faults=faults, threads=threads
+        )
+        for first in range(0, cases, PIECE)
+    ]
+    return np.concatenate(pieces)
+
+
+def judged(outcomes: Rows, faults: int) -> Counter[str]:
+    """What went wrong, and how often."""
+    kinds, bad = _core.fault_kinds(), Counter[str]()
+    by_hand = np.isin(outcomes[:, [KIND, SECOND]], [kinds.index(kind) for kind in OF_HAND]).any(axis=1)
+    energy = (outcomes[:, EXCESS] > MOST_ENERGY_J) & (faults < 2)
+    force = (outcomes[:, ABOVE] > MOST_TIME_ABOVE_S) & (faults < 2) & ~by_hand
+    for row, more, above in zip(outcomes, energy, force, strict=True):
+        what = [name for bit, name in enumerate(WRONG) if int(row[BITS]) >> bit & 1]
+        what += ["above 10 J"] * bool(more) + ["above 1.5 times the largest force"] * bool(above)
+        if what:
+            bad[f"{kinds[int(row[KIND])]} and {kinds[int(row[SECOND])]}: {', '.join(what)}"] += 1
+    return bad
 
 
 def main() -> None:
     cases = int(sys.argv[1]) if len(sys.argv) > 1 else CASES
     threads = int(sys.argv[2]) if len(sys.argv) > 2 else os.cpu_count() or 1
-    values, laws = drawn()
+    values, laws, own = drawn()
     kinds, bad = _core.fault_kinds(), Counter[str]()
-    for pairs in (False, True):
-        begin, stopped, injected, share = time.perf_counter(), 0, 0.0, 0.0
-        for first in range(0, cases // 2, PIECE):
-            count = min(PIECE, cases // 2 - first)
-            result = _core.supervised_faults(
-                values, laws, seed=7, first=first, count=count, pairs=pairs, threads=threads
-            )
-            stopped += int((result[:, 3] >= 0).sum())
-            injected, share = (
-                max(injected, result[:, 6].max()),
-                max(share, (result[:, 6] / np.maximum(result[:, 7], 1e-9)).max()),
-            )
-            for row in result[result[:, 5] != 0]:
-                what = ", ".join(name for bit, name in enumerate(WRONG) if int(row[5]) >> bit & 1)
-                bad[f"{kinds[int(row[0])]} and {kinds[int(row[1])]}: {what}"] += 1
+    for faults, count in ((0, cases // 10), (1, cases // 2), (2, cases // 2)):
+        begin = time.perf_counter()
+        of = (values[own], laws[own]) if faults == 0 else (values, laws)
+        outcomes = run(of, faults, count, threads)
         took = time.perf_counter() - begin
+        share = (outcomes[:, GIVEN] / np.maximum(outcomes[:, BOUND], 1e-9)).max()
         print(
-            f"{cases // 2} cases with {'two faults' if pairs else 'one fault'} in {took:.0f} s on {threads} threads: "
-            f"{stopped} loaders stopped; to the hand at most {injected:.1f} J, {share:.0%} of the bound"
+            f"{count} cases with {faults} faults in {took:.0f} s on {threads} threads: "
+            f"{int((outcomes[:, STOPPED] >= 0).sum())} loaders stopped; to the hand beyond the feel at most "
+            f"{outcomes[:, EXCESS].max():.1f} J, {share:.0%} of the physical bound; "
+            f"above 1.5 times the largest force for {outcomes[:, ABOVE].max() * 1e3:.0f} ms at most"
         )
+        if faults == 1:
+            for k, kind in enumerate(kinds):
+                of_kind = outcomes[outcomes[:, KIND] == k]
+                print(
+                    f"  {kind}: {len(of_kind)} cases, {int((of_kind[:, STOPPED] >= 0).sum())} stopped, "
+                    f"at most {of_kind[:, EXCESS].max(initial=0):.1f} J, {of_kind[:, ABOVE].max(initial=0) * 1e3:.0f} ms"
+                )
+        bad += judged(outcomes, faults)
     for what, count in bad.most_common():
         print(f"WRONG {count} times: {what}")
     if bad:

@@ -30,6 +30,7 @@ SI_OF = {
     "N/s": 1.0,
     "lb/s": POUND,
     "W": 1.0,
+    "J": 1.0,
     "rad": 1.0,
     "deg": math.pi / 180,
     "deg/s": math.pi / 180,

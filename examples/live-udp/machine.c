@@ -19,22 +19,22 @@
 #pragma pack(push, 1)
 typedef struct {
     char magic[4];          /* FFLV */
-    uint16_t version, kind; /* 1; 1 */
-    uint64_t sequence, clock_ns;
+    uint16_t version, kind; /* 2; 1 */
+    uint64_t sequence, session, answers, clock_ns; /* session key of the loop; cycle of its newest command */
     double force_n, position_m, base_m, pilot_force_n, grip_force_n;
     uint32_t flags, crc; /* bit 0: emergency stop; CRC-32 of all before it */
 } sample_packet;
 
 typedef struct {
     char magic[4];
-    uint16_t version, kind; /* 1; 2 a command, 3 asks for samples */
-    uint64_t cycle, answers;
+    uint16_t version, kind; /* 2; 2 a command, 3 asks for samples */
+    uint64_t cycle, session, answers;
     double command;
     uint32_t enable, state, zero, crc;
 } command_packet;
 #pragma pack(pop)
 
-_Static_assert(sizeof(sample_packet) == 72 && sizeof(command_packet) == 48, "layout of the packets");
+_Static_assert(sizeof(sample_packet) == 88 && sizeof(command_packet) == 56, "layout of the packets");
 
 /* CRC-32 as of Ethernet and zlib, bit by bit. */
 static uint32_t crc32(const void *data, size_t bytes) {
@@ -64,6 +64,9 @@ static void move(machine *m, double command, double period_s) {
     }
 }
 
+/* What a sample answers before the first command. */
+static const uint64_t no_cycle = UINT64_MAX;
+
 int main(int argc, char **argv) {
     const int port = argc > 1 ? atoi(argv[1]) : 5006;
     const double period_s = argc > 2 ? atof(argv[2]) : 5e-4;
@@ -79,26 +82,37 @@ int main(int argc, char **argv) {
     printf("machine at 127.0.0.1:%d\n", ntohs(here.sin_port));
     fflush(stdout);
     machine m = {0};
-    uint64_t sequence = 1, following = 0;
+    uint64_t sequence = 1, session = 0, newest = no_cycle;
+    time_t heard = 0;
+    uint32_t powered = 0;
     for (;;) {
         command_packet in;
         length = sizeof loop;
         const ssize_t came = recvfrom(link, &in, sizeof in, 0, (struct sockaddr *)&loop, &length);
-        if (came != sizeof in || memcmp(in.magic, "FFLV", 4) || in.version != 1) continue;
+        if (came != sizeof in || memcmp(in.magic, "FFLV", 4) || in.version != 2) continue;
         if (crc32(&in, sizeof in - 4) != in.crc) continue;
-        if (in.kind == 2 && in.cycle < following) continue; /* it comes late, or twice */
-        following = in.kind == 2 ? in.cycle + 1 : 0;        /* a loop that begins asks first */
+        struct timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        if (in.session != session) {
+            if (in.kind != 3 || (powered && now.tv_sec - heard < 2)) continue; /* forged, or of another loop than the one that runs */
+            session = in.session;
+            newest = no_cycle;
+        }
+        heard = now.tv_sec;
+        if (in.kind == 2 && newest != no_cycle && in.cycle <= newest) continue; /* it comes late, or twice */
         if (in.kind == 2) {
+            newest = in.cycle;
+            powered = in.enable & 1;
             move(&m, in.enable & 1 ? in.command : 0.0, period_s);
             sequence++;
         }
-        struct timespec now;
-        clock_gettime(CLOCK_MONOTONIC, &now);
         sample_packet out = {
             .magic = {'F', 'F', 'L', 'V'},
-            .version = 1,
+            .version = 2,
             .kind = 1,
             .sequence = sequence,
+            .session = session,
+            .answers = newest,
             .clock_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec,
             .force_n = m.force,
             .position_m = m.drive,

@@ -16,25 +16,31 @@ import zlib
 import forcefeel as ff
 from forcefeel.loader.built_in import BUILT_IN
 
-MAGIC, VERSION = b"FFLV", 1
+MAGIC, VERSION = b"FFLV", 2
 SAMPLE, COMMAND, ASK = 1, 2, 3
+NO_CYCLE = 2**64 - 1  # what a sample answers before the first command
+GONE_S = 1.0  # silence of a loop that powers the drive after which another one may ask
 
 
-def sample_packet(sequence: int, sensors: tuple[float, float, float, float, float]) -> bytes:
-    """A sample: head, sequence number, clock, load cell, drive, column's base, pilot's force, force at the grip, flags,
-    check sum."""
-    packet = struct.pack("<4sHHQQ5dI", MAGIC, VERSION, SAMPLE, sequence, time.monotonic_ns(), *sensors, 0)
+def sample_packet(
+    sequence: int, session: int, answers: int, sensors: tuple[float, float, float, float, float]
+) -> bytes:
+    """A sample: head, sequence number, session key, cycle that it answers, clock, load cell, drive, column's base,
+    pilot's force, force at the grip, flags, check sum."""
+    packet = struct.pack(
+        "<4sHHQQQQ5dI", MAGIC, VERSION, SAMPLE, sequence, session, answers, time.monotonic_ns(), *sensors, 0
+    )
     return packet + struct.pack("<I", zlib.crc32(packet))
 
 
-def read_command(packet: bytes) -> tuple[int, int, float, bool] | None:
-    """Kind, cycle, command and whether the drive is to be powered; nothing if the packet is damaged or none of ours."""
-    if len(packet) != 48 or zlib.crc32(packet[:44]) != struct.unpack_from("<I", packet, 44)[0]:
+def read_command(packet: bytes) -> tuple[int, int, int, float, bool] | None:
+    """Kind, cycle, session key, command and whether the drive is to be powered; nothing if it is damaged or none of ours."""
+    if len(packet) != 56 or zlib.crc32(packet[:52]) != struct.unpack_from("<I", packet, 52)[0]:
         return None
-    magic, version, kind, cycle, _answers, command, enable = struct.unpack_from("<4sHHQQdI", packet)
+    magic, version, kind, cycle, session, _answers, command, enable = struct.unpack_from("<4sHHQQQdI", packet)
     if (magic, version) != (MAGIC, VERSION):
         return None
-    return kind, cycle, command, bool(enable & 1)
+    return kind, cycle, session, command, bool(enable & 1)
 
 
 def serve(port: int, loader_name: str = "elevator-2khz") -> None:
@@ -44,18 +50,25 @@ def serve(port: int, loader_name: str = "elevator-2khz") -> None:
         link.bind(("127.0.0.1", port))
         print(f"{loader_name} at 127.0.0.1:{link.getsockname()[1]}", flush=True)
         sequence, newest, sensors = 1, -1, machine.read()
+        session, powered, heard_s = None, False, 0.0
         while True:
             packet, loop = link.recvfrom(64)
             if (read := read_command(packet)) is None:
                 continue
-            kind, cycle, command, enable = read
+            kind, cycle, key, command, enable = read
+            now_s = time.monotonic()
+            if key != session:
+                if kind != ASK or (powered and now_s - heard_s < GONE_S):
+                    continue  # forged, or of another loop than the one that runs
+                session, newest = key, -1
+            heard_s = now_s
             if kind == COMMAND and cycle <= newest:
                 continue  # it comes late, or twice
-            newest = cycle if kind == COMMAND else -1  # a loop that begins asks first
             if kind == COMMAND:
+                newest, powered = cycle, enable
                 machine.write(command, enable)
                 sequence, sensors = sequence + 1, machine.read()
-            link.sendto(sample_packet(sequence, sensors), loop)
+            link.sendto(sample_packet(sequence, session, newest if newest >= 0 else NO_CYCLE, sensors), loop)
 
 
 if __name__ == "__main__":

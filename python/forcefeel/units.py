@@ -37,6 +37,7 @@ _QUANTITIES = {
     "Pa": "a pressure",
     "N/m": "a spring rate",
     "N s/m": "a damping coefficient",
+    "J": "an energy",  # of the dimension of a torque, which is what such a unit is called
     "N m": "a torque",
     "N m/rad": "a rotary spring rate",
     "N m s/rad": "a rotary damping coefficient",

@@ -83,6 +83,34 @@ def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, t
     assert ff.live.replay(path).same
 
 
+def test_other_sender_takes_over_only_when_accepted(host: ModuleType) -> None:
+    with ff.live.start(unhurried_elevator(), "robust", host=0) as running:
+        address, _, port = running.host.listens.rpartition(":")
+        with pytest.raises(ff.InputError, match="expected another sender"):
+            running.accept_host()
+
+        def send(wire: socket.socket, until) -> None:
+            patience = time.monotonic() + PATIENCE_S
+            while not until():
+                assert time.monotonic() < patience, running.host
+                wire.sendto(host.encode(running.host.packets + 1, host.ACTIVE, host.FromHost()), (address, int(port)))
+                time.sleep(0.02)
+
+        with (
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first,
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other,
+        ):
+            send(first, lambda: running.host.packets >= 1)
+            send(other, lambda: running.host.waiting)
+            taken, name = running.host.packets, running.host.waiting
+            assert name == f"127.0.0.1:{other.getsockname()[1]}"
+            assert running.host.address != name
+            running.accept_host()
+            assert (running.host.address, running.host.silent_s, running.host.waiting) == (name, None, "")
+            send(other, lambda: running.host.packets > taken)
+            assert running.host.address == name
+
+
 def test_run_accepts_simulator_packets(forcefeel) -> None:
     asked = ("elevator-2khz", "--headless", "--duration", "20 ms", "--host")
     status, out, err = forcefeel("run", *asked, "0", "--json")

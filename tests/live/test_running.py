@@ -91,7 +91,7 @@ def test_hand_holds_and_releases_angle(running):
     [
         (("not_a_number", "column"), "not a number"),
         (("no_samples",), "sensors silent"),
-        (("jump", "drive", 0.05), "jump"),
+        (("jump", "drive", 0.05), "drive position implausible"),
     ],
 )
 def test_a_fault_stops_the_loader(running, fault, trip):

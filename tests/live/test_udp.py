@@ -64,6 +64,15 @@ def runs_as_the_one_in_the_process(python_machine):
         assert np.abs(far.mean() - near.mean()) < least
 
 
+def sample_head(session):
+    """A sample before the first command, without its check sum."""
+    return struct.pack("<4sHHQQQQ5dI", b"FFLV", 2, 1, 5, session, 2**64 - 1, 0, 0.0, 0.0, 0.0, float("nan"), 0.0, 0)
+
+
+def summed(packet):
+    return packet + struct.pack("<I", zlib.crc32(packet))
+
+
 def test_invalid_packets_are_dropped():
     loop_s = 0.3
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as machine:
@@ -71,10 +80,20 @@ def test_invalid_packets_are_dropped():
         machine.settimeout(10)
         address = f"127.0.0.1:{machine.getsockname()[1]}"
         with ff.live.start(ff.digital_elevator(), endpoint=ff.live.Udp(address)) as running:
-            _, loop = machine.recvfrom(64)
-            head = struct.pack("<4sHHQQ5dI", b"FFLV", 1, 1, 5, 0, 0.0, 0.0, 0.0, float("nan"), 0.0, 0)
-            good = head + struct.pack("<I", zlib.crc32(head))
-            for bad in (b"", b"x" * 64, good[:-1], good[:-1] + b"\0", good[:4] + b"\2" + good[5:], good + b"\0"):
+            ask, loop = machine.recvfrom(64)
+            (session,) = struct.unpack_from("<Q", ask, 16)
+            head = sample_head(session)
+            good = summed(head)
+            forged = summed(sample_head(session ^ 1))
+            for bad in (
+                forged,
+                b"",
+                b"x" * 64,
+                good[:-1],
+                good[:-1] + b"\0",
+                good[:4] + b"\1" + good[5:],
+                good + b"\0",
+            ):
                 machine.sendto(bad, loop)
             running.wait(int(loop_s / running.period_s))
             state = running.state

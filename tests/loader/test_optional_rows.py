@@ -29,8 +29,13 @@ from tests.optional_rows import bare, bare_of, companions
 
 TEN_DIGITS = 1e-9  # relative
 SYSTEMS = list(UnitSystem)
-LIMITS = {key for key in TABLE if key.startswith("safety.")} - {"safety.force_rate", "safety.travel_search"}
-"""Of a supervisor: what is not given is at its default."""
+LIMITS = {
+    key
+    for key in TABLE
+    if key.startswith("safety.")
+    and (not key.startswith("safety.host_") or key in ("safety.host_time", "safety.host_fade"))
+} - {"safety.force_rate", "safety.travel_search"}
+"""Of a supervisor: what is not given is at its default. Without limits are the rate of force and a host's values."""
 EXAMPLE_IS_OFF = {key for key, off in OFF.items() if TABLE[key].default_si == off}
 
 

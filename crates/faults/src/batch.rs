@@ -19,9 +19,12 @@ pub struct Loaders<'a> {
 }
 
 impl Loaders<'_> {
-    /// The case of a number; nothing where the loader cannot be supervised.
-    pub fn outcome(&self, seed: (u64, u64), pairs: bool) -> Option<Outcome> {
-        let case = Case::drawn(self.values, seed, pairs);
+    /// The case of a number with so many faults, 0 to 2; nothing where the loader cannot be supervised.
+    pub fn outcome(&self, seed: (u64, u64), faults: u8) -> Option<Outcome> {
+        let case = match faults {
+            0 => Case::legal(self.values, seed),
+            count => Case::drawn(self.values, seed, count > 1),
+        };
         let law = self.observers.map(|laws| &laws[case.loader]);
         let kind = DriveKind::of(&case.values);
         with_drive!(kind, K => of_drive::<K>(&case, law, kind))
@@ -35,13 +38,13 @@ impl Loaders<'_> {
         &self,
         seed: u64,
         (first, count): (u64, u64),
-        pairs: bool,
+        faults: u8,
         threads: usize,
     ) -> Result<Vec<Option<Outcome>>, NoThreads> {
         let mut outcomes = Vec::new();
         outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
         each(threads, (first..).zip(&mut outcomes), |(number, outcome)| {
-            *outcome = self.outcome((seed, number), pairs);
+            *outcome = self.outcome((seed, number), faults);
         })?;
         Ok(outcomes)
     }

@@ -1,6 +1,7 @@
 //! A case, drawn from a seed: safety times, a hand, and a fault or two at drawn moments.
 
 use crate::fault::{Fault, Kind};
+use core::f64::consts::{FRAC_PI_2, TAU};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -49,7 +50,7 @@ const FARTHEST_RAD: f64 = 0.1;
 /// Samples in which a fault may begin, and in which it must come to its end.
 const BEGINS: f64 = 250.0;
 /// See [`BEGINS`].
-const GOES_ON: usize = 300;
+const GOES_ON: usize = 1000;
 
 impl Case {
     /// The case of a number, of the loaders with these values each; `pairs`: whether there are two faults.
@@ -92,7 +93,7 @@ impl Case {
         let hand = Hand {
             force: if there { between((0.1, 1.0)) * most } else { 0.0 },
             frequency: between((1.0, 12.0)),
-            phase: between((0.0, core::f64::consts::TAU)),
+            phase: between((0.0, TAU)),
             lets_go: between((0.0, 2.0 * BEGINS)) as usize,
         };
         // Half of them begin at zero.
@@ -100,6 +101,88 @@ impl Case {
         let last = faults.iter().map(|fault| if fault.kind == Kind::None { 0 } else { fault.from }).max().unwrap_or(0);
         let values = parameters.values();
         Self { loader, values, faults, hand, angle, samples: last + GOES_ON, seed: seed ^ number }
+    }
+}
+
+/// What a hand does in a case without a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Legal {
+    /// None is there.
+    Off,
+    /// It holds the column and lets go.
+    Releases,
+    /// It holds still, or against an end stop, with any force that may last.
+    Holds,
+    /// It holds with an arm, and pushes as it does, or holds still.
+    Arm,
+    /// It pushes to and fro as hard as it may.
+    Pushes,
+}
+
+impl Legal {
+    const ALL: [Self; 5] = [Self::Off, Self::Releases, Self::Holds, Self::Arm, Self::Pushes];
+}
+
+/// Samples of a case without a fault.
+const LEGAL_SAMPLES: usize = 4000;
+/// Share of the force that may last to which a hand pushes.
+const HARDEST: f64 = 0.9;
+/// Arms by which the envelope judges a law: mass in kg, damping in N s/m and stiffness in N/m at the grip; light, loose, firm.
+const ARMS: [[f64; 3]; 3] = [[0.8, 5.5, 30.0], [1.0, 10.0, 50.0], [3.0, 40.0, 1000.0]];
+
+impl Case {
+    /// The case of a number without a fault: every other is on a cold day, with twice the dry friction.
+    pub fn legal(loaders: &[[f64; COUNT]], (seed, number): (u64, u64)) -> Self {
+        let mut bits = ChaCha8Rng::seed_from_u64(seed);
+        bits.set_stream(number);
+        let mut draw = || -> f64 { StandardUniform.sample(&mut bits) };
+        let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
+        let whole = |number: f64| number as usize;
+        #[expect(clippy::cast_precision_loss, reason = "a few loaders")]
+        let loader = whole(between((0.0, loaders.len() as f64))).min(loaders.len() - 1);
+        let does = Legal::ALL[usize::try_from(number).unwrap_or(0) % Legal::ALL.len()];
+        let mut parameters = Parameters::from_values(&loaders[loader]);
+        if between((-1.0, 1.0)) < 0.0 {
+            parameters.column.coulomb_friction *= 2.0;
+            parameters.column.static_friction *= 2.0;
+            parameters.motor.coulomb_friction *= 2.0;
+            parameters.motor.static_friction *= 2.0;
+        }
+        let Parameters { feel, column, .. } = parameters;
+        let may_last = HARDEST * parameters.safety.force_limit;
+        // What the spring takes within a fifth of a radian.
+        let taken = (0.2 * feel.stiffness / column.grip_arm).min(may_last);
+        // Where nothing else holds it, a hand may not push further.
+        let may_last = if column.stop_low.is_finite() && column.stop_high.is_finite() { may_last } else { taken };
+        let still = between((0.0, 1.0)) < 0.3;
+        let (force, frequency, phase) = match does {
+            Legal::Off => (0.0, 0.0, 0.0),
+            Legal::Releases => (taken, 0.0, FRAC_PI_2),
+            Legal::Holds => (may_last, 0.0, FRAC_PI_2),
+            Legal::Arm => (may_last, if still { 0.0 } else { between((1.0, 12.0)) }, FRAC_PI_2),
+            Legal::Pushes => (may_last, between((1.0, 12.0)), between((0.0, TAU))),
+        };
+        if matches!(does, Legal::Arm | Legal::Pushes) {
+            let pilot = &mut parameters.pilot;
+            [pilot.arm_mass, pilot.arm_damping, pilot.arm_stiffness] = ARMS[whole(between((0.0, 3.0))).min(2)];
+        }
+        let hand = Hand {
+            force: force * between((0.1, 1.0)) * if between((-1.0, 1.0)) < 0.0 { -1.0 } else { 1.0 },
+            frequency,
+            phase,
+            lets_go: if does == Legal::Releases { whole(between((1600.0, 3200.0))) } else { usize::MAX },
+        };
+        let none = Fault { kind: Kind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
+        Self {
+            loader,
+            values: parameters.values(),
+            faults: [none; 2],
+            hand,
+            angle: between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 },
+            samples: LEGAL_SAMPLES,
+            seed: seed ^ number,
+        }
     }
 }
 

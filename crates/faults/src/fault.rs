@@ -44,6 +44,18 @@ pub enum Kind {
     HostSilent,
     /// A commanded runaway: the feel is forgotten, the column creeps away.
     Creep,
+    /// Samples come late.
+    Late,
+    /// A few samples are lost.
+    Lost,
+    /// A sensor jumps for one sample.
+    Spike,
+    /// A sensor shows the opposite.
+    Reversed,
+    /// The drive has one command for good.
+    DriveHardover,
+    /// The drive adds something to each command.
+    DriveOffset,
 }
 
 impl Kind {
@@ -68,7 +80,18 @@ impl Kind {
         Self::Overrun,
         Self::HostSilent,
         Self::Creep,
+        Self::Late,
+        Self::Lost,
+        Self::Spike,
+        Self::Reversed,
+        Self::DriveHardover,
+        Self::DriveOffset,
     ];
+
+    /// Whether it is the hand that is at fault.
+    pub const fn is_of_hand(self) -> bool {
+        matches!(self, Self::LargestForce | Self::LastingForce)
+    }
 }
 
 /// A fault of a case.
@@ -87,7 +110,7 @@ pub struct Fault {
 }
 
 /// What a fault needs to know from before.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct FaultHistory {
     /// What the sensors showed last.
     pub shown: [f64; SENSORS],
@@ -95,9 +118,42 @@ pub struct FaultHistory {
     late: u32,
     missed: u32,
     host: u32,
+    /// What the sensors showed in the newest samples, by their number.
+    recent: [[f64; SENSORS]; RECENT],
 }
 
+/// Samples that are kept, for those that come late.
+const RECENT: usize = 64;
+
+impl FaultHistory {
+    /// Nothing has been sampled yet.
+    pub const NONE: Self =
+        Self { shown: [0.0; SENSORS], frozen: None, late: 0, missed: 0, host: 0, recent: [[0.0; SENSORS]; RECENT] };
+
+    /// What the sensors show at a sample, whatever becomes of it.
+    pub fn see(&mut self, sample: usize, sensors: [f64; SENSORS]) {
+        self.recent[sample % RECENT] = sensors;
+    }
+}
+
+/// Lost samples in a row that the loader is to go on in spite of: a law of high gain may swing after more.
+const BRIDGED: usize = 5;
+
 impl Fault {
+    /// Samples that are lost.
+    fn lost(&self, limits: &Limits) -> usize {
+        (1 + count(39.0 * self.size)).min(limits.silence as usize - 1)
+    }
+
+    /// Whether the loader is to go on in spite of it.
+    pub fn is_bridged(&self, limits: &Limits) -> bool {
+        match self.kind {
+            Kind::None | Kind::Spike => true,
+            Kind::Lost => self.lost(limits) <= BRIDGED,
+            _ => false,
+        }
+    }
+
     /// Whether it is there at a sample.
     pub fn is_there(&self, sample: usize) -> bool {
         self.kind != Kind::None && sample >= self.from
@@ -127,8 +183,9 @@ impl Fault {
                 input.sensed[k] = self.way * range * (1.001 + self.size);
             }
             Kind::Jump => {
-                let jump = [limits.jump[0], limits.jump[1], limits.jump[2] * limits.base_arm][k];
-                input.sensed[k] += self.way * jump * (2.1 + self.size);
+                let [force, position, angle] = limits.plausible;
+                let implausible = [force, position, angle * limits.base_arm][k];
+                input.sensed[k] += self.way * implausible * (4.0 + 20.0 * self.size);
             }
             Kind::Silence => {
                 before.missed += 1;
@@ -151,7 +208,35 @@ impl Fault {
                 before.host += 1;
                 input.host_age = input.host_age.max(Some(before.host));
             }
+            Kind::Late => {
+                let by = (1 + count(39.0 * self.size)).min(sample);
+                (input.sensed, input.delay) = (before.recent[(sample - by) % RECENT], u32::try_from(by).unwrap_or(0));
+            }
+            Kind::Lost => {
+                // Fewer than the supervisor takes for silence.
+                let last = self.lost(limits);
+                if since < last {
+                    input.missed = input.missed.max(u32::try_from(since + 1).unwrap_or(0));
+                } else if since == last {
+                    input.periods = input.periods.max(u32::try_from(last + 1).map_or(1.0, f64::from));
+                }
+            }
+            Kind::Spike if since == 0 => {
+                let range = [limits.range[0], limits.range[1], limits.range[2] * limits.base_arm][k];
+                input.sensed[k] = (input.sensed[k] + self.way * range * self.size).clamp(-range, range);
+            }
+            Kind::Reversed => input.sensed[k] = -input.sensed[k],
             _ => {}
+        }
+    }
+
+    /// What the drive makes of a command, in V or A.
+    pub fn spoil_drive(&self, limits: &Limits, sample: usize, command: f64) -> f64 {
+        let full = self.way * limits.command;
+        match self.kind {
+            Kind::DriveHardover if self.is_there(sample) => full * (0.1 + 0.9 * self.size),
+            Kind::DriveOffset if self.is_there(sample) => command + full * (0.02 + 0.4 * self.size),
+            _ => command,
         }
     }
 
@@ -190,4 +275,9 @@ impl Fault {
             _ => 0.0,
         }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
+fn count(number: f64) -> usize {
+    number as usize
 }

@@ -7,10 +7,13 @@ use crate::case::Case;
 use crate::fault::Kind;
 use crate::run::{Moving, Row, safe_from};
 use forcefeel_model::supervisor::{Function, Limits, SupervisorState};
+use forcefeel_model::transducers::SENSORS;
 
 /// What came of a case.
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome {
+    /// Which of the loaders.
+    pub loader: usize,
     /// Kinds of its faults, by their place.
     pub kinds: [usize; 2],
     /// Sample at which the supervisor had to have stopped the loader at the latest.
@@ -27,6 +30,14 @@ pub struct Outcome {
     pub wrong: Violation,
     /// Energy given to the hand from the fault on until the loader is safe, in J; and its bound.
     pub energy: [f64; 2],
+    /// Most energy in J that the hand is given from the fault on, or from any moment after it, beyond what the feel gives: until the loader is
+    /// safe, or to the end.
+    pub excess: f64,
+    /// Time in s for which the drive's force at the grip is above the largest legal one by a half, without a pause, where the hand pushes with
+    /// less and no end stop carries it.
+    pub above: f64,
+    /// Largest force of the drive at the grip from the fault on, in N, where no end stop carries it.
+    pub force: f64,
     /// What the supervisor names as the cause.
     pub cause: Option<Function>,
 }
@@ -70,8 +81,14 @@ impl Violation {
     }
 }
 
+/// Samples by which the supervisor may be sooner than what the machine really did is plain in its readings.
+const SOONER: usize = 5;
+
 /// Relative, of sums in another order.
 const ROUNDING: f64 = 1e-9;
+
+/// Multiple of the largest legal force that no fault may keep up.
+const ABOVE_LEGAL: f64 = 1.5;
 
 /// Judges a record.
 pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Outcome {
@@ -98,7 +115,15 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     }
     let kinds = case.faults.map(|fault| Kind::ALL.iter().position(|&kind| kind == fault.kind).unwrap_or(0));
     let only = |kind: Kind| case.faults.iter().all(|fault| fault.kind == kind || fault.kind == Kind::None);
-    wrong.false_alarm = only(Kind::None) && stopped.is_some();
+    // Two faults that are bridged may be more than one that is.
+    let bridged = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() < 2
+        && case.faults.iter().all(|fault| fault.is_bridged(limits));
+    // Before there is power, one that is not bridged does no harm.
+    let bridged = bridged && onset.is_none_or(|from| rows[from].allowed.enable);
+    // Beside what is due within a few samples, which the supervisor may see first.
+    wrong.false_alarm = bridged && stopped.is_some_and(|at| due.is_none_or(|(_, by)| by > at + SOONER));
+    let swings = rows.iter().any(|row| row.allowed.tripped.has(Function::Swing));
+    wrong.false_alarm |= onset.is_none() && swings;
     if only(Kind::HostSilent) && onset.is_some() {
         wrong.false_alarm |= stopped.is_some() && due.is_none();
         let by = onset.unwrap_or(0) + limits.host as usize + samples(1.0 / limits.host_step) + 1;
@@ -110,10 +135,26 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let time = (until - from + 2) as f64 * limits.period;
     // The row that stands for a sample is from before its step: one more on both sides.
     let given = rows[until].given - rows[from].given;
-    let fastest = rows[from..=until].iter().map(|row| row.rate.abs()).fold(0.0, f64::max);
+    // The drive is faster than the column by what stretches the link.
+    let drive_rate = |two: &[Row]| {
+        let stretched = (two[1].force - two[0].force) * limits.link[0] / (limits.lever * limits.period);
+        two[1].rate.abs() + stretched.abs()
+    };
+    let fastest = rows[from..=until].windows(2).map(drive_rate).fold(rows[from].rate.abs(), f64::max);
     let bound = rows[from].stored + moving.power(fastest) * time;
     wrong.energy = given > bound;
+    let by_hand = case.faults.iter().any(|fault| fault.kind.is_of_hand());
+    let [low, high] = limits.stops;
+    let stopped_by = |row: &Row| row.angle <= low || row.angle >= high;
+    let grip = |row: &Row| if stopped_by(row) { 0.0 } else { (row.force * limits.lever / limits.grip_arm).abs() };
+    let most = ABOVE_LEGAL * limits.absolute_force;
+    let (mut run, mut longest) = (0_u32, 0_u32);
+    for row in &rows[from..] {
+        run = if grip(row) > most && row.hand.abs() < limits.absolute_force { run + 1 } else { 0 };
+        longest = longest.max(run);
+    }
     Outcome {
+        loader: case.loader,
         kinds,
         due: due.map(|(_, by)| by),
         due_to: due.map(|(function, _)| function),
@@ -122,8 +163,25 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
         state: rows[from].allowed.state,
         wrong,
         energy: [given, bound],
+        excess: excess(limits, by_hand, &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
+        above: f64::from(longest) * limits.period,
+        force: rows[from..].iter().map(grip).fold(0.0, f64::max),
         cause: rows.last().and_then(|row| row.allowed.cause),
     }
+}
+
+/// Most energy to the hand beyond what the feel gives it; of a hand that is the fault, what it put in itself is left out.
+fn excess(limits: &Limits, by_hand: bool, rows: &[Row]) -> f64 {
+    let (mut sum, mut most) = (0.0_f64, 0.0_f64);
+    for two in rows.windows(2) {
+        let row = &two[0];
+        let of_feel = -row.hand * limits.grip_arm * row.input.feel_rate * limits.period;
+        let of_feel = if row.allowed.follows && of_feel.is_finite() { of_feel.max(0.0) } else { 0.0 };
+        sum += two[1].given - row.given - of_feel;
+        sum = if by_hand { sum } else { sum.max(0.0) };
+        most = most.max(sum);
+    }
+    most
 }
 
 /// The first sample at which some function had to have stopped the loader.
@@ -142,10 +200,11 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         let needed = function.samples(limits) as usize;
         (0..rows.len()).find(|&k| on(k) && k + 1 >= needed && (k + 1 - needed..=k).all(holds))
     };
-    let received = |k: usize| rows[k].input.missed == 0;
+    let received = |k: usize| rows[k].input.missed == 0 && rows[k].input.delay <= limits.late;
     let sensed = |k: usize| received(k) && rows[k].input.sensed.iter().all(|value| value.is_finite());
-    let grip = |k: usize| rows[k].input.sensed[0] * limits.lever / limits.grip_arm;
-    let angle = |k: usize| rows[k].input.sensed[2] / limits.base_arm;
+    // What is watched are the readings that the law is given, too.
+    let grip = |k: usize| used(&rows[k])[0] * limits.lever / limits.grip_arm;
+    let angle = |k: usize| used(&rows[k])[2] / limits.base_arm;
     see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].input.emergency_stop));
     see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].input.drive_fault));
     see(
@@ -164,20 +223,10 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
             sensed(k) && beyond
         }),
     );
-    see(
-        Function::Jump,
-        run_of(Function::Jump, &|k| {
-            // Only beside a sample that was heard right before: else the machine had more time. A new start forgets.
-            let neighbours = k > 1 && sensed(k) && sensed(k - 1) && on(k - 1);
-            neighbours
-                && (0..3).any(|i| {
-                    let scale = if i == 2 { limits.base_arm } else { 1.0 };
-                    (rows[k].input.sensed[i] - rows[k - 1].input.sensed[i]).abs()
-                        > limits.jump[i] * scale * (1.0 + ROUNDING)
-                })
-        }),
-    );
+    see(Function::ColumnAngle, jumped(case, limits));
     see(Function::Silence, run_of(Function::Silence, &|k| rows[k].input.missed > 0));
+    // Counted from the start on.
+    see(Function::Late, run_of(Function::Late, &|k| on(k) && rows[k].input.delay > limits.late));
     see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].input.late > 0));
     let runs = |k: usize| sensed(k) && on(k);
     see(
@@ -192,7 +241,10 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     see(
         Function::Speed,
         run_of(Function::Speed, &|k| {
-            runs(k) && k > 1 && runs(k - 1) && (angle(k) - angle(k - 1)).abs() > limits.speed_step * (1.0 + ROUNDING)
+            // In both of two samples, the same way, and so in each of the last two.
+            let moved = |k: usize| angle(k) - angle(k - 1);
+            let fast = |k: usize| moved(k).abs() > limits.speed_step * (1.0 + ROUNDING);
+            runs(k) && k > 2 && runs(k - 1) && runs(k - 2) && fast(k) && fast(k - 1) && moved(k) * moved(k - 1) > 0.0
         }),
     );
     see(
@@ -233,14 +285,29 @@ fn steady(limits: &Limits, rows: &[Row], k: usize) -> bool {
     }
 }
 
+/// Where one sensor alone jumps, by clearly more than it may, while the loader has been watched for long.
+fn jumped(case: &Case, limits: &Limits) -> Option<usize> {
+    let single = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() == 1;
+    let fault = case.faults.iter().find(|fault| fault.kind == Kind::Jump && single)?;
+    (fault.from > WATCHED).then_some(fault.from + limits.bridge as usize)
+}
+
+/// Samples after which the supervisor has watched for long.
+const WATCHED: usize = 120;
+
+/// The readings of a sample that were used.
+fn used(row: &Row) -> [f64; SENSORS] {
+    row.used.unwrap_or(row.input.sensed)
+}
+
 /// Eq. (9) with what the sensors show, in newtons in place of metres.
 fn disagree(limits: &Limits, rows: &[Row], k: usize) -> bool {
     let [per_stiffness, half_play, damping_time] = limits.link;
-    let stretch = |k: usize| rows[k].input.sensed[1] - rows[k].input.sensed[2] / limits.base_arm * limits.lever;
+    let stretch = |k: usize| used(&rows[k])[1] - used(&rows[k])[2] / limits.base_arm * limits.lever;
     let rate = (stretch(k) - stretch(k - 1)) / limits.period;
     let of_link = (stretch(k) + damping_time * rate) / per_stiffness;
     let allowed = (half_play + limits.agreement_m) / per_stiffness;
-    (of_link - rows[k].input.sensed[0]).abs() > allowed * (1.0 + 1e-6)
+    (of_link - used(&rows[k])[0]).abs() > allowed * (1.0 + 1e-6)
 }
 
 /// A sensor that was made to stick, once the machine has moved on by clearly more than it may.
@@ -249,8 +316,11 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let fault = case.faults.iter().find(|fault| fault.kind == Kind::Stuck && single)?;
     let from = fault.from + limits.stuck as usize;
     let [per_stiffness, half_play, _] = limits.link;
-    (from..rows.len()).find(|&k| {
-        let input = |k: usize| rows[k].input.sensed;
+    // None of the readings is a prediction.
+    let read =
+        |k: usize| rows[k].used.is_some_and(|used| (0..3).all(|j| (used[j] - rows[k].input.sensed[j]).abs() <= 0.0));
+    let apart = |k: usize| {
+        let input = |k: usize| used(&rows[k]);
         let expected = |k: usize| match fault.sensor {
             0 => input(k)[1] - input(k)[2] / limits.base_arm * limits.lever,
             1 => input(k)[2] / limits.base_arm * limits.lever + input(k)[0] * per_stiffness,
@@ -260,8 +330,11 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
         // What a new start, or the last change of the sensor, begins from is no later than the fault.
         fault.from > 2
             && started(fault.from - 1)
+            && read(fault.from)
+            && read(k)
             && (expected(k) - expected(fault.from)).abs() > 2.0 * (2.0 * half_play + limits.agreement_m)
-    })
+    };
+    (from..rows.len()).find(|&k| (k - limits.bridge as usize..=k).all(apart))
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]

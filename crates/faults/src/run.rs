@@ -14,6 +14,7 @@ use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
 use forcefeel_model::supervisor::{
     Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
 };
+use forcefeel_model::transducers::SENSORS;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -23,9 +24,13 @@ use rand_distr::{Distribution, StandardNormal};
 pub struct Row {
     /// What the supervisor was told.
     pub input: SupervisorInput<f64>,
+    /// The readings that it admitted.
+    pub used: Option<[f64; SENSORS]>,
     /// What it allowed.
     pub allowed: SupervisorOutput<f64>,
-    /// Column's rate in rad/s, as it is.
+    /// Column's angle in rad and its rate in rad/s, as they are.
+    pub angle: f64,
+    /// See [`angle`](Self::angle).
     pub rate: f64,
     /// Load cell's force in N, as it is.
     pub force: f64,
@@ -73,7 +78,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
     let mut followed = SupervisedLaw::new(&control, machine.sensors_at_rest(&shared.effects));
     let mut rows = Vec::<Row>::with_capacity(case.samples);
-    let mut before = [FaultHistory::default(); 2];
+    let mut before = [FaultHistory::NONE; 2];
     let mut given = 0.0;
     let column = parameters.column;
     let moving = Moving::of(&parameters, kind, &limits);
@@ -95,23 +100,26 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     sensed: sensors,
                     missed: 0,
                     periods: 1.0,
+                    delay: 0,
                     late: 0,
                     host_age: Some(0),
                     command: 0.0,
                     feel_acceleration: control.free_acceleration(&shared, followed.feeling(), &inputs),
+                    feel_rate: followed.feeling().motion.at[1] * control.per_delta(),
                     emergency_stop: false,
                     drive_fault: false,
                     requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
                     acknowledge: false,
                 };
                 for (fault, before) in case.faults.iter().zip(&mut before) {
+                    before.see(sample, sensors);
                     fault.spoil_sensed(before, &limits, sample, &mut input);
                     before.shown = sensors;
                 }
-                let of = Sample { sensors: input.sensed, pilot_force: now.pilot_force };
-                let sampled = (input.missed == 0).then_some(&of);
+                let admitted = supervisor.admit(&input);
+                let of = admitted.map(|sensors| Sample { sensors, pilot_force: now.pilot_force });
                 let mut allowed = None;
-                let e = followed.step((&shared, &control), &inputs, sampled, |answer| {
+                let e = followed.step((&shared, &control), &inputs, of.as_ref(), |answer| {
                     input.command = answer.command;
                     for fault in &case.faults {
                         fault.spoil_command(&limits, sample, &mut input);
@@ -121,10 +129,11 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     LimitedCommand::from(&output)
                 });
                 let allowed = allowed?;
-                under_way.send(sample, if allowed.enable { e } else { 0.0 });
-                let rate = now.base_rate / column.base_arm;
+                let acts = case.faults.iter().fold(e, |e, fault| fault.spoil_drive(&limits, sample, e));
+                under_way.send(sample, if allowed.enable { acts } else { 0.0 });
+                let [angle, rate] = [now.base, now.base_rate].map(|along| along / column.base_arm);
                 let stored = moving.stored(rate, now.force);
-                rows.push(Row { input, allowed, rate, force: now.force, hand, given, stored });
+                rows.push(Row { input, used: admitted, allowed, angle, rate, force: now.force, hand, given, stored });
             }
             if let Some(arriving) = timing.arriving_at(state.steps()) {
                 state.command(under_way.arriving(arriving));

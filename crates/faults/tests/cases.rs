@@ -10,8 +10,8 @@ fn a_thousand_single_faults_and_as_many_pairs() {
     let controller = Controller { period: 1e-3, ..elevator.controller };
     let values = [Parameters { controller, ..elevator }.values()];
     let loaders = Loaders { values: &values, observers: None };
-    for pairs in [false, true] {
-        let outcomes = loaders.outcomes(1, (0, 1000), pairs, 2).expect("threads");
+    for faults in [1, 2] {
+        let outcomes = loaders.outcomes(1, (0, 1000), faults, 2).expect("threads");
         let mut stopped = 0;
         for (number, outcome) in outcomes.iter().enumerate() {
             let outcome = outcome.as_ref().expect("a loader that can be supervised");

@@ -35,6 +35,8 @@ pub struct Input<S> {
     pub request: u32,
     /// Samples in a row without a sample.
     pub missed: u32,
+    /// Periods by which the sample is later than the controller's delay has it.
+    pub delay: u32,
     /// Periods in a row that were late.
     pub late: u32,
     /// Bits: emergency stop, fault of the drive, acknowledged.
@@ -115,19 +117,20 @@ impl<S: Scalar> Axis<S> {
         let like = given.trim;
         self.select(settings, given)?;
         let inputs = self.inputs(given);
-        let fresh = given.missed == 0;
-        if fresh {
+        if given.missed == 0 {
             self.sensors = given.sensors;
         }
         let mut input = SupervisorInput {
             sensed: self.sensors,
             missed: given.missed,
             periods: count(self.missed, like) + like.constant(1.0),
+            delay: given.delay,
             late: given.late,
             host_age: None,
             // The law's, as it comes to it.
             command: like.zero(),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
+            feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             drive_fault: given.flags & DRIVE_FAULT != 0,
             requested: match given.request {
@@ -138,10 +141,10 @@ impl<S: Scalar> Axis<S> {
             acknowledge: given.flags & ACKNOWLEDGED != 0,
         };
         self.missed = given.missed;
-        let sample = Sample { sensors: self.sensors, pilot_force: like.zero() };
+        let sample = self.supervisor.admit(&input).map(|sensors| Sample { sensors, pilot_force: like.zero() });
         let (supervisor, last) = (&mut self.supervisor, &mut self.last);
         let law = (&self.shared, &self.control);
-        let command = self.followed.step(law, &inputs, fresh.then_some(&sample), |answer| {
+        let command = self.followed.step(law, &inputs, sample.as_ref(), |answer| {
             input.command = answer.command;
             let allowed = supervisor.step(&input);
             *last = Some(allowed);

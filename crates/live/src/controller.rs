@@ -8,7 +8,7 @@ use crate::request::{FeelRequest, LoopRequest};
 use crate::row::Row;
 use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
-use forcefeel_model::control::Control;
+use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::host::effects::Held;
@@ -29,6 +29,7 @@ pub struct Controller {
     period_s: f64,
     followed: SupervisedLaw<f64>,
     sensors: [f64; SENSORS],
+    pilot_force: f64,
     supervision: Supervision,
     asked: Asked,
     /// What is requested once the supervisor has been asked for off.
@@ -74,6 +75,7 @@ impl Controller {
             period_s: setup.period_s(),
             followed,
             sensors,
+            pilot_force: 0.0,
             supervision: Supervision::new(setup)?,
             asked: Asked { request: RequestedMode::Off, acknowledge: false, stop: false },
             after_off: Some(RequestedMode::Off),
@@ -147,7 +149,9 @@ impl Controller {
         let seen = CycleStatus {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
             periods: sampled.map(|sampled| sampled.periods),
+            delay: sampled.map_or(0, |sampled| sampled.delay),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
+            feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
             host_age: of_host.age,
@@ -157,9 +161,11 @@ impl Controller {
         self.asked.request = self.after_off.take().unwrap_or(self.asked.request);
         self.sensors = seen.sensors;
         let (supervision, mut verdict) = (&mut self.supervision, Verdict::NONE);
-        let sample = sampled.map(|sampled| &sampled.sample);
-        let written = self.followed.step((&self.shared, &self.control), &inputs, sample, |answer| {
-            verdict = supervision.look(&seen, answer);
+        self.pilot_force = sampled.map_or(self.pilot_force, |sampled| sampled.sample.pilot_force);
+        let pilot_force = self.pilot_force;
+        let sample = supervision.admit(&seen).map(|sensors| Sample { sensors, pilot_force });
+        let written = self.followed.step((&self.shared, &self.control), &inputs, sample.as_ref(), |answer| {
+            verdict = supervision.look(answer);
             verdict.passed()
         });
         let verdict = Verdict { command: written, ..verdict };
@@ -267,6 +273,7 @@ impl Controller {
             hand_force_n: verdict.hand_force,
             sampled: f64::from(u8::from(sampled.is_some())),
             periods: sampled.map_or(f64::NAN, |sampled| sampled.periods),
+            delay: sampled.map_or(f64::NAN, |sampled| f64::from(sampled.delay)),
             emergency_stop: f64::from(u8::from(sampled.is_some_and(|sampled| sampled.emergency_stop))),
             missed: count(missed),
             late_s: 0.0,

@@ -9,8 +9,9 @@ use crate::row::Row;
 use crate::setup::Setup;
 use forcefeel_model::curve::Curve;
 use forcefeel_model::host::effects::Held;
-use forcefeel_model::host::packet::switches;
+use forcefeel_model::host::packet::{FROM_HOST, HOST_NUMBERS, switches};
 use forcefeel_model::host::{FromHost, HostEffects, Stream, ToHost};
+use forcefeel_model::parameters::Safety;
 use forcefeel_model::supervisor::{Function, SupervisorOutput};
 
 /// What a host wants of a cycle.
@@ -44,6 +45,7 @@ pub struct HostControl {
     grip_arm: f64,
     factor: Option<(Curve, [f64; 2])>,
     host_share: f64,
+    limits: ValueLimits,
     /// The programmed control's angle.
     angle: f64,
     answers: u32,
@@ -64,6 +66,7 @@ impl HostControl {
             grip_arm,
             factor,
             host_share: 0.0,
+            limits: ValueLimits::of(&parameters.safety, period_s),
             angle: 0.0,
             answers: 0,
             received: false,
@@ -93,13 +96,12 @@ impl HostControl {
         let age = self.stream.age();
         let (share, host_share) = allowed.map_or((0.0, 0.0), |allowed| (allowed.share, allowed.host_share));
         self.host_share = if age.is_some() { host_share } else { 0.0 };
-        let values = self.stream.values(self.host_share);
+        let values = self.limits.limited(self.stream.values(1.0), self.host_share);
         let on = self.stream.switches(self.host_share);
         let pressure = self.stream.values(1.0)[0];
-        let of_pressure = self
-            .factor
-            .as_ref()
-            .map_or(1.0, |(curve, [low, high])| 1.0 + self.host_share * (curve.at(pressure.clamp(*low, *high)) - 1.0));
+        let of_pressure =
+            self.factor.as_ref().map_or(1.0, |(curve, [low, high])| curve.at(pressure.clamp(*low, *high)));
+        let of_pressure = 1.0 + self.host_share * (self.limits.spring(of_pressure) - 1.0);
         let force = |angle, factor| (held.force)(angle, factor * of_pressure);
         let held = Held { angle: self.angle, spring: held.spring, force };
         let command = self.effects.step(&held, &values, on, share);
@@ -136,4 +138,50 @@ impl HostControl {
         let numbers = numbers.map(|number| if number.is_finite() { number as f32 } else { 0.0 });
         Some(ToHost { sequence: self.answers, status, numbers })
     }
+}
+
+/// Largest magnitude of each of the host's values, and its largest change in a period; what its pressure makes of the spring is one of them.
+#[derive(Debug, Clone)]
+struct ValueLimits {
+    most: [f64; HOST_NUMBERS],
+    step: [f64; HOST_NUMBERS],
+    last: [f64; HOST_NUMBERS],
+    of_pressure: f64,
+}
+
+/// The spring factor's place among the values.
+const SPRING: usize = 1;
+
+impl ValueLimits {
+    /// Those of the loader file, by what a value is: pressure, spring, angle, angle, force, force, shaker, force, rate, force.
+    fn of(safety: &Safety<f64>, period_s: f64) -> Self {
+        let none = f64::INFINITY;
+        let (spring, angle, force) = (safety.host_spring, safety.host_angle, safety.host_force);
+        let most = [none, spring, angle, angle, force, force, none, force, safety.host_angle_rate, force];
+        let (spring, angle, force) = (safety.host_spring_rate, safety.host_angle_rate, safety.host_force_rate);
+        let step = [none, spring, angle, angle, force, force, none, force, none, force].map(|rate| rate * period_s);
+        Self { most, step, last: FROM_HOST.map(|(.., without)| f64::from(without)), of_pressure: 1.0 }
+    }
+
+    /// The host's values, limited; the host has this share of them. A host that is silent loses them by its share, at no rate of theirs.
+    fn limited(&mut self, values: [f64; HOST_NUMBERS], share: f64) -> [f64; HOST_NUMBERS] {
+        core::array::from_fn(|k| {
+            self.last[k] = next(self.last[k], values[k], (self.most[k], self.step[k]));
+            let without = f64::from(FROM_HOST[k].4);
+            without + share * (self.last[k] - without)
+        })
+    }
+
+    /// What dynamic pressure makes of the spring.
+    fn spring(&mut self, of_pressure: f64) -> f64 {
+        self.of_pressure = next(self.of_pressure, of_pressure, (self.most[SPRING], self.step[SPRING]));
+        self.of_pressure
+    }
+}
+
+/// A value after a period, that was `last` before and goes to `value`.
+fn next(last: f64, value: f64, (most, step): (f64, f64)) -> f64 {
+    let within = value.clamp(-most, most);
+    // What may change at once is the value itself, to the very bit.
+    if (within - last).abs() <= step { within } else { last + (within - last).clamp(-step, step) }
 }

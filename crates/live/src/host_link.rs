@@ -1,8 +1,8 @@
 //! The socket of an aircraft simulator, in a thread of its own: it receives, checks, and hands packets to the loop by a ring; what the
 //! loop has to tell comes back by another.
 //!
-//! One host at a time: who spoke first, until it is silent for a second. What is damaged, of another version, out of order, out of range or
-//! of somebody else is counted and left out.
+//! One host: who spoke first. Another one takes over once that is silent for a second and a person accepts it. What is damaged, of another
+//! version, out of order, out of range or of another sender is counted and left out.
 
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use forcefeel_model::host::packet::{FROM_HOST_BYTES, is_newer};
@@ -42,18 +42,38 @@ pub struct HostStatus {
     pub packets: AtomicU64,
     /// Packets that were left out.
     pub refused: AtomicU64,
-    last: Mutex<Option<(SocketAddr, Instant)>>,
+    last: Mutex<Option<(SocketAddr, Option<Instant>)>>,
+    /// Who else speaks since the host is silent.
+    waiting: Mutex<Option<SocketAddr>>,
 }
 
 impl HostStatus {
-    /// Who spoke last, and how long ago.
-    pub fn last(&self) -> Option<(SocketAddr, Duration)> {
+    /// The host, and how long ago it spoke; one that a person has just accepted has not spoken yet.
+    pub fn last(&self) -> Option<(SocketAddr, Option<Duration>)> {
         let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.map(|(address, at)| (address, at.elapsed()))
+        last.map(|(address, at)| (address, at.map(|at| at.elapsed())))
+    }
+
+    /// Who else speaks, and waits for a person to accept it.
+    pub fn waiting(&self) -> Option<SocketAddr> {
+        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A person accepts the sender that waits as the host; whether one did.
+    pub fn accept(&self) -> bool {
+        let accepted = self.waiting.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(address) = accepted {
+            *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((address, None));
+        }
+        accepted.is_some()
+    }
+
+    fn waits(&self, address: Option<SocketAddr>) {
+        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner) = address;
     }
 
     fn speaks(&self, address: SocketAddr) {
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((address, Instant::now()));
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((address, Some(Instant::now())));
     }
 }
 
@@ -76,8 +96,13 @@ pub fn between(socket: UdpSocket) -> io::Result<(Link, HostRings)> {
     let at = socket.local_addr()?;
     let (packets, taken) = RingBuffer::new(ROOM);
     let (replies, answers) = RingBuffer::new(ROOM);
-    let host_status =
-        Arc::new(HostStatus { at, packets: AtomicU64::new(0), refused: AtomicU64::new(0), last: Mutex::default() });
+    let host_status = Arc::new(HostStatus {
+        at,
+        packets: AtomicU64::new(0),
+        refused: AtomicU64::new(0),
+        last: Mutex::default(),
+        waiting: Mutex::default(),
+    });
     Ok((Link { socket, packets, answers, sequence: 0, host_status }, HostRings { packets: taken, answers: replies }))
 }
 
@@ -99,11 +124,14 @@ impl Link {
 
     /// Hands a packet on, if it is the next of the one host.
     fn take(&mut self, packet: &FromHost, from: SocketAddr) -> bool {
-        if let Some((address, ago)) = self.host_status.last()
-            && ago < GONE
-            && (address != from || !is_newer(packet.sequence, self.sequence))
-        {
-            return false;
+        if let Some((address, ago)) = self.host_status.last() {
+            let speaks = ago.is_some_and(|ago| ago < GONE);
+            if address != from && !speaks {
+                self.host_status.waits(Some(from));
+            }
+            if address != from || (speaks && !is_newer(packet.sequence, self.sequence)) {
+                return false;
+            }
         }
         // An answer that came too late is no answer to this.
         while self.answers.pop().is_ok() {}
@@ -112,6 +140,7 @@ impl Link {
         }
         self.sequence = packet.sequence;
         self.host_status.speaks(from);
+        self.host_status.waits(None);
         true
     }
 

@@ -26,6 +26,8 @@ pub struct Sampled {
     /// Periods since the sample that was read before it, by a clock; one where the machine has no time but the loop's. Cycles without a
     /// sample need not be counted.
     pub periods: f64,
+    /// Cycles by which it is late: zero where it answers the newest command that was written before it was read.
+    pub delay: u32,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
 }
@@ -69,4 +71,12 @@ pub enum Fault {
     Jump(usize, f64),
     /// Commands are lost: the drive holds the last one.
     Deaf,
+    /// Samples come so many cycles late.
+    Late(usize),
+    /// A sensor jumps by so much in the next sample alone.
+    Spike(usize, f64),
+    /// A sensor shows the opposite.
+    Reversed(usize),
+    /// The drive has this command while it has power.
+    Hardover(f64),
 }

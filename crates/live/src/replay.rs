@@ -170,7 +170,9 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
         }
         let sensors = [row.load_cell_force_n, row.drive_position_m, row.column_base_m, row.grip_force_n];
         let sample = Sample { sensors, pilot_force: row.pilot_force_n };
-        let sampled = Sampled { sample, periods: row.periods, emergency_stop: row.emergency_stop != 0.0 };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of cycles")]
+        let delay = row.delay as u32;
+        let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop: row.emergency_stop != 0.0 };
         let (_, again) = controller.step((row.sampled != 0.0).then_some(&sampled), missed);
         replayed.cycles += 1;
         let pairs = NAMES.iter().zip(numbers.iter().zip(again.numbers()));

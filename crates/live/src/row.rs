@@ -79,6 +79,8 @@ columns! {
     sampled;
     /// Periods between it and the sample before it, by which velocities are worked out; not a number where none had come.
     periods;
+    /// Cycles by which it was late, by the command that it answers; not a number where none had come.
+    delay;
     /// Whether the emergency stop was pressed.
     emergency_stop;
     /// Beats that were missed before this cycle.

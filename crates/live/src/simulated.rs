@@ -21,6 +21,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+/// Samples that are kept, for those that come late.
+const RECENT: usize = 64;
+
 /// The stream of the grip's sensor, as the first run of a simulation has it.
 const OF_GRIP: u64 = 1 << 63;
 
@@ -68,6 +71,9 @@ struct Simulated<D: Drive<f64>> {
     /// What the sensors showed when a fault began.
     frozen: [f64; SENSORS],
     shown: [f64; SENSORS],
+    /// Readings of the newest samples, by their number.
+    recent: [[f64; SENSORS]; RECENT],
+    samples: usize,
     command: f64,
     /// A step that waits for its command.
     begun: Option<(SamplingPoint<f64, D>, Inputs)>,
@@ -109,6 +115,8 @@ impl<D: Drive<f64>> Simulated<D> {
             fault: None,
             frozen: beginning.sensors,
             shown: beginning.sensors,
+            recent: [beginning.sensors; RECENT],
+            samples: 0,
             command: equilibrium.command(),
             begun: None,
         };
@@ -153,7 +161,12 @@ impl<D: Drive<f64>> Simulated<D> {
             Some(Fault::Stuck(sensor)) => sensors[sensor] = self.frozen[sensor],
             Some(Fault::NotANumber(sensor)) => sensors[sensor] = f64::NAN,
             Some(Fault::Jump(sensor, by)) => sensors[sensor] += by,
-            Some(Fault::Deaf) | None => {}
+            Some(Fault::Spike(sensor, by)) => {
+                sensors[sensor] += by;
+                self.fault = None;
+            }
+            Some(Fault::Reversed(sensor)) => sensors[sensor] = -sensors[sensor],
+            Some(Fault::Late(_) | Fault::Deaf | Fault::Hardover(_)) | None => {}
         }
         self.shown = sensors;
         Some(sensors)
@@ -181,7 +194,17 @@ where
             // Where nothing is written in time, the drive holds what it has.
             self.under_way.send(sample, self.command + inputs.command_signal[0]);
             let sensors = self.measured()?;
-            return Some(Sampled { sample: Sample { sensors, pilot_force }, periods: 1.0, emergency_stop: false });
+            let late = if let Some(Fault::Late(cycles)) = self.fault { cycles.min(RECENT - 1) } else { 0 };
+            self.samples = self.samples.wrapping_add(1);
+            self.recent[self.samples % RECENT] = sensors;
+            let sensors = self.recent[self.samples.wrapping_sub(late) % RECENT];
+            let delay = u32::try_from(late).unwrap_or(u32::MAX);
+            return Some(Sampled {
+                sample: Sample { sensors, pilot_force },
+                periods: 1.0,
+                delay,
+                emergency_stop: false,
+            });
         }
     }
 
@@ -190,7 +213,8 @@ where
             return;
         }
         // A drive without power makes nothing of its command.
-        self.command = if command.enable { command.command } else { 0.0 };
+        let e = if let Some(Fault::Hardover(e)) = self.fault { e } else { command.command };
+        self.command = if command.enable { e } else { 0.0 };
         let step = self.state.steps();
         if let (Some(sample), Some((_, inputs))) = (self.shared.timing.and_then(|it| it.sample_at(step)), &self.begun) {
             self.under_way.send(sample, self.command + inputs.command_signal[0]);

@@ -41,8 +41,12 @@ pub struct CycleStatus {
     pub sensors: [f64; SENSORS],
     /// Where they are of this cycle, the periods between it and the sample before it.
     pub periods: Option<f64>,
+    /// Cycles by which they are late.
+    pub delay: u32,
     /// Acceleration that the feel would give with no hand on it, in rad/s².
     pub feel_acceleration: f64,
+    /// Rate of the programmed control, as an angle of the column, in rad/s.
+    pub feel_rate: f64,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
     /// Beats that were missed before.
@@ -88,6 +92,7 @@ impl Verdict {
 pub struct Supervision {
     supervisor: Option<Supervisor<f64>>,
     last: Option<SupervisorOutput<f64>>,
+    input: Option<SupervisorInput<f64>>,
     silent: u32,
     late: u32,
 }
@@ -104,7 +109,7 @@ impl Supervision {
         } else {
             None
         };
-        Ok(Self { supervisor, last: None, silent: 0, late: 0 })
+        Ok(Self { supervisor, last: None, input: None, silent: 0, late: 0 })
     }
 
     /// The feel's neutral in rad where trim has it at `wanted`.
@@ -117,30 +122,40 @@ impl Supervision {
         self.last.as_ref()
     }
 
-    /// What is allowed where the law asks for this.
-    pub fn look(&mut self, seen: &CycleStatus, answer: &ControlOutput<f64>) -> Verdict {
-        let command = answer.command;
-        let Some(supervisor) = &mut self.supervisor else {
-            return Verdict { command, ..Verdict::NONE };
-        };
+    /// The readings of a cycle that the law is given; those that came, if nobody looks on.
+    pub fn admit(&mut self, seen: &CycleStatus) -> Option<[f64; SENSORS]> {
+        let Some(supervisor) = &mut self.supervisor else { return seen.periods.map(|_| seen.sensors) };
         // A cycle that had no sample was a period at least.
         let periods = seen.periods.map(|periods| periods.max(f64::from(self.silent.saturating_add(1))));
         self.silent = if periods.is_some() { 0 } else { self.silent.saturating_add(1) };
         self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };
         let Asked { request, acknowledge, stop } = seen.asked;
-        let allowed = supervisor.step(&SupervisorInput {
+        let input = SupervisorInput {
             sensed: seen.sensors,
             missed: self.silent,
             periods: periods.unwrap_or(1.0),
+            delay: seen.delay,
             late: self.late,
             host_age: seen.host_age,
-            command,
+            command: 0.0,
             feel_acceleration: seen.feel_acceleration,
+            feel_rate: seen.feel_rate,
             emergency_stop: seen.emergency_stop || stop,
             drive_fault: false,
             requested: request,
             acknowledge,
-        });
+        };
+        self.input = Some(input);
+        supervisor.admit(&input)
+    }
+
+    /// What is allowed in the cycle whose readings were admitted, where the law asks for this.
+    pub fn look(&mut self, answer: &ControlOutput<f64>) -> Verdict {
+        let command = answer.command;
+        let (Some(supervisor), Some(input)) = (&mut self.supervisor, self.input) else {
+            return Verdict { command, ..Verdict::NONE };
+        };
+        let allowed = supervisor.step(&SupervisorInput { command, ..input });
         self.last = Some(allowed);
         let place = STATES.iter().position(|state| *state == allowed.state).and_then(|place| u8::try_from(place).ok());
         Verdict {

@@ -1,19 +1,24 @@
 //! A machine over the network: packets of fixed layout, little-endian, each with version, sequence number and check sum.
 //!
-//! | sample, 72 bytes | | command, 48 bytes | |
+//! | sample, 88 bytes | | command, 56 bytes | |
 //! |---|---|---|---|
 //! | 0 | `FFLV` | 0 | `FFLV` |
 //! | 4 | version, u16 | 4 | version, u16 |
 //! | 6 | kind 1, u16 | 6 | kind 2; 3 asks for samples, u16 |
 //! | 8 | sequence number, u64 | 8 | sequence number: the loop's cycle, u64 |
-//! | 16 | clock of the machine in ns, u64 | 16 | sequence number of the sample that it answers, u64 |
-//! | 24 | load cell in N, f64 | 24 | command in V or A, f64 |
-//! | 32 | position of the drive's end in m, f64 | 32 | bit 0: power the drive, u32 |
-//! | 40 | displacement of the column's base in m, f64 | 36 | the supervisor's state, u32 |
-//! | 48 | pilot's force in N or not a number, f64 | 40 | zero, u32 |
-//! | 56 | force sensor at the grip in N, zero where there is none, f64 | 44 | CRC-32 of bytes 0 to 43, u32 |
-//! | 64 | bit 0: emergency stop, u32 | | |
-//! | 68 | CRC-32 of bytes 0 to 67, u32 | | |
+//! | 16 | session key of the loop, u64 | 16 | session key, drawn as the loop starts, u64 |
+//! | 24 | cycle that it answers: the newest command's, all ones before the first, u64 | 24 | sequence number of the sample that it answers, u64 |
+//! | 32 | clock of the machine in ns, u64 | 32 | command in V or A, f64 |
+//! | 40 | load cell in N, f64 | 40 | bit 0: power the drive, u32 |
+//! | 48 | position of the drive's end in m, f64 | 44 | the supervisor's state, u32 |
+//! | 56 | displacement of the column's base in m, f64 | 48 | zero, u32 |
+//! | 64 | pilot's force in N or not a number, f64 | 52 | CRC-32 of bytes 0 to 51, u32 |
+//! | 72 | force sensor at the grip in N, zero where there is none, f64 | | |
+//! | 80 | bit 0: emergency stop, u32 | | |
+//! | 84 | CRC-32 of bytes 0 to 83, u32 | | |
+//!
+//! A packet with another session key, or one that answers a cycle that was never sent, is dropped: a forged packet or one of a loop that has
+//! ended does nothing. The delay of a sample is counted in cycles, from the command that it could have answered to the one that it answers.
 //!
 //! The machine sends a sample to whoever asked last, once a period or whenever a command comes. A sample that is damaged, of another version or
 //! not newer than the last one is dropped. Newer is the higher sequence number. Of a machine that was silent for some cycles it may also be the
@@ -26,16 +31,18 @@
 
 use crate::input_output::{Command, InputOutput, Sampled};
 use forcefeel_model::control::Sample;
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 /// Version of the packets.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bytes of a sample.
-pub const SAMPLE_BYTES: usize = 72;
+pub const SAMPLE_BYTES: usize = 88;
 /// Bytes of a command.
-pub const COMMAND_BYTES: usize = 48;
+pub const COMMAND_BYTES: usize = 56;
 
 const MAGIC: [u8; 4] = *b"FFLV";
 const SAMPLE: u16 = 1;
@@ -50,11 +57,18 @@ const ASK_AGAIN: u32 = 16;
 /// Cycles without a sample after which its clock may begin anew too: a second at 5 kHz, some at less.
 const FORGET: u32 = 5000;
 
+/// Cycle that a sample answers before the first command.
+pub const NO_CYCLE: u64 = u64::MAX;
+
 /// A sample with its sequence number and the machine's clock in ns.
 #[derive(Debug, Clone, Copy)]
 pub struct Stamped {
     /// Sequence number.
     pub sequence: u64,
+    /// Session key of the loop that asked.
+    pub session: u64,
+    /// Cycle of the newest command, or [`NO_CYCLE`].
+    pub answers: u64,
     /// Clock of the machine.
     pub clock_ns: u64,
     /// What it measured.
@@ -74,14 +88,15 @@ pub enum Request {
 
 /// The bytes of a sample.
 pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
-    let Stamped { sequence, clock_ns, sample, emergency_stop } = stamped;
+    let Stamped { sequence, session, answers, clock_ns, sample, emergency_stop } = stamped;
     let [force, position, base, grip] = sample.sensors;
-    let mut bytes = headed(SAMPLE, *sequence);
-    bytes[16..24].copy_from_slice(&clock_ns.to_le_bytes());
+    let mut bytes = headed(SAMPLE, *sequence, *session);
+    bytes[24..32].copy_from_slice(&answers.to_le_bytes());
+    bytes[32..40].copy_from_slice(&clock_ns.to_le_bytes());
     for (k, number) in [force, position, base, sample.pilot_force, grip].into_iter().enumerate() {
-        bytes[24 + 8 * k..32 + 8 * k].copy_from_slice(&number.to_le_bytes());
+        bytes[40 + 8 * k..48 + 8 * k].copy_from_slice(&number.to_le_bytes());
     }
-    bytes[64..68].copy_from_slice(&u32::from(*emergency_stop).to_le_bytes());
+    bytes[80..84].copy_from_slice(&u32::from(*emergency_stop).to_le_bytes());
     summed(bytes)
 }
 
@@ -89,51 +104,56 @@ pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
 pub fn sample_of(bytes: &[u8]) -> Option<Stamped> {
     let bytes = checked::<SAMPLE_BYTES>(bytes, &[SAMPLE])?;
     let number = |at: usize| f64::from_le_bytes(part(bytes, at));
-    let sample = Sample { sensors: [number(24), number(32), number(40), number(56)], pilot_force: number(48) };
-    let emergency_stop = u32::from_le_bytes(part(bytes, 64)) & 1 != 0;
+    let sample = Sample { sensors: [number(40), number(48), number(56), number(72)], pilot_force: number(64) };
+    let emergency_stop = u32::from_le_bytes(part(bytes, 80)) & 1 != 0;
     Some(Stamped {
         sequence: u64::from_le_bytes(part(bytes, 8)),
-        clock_ns: u64::from_le_bytes(part(bytes, 16)),
+        session: u64::from_le_bytes(part(bytes, 16)),
+        answers: u64::from_le_bytes(part(bytes, 24)),
+        clock_ns: u64::from_le_bytes(part(bytes, 32)),
         sample,
         emergency_stop,
     })
 }
 
 /// The bytes of a command that answers a sample.
-pub fn command_bytes(command: &Command, answers: u64) -> [u8; COMMAND_BYTES] {
-    let mut bytes = headed(COMMAND, command.cycle);
-    bytes[16..24].copy_from_slice(&answers.to_le_bytes());
-    bytes[24..32].copy_from_slice(&command.command.to_le_bytes());
-    bytes[32..36].copy_from_slice(&u32::from(command.enable).to_le_bytes());
-    bytes[36..40].copy_from_slice(&u32::from(command.state).to_le_bytes());
+pub fn command_bytes(command: &Command, session: u64, answers: u64) -> [u8; COMMAND_BYTES] {
+    let mut bytes = headed(COMMAND, command.cycle, session);
+    bytes[24..32].copy_from_slice(&answers.to_le_bytes());
+    bytes[32..40].copy_from_slice(&command.command.to_le_bytes());
+    bytes[40..44].copy_from_slice(&u32::from(command.enable).to_le_bytes());
+    bytes[44..48].copy_from_slice(&u32::from(command.state).to_le_bytes());
     summed(bytes)
 }
 
 /// The bytes that ask for samples.
-pub fn ask_bytes() -> [u8; COMMAND_BYTES] {
-    summed(headed(ASK, 0))
+pub fn ask_bytes(session: u64) -> [u8; COMMAND_BYTES] {
+    summed(headed(ASK, 0, session))
 }
 
-/// What a loop wants of a machine, if these bytes say it.
-pub fn request_of(bytes: &[u8]) -> Option<Request> {
+/// Session key, and the request of a loop to a machine, if these bytes are one.
+pub fn request_of(bytes: &[u8]) -> Option<(u64, Request)> {
     let bytes = checked::<COMMAND_BYTES>(bytes, &[COMMAND, ASK])?;
+    let session = u64::from_le_bytes(part(bytes, 16));
     if u16::from_le_bytes(part(bytes, 6)) == ASK {
-        return Some(Request::Ask);
+        return Some((session, Request::Ask));
     }
-    Some(Request::Command(Command {
+    let command = Command {
         cycle: u64::from_le_bytes(part(bytes, 8)),
-        command: f64::from_le_bytes(part(bytes, 24)),
-        enable: u32::from_le_bytes(part(bytes, 32)) & 1 != 0,
-        state: u8::try_from(u32::from_le_bytes(part(bytes, 36))).ok()?,
-    }))
+        command: f64::from_le_bytes(part(bytes, 32)),
+        enable: u32::from_le_bytes(part(bytes, 40)) & 1 != 0,
+        state: u8::try_from(u32::from_le_bytes(part(bytes, 44))).ok()?,
+    };
+    Some((session, Request::Command(command)))
 }
 
-fn headed<const N: usize>(kind: u16, sequence: u64) -> [u8; N] {
+fn headed<const N: usize>(kind: u16, sequence: u64, session: u64) -> [u8; N] {
     let mut bytes = [0; N];
     bytes[..4].copy_from_slice(&MAGIC);
     bytes[4..6].copy_from_slice(&VERSION.to_le_bytes());
     bytes[6..8].copy_from_slice(&kind.to_le_bytes());
     bytes[8..16].copy_from_slice(&sequence.to_le_bytes());
+    bytes[16..24].copy_from_slice(&session.to_le_bytes());
     bytes
 }
 
@@ -159,6 +179,10 @@ fn part<const N: usize, const M: usize>(bytes: &[u8; N], at: usize) -> [u8; M] {
 #[derive(Debug)]
 pub struct Udp {
     socket: UdpSocket,
+    /// Key that a packet of this loop and of its machine has.
+    session: u64,
+    /// Cycle of the newest command.
+    written: Option<u64>,
     /// Period of the loop in s where it goes by the clock.
     period_s: Option<f64>,
     last: Option<Last>,
@@ -188,8 +212,10 @@ impl Udp {
         if period_s.is_none() {
             socket.set_read_timeout(Some(PATIENCE))?;
         }
-        socket.send(&ask_bytes())?;
-        Ok(Self { socket, period_s, last: None, read: [Instant::now(); 2], silent: 0 })
+        // Nothing but the standard library's own random keys is needed for a number that cannot be guessed.
+        let session = RandomState::new().build_hasher().finish();
+        socket.send(&ask_bytes(session))?;
+        Ok(Self { socket, session, written: None, period_s, last: None, read: [Instant::now(); 2], silent: 0 })
     }
 
     /// The next sample in the socket that is newer than the last.
@@ -204,6 +230,8 @@ impl Udp {
                 Err(_) => return None,
             };
             if let Some(stamped) = sample_of(&bytes[..count])
+                && stamped.session == self.session
+                && self.delay(stamped.answers).is_some()
                 && self.is_newer(&stamped)
             {
                 let Stamped { sequence, clock_ns, .. } = stamped;
@@ -221,6 +249,14 @@ impl Udp {
 }
 
 impl Udp {
+    /// Cycles by which a sample that answers a cycle is late: zero where it answers the newest command. Nothing where that was never sent.
+    fn delay(&self, answers: u64) -> Option<u32> {
+        let newest = self.written.map_or(0, |cycle| cycle + 1);
+        let answered = if answers == NO_CYCLE { 0 } else { answers.checked_add(1)? };
+        let late = newest.checked_sub(answered)?;
+        Some(if answered == 0 { 0 } else { u32::try_from(late).unwrap_or(u32::MAX) })
+    }
+
     /// Periods by which a sample that was read now is younger than the one that was read before it.
     fn periods(&mut self, before: Option<Last>, clock_ns: u64) -> f64 {
         let Some(period_s) = self.period_s else { return 1.0 };
@@ -246,14 +282,16 @@ impl InputOutput for Udp {
             self.last = None;
         }
         if self.silent > 0 && self.silent.is_multiple_of(ASK_AGAIN) {
-            let _ = self.socket.send(&ask_bytes());
+            let _ = self.socket.send(&ask_bytes(self.session));
         }
-        let Stamped { clock_ns, sample, emergency_stop, .. } = newest?;
-        Some(Sampled { sample, periods: self.periods(before, clock_ns), emergency_stop })
+        let Stamped { answers, clock_ns, sample, emergency_stop, .. } = newest?;
+        let delay = self.delay(answers)?;
+        Some(Sampled { sample, periods: self.periods(before, clock_ns), delay, emergency_stop })
     }
 
     fn write(&mut self, command: &Command) {
         // A packet that cannot be sent is one that is lost: the machine misses it, and acts.
-        let _ = self.socket.send(&command_bytes(command, self.last.map_or(0, |last| last.sequence)));
+        self.written = Some(command.cycle);
+        let _ = self.socket.send(&command_bytes(command, self.session, self.last.map_or(0, |last| last.sequence)));
     }
 }

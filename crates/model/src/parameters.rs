@@ -401,7 +401,8 @@ parameter_table! {
         force_range: "F_r", "largest force that the load cell can show", FORCE, 2500.0, 0.1..1e6, off 2500.0;
         position_range: "x_r", "largest displacement that the drive's sensor can show", LENGTH, 12.0, 1e-2..1e3, off 12.0;
         angle_range: "theta_r", "largest angle that the column's sensor can show", ANGLE, 180.0, 0.1..3600.0, off 180.0;
-        jump_speed: "theta'_j", "angular velocity of the column that no change from sample to sample can stand for", ANGULAR_VELOCITY, 3000.0, 10.0..1e6, off 3000.0;
+        bridge_time: "t_b", "how long a prediction stands for a reading that the observer cannot explain", TIME, 2.0, 0.1..20.0, off 2.0;
+        delay_tolerance: "t_l", "time by which a sample may be later than controller.delay has it; later ones are taken as lost", TIME, 1.0, 0.0..20.0, off 1.0;
         agreement: "d_theta", "angle within which drive, load cell and column agree by the link's spring", ANGLE, 0.5, 1e-3..30.0, off 0.5;
         agreement_time: "t_a", "how long they may disagree", TIME, 10.0, 0.1..1e4, off 10.0;
         stuck_time: "t_s", "how long a sensor may show the same number while the others show motion", TIME, 50.0, 1.0..1e4, off 50.0;
@@ -413,6 +414,15 @@ parameter_table! {
         hand_force: "F_n", "force at the grip below which there is no hand on it", FORCE, 2.0, 0.0..1e3, off 2.0;
         runaway_power: "P_r", "power that the feel would take from a moving column, below which it is not watched for running away", POWER, 5.0, 1e-3..1e5, off 5.0;
         runaway_time: "t_r", "how long a column may move against its feel with no hand on it", TIME, 50.0, 1.0..1e4, off 50.0;
+        energy_limit: "E_1", "energy that a hand may be given by a column that moves otherwise than its feel; what is older than a second is forgotten", ENERGY, 4.0, 1e-2..1e3, off 4.0;
+        motion_limit: "E_2", "energy of motion by which a column may be faster than its feel", ENERGY, 20.0, 1e-1..1e4, off 20.0;
+        swing_limit: "theta_w", "swing of a column with no hand on it, from side to side, that must die away; else the host's values go", ANGLE, 2.0, 1e-2..90.0, off 2.0;
+        host_force: "F_h", "largest force at the grip of each of the host's values that is one", FORCE, 100.0, 0.0..1e4, off f64::INFINITY;
+        host_force_rate: "F'_h", "its largest change in time", FORCE_RATE, 500.0, 1e-2..1e7, off f64::INFINITY;
+        host_angle: "theta_h", "largest trim and autopilot position of the host", ANGLE, 10.0, 0.0..180.0, off f64::INFINITY;
+        host_angle_rate: "theta'_h", "their largest change in time, and that of a trim runaway", ANGULAR_VELOCITY, 20.0, 1e-3..1e5, off f64::INFINITY;
+        host_spring: "k_h", "largest spring factor of the host, and of its dynamic pressure", RATIO, 5.0, 0.0..100.0, off f64::INFINITY;
+        host_spring_rate: "k'_h", "its largest change in time", RATE, 2.0, 1e-3..1e5, off f64::INFINITY;
         fade_time: "t_f", "how long the feel takes to come and to go", TIME, 500.0, 1.0..1e5, off 500.0;
         stop_time: "t_z", "how long the command takes to zero when the loader is stopped", TIME, 20.0, 0.0..1e3, off 20.0;
         start_share: "s_0", "share of the largest command that there is when the feel begins to come", RATIO, 0.2, 1e-3..1.0, off 0.2;

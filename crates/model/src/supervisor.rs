@@ -5,14 +5,15 @@
 //! |---|---|
 //! | the safety functions: what each does, after how many samples, its sentence | [`function`] |
 //! | limits in SI units and samples | [`limits`] |
-//! | sensors that are silent, stuck, jumping, in disagreement | `sensors` |
+//! | sensors that are silent, late, stuck, in disagreement | `sensors` |
+//! | each sensor against the observer; lost and wrong samples bridged | `plausibility` |
 //! | force, speed, travel, runaway | [`grip`] |
 //! | limits of the command, its way to zero | `command` |
 //! | off, initialising, passive, active, fading, tripped | [`sequence`] |
 //! | finding the travel | `search` |
 //!
-//! A loop calls [`Supervisor::step`] in each period, with what was sampled and what the law makes of it, and does what is
-//! [`SupervisorOutput`]:
+//! A loop calls [`Supervisor::admit`] in each period for the readings that the law is given, then [`Supervisor::step`] with the law's command, and
+//! does what is [`SupervisorOutput`]:
 //!
 //! - it sends `command`, and drives the enable line with `enable`;
 //! - where `follows` is false, it keeps the feel computer and its neutral at the column's angle and at rest, the law in equilibrium there,
@@ -35,6 +36,7 @@ pub mod grip;
 mod input;
 pub mod limits;
 mod numbers;
+mod plausibility;
 mod search;
 mod sensors;
 pub mod sequence;
@@ -46,11 +48,16 @@ pub use limits::{Limits, Refusal};
 pub use sequence::SupervisorState;
 
 use crate::Scalar;
+use crate::transducers::SENSORS;
 use command::Command;
 use grip::GripMonitor;
 pub(crate) use numbers::finite;
+use plausibility::Plausibility;
 use sensors::Sensors;
 use sequence::Sequence;
+
+/// How much quicker than those of a silent host the values of one that swings the column go: within two swings of it.
+const SWING_FADES: f64 = 5.0;
 
 /// What a loop may do in this period.
 #[derive(Debug, Clone, Copy)]
@@ -94,10 +101,15 @@ impl<S: Scalar> SupervisorOutput<S> {
 pub struct Supervisor<S> {
     limits: Limits<S>,
     sensors: Sensors<S>,
+    plausibility: Plausibility<S>,
+    /// The readings of this period, and whether they are admitted yet.
+    admitted: (bool, Option<[S; SENSORS]>),
     watch: GripMonitor<S>,
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
+    /// The column swings under the host, until that is acknowledged.
+    swings: bool,
     /// The column's angle as sampled last.
     angle: S,
 }
@@ -108,10 +120,13 @@ impl<S: Scalar> Supervisor<S> {
         Self {
             limits: limits.numbers_of(like),
             sensors: Sensors::new(like),
+            plausibility: Plausibility::new(like),
+            admitted: (false, None),
             watch: GripMonitor::new(like),
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
+            swings: false,
             angle: like.zero(),
         }
     }
@@ -126,7 +141,19 @@ impl<S: Scalar> Supervisor<S> {
         self.sequence.found_stops()
     }
 
-    /// One sample.
+    /// The readings that the law is given in this period: as sampled, or as predicted where the sample is lost, late or implausible; nothing
+    /// where none can be. Of the input, command and feel need not be known yet.
+    #[inline]
+    pub fn admit(&mut self, input: &SupervisorInput<S>) -> Option<[S; SENSORS]> {
+        let limits = &self.limits;
+        let arrived =
+            input.missed == 0 && input.delay <= limits.late && input.sensed.iter().all(|&value| finite(value));
+        let readings = self.plausibility.admit(limits, arrived.then_some((&input.sensed, input.periods)));
+        self.admitted = (true, readings);
+        readings
+    }
+
+    /// One sample; its readings are admitted if they have not been.
     #[inline]
     pub fn step(&mut self, input: &SupervisorInput<S>) -> SupervisorOutput<S> {
         let limits = self.limits;
@@ -135,19 +162,28 @@ impl<S: Scalar> Supervisor<S> {
             .with(Function::DriveFault, input.drive_fault)
             .with(Function::Overrun, input.late >= limits.overrun)
             .with(Function::NotANumber, !(finite(input.command) && finite(input.feel_acceleration)));
+        let used = if self.admitted.0 { self.admitted.1 } else { self.admit(input) };
+        self.admitted.0 = false;
         let follows = self.sequence.follows();
-        if let Some(fresh) = self.sensors.watch(&limits, input, &mut functions) {
+        let implausible = self.plausibility.wrong.map(|samples| samples > limits.bridge);
+        functions = functions
+            .with(Function::LoadCell, implausible[0])
+            .with(Function::DrivePosition, implausible[1])
+            .with(Function::ColumnAngle, implausible[2]);
+        if let Some(fresh) = self.sensors.watch(&limits, input, used, &mut functions) {
             self.angle = fresh.sensed[2];
             let known = finite(input.feel_acceleration);
             let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
-            self.watch.watch(&limits, fresh, (follows, of_feel), &mut functions);
+            let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
+            self.watch.watch(&limits, fresh, (follows, of_feel, rate), &mut functions);
         }
         let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
         functions = functions.with(Function::Saturation, saturated);
-        self.host(&limits, input.host_age, &mut functions);
+        self.host(&limits, (input.host_age, input.acknowledge), &mut functions);
         if self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut functions) {
             // A new start: nothing of before counts.
             self.sensors = Sensors::new(self.angle);
+            self.plausibility = Plausibility::new(self.angle);
             self.watch = GripMonitor::new(self.angle);
         }
         self.act(&limits, input, functions)
@@ -161,13 +197,14 @@ impl<S: Scalar> Supervisor<S> {
             self.command.cut();
             self.sequence.disabled();
         } else if follows {
-            // While nothing is sampled or the loop is late, the law knows nothing new: the last command holds.
-            let holds = input.missed > 0 || input.late > 0;
+            // While the loop is late, the law knows nothing new: the last command holds.
+            let holds = input.late > 0;
             let e = if holds { self.command.last } else { input.command };
             self.command.follow(limits, e, self.sequence.share, &mut functions);
         } else if self.command.stop(limits) {
             self.sequence.stopped();
         }
+        self.plausibility.sends(if self.sequence.enable { self.command.last } else { self.command.last.zero() });
         SupervisorOutput {
             state: self.sequence.state,
             command: self.command.last,
@@ -179,18 +216,24 @@ impl<S: Scalar> Supervisor<S> {
             leads: self.sequence.leads(),
             grip: self.watch.grip,
             acting: functions,
-            tripped: self.sequence.tripped,
+            tripped: self.sequence.tripped.with(Function::Swing, self.swings),
             cause: self.sequence.cause,
         }
     }
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits<S>, age: Option<u32>, functions: &mut Functions) {
+    fn host(&mut self, limits: &Limits<S>, (age, acknowledge): (Option<u32>, bool), functions: &mut Functions) {
         let silent = age.is_some_and(|samples| samples >= limits.host);
-        *functions = functions.with(Function::HostSilent, silent);
+        self.swings = !acknowledge && age.is_some() && (self.swings || functions.has(Function::Swing));
+        *functions = functions.with(Function::HostSilent, silent).only(Function::Swing, self.swings);
         let step = limits.host_step;
-        let moved = if silent { self.host_share - step } else { self.host_share + step };
-        self.host_share = moved.clamp(step.zero(), step.constant(1.0));
+        let (zero, one) = (step.zero(), step.constant(1.0));
+        let change = match (self.swings, silent) {
+            (true, _) => -step.times(SWING_FADES),
+            (_, true) => -step,
+            _ => step,
+        };
+        self.host_share = (self.host_share + change).clamp(zero, one);
     }
 }

@@ -58,6 +58,8 @@ pub const FORCE: Unit = unit("N", "N", "lb", LB);
 pub const FORCE_RATE: Unit = unit("N/s", "N/s", "lb/s", LB);
 /// Power.
 pub const POWER: Unit = unit("W", "W", "W", 1.0);
+/// Energy.
+pub const ENERGY: Unit = unit("J", "J", "J", 1.0);
 /// Torque of a motor per current.
 pub const TORQUE_PER_CURRENT: Unit = unit("N m/A", "N m/A", "lb in/A", LB * IN);
 /// Electric current of a motor.

@@ -13,7 +13,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::prelude::*;
 
 /// Columns of the outcomes: numbers, -1 where there is none.
-const COLUMNS: usize = 10;
+const COLUMNS: usize = 14;
 
 /// A row of the table of safety functions.
 type Row = (&'static str, &'static str, u32, bool, &'static str);
@@ -34,11 +34,12 @@ pub fn fault_kinds() -> Vec<String> {
     Kind::ALL.iter().map(|kind| format!("{kind:?}")).collect()
 }
 
-/// Outcomes (cases, 10) of faults in supervised loaders with these values and laws: both kinds, the samples at which the loader had to be
-/// stopped, was stopped and was safe, what went wrong as bits, energy to the hand and its bound in J, the function that was due and the
-/// one that is named; -1 where there is none.
+/// Outcomes (cases, 14) of so many faults, 0 to 2 a case, in supervised loaders with these values and laws: both kinds, the samples at which
+/// the loader had to be stopped, was stopped and was safe, what went wrong as bits, energy to the hand and its bound in J, the function that
+/// was due and the one that is named, how long in s the force at the grip is above 1.5 times the largest legal one, the largest force in N, the
+/// energy to the hand in J beyond what the feel gives, and the loader; -1 where there is none.
 #[pyfunction]
-#[pyo3(signature = (values, observers = None, *, seed = 0, first = 0, count = 1000, pairs = false, threads = 1))]
+#[pyo3(signature = (values, observers = None, *, seed = 0, first = 0, count = 1000, faults = 1, threads = 1))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub fn supervised_faults<'py>(
     py: Python<'py>,
@@ -47,7 +48,7 @@ pub fn supervised_faults<'py>(
     seed: u64,
     first: u64,
     count: u64,
-    pairs: bool,
+    faults: u8,
     threads: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let values = rows::<COUNT>("values", &values)?;
@@ -59,7 +60,7 @@ pub fn supervised_faults<'py>(
         )));
     }
     let loaders = Loaders { values: &values, observers: observers.as_deref() };
-    let outcomes = answered(py.detach(|| loaders.outcomes(seed, (first, count), pairs, threads)))?;
+    let outcomes = answered(py.detach(|| loaders.outcomes(seed, (first, count), faults, threads)))?;
     let numbers: Option<Vec<[f64; COLUMNS]>> = outcomes.iter().map(|outcome| outcome.as_ref().map(numbers)).collect();
     let numbers = numbers
         .ok_or_else(|| refused("values: a loader has no period, or its drive's largest command no end".to_string()))?;
@@ -74,5 +75,20 @@ fn numbers(outcome: &Outcome) -> [f64; COLUMNS] {
     let [given, bound] = outcome.energy;
     let Outcome { due, stopped, safe, wrong, due_to, cause, .. } = *outcome;
     let wrong = f64::from(wrong.bits());
-    [first, second, at(due), at(stopped), at(safe), wrong, given, bound, of(due_to), of(cause)]
+    [
+        first,
+        second,
+        at(due),
+        at(stopped),
+        at(safe),
+        wrong,
+        given,
+        bound,
+        of(due_to),
+        of(cause),
+        outcome.above,
+        outcome.force,
+        outcome.excess,
+        outcome.loader as f64,
+    ]
 }

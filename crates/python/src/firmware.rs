@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 
 /// Numbers and words of an input; of an answer.
 const GIVEN: usize = SAMPLED + 5;
-const WORDS: usize = 6;
+const WORDS: usize = 7;
 const ANSWERED: usize = 4;
 
 /// Answers of a board: numbers and words, a row each sample.
@@ -119,7 +119,7 @@ impl BoardAxis {
         inputs
             .iter()
             .zip(words)
-            .map(|(numbers, &[from, to, request, missed, late, flags])| {
+            .map(|(numbers, &[from, to, request, missed, delay, late, flags])| {
                 let [force, drive, base, grip, trim, stiffness_factor, shaker, blend, added_force] =
                     numbers.map(|number| like.constant(number));
                 let sensors = [force, drive, base, grip];
@@ -134,6 +134,7 @@ impl BoardAxis {
                     to,
                     request,
                     missed,
+                    delay,
                     late,
                     flags,
                 };

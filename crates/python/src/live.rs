@@ -6,6 +6,7 @@ use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
+use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
 use forcefeel_live::record::{Record, Size};
 use forcefeel_live::replay::{Contents, read, replay};
@@ -162,9 +163,12 @@ impl LiveLoop {
         Ok(Self { running })
     }
 
-    /// Asks something of the loop by name, with its numbers; whether there was room for it.
+    /// Asks something of the loop by name, with its numbers; whether there was room for it, or a host to accept.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
     fn request(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
+        if name == "accept_host" {
+            return Ok(self.running.host_status().is_some_and(HostStatus::accept));
+        }
         Ok(self.running.request(request_of(name, &numbers)?))
     }
 
@@ -190,13 +194,15 @@ impl LiveLoop {
         (bytes, lacks, ended.map(str::to_string))
     }
 
-    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who spoke last and how many seconds
-    /// ago; nothing where none is listened to.
+    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who it is and how many seconds ago it
+    /// spoke, and who else waits to be accepted; nothing where none is listened to.
     #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
-    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, f64)>)> {
+    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, Option<f64>)>, Option<String>)> {
         self.running.host_status().map(|host_status| {
-            let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.as_secs_f64()));
-            (host_status.at.to_string(), host_status.packets.load(Relaxed), host_status.refused.load(Relaxed), last)
+            let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.map(|ago| ago.as_secs_f64())));
+            let waits = host_status.waiting().map(|address| address.to_string());
+            let [packets, refused] = [&host_status.packets, &host_status.refused].map(|it| it.load(Relaxed));
+            (host_status.at.to_string(), packets, refused, last, waits)
         })
     }
 
@@ -271,6 +277,15 @@ fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
         .ok_or_else(|| refused(format!("request: {name:?} with {} numbers is none", numbers.len())))
 }
 
+/// Whole cycles, as a number from Python.
+fn cycles_of(number: f64) -> PyResult<usize> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to be small and not negative")]
+    (0.0..=1e3)
+        .contains(&number)
+        .then_some(number as usize)
+        .ok_or_else(|| refused(format!("number: expected 0 to 1000 cycles, got {number}")))
+}
+
 fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
     if sensor >= SENSORS {
         return Err(refused(format!("sensor: expected a place below {SENSORS}, got {sensor}")));
@@ -282,11 +297,15 @@ fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Di
         "stuck" => Disturbance::Fault(Fault::Stuck(sensor)),
         "not_a_number" => Disturbance::Fault(Fault::NotANumber(sensor)),
         "jump" => Disturbance::Fault(Fault::Jump(sensor, number.unwrap_or(0.0))),
+        "spike" => Disturbance::Fault(Fault::Spike(sensor, number.unwrap_or(0.0))),
+        "reversed" => Disturbance::Fault(Fault::Reversed(sensor)),
+        "hardover" => Disturbance::Fault(Fault::Hardover(number.unwrap_or(0.0))),
+        "late" => Disturbance::Fault(Fault::Late(cycles_of(number.unwrap_or(0.0))?)),
         "ignores_command" => Disturbance::Fault(Fault::Deaf),
         "repair" => Disturbance::Repair,
         other => {
             return Err(refused(format!(
-                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, ignores_command or repair, got {other:?}"
+                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, spike, reversed, late, ignores_command, hardover or repair, got {other:?}"
             )));
         }
     })

@@ -95,7 +95,7 @@ def board_axis(exported: Exported) -> BoardAxis:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Inputs, numbers (samples, 9) and words (samples, 6), that reach every state.
+    """Inputs, numbers (samples, 9) and words (samples, 7), that reach every state.
 
     They are: on, a sweep, a sensor with NaN, acknowledgment, on, random input, the emergency stop.
     """
@@ -123,13 +123,13 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
     inputs = np.vstack([still, sweep, stopped, still, stirred])
     inputs = np.column_stack([inputs, np.concatenate([np.zeros(len(inputs) - PART), added])])
-    words = np.zeros((len(inputs), 6), dtype=np.int64)
+    words = np.zeros((len(inputs), 7), dtype=np.int64)
     begins = rest + PART + settled
     words[:, 2] = _ACTIVE
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF
-    words[begins - 10, 5] = _ACKNOWLEDGED
+    words[begins - 10, 6] = _ACKNOWLEDGED
     words[begins - 20 : begins - 15, 3] = range(1, 6)  # missing samples
-    words[-100:, 5] = _EMERGENCY_STOP
+    words[-100:, 6] = _EMERGENCY_STOP
     last = begins + rest
     for k in range(PART):
         block, within = divmod(k, 200)

@@ -26,7 +26,7 @@ machine in the loop's own thread, or ``Udp(address)``, a machine with the packet
     ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, unrecorded_rows, record_ended, ended)``;
     name is one of ``STATES``.
 ``host``
-    ``HostState(listens, address, packets, refused, silent_s, share)``, or ``None``.
+    ``HostState(listens, address, packets, refused, silent_s, share, waiting)``, or ``None``.
 ``trips``
     Tuple of ``Trip(name, sentence)`` since the last acknowledgment.
 ``columns``, ``history(since=-1, most=None)``

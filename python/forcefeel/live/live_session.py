@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from threading import Lock, RLock
 from types import MappingProxyType, TracebackType
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,15 @@ Sensor = Literal["load_cell", "drive", "column", "grip"]
 SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column", "grip")
 """Sensors in the order of a sample."""
 
-Fault = Literal["no_samples", "stuck", "not_a_number", "jump", "ignores_command"]
-FAULTS: tuple[Fault, ...] = ("no_samples", "stuck", "not_a_number", "jump", "ignores_command")
-"""Faults of a simulated machine: no samples; a sensor that is stuck, returns NaN or jumps; lost commands."""
+Fault = Literal[
+    "no_samples", "late", "stuck", "not_a_number", "jump", "spike", "reversed", "ignores_command", "hardover"
+]
+FAULTS: tuple[Fault, ...] = get_args(Fault)
+"""Faults of a simulated machine: no samples, late ones; a sensor that is stuck, returns NaN, jumps, for one
+sample or for good, or has its sign reversed; lost commands; a drive that has one command for good."""
+
+OF_A_SENSOR: tuple[Fault, ...] = ("stuck", "not_a_number", "jump", "spike", "reversed")
+"""Faults of a sensor."""
 
 FADE_S = 0.5
 """Default fade time of a feel."""
@@ -94,6 +100,17 @@ class LiveSession:
     def acknowledge(self) -> None:
         """Clear latched trips whose cause is gone."""
         self._request("acknowledge")
+
+    def accept_host(self) -> None:
+        """Let the sender in ``host.waiting`` take over from the silent aircraft simulator.
+
+        Raises:
+            InputError: If no other sender waits.
+        """
+        if not self.loop.request("accept_host", []):
+            raise InputError(
+                "host: expected another sender after the simulator's silence of 1 s, got none; see session.host"
+            )
 
     @property
     def loader(self) -> Loader:
@@ -195,8 +212,9 @@ class LiveSession:
 
         Args:
             fault: One of ``FAULTS``.
-            sensor: One of ``SENSORS``, for ``stuck``, ``not_a_number`` and ``jump``.
-            by: Jump of the sensor: N, m at the drive's end, rad of the column.
+            sensor: One of ``SENSORS``, for ``OF_A_SENSOR``.
+            by: Jump or spike of the sensor: N, m at the drive's end, rad of the column; of ``late`` cycles, of ``hardover`` the
+                command, V or A.
 
         Raises:
             InputError: If the machine is not simulated, or the fault is unknown.
@@ -206,7 +224,7 @@ class LiveSession:
                 f"fault: expected one of {', '.join(FAULTS)}, of a sensor out of {', '.join(SENSORS)}, got {show(fault)} of "
                 f"{show(sensor)}"
             )
-        if (sensor is None) != (fault in ("no_samples", "ignores_command")):
+        if (sensor is None) != (fault not in OF_A_SENSOR):
             raise InputError(
                 f"sensor: {fault} requires {'no' if sensor else 'a'} sensor; {'omit it' if sensor else 'add one'}"
             )
@@ -279,11 +297,11 @@ class LiveSession:
         """State of the aircraft simulator; ``None`` without a host port."""
         if (status := self.loop.host_status()) is None:
             return None
-        listens, packets, refused, last = status
+        listens, packets, refused, last, waiting = status
         newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
-        return HostState(listens, address, packets, refused, silent_s, share)
+        return HostState(listens, address, packets, refused, silent_s, share, waiting or "")
 
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
         """A row for each stored cycle after cycle ``since``, at most the newest ``most``; (rows, columns).

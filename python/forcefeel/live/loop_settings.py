@@ -51,7 +51,7 @@ class Loop(Protocol):
         """Bytes of the record, rows missing after its early end, and the reason for that end."""
         ...
 
-    def host_status(self) -> tuple[str, int, int, tuple[str, float] | None] | None:
+    def host_status(self) -> tuple[str, int, int, tuple[str, float | None] | None, str | None] | None:
         """Status of the aircraft simulator."""
         ...
 

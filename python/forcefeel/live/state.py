@@ -80,8 +80,9 @@ class HostState:
         address: Its own address; empty before the first packet.
         packets: Number of accepted packets.
         refused: Number of rejected packets: damaged, old, out of range, of another version or sender.
-        silent_s: Time since the last packet, s; ``None`` before the first.
+        silent_s: Time since the last packet, s; ``None`` before its first.
         share: Share of its values in the feel, 0 to 1; the rest is the default feel.
+        waiting: Address of another sender since it is silent, which takes over with ``session.accept_host()``; empty without one.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, host=0) as running:
@@ -96,6 +97,7 @@ class HostState:
     refused: int
     silent_s: float | None
     share: float
+    waiting: str = ""
 
 
 def trips_of(bits: int) -> tuple[Trip, ...]:

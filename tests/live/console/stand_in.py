@@ -148,6 +148,9 @@ class StandIn:
         self.trips = ()
         self._called("acknowledge", "passive")
 
+    def accept_host(self):
+        self._called("accept_host")
+
     def inject_fault(self, fault, sensor=None, by=0):
         self.trips = (
             ff.live.Trip("sensors silent", "The drive and its sensors sent nothing. Look at the cable to the drive."),

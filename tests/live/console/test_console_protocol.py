@@ -118,6 +118,10 @@ def test_one_client_holds_control_and_every_client_may_stop(console, running):
         assert first.status(state="tripped")["trips"][0]["name"] == "stop"
         first.send(do="acknowledge")
         first.status(state="passive", trips=[])
+        second.send(do="accept_host")
+        assert "control" in second.notice("refused")["reason"]
+        first.send(do="accept_host")
+        until(lambda: "accept_host" in running.calls)
         first.send(do="give")
         second.status(holder=None)
         second.send(do="take")

@@ -63,12 +63,23 @@ fn slopes_of_records_are_differences_under_every_law_by_name() {
     }
 }
 
+/// Begun from a held column, in the position loop.
+fn held<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]]) -> Job<'a> {
+    Job { start: Start::Held(0.02, 40), ..job(inputs, values, Law::Position) }
+}
+
 #[test]
 fn pair_depends_on_no_other_and_on_no_number_of_threads() {
     let inputs = swing(120);
-    let values = crate::runs::drawn(3, 0.02);
     let keys = [key("actuator", "oil_volume"), key("column", "base_arm")];
-    let job = Job { start: Start::Held(0.02, 40), ..job(&inputs, &values, Law::Position) };
+    // Of the loaders that are drawn, those that do not diverge.
+    let finite = |values: &[f64; COUNT]| {
+        let (_, slopes) = slopes(held(&inputs, core::slice::from_ref(values)), &keys, 1);
+        slopes.iter().all(|slope| slope.is_finite())
+    };
+    let values: Vec<_> = crate::runs::drawn(12, 0.02).into_iter().filter(finite).take(3).collect();
+    assert_eq!(values.len(), 3);
+    let job = held(&inputs, &values);
     let (together, along) = slopes(job.clone(), &keys, 2);
     let (again, once) = slopes(job.clone(), &keys, 1);
     assert!(together == again && along == once);

@@ -13,6 +13,7 @@ use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::supervision::STATES;
 use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT};
 use forcefeel_model::host::{FromHost, ToHost};
+use forcefeel_model::parameters::TABLE;
 use forcefeel_model::supervisor::SupervisorState;
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -34,7 +35,16 @@ struct Run {
 
 impl Run {
     fn new(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>) -> Self {
+        Self::limited(factor, &[])
+    }
+
+    /// With these rows of `safety`.
+    fn limited(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>, safety: &[(&str, f64)]) -> Self {
         let mut setup = Setup { factor, host: true, ..setup() };
+        for (name, limit) in safety {
+            let place = TABLE.iter().position(|row| row.part == "safety" && row.name == *name).expect("a row");
+            setup.values[place] = *limit;
+        }
         let (machine, beginning) = simulated(&setup, Script::NONE);
         setup.beginning = Some(beginning);
         let mut controller = Controller::new(&setup).expect("it has limits");
@@ -161,6 +171,74 @@ fn dynamic_pressure_has_the_factor_of_the_loader_and_a_disconnect_takes_the_spri
 }
 
 #[test]
+fn each_value_of_a_host_has_the_range_and_the_rate_of_the_loader_file() {
+    let factor = Some((vec![1000.0, 5000.0], vec![[0.0, 0.0, 5e-4, 1.0]]));
+    let safety = [
+        ("host_force", 30.0),
+        ("host_force_rate", 20.0),
+        ("host_angle", 0.02),
+        ("host_angle_rate", 0.01),
+        ("host_spring", 2.0),
+        ("host_spring_rate", 0.5),
+    ];
+    let mut run = Run::limited(factor.clone(), &safety);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    // Force, angle, factor: for two seconds they go at their rate, then they are at the end of their range.
+    let wild = Some((ACTIVE, sent(&[(0, 9000.0), (TRIM, 0.5), (ADDED, 500.0)])));
+    let begun = run.rows.len();
+    let row = run.on(12_000, wild);
+    assert_eq!((row.added_force_n, row.spring_factor), (30.0, 2.0));
+    assert!((row.neutral_rad - 0.02).abs() < 1e-12, "{}", row.neutral_rad);
+    let rate = |of: fn(&Row) -> f64| {
+        run.rows[begun..].windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f64::max) / PERIOD_S
+    };
+    assert!(rate(|row| row.added_force_n) < 20.0 * 1.001 && rate(|row| row.spring_factor) < 0.5 * 1.001);
+    assert!(rate(|row| row.neutral_rad) < 0.01 * 1.001);
+    // A silent host loses its values as ever.
+    let row = run.on(2000, None);
+    assert_eq!((row.added_force_n, row.spring_factor, row.trips), (0.0, 1.0, 0.0));
+    // Without the rows they are what was sent.
+    let mut run = Run::new(factor);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    let row = run.on(4000, Some((ACTIVE, sent(&[(0, 9000.0), (TRIM, 0.1), (ADDED, 90.0)]))));
+    assert!((row.added_force_n - 90.0).abs() < 1e-9 && row.spring_factor == 3.0, "{}", row.added_force_n);
+}
+
+/// Cycles between two packets of a host with 60 a second.
+const FRAME: u64 = 33;
+
+#[test]
+fn a_host_that_closes_a_spring_over_its_packets_is_told_and_its_swing_damped_within_half_a_second() {
+    let mut run = Run::new(None);
+    run.on(6000, Some((ACTIVE, sent(&[]))));
+    run.machine.disturb(Disturbance::Force(60.0));
+    let (spring, mut angle, mut told) = (2700.0, 0.0, None);
+    for frame in 0..200 {
+        if frame == 30 {
+            run.machine.disturb(Disturbance::Force(0.0));
+        }
+        // By the angle of the frame before.
+        #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+        let numbers = sent(&[(ADDED, (-spring * angle) as f32)]);
+        angle = run.rows[run.rows.len() - 1].column_angle_rad;
+        run.sequence += 1;
+        run.controller.take(&LoopRequest::Host(FromHost { sequence: run.sequence, switches: ACTIVE, numbers }));
+        let row = run.on(FRAME, None);
+        told = told.or((row.trips != 0.0).then_some(run.rows.len()));
+    }
+    let told = told.expect("it is told");
+    let largest = |rows: &[Row]| rows.iter().map(|row| row.column_angle_rad.abs()).fold(0.0, f64::max);
+    let (before, after) = (largest(&run.rows[told - 1000..told]), largest(&run.rows[told + 1000..]));
+    assert!(after < 0.5 * before, "{before} and {after}");
+    let last = run.rows[run.rows.len() - 1];
+    assert_eq!((last.host_share, run.state()), (0.0, SupervisorState::Active));
+    // A person acknowledges; the host, which sends no force any more, comes back.
+    run.controller.take(&LoopRequest::Acknowledge);
+    let row = run.on(2000, Some((ACTIVE, sent(&[]))));
+    assert_eq!((row.trips, row.host_share), (0.0, 1.0));
+}
+
+#[test]
 fn each_packet_is_answered_with_what_there_is() {
     let mut run = Run::new(None);
     run.on(10_000, Some((ACTIVE, sent(&[(TRIM, 0.05)]))));
@@ -228,6 +306,29 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
     }
     assert_eq!((host_status.packets.load(Relaxed), host_status.refused.load(Relaxed)), (2, 4));
     assert_eq!(host_status.last().expect("it spoke").0, host.local_addr().expect("an address"));
+    // Another sender waits for a person's word, however long the host is silent; a third has to wait then, too.
+    assert!(!host_status.accept(), "nobody waits while the host speaks");
+    thread::sleep(Duration::from_millis(1100));
+    let (others, third) = (other.local_addr().expect("an address"), bound());
+    for (k, from) in [&other, &other].into_iter().enumerate() {
+        from.send_to(&packet(8).encode(), host_status.at).expect("it is sent");
+        wait(7 + k as u64);
+        assert_eq!((host_status.packets.load(Relaxed), host_status.waiting()), (2, Some(others)));
+    }
+    assert!(host_status.accept() && host_status.waiting().is_none());
+    third.send_to(&packet(9).encode(), host_status.at).expect("it is sent");
+    wait(9);
+    assert_eq!(host_status.packets.load(Relaxed), 2);
+    other.send_to(&packet(1).encode(), host_status.at).expect("it is sent");
+    while of_host.packets.is_empty() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(of_host.packets.pop().expect("it is there").sequence, 1);
+    wait(10);
+    assert_eq!((host_status.packets.load(Relaxed), host_status.last().expect("it spoke").0), (3, others));
+    host.send_to(&packet(99).encode(), host_status.at).expect("it is sent");
+    wait(11);
+    assert_eq!(host_status.packets.load(Relaxed), 3, "the host before is another sender now");
     ended.store(true, Relaxed);
     thread.join().expect("it ends");
 }

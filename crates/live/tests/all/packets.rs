@@ -2,19 +2,21 @@
 
 use forcefeel_live::input_output::{Command, InputOutput};
 use forcefeel_live::request::{FeelModifiers, LoopRequest};
-use forcefeel_live::udp::{Request, Stamped, Udp, ask_bytes, command_bytes, request_of, sample_bytes, sample_of};
+use forcefeel_live::udp::{
+    NO_CYCLE, Request, Stamped, Udp, ask_bytes, command_bytes, request_of, sample_bytes, sample_of,
+};
 use forcefeel_model::control::Sample;
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 
 fn stamped() -> Stamped {
     let sample = Sample { sensors: [1.5, -0.25, 1e-300, 7.0], pilot_force: f64::NAN };
-    Stamped { sequence: 7, clock_ns: 123_456_789, sample, emergency_stop: true }
+    Stamped { sequence: 7, session: 77, answers: 6, clock_ns: 123_456_789, sample, emergency_stop: true }
 }
 
 #[test]
 fn a_sample_comes_back_as_it_was() {
     let record = sample_of(&sample_bytes(&stamped())).expect("a sample");
-    assert_eq!((record.sequence, record.clock_ns), (7, 123_456_789));
+    assert_eq!((record.sequence, record.session, record.answers, record.clock_ns), (7, 77, 6, 123_456_789));
     assert_eq!(record.sample.sensors.map(f64::to_bits), stamped().sample.sensors.map(f64::to_bits));
     assert!(record.sample.pilot_force.is_nan() && record.emergency_stop);
 }
@@ -22,13 +24,13 @@ fn a_sample_comes_back_as_it_was() {
 #[test]
 fn a_command_comes_back_as_it_was() {
     let command = Command { cycle: 9, command: -3.25, enable: true, state: 3 };
-    assert_eq!(request_of(&command_bytes(&command, 8)), Some(Request::Command(command)));
-    assert_eq!(request_of(&ask_bytes()), Some(Request::Ask));
+    assert_eq!(request_of(&command_bytes(&command, 77, 8)), Some((77, Request::Command(command))));
+    assert_eq!(request_of(&ask_bytes(78)), Some((78, Request::Ask)));
 }
 
 #[test]
 fn every_damaged_byte_is_seen() {
-    let (sample, command) = (sample_bytes(&stamped()), ask_bytes());
+    let (sample, command) = (sample_bytes(&stamped()), ask_bytes(77));
     for k in 0..sample.len() {
         let mut damaged = sample;
         damaged[k] ^= 0x10;
@@ -42,6 +44,43 @@ fn every_damaged_byte_is_seen() {
     assert!(sample_of(&sample[..63]).is_none() && sample_of(&command).is_none() && request_of(&[]).is_none());
 }
 
+/// A loop at a machine's socket: its session key, and where it is.
+fn asked(machine: &UdpSocket) -> (Udp, u64, SocketAddr) {
+    let loop_ = Udp::connect(machine.local_addr().expect("an address"), Some(1e-3)).expect("a socket");
+    let mut bytes = [0; 64];
+    let (count, at) = machine.recv_from(&mut bytes).expect("a request");
+    let (session, request) = request_of(&bytes[..count]).expect("a request");
+    assert_eq!(request, Request::Ask);
+    (loop_, session, at)
+}
+
+#[test]
+fn a_forged_packet_is_refused_and_a_late_one_says_how_late_it_is() {
+    let machine = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let (mut loop_, session, at) = asked(&machine);
+    let mut sequence = 0;
+    let mut send = |session, answers| {
+        sequence += 1;
+        let bytes = sample_bytes(&Stamped { sequence, session, answers, ..stamped() });
+        machine.send_to(&bytes, at).expect("sent");
+    };
+    // Of another session, and in answer to a command that was never written.
+    send(session ^ 1, NO_CYCLE);
+    send(session, 0);
+    silent(&mut loop_, 1);
+    send(session, NO_CYCLE);
+    assert_eq!(loop_.read().map(|sampled| sampled.delay), Some(0));
+    for cycle in 0..8 {
+        loop_.write(&Command { cycle, command: 0.0, enable: false, state: 0 });
+    }
+    send(session, 8);
+    silent(&mut loop_, 1);
+    for (answers, delay) in [(7, 0), (6, 1), (2, 5)] {
+        send(session, answers);
+        assert_eq!(loop_.read().map(|sampled| sampled.delay), Some(delay));
+    }
+}
+
 /// So many cycles of which none has a sample.
 fn silent(loop_: &mut Udp, cycles: usize) {
     for _ in 0..cycles {
@@ -52,10 +91,9 @@ fn silent(loop_: &mut Udp, cycles: usize) {
 #[test]
 fn what_comes_late_twice_or_out_of_order_is_dropped_and_a_machine_that_begins_anew_is_not() {
     let machine = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    let mut loop_ = Udp::connect(machine.local_addr().expect("an address"), Some(1e-3)).expect("a socket");
-    let (_, at) = machine.recv_from(&mut [0; 64]).expect("a request");
+    let (mut loop_, session, at) = asked(&machine);
     let send = |sequence, clock_ns| {
-        let bytes = sample_bytes(&Stamped { sequence, clock_ns, ..stamped() });
+        let bytes = sample_bytes(&Stamped { sequence, clock_ns, session, answers: NO_CYCLE, ..stamped() });
         machine.send_to(&bytes, at).expect("sent");
     };
     send(10, 1000);

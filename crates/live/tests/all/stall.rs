@@ -6,7 +6,7 @@ use forcefeel_live::controller::Controller;
 use forcefeel_live::cycle::Cycles;
 use forcefeel_live::row::Row;
 use forcefeel_live::status::Status;
-use forcefeel_live::udp::{SAMPLE_BYTES, Stamped, Udp, request_of, sample_bytes};
+use forcefeel_live::udp::{NO_CYCLE, Request, SAMPLE_BYTES, Stamped, Udp, request_of, sample_bytes};
 use forcefeel_model::control::Sample;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::supervisor::Function;
@@ -32,24 +32,27 @@ enum Samples {
     ByItself,
 }
 
-/// Angle in rad of a column that goes to and fro at this speed.
+/// Angle in rad of a column that swings with this largest speed.
 fn angle(time_s: f64, speed: f64) -> f64 {
-    let turns = (speed * time_s / (4.0 * FARTHEST_RAD)).fract();
-    FARTHEST_RAD * (1.0 - (2.0 - 4.0 * turns).abs())
+    FARTHEST_RAD * (speed * time_s / FARTHEST_RAD).sin()
 }
 
-/// A machine of its own time: sensors of a column that moves at a constant speed.
+/// A machine of its own time: sensors of a column that swings.
 fn machine(socket: &UdpSocket, samples: Samples, speed: f64, ended: &AtomicBool) {
     let of = Parameters::elevator();
     let begun = Instant::now();
-    let (mut to, mut sequence) = (None, 0);
+    let (mut to, mut sequence, mut answers) = (None, 0, NO_CYCLE);
     let wait = if samples == Samples::ByItself { Duration::from_secs_f64(PERIOD_S) } else { Duration::from_millis(50) };
     socket.set_read_timeout(Some(wait)).expect("a time");
     while !ended.load(Relaxed) {
         let mut bytes = [0; SAMPLE_BYTES];
-        let asked = socket.recv_from(&mut bytes).ok().filter(|(count, _)| request_of(&bytes[..*count]).is_some());
-        to = asked.map_or(to, |(_, from)| Some(from));
-        if let Some(to) = to
+        let came = socket.recv_from(&mut bytes).ok();
+        let asked = came.and_then(|(count, from)| Some((request_of(&bytes[..count])?, from)));
+        if let Some(((session, request), from)) = asked {
+            answers = if let Request::Command(command) = request { command.cycle } else { NO_CYCLE };
+            to = Some((session, from));
+        }
+        if let Some((session, to)) = to
             && (asked.is_some() || samples == Samples::ByItself)
         {
             sequence += 1;
@@ -58,7 +61,7 @@ fn machine(socket: &UdpSocket, samples: Samples, speed: f64, ended: &AtomicBool)
             let sensors = [0.0, base * of.linkage.ratio, base, 0.0];
             let sample = Sample { sensors, pilot_force: 0.0 };
             let clock_ns = u64::try_from(time.as_nanos()).expect("less than 500 years");
-            let stamped = Stamped { sequence, clock_ns, sample, emergency_stop: false };
+            let stamped = Stamped { sequence, session, answers, clock_ns, sample, emergency_stop: false };
             socket.send_to(&sample_bytes(&stamped), to).expect("sent");
         }
     }
@@ -108,7 +111,7 @@ fn a_stall_makes_no_column_faster_than_it_is() {
     for samples in [Samples::WhenAsked, Samples::ByItself] {
         let slow = rows(samples, 0.2 * LIMIT);
         assert!(slow.iter().map(|row| row.missed).fold(0.0, f64::max) > 300.0);
-        for function in [Function::Jump, Function::Speed] {
+        for function in [Function::ColumnAngle, Function::Speed] {
             assert!(!acted(&slow, function), "{function:?}");
         }
         assert!(acted(&rows(samples, 2.0 * LIMIT), Function::Speed), "what is too fast is seen");

@@ -81,9 +81,18 @@ functions! {
     /// A sensor shows more than it can measure.
     OutOfRange: "out of range", Stop, |_| 1,
         "A sensor shows more than its range. Look for a broken wire or a short circuit.";
-    /// A sensor changed by more from one sample to the next than the machine can move.
-    Jump: "jump", Stop, |_| 1,
-        "A sensor jumped by more than the machine can move in a sample. Look at its cable, screen and counter.";
+    /// The load cell shows what the observer cannot explain.
+    LoadCell: "load cell implausible", Stop, |limits| limits.bridge + 1,
+        "The load cell contradicts drive, link and command. Look at its cable, its sign and its amplifier.";
+    /// The drive's position does.
+    DrivePosition: "drive position implausible", Stop, |limits| limits.bridge + 1,
+        "The drive's position contradicts its command. Look at its sensor's cable and counter, and at valve or motor.";
+    /// The column's angle does.
+    ColumnAngle: "column angle implausible", Stop, |limits| limits.bridge + 1,
+        "The column's angle contradicts the force on it. Look at its sensor's cable, screen and counter.";
+    /// Samples answer commands that are too old.
+    Late: "samples late", Stop, |limits| limits.silence,
+        "The samples came later than the law allows for. Look at the network, or design the law for a longer delay.";
     /// Drive and sensors give nothing.
     Silence: "sensors silent", Stop, |limits| limits.silence,
         "The drive and its sensors sent nothing. Look at the cable to the drive and its power.";
@@ -111,6 +120,9 @@ functions! {
     /// The column moves against its feel with no hand on it.
     Runaway: "runaway", Stop, |limits| limits.runaway,
         "The column moved against its feel with no hand on it. Do not start again before law and valve or motor are checked.";
+    /// The column gives energy to the hand that its feel does not.
+    Energy: "energy at the grip", Stop, |_| CONFIRMED,
+        "The column moved against the hand otherwise than its feel. Check law, valve or motor before starting again.";
     /// The command stays at its limit.
     Saturation: "limit too long", Stop, |limits| limits.saturation,
         "Current or flow stayed at its limit. The feel asks for more than the drive has, or something blocks it.";
@@ -123,6 +135,9 @@ functions! {
     /// The host sends nothing.
     HostSilent: "host silent", Fade, |limits| limits.host,
         "The simulator sends nothing; the default feel is on. The loader goes back to it when it sends again.";
+    /// A column with no hand on it swings on under a host.
+    Swing: "swing", Fade, |_| 1,
+        "The column swings with no hand on it; the default feel is on. Close no spring over the host, then acknowledge.";
     /// The law asks for more than the largest command.
     CommandLimit: "command limit", Limit, |_| 1,
         "The law asks for more than the drive may give.";
@@ -137,7 +152,7 @@ pub(super) const CONFIRMED: u32 = 2;
 impl Function {
     /// Whether it stays until somebody acknowledges it.
     pub const fn latched(self) -> bool {
-        self.action().stops()
+        self.action().stops() || matches!(self, Self::Swing)
     }
 }
 
@@ -168,6 +183,12 @@ impl Functions {
     #[inline(always)]
     pub const fn with(self, function: Function, holds: bool) -> Self {
         Self(self.0 | (holds as u32) << function as u32)
+    }
+
+    /// With `function` where `holds`, and without it elsewhere.
+    #[inline(always)]
+    pub const fn only(self, function: Function, holds: bool) -> Self {
+        Self(self.0 & !(1 << function as u32)).with(function, holds)
     }
 
     /// Those of both.

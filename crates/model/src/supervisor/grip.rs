@@ -1,7 +1,7 @@
 //! What happens at the grip: force, its rate, speed, travel, and a column that runs away with no hand on it.
 //!
 //! `F` load cell · `theta`, `v` column angle and its rate · `tau` torque of the hand, estimated · `a_f` acceleration that
-//! the feel gives the programmed control where no hand is on it · `w_o` bandwidth of the estimates
+//! the feel gives the programmed control where no hand is on it, `v_f` its rate · `w_o` bandwidth of the estimates
 //!
 //! | | |
 //! |---|---|
@@ -9,6 +9,14 @@
 //! | `tau = w_o (J v - int (alpha R_b F + tau) dt)` | hand's torque, a lag of what is missing in eq. (6) |
 //! | `P = alpha R_b F v` | power that the drive gives to the column |
 //! | `P_f = J a_f v` | the same of a free column that follows its feel, eqs. (6), (11) |
+//!
+//! What a hand is given by a column that moves otherwise than its feel, `E' = P_g - max(0, -tau v_f) - E / 1 s` with `P_g = -tau v`, no less than
+//! zero, is a fault's: a law or a drive that pushes against it. A feel that is followed gives back what it was given. What the hand will be
+//! given while the loader is stopped, `P_g t_z / 2`, counts as given. A column that is faster than its feel, `J (v^2 - v_f^2) / 2` beyond
+//! `motion_limit`, would throw itself at the link when it is stopped.
+//!
+//! A column that swings with no hand on it from side to side by more than `swing_limit`, each time by nine tenths of the last, swings on for
+//! good: a hand that kept it swinging would have a tenth of the drive's torque.
 //!
 //! With no hand on it a column gains speed only where its feel drives it. Where the feel brakes it, `P_f < 0`, and the drive does not
 //! take half of that, `P > P_f / 2`, the column runs away: `|tau|` small for as long as the table has it. A valve stuck open is of
@@ -32,6 +40,8 @@ pub struct GripEstimate<S> {
     pub hand_force: S,
     /// Angular velocity of the column in rad/s.
     pub rate: S,
+    /// Energy in J that the hand is given otherwise than by the feel, what a stop from now on gives included.
+    pub energy: S,
 }
 
 /// What is remembered of it.
@@ -41,13 +51,18 @@ pub(super) struct GripMonitor<S> {
     /// `int (alpha R_b F + tau) dt`.
     impulse: S,
     torque: S,
-    /// `v`, `alpha R_b F` and `a_f`, lagged as the hand's torque is.
-    lagged: [S; 3],
+    /// `v`, `alpha R_b F`, `a_f` and `v_f`, lagged as the hand's torque is.
+    lagged: [S; 4],
+    /// Changes of angle and force in the period before.
+    changes: [S; 2],
+    energy: S,
+    swing: Swing<S>,
     pub(super) grip: GripEstimate<S>,
-    lasting: [Debounce; 4],
+    lasting: [Debounce; 2],
     force: Debounce,
     hand: Debounce,
     runaway: Debounce,
+    gives: Debounce,
 }
 
 impl<S: Scalar> GripMonitor<S> {
@@ -58,12 +73,16 @@ impl<S: Scalar> GripMonitor<S> {
             last: None,
             impulse: zero,
             torque: zero,
-            lagged: [zero; 3],
-            grip: GripEstimate { force: zero, hand_force: zero, rate: zero },
-            lasting: [Debounce::default(); 4],
+            lagged: [zero; 4],
+            changes: [zero; 2],
+            energy: zero,
+            swing: Swing { turned_at: zero, last: zero, torques: [zero; 2], undamped: 0 },
+            grip: GripEstimate { force: zero, hand_force: zero, rate: zero, energy: zero },
+            lasting: [Debounce::default(); 2],
             force: Debounce::default(),
             hand: Debounce::default(),
             runaway: Debounce::default(),
+            gives: Debounce::default(),
         }
     }
 
@@ -73,7 +92,7 @@ impl<S: Scalar> GripMonitor<S> {
         &mut self,
         limits: &Limits<S>,
         Fresh { sensed: [force, _, angle], periods }: Fresh<S>,
-        (follows, feel_acceleration): (bool, S),
+        (follows, feel_acceleration, feel_rate): (bool, S, S),
         functions: &mut Functions,
     ) {
         let one = force.constant(1.0);
@@ -84,32 +103,45 @@ impl<S: Scalar> GripMonitor<S> {
         let per_periods = one / periods;
         let (moved, changed) = ((angle - last_angle) * per_periods, (grip_force - last_force) * per_periods);
         let rate = moved * (one / limits.period);
-        self.estimate(limits, [rate, drive_torque, feel_acceleration], limits.period * periods);
-        self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate };
+        self.estimate(limits, [rate, drive_torque, feel_acceleration, feel_rate], limits.period * periods);
+        let energy = self.given(limits, follows, limits.period * periods);
+        self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate, energy };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;
         let beyond = below(angle, low) || below(high, angle);
-        let now = [
-            (Function::AbsoluteForce, above(grip_force, limits.absolute_force)),
-            (Function::ForceRate, above(changed, limits.force_step)),
-            (Function::Speed, above(moved, limits.speed_step)),
-            (Function::Travel, beyond),
-        ];
+        let now = [(Function::AbsoluteForce, above(grip_force, limits.absolute_force)), (Function::Travel, beyond)];
         for (lasting, (function, condition)) in self.lasting.iter_mut().zip(now) {
             *functions = functions.with(function, lasting.holds(condition, CONFIRMED));
         }
+        // In both of two samples, and the same way: to and fro, as a spike has it, is no motion.
+        let [last_moved, last_changed] = self.changes;
+        self.changes = [moved, changed];
+        let fast = |now: S, last: S, most: S| {
+            let way = now.constant(1.0).times_sign(now);
+            below(most, now * way) && below(most, last * way)
+        };
+        *functions = functions
+            .with(Function::Speed, fast(moved, last_moved, limits.speed_step))
+            .with(Function::ForceRate, fast(changed, last_changed, limits.force_step));
         let lasts = self.force.holds(above(grip_force, limits.force_limit), limits.force);
         // The sensors' noise may look like a hand for a sample, once in a hundred thousand; a hand stays for two.
         let hand = self.hand.holds(!below(self.torque.abs(), limits.hand_torque), CONFIRMED);
         let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
-        *functions = functions.with(Function::Force, lasts).with(Function::Runaway, runs);
+        let swings = self.swing.goes_on(limits, (angle, self.lagged[0]), [self.torque, self.lagged[1]]);
+        let too_much = below(limits.energy[0], energy) || (follows && self.thrown(limits));
+        let gives = self.gives.holds(too_much, CONFIRMED);
+        *functions = functions
+            .with(Function::Force, lasts)
+            .with(Function::Runaway, runs)
+            .with(Function::Energy, gives)
+            .with(Function::Swing, follows && swings);
     }
 
     #[inline(always)]
-    fn estimate(&mut self, limits: &Limits<S>, [rate, drive_torque, of_feel]: [S; 3], time: S) {
+    fn estimate(&mut self, limits: &Limits<S>, [rate, drive_torque, of_feel, feel_rate]: [S; 4], time: S) {
         // A step of the lag, no longer than it is.
         let share = time.times(ESTIMATE_BANDWIDTH).min(time.constant(1.0));
-        for (lagged, value) in self.lagged.iter_mut().zip([rate, drive_torque, of_feel]) {
+        for (lagged, value) in self.lagged.iter_mut().zip([rate, drive_torque, of_feel, feel_rate]) {
             *lagged = *lagged + (value - *lagged) * share;
         }
         self.impulse = self.impulse + (drive_torque + self.torque) * time;
@@ -118,8 +150,73 @@ impl<S: Scalar> GripMonitor<S> {
 
     #[inline(always)]
     fn runs_away(&self, limits: &Limits<S>) -> bool {
-        let [rate, drive_torque, feel_acceleration] = self.lagged;
+        let [rate, drive_torque, feel_acceleration, _] = self.lagged;
         let (power, of_feel) = (drive_torque * rate, (feel_acceleration * rate) * limits.inertia);
         below(of_feel, -limits.runaway_power) && below(of_feel.times(0.5), power)
     }
+
+    /// Whether the column is faster than its feel by too much.
+    #[inline(always)]
+    fn thrown(&self, limits: &Limits<S>) -> bool {
+        let [rate, .., feel_rate] = self.lagged;
+        below(limits.motion, (rate * rate - feel_rate * feel_rate) * limits.inertia.times(0.5))
+    }
+
+    /// What the hand is given otherwise than by the feel, and what a stop gives.
+    #[inline(always)]
+    fn given(&mut self, limits: &Limits<S>, follows: bool, time: S) -> S {
+        let [_, forgets, ahead] = limits.energy;
+        let [rate, .., feel_rate] = self.lagged;
+        let zero = time.zero();
+        let of_feel = (-(self.torque * feel_rate)).max(zero);
+        let power = if follows { -(self.torque * rate) - of_feel } else { zero };
+        self.energy = (self.energy + power * time - self.energy * forgets).max(zero);
+        self.energy + power.max(zero) * ahead
+    }
 }
+
+/// A column that swings from side to side.
+#[derive(Debug, Clone, Copy)]
+struct Swing<S> {
+    /// Angle at which it turned last, and by how much it had moved to there.
+    turned_at: S,
+    last: S,
+    /// Largest torque of the hand and of the drive since it turned.
+    torques: [S; 2],
+    /// Swings in a row of nearly the same size.
+    undamped: u32,
+}
+
+/// Share of a swing by which the next is undamped, of a damping ratio below 0.034; and how many such are no accident.
+const UNDAMPED: f64 = 0.9;
+const SWINGS: u32 = 3;
+/// Share of the drive's torque that a hand has which keeps a column swinging: twice its damping ratio, and that not the smallest.
+const KEEPS_SWINGING: f64 = 0.1;
+
+impl<S: Scalar> Swing<S> {
+    /// At an angle, with its lagged rate, under these torques of hand and drive.
+    #[inline(always)]
+    fn goes_on(&mut self, limits: &Limits<S>, (angle, lagged): (S, S), torques: [S; 2]) -> bool {
+        for (most, torque) in self.torques.iter_mut().zip(torques) {
+            *most = most.max(torque.abs());
+        }
+        // It turns where its lagged rate, which noise does not turn, changes its sign.
+        let moved = angle - self.turned_at;
+        if below(moved * lagged, lagged.zero()) && below(limits.swing.times(TURNS), moved.abs()) {
+            let [hand, drive] = self.torques;
+            let alone = below(hand, limits.hand_torque.min(drive.times(KEEPS_SWINGING)));
+            let large = !below(moved.abs(), limits.swing);
+            let kept = !below(moved.abs(), self.last.times(UNDAMPED));
+            self.undamped = if large && kept && alone { self.undamped + 1 } else { 0 };
+            (self.turned_at, self.last, self.torques) = (angle, moved.abs(), [angle.zero(); 2]);
+        }
+        let goes_on = self.undamped >= SWINGS;
+        if goes_on {
+            self.undamped = 0;
+        }
+        goes_on
+    }
+}
+
+/// Share of the swing that is watched which noise does not come to.
+const TURNS: f64 = 0.1;

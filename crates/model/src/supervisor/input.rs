@@ -11,6 +11,8 @@ pub struct SupervisorInput<S> {
     pub missed: u32,
     /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
     pub periods: S,
+    /// Cycles by which the sample is late: zero where it answers the command of the cycle before.
+    pub delay: u32,
     /// Cycles in a row, this one included, that the loop was late.
     pub late: u32,
     /// Samples since the host's last packet; nothing where there is no host.
@@ -20,6 +22,8 @@ pub struct SupervisorInput<S> {
     /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
     /// [`Control::free_acceleration`](crate::control::Control::free_acceleration).
     pub feel_acceleration: S,
+    /// Rate of the programmed control, as an angle of the column, in rad/s.
+    pub feel_rate: S,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// The drive reports a fault.

@@ -108,8 +108,18 @@ limits! {
     travel_margin: S,
     /// Ranges of load cell (N), drive position (m), column angle (rad).
     range: [S; 3],
-    /// Changes in a sample that the machine cannot make, of the same.
-    jump: [S; 3],
+    /// Differences from their prediction that readings of the same may have.
+    plausible: [S; 3],
+    /// Samples in a row in which a reading may be implausible, and is bridged.
+    bridge: u32,
+    /// Whole periods from a sample to its command.
+    delay: u32,
+    /// Cycles by which a sample may be late.
+    late: u32,
+    /// `a` in m/s² per V or A, `b` in 1/kg, `d` in 1/s and `g` in m/s per N of the drive: see `plausibility`.
+    drive: [S; 4],
+    /// Share of a difference by which place, rate (1/s) and acceleration (1/s²) are corrected.
+    tracking: [S; 3],
     /// By how much the link's stretch may differ from its spring's, in m of the drive, its play left out.
     agreement_m: S,
     /// Samples after which the functions act, where not one or two.
@@ -134,6 +144,12 @@ limits! {
     hand_torque: S,
     /// In W.
     runaway_power: S,
+    /// Energy to the hand in J, the share of it that is forgotten in a sample, and the time in s in which a stop gives as much again.
+    energy: [S; 3],
+    /// Energy in J of a column's motion beyond its feel's.
+    motion: S,
+    /// Swing of a column with no hand on it, from side to side, in rad.
+    swing: S,
     /// `R_p` in m.
     grip_arm: S,
     /// `alpha R_b` in m.
@@ -154,6 +170,8 @@ limits! {
 
 /// `w_o` of the hand's estimate, in rad/s: quick beside the times of the table, slow beside a sample.
 pub const ESTIMATE_BANDWIDTH: f64 = 190.0;
+/// Time constant in s with which the energy that a hand was given is forgotten.
+const FORGETS_S: f64 = 1.0;
 /// Time constants after which a filter has come to within a hundredth.
 const FILTER_SETTLES: f64 = 5.0;
 
@@ -182,7 +200,6 @@ impl Limits {
             converted(safety.position_range, values.potentiometer.gain),
             safety.angle_range,
         ];
-        let angle_jump = safety.jump_speed * period;
         let (per_stiffness, half_play) = match kind {
             DriveKind::Hydraulic => (1.0 / linkage.stiffness, 0.5 * linkage.backlash),
             DriveKind::Electric => (
@@ -190,6 +207,7 @@ impl Limits {
                 0.5 * (linkage.backlash + transmission.backlash),
             ),
         };
+        let drive = drive(values, kind);
         let runaway_condition = within(safety.runaway_time);
         Ok(Self {
             period,
@@ -208,7 +226,12 @@ impl Limits {
             stops: [column.stop_low, column.stop_high],
             travel_margin: safety.travel_margin,
             range,
-            jump: [0.5 * range[0], lever * angle_jump, angle_jump],
+            plausible: plausible(values, &drive, per_stiffness, command),
+            bridge: within(safety.bridge_time),
+            delay: whole((controller.delay / period).round()).min(MOST_DELAY),
+            late: whole(safety.delay_tolerance / period * (1.0 + ROUNDING)),
+            drive,
+            tracking: tracking(period),
             agreement_m: safety.agreement * lever,
             agreement: within(safety.agreement_time),
             stuck: within(safety.stuck_time),
@@ -221,6 +244,9 @@ impl Limits {
             runaway_condition,
             hand_torque: safety.hand_force * column.grip_arm,
             runaway_power: safety.runaway_power,
+            energy: [safety.energy_limit, (period / FORGETS_S).min(1.0), 0.5 * f64::from(stop) * period],
+            motion: safety.motion_limit,
+            swing: safety.swing_limit,
             grip_arm: column.grip_arm,
             lever,
             inertia: column.inertia,
@@ -235,6 +261,67 @@ impl Limits {
 
 /// A time that is a whole number of periods is so in spite of rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Most whole periods of delay that the commands under way have room for.
+const MOST_DELAY: u32 = 6;
+
+/// `a`, `b`, `d`, `g` of the drive.
+fn drive(values: &Parameters<f64>, kind: DriveKind) -> [f64; 4] {
+    let Parameters { amplifier, valve, actuator, motor, transmission, .. } = values;
+    match kind {
+        DriveKind::Hydraulic => {
+            // The flow follows its command in 2 zeta / w_n; A x' = C_i K_2 e - C_p F / A.
+            let quick = valve.natural_frequency / (2.0 * valve.damping_ratio);
+            let per_volt = valve.current_gain * amplifier.admittance / actuator.area;
+            [quick * per_volt, 0.0, quick, valve.pressure_gain / (actuator.area * actuator.area)]
+        }
+        DriveKind::Electric => {
+            // J_m / r^2 x'' = K_t i / r - F - B_m / r^2 x'
+            let per_mass = transmission.travel * transmission.travel / motor.inertia;
+            [
+                per_mass * motor.torque_constant / transmission.travel,
+                per_mass,
+                motor.viscous_friction / motor.inertia,
+                0.0,
+            ]
+        }
+    }
+}
+
+/// Gains of a critically damped tracking filter whose poles are all at `exp(-w_o T)`.
+fn tracking(period: f64) -> [f64; 3] {
+    // A step of the lag, no longer than it is; of no more than half of it, so that no reading is taken as it is.
+    let step = (ESTIMATE_BANDWIDTH * period).min(0.5);
+    let kept = 1.0 - step;
+    [1.0 - kept * kept * kept, 1.5 * step * step * (1.0 + kept) / period, step * step * step / (period * period)]
+}
+
+/// Multiple of a sensor's r.m.s. noise that no sample of a loader's life has, and of its steps beside it.
+const MOST_NOISE: f64 = 8.0;
+const MOST_STEPS: f64 = 2.0;
+/// Largest lag of the tracking filter behind a step of acceleration, times `w_o^2`.
+const LARGEST_LAG: f64 = 0.5;
+/// Share of the lags of drive and column by which the link's force is off: they go together.
+const SHARE_OF_LAG: f64 = 0.25;
+
+/// By how much a reading may differ from its prediction: noise and steps of the sensor, and the lag behind the largest acceleration that
+/// the prediction does not know of: that of the column by the largest force of a hand, that of the drive by its largest command. The column's
+/// is no more than that behind a step to its speed limit.
+fn plausible(values: &Parameters<f64>, [a, ..]: &[f64; 4], per_stiffness: f64, command: f64) -> [f64; 3] {
+    let Parameters { safety, column, linkage, load_cell, potentiometer, column_sensor, .. } = values;
+    let per_acceleration = LARGEST_LAG / (ESTIMATE_BANDWIDTH * ESTIMATE_BANDWIDTH);
+    let noise = |noise: f64, resolution: f64| MOST_NOISE * noise + MOST_STEPS * resolution;
+    let position = per_acceleration * a * command;
+    let angle = per_acceleration * safety.absolute_force * column.grip_arm / column.inertia;
+    // A light column is at its speed limit before the largest force has done so much.
+    let to_speed_limit = safety.speed_limit / ESTIMATE_BANDWIDTH;
+    let lever = linkage.ratio * column.base_arm;
+    [
+        noise(load_cell.noise, load_cell.resolution) + SHARE_OF_LAG * (position + lever * angle) / per_stiffness,
+        noise(potentiometer.noise, potentiometer.resolution) + position,
+        noise(column_sensor.noise, column_sensor.resolution) + angle.min(to_speed_limit),
+    ]
+}
 
 /// `e_max` of the drive, in V at a valve's amplifier or in A.
 fn largest_command(values: &Parameters<f64>, kind: DriveKind) -> f64 {

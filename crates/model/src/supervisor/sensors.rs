@@ -1,4 +1,4 @@
-//! Sensors: silent, not a number, out of range, jumping, stuck, or in disagreement.
+//! Sensors: silent, late, not a number, out of range, stuck, or in disagreement.
 //!
 //! `F` load cell · `x` drive position · `theta` column angle · `s = x - alpha R_b theta` stretch of the link · `k`, `c` its spring and
 //! damping, `b` half its play
@@ -25,6 +25,8 @@ pub(super) struct Sensors<S> {
     stretch: S,
     /// Periods up to samples since `last` that could not be used.
     unused: S,
+    /// Cycles in a row without a sample that could be used for its delay.
+    lost: u32,
     still: [Still<S>; OF_LINK],
     disagree: Debounce,
 }
@@ -32,9 +34,11 @@ pub(super) struct Sensors<S> {
 /// A sensor that shows the same number.
 #[derive(Debug, Clone, Copy)]
 struct Still<S> {
-    /// What the others made of it when it changed last, as drive travel in m.
-    expected: S,
+    /// What the others made of it when it changed last, as drive travel in m; nothing before they are read.
+    expected: Option<S>,
     samples: u32,
+    /// Samples in a row in which the others show motion since then.
+    apart: u32,
 }
 
 /// A sample that can be used, and how many periods it is younger than the one before that could be.
@@ -48,50 +52,56 @@ impl<S: Scalar> Sensors<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
-        let still = Still { expected: zero, samples: 0 };
-        Self { last: None, stretch: zero, unused: zero, still: [still; OF_LINK], disagree: Debounce::default() }
+        let still = Still { expected: None, samples: 0, apart: 0 };
+        Self {
+            last: None,
+            stretch: zero,
+            unused: zero,
+            lost: 0,
+            still: [still; OF_LINK],
+            disagree: Debounce::default(),
+        }
     }
 
-    /// What is wrong with a sample, and the sample if it can be used.
+    /// What is wrong with a sample, and the readings that are used for it, if it can be used at all.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
         limits: &Limits<S>,
         input: &SupervisorInput<S>,
+        used: Option<[S; SENSORS]>,
         functions: &mut Functions,
     ) -> Option<Fresh<S>> {
-        if input.missed > 0 {
-            *functions = functions.with(Function::Silence, input.missed >= limits.silence);
+        let late = input.missed == 0 && input.delay > limits.late;
+        self.lost = if late || input.missed > 0 { self.lost.saturating_add(1).max(input.missed) } else { 0 };
+        if self.lost > 0 {
+            let over = self.lost >= limits.silence;
+            *functions = functions.with(Function::Late, late && over).with(Function::Silence, !late && over);
+            self.unused = if late { self.unused + input.periods } else { self.unused };
             return None;
         }
-        let [force, position, base, _]: [S; SENSORS] = input.sensed;
-        let y = [force, position, base * (base.constant(1.0) / limits.base_arm)];
         // The sensor at the grip measures a hand, which may do anything; it must be a number.
-        if !input.sensed.iter().all(|&value| finite(value)) {
+        let numbers = input.sensed.iter().all(|&value| finite(value));
+        let (true, Some(used)) = (numbers, used) else {
             *functions = functions.with(Function::NotANumber, true);
             self.unused = self.unused + input.periods;
             return None;
-        }
-        let beyond = |k: usize| below(limits.range[k], y[k].abs());
+        };
+        let in_rad = |[force, position, base, _]: [S; SENSORS]| [force, position, base / limits.base_arm];
+        let (raw, y) = (in_rad(input.sensed), in_rad(used));
+        let beyond = |k: usize| below(limits.range[k], raw[k].abs());
         *functions = functions.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
         let periods = self.unused + input.periods;
-        self.unused = base.zero();
-        self.jump(limits, &y, periods, functions);
-        self.agree(limits, &y, periods, functions);
+        self.unused = periods.zero();
+        let same = |k: usize| !below(y[k].zero(), (raw[k] - y[k]).abs());
+        self.agree(limits, (&y, same(0) && same(1) && same(2)), periods, functions);
         self.last = Some(y);
         Some(Fresh { sensed: y, periods })
     }
 
+    /// Eq. (9) against the three sensors, and each against what the other two make of it; `read`: none of them is a prediction.
     #[inline(always)]
-    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
-        let Some(last) = &self.last else { return };
-        let jumped = |k: usize| below(limits.jump[k] * periods, (y[k] - last[k]).abs());
-        *functions = functions.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
-    }
-
-    /// Eq. (9) against the three sensors, and each against what the other two make of it.
-    #[inline(always)]
-    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
+    fn agree(&mut self, limits: &Limits<S>, (y, read): (&[S; OF_LINK], bool), periods: S, functions: &mut Functions) {
         let [per_stiffness, half_play, damping_time] = limits.link;
         let [force, position, angle] = *y;
         let (pulled, base) = (force * per_stiffness, angle * limits.lever);
@@ -113,9 +123,13 @@ impl<S: Scalar> Sensors<S> {
             if same {
                 let still = &mut self.still[k];
                 still.samples = still.samples.saturating_add(1);
-                stuck |= still.samples >= limits.stuck && below(most, (expected[k] - still.expected).abs());
+                still.expected = still.expected.or(read.then_some(expected[k]));
+                // A column that a hand holds still is no fault.
+                let apart = still.expected.is_some_and(|before| below(most, (expected[k] - before).abs()));
+                still.apart = if apart && read { still.apart.saturating_add(1) } else { 0 };
+                stuck |= still.samples >= limits.stuck && still.apart > limits.bridge;
             } else {
-                self.still[k] = Still { expected: expected[k], samples: 0 };
+                self.still[k] = Still { expected: read.then_some(expected[k]), samples: 0, apart: 0 };
             }
         }
         *functions = functions.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 from forcefeel.live.console.telemetry import RATE_HZ, Channel
-from forcefeel.live.live_session import Fault, LiveSession, Sensor
+from forcefeel.live.live_session import OF_A_SENSOR, Fault, LiveSession, Sensor
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, limits_si, unit
 from forcefeel.page.typography import split_symbol, unit_text
@@ -33,9 +33,11 @@ FAULTS: dict[Fault, str] = {
     "stuck": "a sensor is stuck",
     "not_a_number": "a sensor returns NaN",
     "jump": "a sensor jumps",
+    "spike": "a sensor jumps for one sample",
+    "reversed": "a sensor has its sign reversed",
     "ignores_command": "commands are lost",
 }
-"""Text of the faults of a simulated machine."""
+"""Text of the faults of a simulated machine that need no number of their own."""
 
 SENSORS: dict[Sensor, tuple[str, float]] = {
     "load_cell": ("load cell", 500.0),
@@ -43,8 +45,6 @@ SENSORS: dict[Sensor, tuple[str, float]] = {
     "column": ("column", 0.05),
 }
 """Sensors with faults, and their jump: N, m, rad."""
-
-OF_A_SENSOR: tuple[Fault, ...] = ("stuck", "not_a_number", "jump")
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,13 @@ def host_json(running: LiveSession) -> Json:
     if host is None:
         return None
     status = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
-    return {"listens": host.listens, "status": status, "share": round(host.share, 2), "refused": host.refused}
+    return {
+        "listens": host.listens,
+        "status": status,
+        "share": round(host.share, 2),
+        "refused": host.refused,
+        "waiting": host.waiting,
+    }
 
 
 _SILENT_S = 0.2

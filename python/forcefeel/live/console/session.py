@@ -150,7 +150,7 @@ class ConsoleSession:
                 self._break_off()
             case "repair":
                 self._running.clear_faults()
-            case "on" | "acknowledge":
+            case "on" | "acknowledge" | "accept_host":
                 getattr(self._running, what)()
 
     def _hand(self, hand: Hand) -> None:

@@ -83,7 +83,11 @@ function show(now) {
   by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
   by("simulator").hidden = !now.host;
-  if (now.host) by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
+  if (now.host) {
+    by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
+    by("accept").hidden = !now.host.waiting || told.role !== "control";
+    by("accept").textContent = `Accept ${now.host.waiting}`;
+  }
   feel.show(now);
   judged.progress(now.test);
   trips(now.trips, mine || free);
@@ -136,10 +140,11 @@ const fault = () => told.faults.find(({ name }) => name === by("fault").value);
 function breakIt() {
   const { name, of } = fault();
   const sensor = told.sensors.find((one) => one.name === by("sensor").value);
-  send({ do: "break", fault: name, sensor: of ? sensor.name : null, by: name === "jump" ? sensor.jump : 0 });
+  send({ do: "break", fault: name, sensor: of ? sensor.name : null, by: ["jump", "spike"].includes(name) ? sensor.jump : 0 });
 }
 
 by("stop").onclick = () => send({ do: "stop" });
+by("accept").onclick = () => send({ do: "accept_host" });
 by("take").onclick = () => {
   const mine = status.holder === told.you;
   if (mine) column.allow(false, false);

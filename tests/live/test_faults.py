@@ -1,0 +1,42 @@
+"""Faults injected into supervised loaders, and runs without one: what a hand is given, and no false trips."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import forcefeel as ff
+from forcefeel import _core
+from forcefeel.loader.built_in import open_loader
+
+MOST_ENERGY_J, MOST_TIME_ABOVE_S = 10.0, 0.02
+KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
+"""Columns of the outcomes."""
+
+
+@pytest.fixture(scope="module")
+def loaders() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A hydraulic loader, an electric one and a light one, under their law."""
+    of = [open_loader(name) for name in ("elevator-2khz", "elevator-electric", "sidestick-pitch")]
+    made = [ff.Law.of("robust", loader).sampled for loader in of]
+    return np.array([loader.si_values for loader in of]), np.array([law.rows()[0] for law in made if law is not None])
+
+
+def test_fault_gives_hand_less_than_ten_joules(loaders) -> None:
+    outcomes = _core.supervised_faults(*loaders, seed=3, count=4000, faults=1)
+    kinds = np.array(_core.fault_kinds())[outcomes[:, KIND].astype(int)]
+    assert set(kinds) == set(_core.fault_kinds())
+    assert not outcomes[:, WRONG].any()
+    assert outcomes[:, EXCESS].max() < MOST_ENERGY_J
+    of_loader = ~np.isin(kinds, ["LargestForce", "LastingForce"])
+    assert outcomes[of_loader, ABOVE].max() <= MOST_TIME_ABOVE_S
+    for kind in ("Late", "Silence", "DriveHardover", "Huge", "Reversed"):
+        assert (outcomes[kinds == kind, STOPPED] >= 0).mean() > 0.8
+    # What is lost for less than the silence, and a spike where there is power, are bridged; a start is not.
+    for kind in ("None", "Lost", "Spike", "HostSilent"):
+        assert (outcomes[kinds == kind, STOPPED] >= 0).mean() < 0.05
+
+
+def test_legal_runs_are_not_stopped(loaders) -> None:
+    outcomes = _core.supervised_faults(*loaders, seed=3, count=600, faults=0)
+    assert not outcomes[:, WRONG].any()
+    assert (outcomes[:, STOPPED] < 0).all()
