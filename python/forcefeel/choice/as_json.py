@@ -75,6 +75,7 @@ def _score(score: Score, units: UnitSystem) -> dict[str, Json]:
         report["envelope"] = {
             "shares": json_value(over.shares, units),
             "worst_case": json_value(over.worst_case, units),
+            "quiet_in_contact": over.quiet,
             "largest_demand": json_value(over.demand, units),
             "minimum_margins": json_value(over.margins, units),
         }

@@ -4,7 +4,8 @@ A law is eligible if, with the nominal plant and hands off,
 
 1. it is stable at the loader's own setting and at every setting of the grid;
 2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
-   and one more period of delay (a digital loader).
+   and one more period of delay (a digital loader);
+3. it is quiet in contact, clamped and against a stop, at ``LEAST_QUIET`` of the settings (a digital loader).
 
 The rule takes the eligible law with the largest share of settings within tolerance in every case. Among laws less than ``CLOSE``
 behind it, it takes the one with the largest nominal share; among equally close ones, the one with the least noise at the grip. With
@@ -29,6 +30,10 @@ LEAST_PHASE_RAD = radians(30.0)
 
 LEAST_PERIODS = 1.0
 """Required delay margin in sample periods: with a hand at the grip, one late sample must not destabilize the loop."""
+
+
+LEAST_QUIET = 0.9
+"""Required share of the settings that do not swing on in contact."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +124,10 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
     if score.over is not None and score.over.shares.stable < 1:
         sentences.append(
             f"it is stable at only {share_text(score.over.shares.stable)} of the settings with the nominal plant"
+        )
+    if score.over is not None and score.over.quiet is not None and score.over.quiet < LEAST_QUIET:
+        sentences.append(
+            f"only {share_text(score.over.quiet)} of the settings are quiet in contact, clamped or against a stop"
         )
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
         sentences.append(

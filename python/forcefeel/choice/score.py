@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from forcefeel.choice.demand import AnyDemand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
+from forcefeel.envelope.contact import FEW_CONTACTS, swings_on
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
@@ -46,12 +47,14 @@ class OverEnvelope:
     Attributes:
         shares: Shares that are stable and that pass, nominally and in every case.
         worst_case: Case with the largest loss of nominal passes; ``None`` without a loss.
+        quiet: Share that is quiet in ``FEW_CONTACTS``; ``None`` for an analog loader, whose laws have no part for contact.
         demand: Largest demand over the stable settings, nominal plant.
         margins: Smallest of each over the loader's own setting and the corners of the grid.
     """
 
     shares: Shares
     worst_case: CaseShares | None
+    quiet: float | None
     demand: AnyDemand
     margins: LoopMargins
 
@@ -178,10 +181,17 @@ def score_over(plan: Plan, score: Score, envelope: Envelope) -> Score:
     over = OverEnvelope(
         shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
+        quiet=_quiet(plan, laws, feel) if plan.loader["controller.period"] else None,
         demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
         margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
     )
     return replace(score, over=over)
+
+
+def _quiet(plan: Plan, laws: Law, feel: NDArray[np.float64]) -> float:
+    """Share of the settings that swing on in none of ``FEW_CONTACTS``."""
+    swings = [swings_on(plan.loader, laws, feel, contact)[0] for contact in FEW_CONTACTS]
+    return float(1 - np.any(swings, axis=0).mean())
 
 
 def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> AnyDemand:

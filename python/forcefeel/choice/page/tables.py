@@ -25,10 +25,11 @@ def shares(scored: LawScores, choice: Choice | None) -> Table:
         taken = choice is not None and score.name == choice.chosen
         law_shares, lost = score.over.shares, score.over.worst_case
         numbers = (law_shares.worst_case_share, law_shares.nominal_share, law_shares.stable_worst, law_shares.stable)
+        quiet = NONE if score.over.quiet is None else share_text(score.over.quiet)
         most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
-        rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
-    head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable")
+        rows.append((name, *(number(share_text(share)) for share in numbers), number(quiet), words(prose_html(most))))
+    head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable", "Quiet in contact")
     return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
 
 
