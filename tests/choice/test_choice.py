@@ -102,9 +102,9 @@ GOOD = LoopMargins(3.0, 0.0, np.radians(45), 2e-3, 0.8, 100.0)
 QUIET = Noise(1e-5, 0.1)
 
 
-def _score(name, worst, nominal, *, stable=1.0, margins=GOOD, noise=QUIET, own_stable=True):
+def _score(name, worst, nominal, *, stable=1.0, margins=GOOD, noise=QUIET, own_stable=True, quiet=1.0):  # noqa: PLR0913
     own = SimpleNamespace(stable=own_stable, margins=margins, noise=noise)
-    over = OverEnvelope(Shares(name, stable, nominal, worst, worst), None, Demand(0.5, 0.5, 0.5), margins)
+    over = OverEnvelope(Shares(name, stable, nominal, worst, worst), None, quiet, Demand(0.5, 0.5, 0.5), margins)
     return Score(name, "", own, over)
 
 
@@ -128,6 +128,7 @@ def test_ranking_is_worst_case_then_nominal_share_then_noise():
     [
         ({"own_stable": False}, "unstable at the loader's own setting"),
         ({"stable": 0.95}, "stable at only 95 %"),
+        ({"quiet": 0.85}, "only 85 % of the settings are quiet in contact"),
         ({"margins": replace(GOOD, gain_up=1.9)}, "to 1.9"),
         ({"margins": replace(GOOD, gain_down=0.6)}, "only 0.6 to"),
         ({"margins": replace(GOOD, phase_rad=np.radians(29))}, "29 deg"),

@@ -82,6 +82,7 @@ def test_the_noise_of_the_torque_is_that_of_a_simulated_observer() -> None:
         xi = law.transition[0] @ xi + law.input[0, :, :3] @ noise
         smooth += (torque - smooth) * law.period_s / 0.004
         seen.append(smooth)
+    # 38,000 samples of 8 periods' memory tell a deviation to some 2 %.
     assert torque_noise(law, loader)[0] == pytest.approx(np.std(seen[2000:]), rel=0.05)
 
 

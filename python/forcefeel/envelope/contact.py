@@ -49,6 +49,10 @@ class Contact:
         stiffness_n_per_m: Its stiffness at the grip.
         damping_ratio: Its damping, with the column's own inertia and the mass.
         mass_kg: Mass that a clamp adds to the grip.
+
+    Example:
+        >>> ff.envelope.Contact(False, 1e4, 0.02, 3.0).name
+        'clamp 10,000 N/m, damping 0.02, 3 kg'
     """
 
     stop: bool
@@ -105,6 +109,13 @@ class ContactShares:
         quiet: Share of the settings that swing on in no contact.
         largest_force_n: Largest force of any contact with any setting.
         by_contact: Share of the settings that are quiet, by the name of the contact.
+
+    Example:
+        >>> grid = {"stiffness": "10, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 0.7"}
+        >>> contacts = (ff.envelope.Contact(False, 1e5, 0.02),)
+        >>> few = ff.find_envelope(ff.digital_elevator(), ["robust"], grid, contacts=contacts, changes={}, arms=())
+        >>> few.contact_shares("robust").quiet
+        1.0
     """
 
     law: str
