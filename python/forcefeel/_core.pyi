@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "BOUND_RAD",
+    "CONTACT_SMOOTHING_S",
     "FMU_CLOCK",
     "MOST_RECURSION_STEPS",
     "OBSERVER_NUMBERS",
