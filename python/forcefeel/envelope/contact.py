@@ -27,17 +27,14 @@ QUIET_N = 8.9
 
 DECAYED = 0.9
 
-TAP_N, PUSH_N = 13.3, 8.0
+TAP_N, TAP_S, PUSH_N = 13.3, 0.05, 8.0
 """3 lb for 50 ms on a clamp, 1.8 lb into a stop."""
 
 STOP_RAD = radians(5.0)
 """Where the stop stands, away from the neutral."""
 
 _CLAMP_S, _STOP_S = 2.0, 4.0
-"""Durations; the last half is looked at."""
-
-_LAST_S = {False: 0.5, True: 1.0}
-"""Each of the two parts."""
+"""Durations. Of their quarters, the last two are compared."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +73,20 @@ class Contact:
         arm = loader["column.grip_arm"]
         own = loader["column.inertia"] / arm**2
         damping = 2 * self.damping_ratio * sqrt(self.stiffness_n_per_m * (own + self.mass_kg))
-        if self.stop:
-            rows = {"stop_high": STOP_RAD, "stop_stiffness": self.stiffness_n_per_m, "stop_damping": damping}
-            at_column = {"stop_high": 1.0, "stop_stiffness": arm**2, "stop_damping": arm**2}
-            return loader.replace({f"column.{row}": value * at_column[row] for row, value in rows.items()}, si=True)
-        arms = {"arm_mass": self.mass_kg, "arm_stiffness": self.stiffness_n_per_m, "arm_damping": damping}
-        return loader.replace({f"pilot.{row}": value for row, value in arms.items()}, si=True)
+        rows = (
+            {
+                "column.stop_high": STOP_RAD,
+                "column.stop_stiffness": self.stiffness_n_per_m * arm**2,
+                "column.stop_damping": damping * arm**2,
+            }
+            if self.stop
+            else {
+                "pilot.arm_mass": self.mass_kg,
+                "pilot.arm_stiffness": self.stiffness_n_per_m,
+                "pilot.arm_damping": damping,
+            }
+        )
+        return loader.replace(rows, si=True)
 
 
 STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
@@ -143,8 +148,8 @@ def swings_on(
         [False, True]
     """
     there = contact.on(loader)
-    force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=0.05)
-    duration, last = _STOP_S if contact.stop else _CLAMP_S, _LAST_S[contact.stop]
+    force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=TAP_S)
+    duration = _STOP_S if contact.stop else _CLAMP_S
     runs = simulate_batch(
         there,
         Scenario(force, duration_s=duration),
@@ -153,11 +158,11 @@ def swings_on(
         keep=["column_angle_rad"],
         threads=threads,
     )
-    # A run that diverges has no angle any more.
-    angle = np.nan_to_num(runs["column_angle_rad"].to_numpy(), nan=np.pi, posinf=np.pi, neginf=-np.pi)
+    angle = runs["column_angle_rad"].to_numpy()
+    diverged = ~np.isfinite(angle).all(axis=1)
+    angle = np.nan_to_num(angle, nan=np.pi, posinf=np.pi, neginf=-np.pi)
     depth = np.maximum(angle - STOP_RAD, 0.0) if contact.stop else angle
     held = depth * contact.stiffness_n_per_m * loader["column.grip_arm"]
-    from_end = duration - runs["time_s"].to_numpy()
-    before, after = (np.ptp(held[:, (k * last <= from_end) & (from_end < (k + 1) * last)], axis=1) for k in (1, 0))
-    diverged = ~np.isfinite(runs["column_angle_rad"].to_numpy()).all(axis=1)
+    quarter = np.ceil(4 * (duration - runs["time_s"].to_numpy()) / duration)  # from the end, which is 0
+    before, after = (np.ptp(held[:, quarter == k], axis=1) for k in (2, 1))
     return diverged | ((after >= QUIET_N) & (after > DECAYED * before)), np.abs(held).max(axis=1)

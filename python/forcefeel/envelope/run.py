@@ -126,13 +126,14 @@ def _touch(
 ) -> None:
     """Add to the data which settings swing on in which contact, and the largest forces."""
     over = ("law", "contact", *AXES)
-    swings, forces = np.zeros((2, len(laws), len(plan.contacts), len(feel)))
+    swings = np.zeros((len(laws), len(plan.contacts), len(feel)), dtype=bool)
+    forces = np.zeros(swings.shape)
     for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
         swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
         advance(len(feel))
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
     data.coords["contact"] = [contact.name for contact in plan.contacts]
-    data["swings_on"] = over, swings.astype(bool).reshape(shape)
+    data["swings_on"] = over, swings.reshape(shape)
     data["largest_force_n"] = over, forces.reshape(shape)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from forcefeel.envelope.as_json import envelope_json, releases, settings_csv
 from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
+from forcefeel.envelope.contact import PUSH_N, QUIET_N, TAP_N
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.page import plots as envelope_plots
 from forcefeel.envelope.page import tables as envelope_tables
@@ -17,7 +18,7 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.setting_maps import SettingMaps, picture, spans
 from forcefeel.page.typography import quantity_text
-from forcefeel.units import ANGLE, UnitSystem
+from forcefeel.units import ANGLE, FORCE, UnitSystem
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,10 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
         angles=envelope_tables.by_angle(envelope, units) if envelope.smaller else None,
         angles_plot=drawing(envelope_plots.by_angle(envelope, units), "angles") if envelope.smaller else None,
         contacts=envelope_tables.contacts(envelope) if plan.contacts else None,
+        **{
+            name: quantity_text(force, FORCE, units, 2)
+            for name, force in (("tap", TAP_N), ("push", PUSH_N), ("quiet", QUIET_N))
+        },
         spans=spans(nominal, units),
         nominal=picture(nominal, units, worst),
         worst=picture(worst, units, nominal),
