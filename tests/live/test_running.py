@@ -86,6 +86,14 @@ def test_hand_holds_and_releases_angle(running):
     assert settled(running)["column_angle_rad"] == pytest.approx(0.0, abs=STEADY_RAD)
 
 
+def test_a_hand_that_turns_from_full_pull_to_full_push_does_not_stop_the_loader(running):
+    for force in (400.0, -400.0, 400.0, 0.0):
+        running.hand_force_n = force
+        running.wait(1000)
+    assert running.state.name == "active"
+    assert running.state.trips == ()
+
+
 @pytest.mark.parametrize(
     ("fault", "trip"),
     [

@@ -6,6 +6,7 @@
 //! `F` force of a hand that holds the grip at the angle `theta_h` · `K` its stiffness, as a torque · `C` its damping · `R_p` arm of the grip
 //!
 //! `R_p F = K (theta_h - theta) + K / t_i int (theta_h - theta) dt - C theta'`, within `R_p` times 400 N: an arm, and a person who looks.
+//! A hand that pushes takes 0.05 s for each 400 N of a change, and lets go at once.
 
 use crate::input_output::{Command, Disturbance, Fault, InputOutput, Sampled};
 use crate::setup::{Beginning, Setup};
@@ -237,7 +238,9 @@ where
 /// The hand at the grip.
 #[derive(Debug, Clone, Copy)]
 struct Hand {
+    /// Force in N to which it pushes, and to which it has come.
     pushes: f64,
+    pushed: f64,
     angle: Option<f64>,
     /// Force through the next step.
     force: f64,
@@ -252,6 +255,8 @@ impl Hand {
     const INTEGRATES_S: f64 = 0.15;
     /// Most force of an arm in N.
     const MOST_N: f64 = 400.0;
+    /// Time in s in which a hand comes to that force.
+    const TAKES_HOLD_S: f64 = 0.05;
     /// Stiffness of an arm that holds tight, in N/m.
     const ARM_N_PER_M: f64 = 1000.0;
     /// Damping ratio of arm and column together.
@@ -261,7 +266,7 @@ impl Hand {
         let arm = parameters.column.grip_arm;
         let stiffness = 2.0 * parameters.feel.stiffness + Self::ARM_N_PER_M * arm * arm;
         let damping = 2.0 * Self::DAMPING * (stiffness * parameters.feel.inertia.max(parameters.column.inertia)).sqrt();
-        Self { pushes: 0.0, angle: None, force: 0.0, integral: 0.0, stiffness, damping, arm }
+        Self { pushes: 0.0, pushed: 0.0, angle: None, force: 0.0, integral: 0.0, stiffness, damping, arm }
     }
 
     fn is_there(&self) -> bool {
@@ -280,6 +285,9 @@ impl Hand {
             self.integral = (self.integral + self.stiffness * off * step_s / Self::INTEGRATES_S).clamp(-most, most);
             (self.stiffness * off + self.integral - self.damping * rate).clamp(-most, most) / self.arm
         });
-        self.force = self.pushes + holds;
+        let most = Self::MOST_N * step_s / Self::TAKES_HOLD_S;
+        let lets_go = self.pushes == 0.0;
+        self.pushed = if lets_go { 0.0 } else { self.pushed + (self.pushes - self.pushed).clamp(-most, most) };
+        self.force = self.pushed + holds;
     }
 }
