@@ -34,7 +34,9 @@ def test_a_light_feel_is_quiet_against_a_stop_and_in_a_clamp(clamped: bool) -> N
     loader = _light()
     law = ff.Law.of("robust", loader)
     held = (
-        {"pilot.arm_stiffness": 1e5, "pilot.arm_damping": 300.0} if clamped else {"column.stop_high": np.radians(5.0)}
+        {"pilot.arm_stiffness": 1e5, "pilot.arm_damping": 300.0}
+        if clamped
+        else {"column.stop_high": np.radians(5.0), "feel.hard_stop_high": np.pi}
     )
     there = loader.replace(held, si=True)
     assert _range_at_the_end(there, law.without_contact(), "1.8 lb") > 5 * QUIET_RAD
@@ -57,7 +59,12 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
         for sensor in ("load_cell", "potentiometer", "column_sensor")
         for row in ("noise", "resolution")
     }
-    stop = {"column.stop_high": np.radians(5.0), "column.stop_stiffness": 6e4, "column.stop_damping": 100.0}
+    stop = {
+        "column.stop_high": np.radians(5.0),
+        "column.stop_stiffness": 6e4,
+        "column.stop_damping": 100.0,
+        "feel.hard_stop_high": np.pi,
+    }
     loader = ff.loader.electric("elevator-electric").replace(
         _light_feel() | stop | quiet | {"motor.cogging_torque": 0.0}, si=True
     )

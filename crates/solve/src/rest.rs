@@ -28,7 +28,7 @@ pub fn angle_at_rest<D: Drive<f64>>(
     if machine.drifts() {
         return f64::NAN;
     }
-    let angle_of = |equilibrium: &Equilibrium<f64>| equilibrium.numbers()[0] * machine.per_base();
+    let angle_of = |equilibrium: &Equilibrium<f64>| equilibrium.base() * machine.per_base();
     let beyond = |angle: f64| machine.held_at(shared, angle, trim, factor).pilot_force - force;
     let (first, mut angle) = (angle_of(start), near);
     let mut before = (first, start.pilot_force - force);

@@ -8,7 +8,7 @@ the part before: a spring without damping rings for long, and that is no fault o
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from math import radians, sqrt
+from math import pi, radians, sqrt
 from typing import Annotated
 
 import numpy as np
@@ -78,6 +78,8 @@ class Contact:
                 "column.stop_high": STOP_RAD,
                 "column.stop_stiffness": self.stiffness_n_per_m * arm**2,
                 "column.stop_damping": damping * arm**2,
+                # The feel does not stop before a thing that it does not know of.
+                "feel.hard_stop_high": pi,
             }
             if self.stop
             else {

@@ -239,13 +239,31 @@ class Loader(Mapping[str, float]):
         curves = repr([(name, curve.x, curve.y) for name, curve in self.curves.items()])
         # What no law asks for, the limits of a supervisor and the rows of a sensor that is not there, is left out.
         absent = ("safety.",) if self["grip_sensor.gain"] else ("safety.", "grip_sensor.")
-        own = np.array([value for key, value in self._by_key().items() if not key.startswith(absent)])
-        return hashlib.sha256(own.tobytes() + curves.encode()).hexdigest()
+        # A row that is off says nothing, so that a law keeps its loader when the table gets a row.
+        rows = [
+            (key, value)
+            for key, value in self._by_key().items()
+            if value != OFF.get(key) and not key.startswith(absent)
+        ]
+        return hashlib.sha256(f"{rows}{curves}".encode()).hexdigest()
 
     @property
     def drive(self) -> str:
         """What moves the linkage: ``hydraulic`` or ``electric``."""
         return drive_of(self.si_values)
+
+    @property
+    def hard_stops_rad(self) -> tuple[float, float]:
+        """Lowest and highest angle of the programmed control, rad; infinite without a stop.
+
+        ``feel.hard_stop_low`` and ``feel.hard_stop_high``, else ``feel.stop_margin`` inside the column's end stops.
+
+        Example:
+            >>> low, high = ff.elevator().replace({"column.stop_high": "10 deg"}).hard_stops_rad
+            >>> low, round(np.degrees(high), 3)
+            (-inf, 9.5)
+        """
+        return _core.feel_hard_stops(self.si_values)
 
     def _position(self, key: str) -> int:
         try:

@@ -57,6 +57,11 @@ impl<S: Scalar> Equilibrium<S> {
         Self::from_numbers(&core::array::from_fn(|k| S::select(mask, own[k], others[k])))
     }
 
+    /// Displacement of the column's base in m.
+    pub fn base(&self) -> S {
+        self.base
+    }
+
     /// Programmed displacement.
     pub fn delta(&self) -> S {
         self.delta
@@ -94,26 +99,34 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Equilibrium<S> {
         let x_b = theta / self.control.per_base;
         let neutral = trim * self.control.feel.per_angle;
-        let deaf = self.is_deaf();
-        let (centre, reach) = if self.drifts() {
-            (x_b.zero(), x_b.zero())
-        } else if deaf {
-            // The link stretches by no more than the travel that is looked at.
+        // The effort where the programmed displacement is known: the link stretches by no more than the travel that is looked at.
+        let with_delta = |effects: &Effects, delta: S| {
             let travel = self.drive.link().ratio / self.control.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
-            (x_b.zero(), self.drive.effort_of_stretch(travel))
-        } else {
-            (theta * self.control.feel.per_angle, self.control.feel.per_angle.times(SEARCH_RAD))
-        };
-        let search = |effects: &Effects| {
-            bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
-                // A feel computer that is deaf stays at neutral, and it is the effort that is looked for.
-                let (delta, driven) = if deaf {
-                    (neutral, (x, self.drive.stretch_at_rest(x)))
-                } else {
-                    (x, self.heard(shared, x_b, x, &FeelConditions::at_rest(neutral, stiffness_factor, x)))
-                };
+            let most = if self.drifts() { travel.zero() } else { self.drive.effort_of_stretch(travel) };
+            bisect((-most, most), Equilibrium::neutral(delta.zero()), |effort| {
+                let driven = (effort, self.drive.stretch_at_rest(effort));
                 self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
             })
+        };
+        let search = |effects: &Effects| {
+            // A feel computer that is deaf stays at neutral.
+            if self.is_deaf() {
+                return with_delta(effects, neutral);
+            }
+            let feel = &self.control.feel;
+            let (centre, reach) = (theta * feel.per_angle, feel.per_angle.times(SEARCH_RAD));
+            let free = bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |delta| {
+                let conditions = FeelConditions::at_rest(neutral, stiffness_factor, delta);
+                let driven = self.heard(shared, x_b, delta, &conditions);
+                self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
+            });
+            // At a hard stop the feel takes any torque.
+            let stopped = feel.between_stops(free.delta);
+            let beyond = stopped.zero().less((free.delta - stopped).abs());
+            if !(effects.feel_limits && S::any(beyond)) {
+                return free;
+            }
+            with_delta(effects, stopped).or(&free, beyond)
         };
         let effects = &shared.effects;
         if !(D::COMMAND_HOLDS && effects.saturation) {

@@ -67,6 +67,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let acceleration = feel.acceleration(effects, shared.curve.as_ref(), middle, torque, &conditions);
             (quicker - acceleration * period, (delta, rate))
         });
+        // At a hard stop nothing carries it on.
+        let stopped = if effects.feel_limits { feel.between_stops(delta) } else { delta };
+        let delta_rate = S::select(zero.less((delta - stopped).abs()), zero, delta_rate);
+        let delta = stopped;
         let command = output([delta, delta_rate]).command + added;
         let asks = cut & !((command - e) * e).less(zero);
         let pilot_force = self.holding_force(effects, base, effort);
