@@ -142,7 +142,8 @@ impl Record {
         for (name, numbers) in setup {
             record.list(name, 0, &numbers);
         }
-        record.flush()?;
+        // Of its own: without it no row can be read.
+        record.end_chunk()?;
         Ok(record)
     }
 
