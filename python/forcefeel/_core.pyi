@@ -569,7 +569,7 @@ class LiveLoop:
         real_time: bool = True,
         cycles: int | None = None,
         requests: Sequence[_Requested] = ...,
-        record: tuple[Path, int, int, dict[str, str]] | None = None,
+        record: tuple[Path, tuple[int, bool], int, int, dict[str, str]] | None = None,
         history: int = 120_000,
     ) -> Self: ...
     def request(self, name: str, numbers: Sequence[float]) -> bool: ...

@@ -25,7 +25,7 @@ def planned(loader, force_n, requests, *, law="robust", host=None, record=None):
         real_time=False,
         cycles=cycles,
         requests=requests,
-        record=record and (record, MOST_RECORD_BYTES, cycles, about),
+        record=record and (record, (MOST_RECORD_BYTES, False), cycles, 1, about),
         history=cycles,
     )
     while not loop.status()[-1]:

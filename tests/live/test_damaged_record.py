@@ -137,10 +137,13 @@ def test_damaged_record_is_read_up_to_damage_on_request(tmp_path):
         running.wait(1500)
     data = bytearray(path.read_bytes())
     chunks = [at for at, code, _ in records(data, 8, len(data) - 8) if code == CHUNK]
-    data[chunks[-1] + 500] ^= 1
+    data[chunks[-1] + 60] ^= 1  # behind its head
     path.write_bytes(data)
     part = ff.live.read_live_record(path)
-    assert "a check sum does not fit" in part.broken
+    damage = (
+        f"chunk {len(chunks)} is damaged: a check sum does not fit what it is of (byte {chunks[-1]} of {len(data)})"
+    )
+    assert part.broken == damage
     with pytest.raises(ff.InputError, match=r"breaks off: .*it is whole up to [\d.]+ s") as refused:
         ff.qualification.read_record(path)
     assert "between_s" in str(refused.value)

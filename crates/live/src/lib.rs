@@ -8,7 +8,7 @@
 //! | what is asked of a running loop | [`request`] |
 //! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
-//! | records that stay whole, room for them, the format of their files, their replay | [`record`], [`room`], [`mcap`], [`mcap_writer`], [`mcap_reader`], [`replay`] |
+//! | records that stay whole, the rows that they keep, room for them, the format of their files, their replay | [`record`], [`thinning`], [`whole_file`], [`room`], [`mcap`], [`mcap_writer`], [`mcap_reader`], [`replay`] |
 //!
 //! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry requests to
 //! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
@@ -35,4 +35,6 @@ pub mod setup;
 pub mod simulated;
 pub mod status;
 pub mod supervision;
+pub mod thinning;
 pub mod udp;
+pub mod whole_file;

@@ -31,4 +31,6 @@ pub mod op {
     pub const SUMMARY_OFFSET: u8 = 14;
     /// The end of all but the summary.
     pub const DATA_END: u8 = 15;
+    /// A record of a program's own, which readers skip.
+    pub const OWN: u8 = 0x80;
 }

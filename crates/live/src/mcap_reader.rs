@@ -13,6 +13,8 @@ pub struct Records<'a> {
     rest: &'a [u8],
     /// What has not been read of a chunk.
     chunk: &'a [u8],
+    /// Chunks so far.
+    chunks: u64,
     /// Why the file breaks off in that chunk.
     cut_off: Option<String>,
     over: bool,
@@ -25,7 +27,7 @@ impl<'a> Records<'a> {
     /// If it does not begin as an MCAP file does.
     pub fn of(file: &'a [u8]) -> Result<Self, String> {
         let rest = file.strip_prefix(&MAGIC).ok_or("is no MCAP file: it does not begin as one")?;
-        Ok(Self { file, rest, chunk: &[], cut_off: None, over: false })
+        Ok(Self { file, rest, chunk: &[], chunks: 0, cut_off: None, over: false })
     }
 
     fn step(&mut self) -> Result<Option<(u8, &'a [u8])>, String> {
@@ -50,7 +52,10 @@ impl<'a> Records<'a> {
             };
             self.rest = rest;
             match code {
-                op::CHUNK => self.chunk = unpacked(body)?,
+                op::CHUNK => {
+                    self.chunks += 1;
+                    self.chunk = unpacked(body).map_err(|why| format!("chunk {} {why}", self.chunks))?;
+                }
                 op::DATA_END => {
                     let sum = Fields(body).u32().ok_or("its end is damaged")?;
                     same_sum(sum, &self.file[..before])?;
@@ -98,19 +103,19 @@ fn begun(body: &[u8]) -> &[u8] {
 
 /// The records of a chunk: first and last time, size and check sum as unpacked, how it is packed, size as packed.
 fn unpacked(body: &[u8]) -> Result<&[u8], String> {
-    let damaged = "a chunk's head is damaged";
+    let damaged = "is damaged: its head";
     let mut fields = Fields(body);
     fields.take(16).ok_or(damaged)?;
     let (size, sum) = (fields.u64().ok_or(damaged)?, fields.u32().ok_or(damaged)?);
     let (packing, packed) = (fields.text().ok_or(damaged)?, fields.u64().ok_or(damaged)?);
     if !packing.is_empty() {
-        return Err(format!("a chunk is packed by {packing:?}, which forcefeel does not write"));
+        return Err(format!("is packed by {packing:?}, which forcefeel does not write"));
     }
     let records = usize::try_from(packed).ok().and_then(|packed| fields.take(packed)).ok_or(damaged)?;
     if size != packed {
         return Err(damaged.to_string());
     }
-    same_sum(sum, records)?;
+    same_sum(sum, records).map_err(|why| format!("is damaged: {why}"))?;
     Ok(records)
 }
 

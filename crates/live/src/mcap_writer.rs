@@ -1,15 +1,18 @@
-//! An MCAP file, written from its beginning to its end: what comes between two flushes is a chunk, with the places of its messages behind
-//! it; at the end stands a summary.
+//! An MCAP file, written from its beginning to its end: chunks, each with the places of its messages behind it; at the end a summary.
+//!
+//! A chunk grows in the file: a record that readers skip stands where its head will, the messages behind it count by themselves until
+//! the head is put over that record.
 
 use crate::mcap::{MAGIC, op};
+use crate::whole_file::WholeFile;
 use crc32fast::{Hasher, hash};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// A file under way.
-pub struct Writer<W> {
-    to: W,
-    /// Bytes so far, and their check sum.
+pub struct Writer {
+    to: WholeFile,
+    /// Bytes before the chunk under way, and their check sum.
     position: u64,
     sum: Hasher,
     chunk: Chunk,
@@ -24,21 +27,23 @@ pub struct Writer<W> {
     times: Option<(u64, u64)>,
 }
 
-/// Records that are not in the file yet.
+/// Records of the chunk under way.
 #[derive(Default)]
 struct Chunk {
     records: Vec<u8>,
+    /// Bytes of them that were handed to the file.
+    handed: usize,
     /// Time and place of each message on a channel.
     messages: BTreeMap<u16, Vec<(u64, u64)>>,
     times: Option<(u64, u64)>,
 }
 
-impl<W: Write> Writer<W> {
+impl Writer {
     /// Begins a file, with the name of what writes it.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn begin(to: W, library: &str) -> io::Result<Self> {
+    pub fn begin(to: WholeFile, library: &str) -> io::Result<Self> {
         let mut writer = Self {
             to,
             position: 0,
@@ -88,7 +93,7 @@ impl<W: Write> Writer<W> {
         };
         self.times = Some(around(self.times));
         *self.counts.entry(channel).or_default() += 1;
-        let Chunk { records, messages, times } = &mut self.chunk;
+        let Chunk { records, messages, times, .. } = &mut self.chunk;
         *times = Some(around(*times));
         messages.entry(channel).or_default().push((time_ns, records.len() as u64));
         records.push(op::MESSAGE);
@@ -105,15 +110,15 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// If it cannot be written.
     pub fn flush(&mut self) -> io::Result<()> {
-        self.end_chunk()?;
+        self.hand_over()?;
         self.to.flush()
     }
 
-    /// Ends the file with a summary, and gives back what it was written to.
+    /// Ends the file with a summary.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn finish(mut self) -> io::Result<W> {
+    pub fn finish(mut self) -> io::Result<()> {
         self.end_chunk()?;
         let sum = self.sum.clone().finalize();
         self.put(&Content::new().u32(sum).record(op::DATA_END))?;
@@ -140,8 +145,7 @@ impl<W: Write> Writer<W> {
         let sum = self.sum.clone().finalize();
         self.put(&sum.to_le_bytes())?;
         self.put(&MAGIC)?;
-        self.to.flush()?;
-        Ok(self.to)
+        self.to.finish()
     }
 
     fn statistics(&self) -> Vec<u8> {
@@ -160,19 +164,34 @@ impl<W: Write> Writer<W> {
             .record(op::STATISTICS)
     }
 
-    fn end_chunk(&mut self) -> io::Result<()> {
+    fn hand_over(&mut self) -> io::Result<()> {
+        let Chunk { records, handed, .. } = &mut self.chunk;
+        if *handed == 0 && !records.is_empty() {
+            self.to.write_all(&HEAD_TO_COME)?;
+        }
+        self.to.write_all(&records[*handed..])?;
+        *handed = records.len();
+        Ok(())
+    }
+
+    /// Ends the chunk under way, if there is one: from here on its check sum holds it together.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn end_chunk(&mut self) -> io::Result<()> {
         if self.chunk.records.is_empty() {
             return Ok(());
         }
-        let Chunk { records, messages, times } = std::mem::take(&mut self.chunk);
+        self.hand_over()?;
+        let Chunk { records, messages, times, .. } = std::mem::take(&mut self.chunk);
         let (first, last) = times.unwrap_or_default();
         let size = records.len() as u64;
-        let head = Content::new().u64(first).u64(last).u64(size).u32(hash(&records)).text("").u64(size);
+        let fields = Content::new().u64(first).u64(last).u64(size).u32(hash(&records)).text("").u64(size);
+        let head = Content(vec![op::CHUNK]).u64(fields.0.len() as u64 + size).and(&fields.0).0;
         let start = self.position;
-        self.put(&[op::CHUNK])?;
-        self.put(&(head.0.len() as u64 + size).to_le_bytes())?;
-        self.put(&head.0)?;
-        self.put(&records)?;
+        self.to.overwrite(start, &head)?;
+        self.count(&head);
+        self.count(&records);
         let end = self.position;
         let mut places = Content::new();
         for (&channel, messages) in &messages {
@@ -187,11 +206,22 @@ impl<W: Write> Writer<W> {
     }
 
     fn put(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.sum.update(bytes);
-        self.position += bytes.len() as u64;
+        self.count(bytes);
         self.to.write_all(bytes)
     }
+
+    fn count(&mut self, bytes: &[u8]) {
+        self.sum.update(bytes);
+        self.position += bytes.len() as u64;
+    }
 }
+
+/// As long as the head of a chunk: a record of a code that the format leaves to programs.
+const HEAD_TO_COME: [u8; 49] = {
+    let mut record = [0; 49];
+    (record[0], record[1]) = (op::OWN, 40);
+    record
+};
 
 /// What a record is made of: numbers, and texts and lists behind their length, one after the other.
 struct Content(Vec<u8>);

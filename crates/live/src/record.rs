@@ -1,16 +1,17 @@
 //! A record on the disk: an MCAP file that is whole whenever the process ends, and bounded.
 //!
 //! Rows and requests are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
-//! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next once that is there.
+//! numbers one after the other. What the file ends with stands behind each flush, and is overwritten by the next once that is there.
 
-use crate::mcap::MAGIC;
 use crate::mcap_writer::Writer;
+use crate::request::LoopRequest;
 use crate::room::reserve;
 use crate::row::{COLUMNS, NAMES, Row};
+use crate::whole_file::WholeFile;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// Topic of the rows.
 pub const ROWS: &str = "/cycle";
@@ -25,33 +26,59 @@ pub const WHY: &str = "why";
 /// Why a record ends that has room for all.
 pub const WITH_THE_RUN: &str = "with the run";
 
+/// Why a part of a ring ends.
+const CONTINUED: &str = "continued in the next part";
+/// Name of the metadata of how many cycles lie between two rows.
+pub const EVERY: &str = "record_every";
+
 /// How large a record may be.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
-    /// Bytes of the file at most.
+    /// Bytes on the disk at most.
     pub most_bytes: u64,
     /// Rows that are expected: there must be room on the disk for them.
     pub rows: u64,
+    /// Whether the oldest rows go where there is room for no more, in two parts of half the bytes each.
+    pub ring: bool,
+}
+
+/// What a record begins with, and each part of a ring.
+#[derive(Clone)]
+pub struct Opening {
+    /// The file.
+    pub path: PathBuf,
+    /// How large it may be.
+    pub size: Size,
+    /// Time of the first beat, in ns since 1970.
+    pub start_ns: u64,
+    /// What is written about it.
+    pub about: BTreeMap<String, String>,
+    /// What the loop is made of.
+    pub setup: Vec<(&'static str, Vec<f64>)>,
 }
 
 /// A record under way.
 pub struct Record {
-    writer: Writer<WholeFile>,
+    opening: Opening,
+    writer: Writer,
     rows: u16,
     lists: u16,
     sequence: u32,
-    /// Time of the record's first beat, in ns since 1970.
-    start_ns: u64,
     most: u64,
     left: u64,
+    /// Bytes of the part before.
+    before: u64,
     /// The file once more, for the room that is taken ahead of it, and how far that goes.
     file: File,
     reserved: u64,
     /// Why `most` is less than it was to be.
     disk_full: Option<io::Error>,
-    /// Rows that were taken, and those of them that are in the file.
+    /// Rows that were taken, and those of them that were brought to the disk.
     taken: u64,
     kept: u64,
+    /// The newest request of each kind with its cycle, which the next part begins with.
+    requests: BTreeMap<&'static str, (u64, LoopRequest)>,
+    time_s: f64,
 }
 
 impl Record {
@@ -59,15 +86,17 @@ impl Record {
     ///
     /// # Errors
     /// If the file cannot be written, or the disk has too little room for what is expected; then no file is left.
-    pub fn create(
-        path: &Path,
-        size: Size,
-        start_ns: u64,
-        about: &BTreeMap<String, String>,
-        setup: &[(&'static str, Vec<f64>)],
-    ) -> io::Result<Self> {
-        let file = File::create(path)?;
-        let begun = Self::begin(file, size, start_ns, about, setup);
+    pub fn create(opening: Opening) -> io::Result<Self> {
+        // A part of another run must not pass for one of this.
+        match std::fs::remove_file(part_before(&opening.path)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Self::create_part(opening, 0.0),
+        }
+    }
+
+    fn create_part(opening: Opening, time_s: f64) -> io::Result<Self> {
+        let (path, file) = (opening.path.clone(), File::create(&opening.path)?);
+        let begun = Self::begin(file, opening, time_s);
         if begun.is_err() {
             // Why it could not be begun says more than why it could not be removed.
             let _ = std::fs::remove_file(path);
@@ -75,35 +104,71 @@ impl Record {
         begun
     }
 
-    fn begin(
-        file: File,
-        Size { most_bytes: most, rows: expected }: Size,
-        start_ns: u64,
-        about: &BTreeMap<String, String>,
-        setup: &[(&'static str, Vec<f64>)],
-    ) -> io::Result<Self> {
-        let reserved = expected.saturating_mul(ROW_BYTES).saturating_add(ROOM).max(AHEAD).min(most);
+    fn begin(file: File, opening: Opening, time_s: f64) -> io::Result<Self> {
+        let Size { most_bytes, rows: expected, ring } = opening.size;
+        let most = if ring { most_bytes / 2 } else { most_bytes };
+        let reserved = expected.saturating_mul(ROW_BYTES).saturating_add(ROOM).max(AHEAD.min(most)).min(most_bytes);
         reserve(&file, 0, reserved).map_err(|error| {
             let text =
                 format!("{error}; a record of this run takes {} MB, make room for it", reserved.div_ceil(1_000_000));
             io::Error::new(error.kind(), text)
         })?;
-        let whole =
-            WholeFile { file: file.try_clone()?, written: 0, pending: Vec::with_capacity(1 << 20), given_up: false };
-        let mut writer = Writer::begin(whole, "forcefeel")?;
-        writer.metadata(ABOUT, about)?;
+        let mut writer = Writer::begin(WholeFile::new(file.try_clone()?), "forcefeel")?;
+        writer.metadata(ABOUT, &opening.about)?;
         let columns: String = NAMES.iter().flat_map(|name| ["float64 ", name, "\n"]).collect();
         let rows = writer.channel(ROWS, "forcefeel_msgs/msg/Cycle", &columns);
         let list = "string name\nuint64 cycle\nfloat64[] numbers\n";
         let lists = writer.channel(LISTS, "forcefeel_msgs/msg/List", list);
-        let (sequence, disk_full, left) = (0, None, most);
-        let mut record =
-            Self { writer, rows, lists, sequence, start_ns, most, left, file, reserved, disk_full, taken: 0, kept: 0 };
+        let setup = opening.setup.clone();
+        let (sequence, disk_full, left, before) = (0, None, most, 0);
+        let (taken, kept, requests) = (0, 0, BTreeMap::new());
+        let mut record = Self {
+            opening,
+            writer,
+            rows,
+            lists,
+            sequence,
+            most,
+            left,
+            before,
+            file,
+            reserved,
+            disk_full,
+            taken,
+            kept,
+            requests,
+            time_s,
+        };
         for (name, numbers) in setup {
-            record.list(name, 0, 0.0, numbers);
+            record.list(name, 0, &numbers);
         }
-        record.flush()?;
+        // Of its own: without it no row can be read.
+        record.end_chunk()?;
         Ok(record)
+    }
+
+    /// Whether another part may follow where this one is full.
+    pub fn turns(&self) -> bool {
+        self.opening.size.ring && self.disk_full.is_none()
+    }
+
+    /// Ends this part of a ring, which takes the place of the one before, and begins the next.
+    ///
+    /// # Errors
+    /// If a file cannot be written, with the rows that were taken and those of them that were brought to the disk.
+    pub fn next_part(self) -> Result<Self, ((u64, u64), io::Error)> {
+        let (taken, before, time_s) = (self.taken, self.most - self.left, self.time_s);
+        let (mut opening, requests) = (self.opening.clone(), self.requests.clone());
+        opening.size.rows = 0;
+        self.finish(CONTINUED).map_err(|(kept, error)| ((taken, kept), error))?;
+        let begun = std::fs::rename(&opening.path, part_before(&opening.path));
+        let begun = begun.and_then(|()| Self::create_part(opening, time_s));
+        let mut next = begun.map_err(|error| ((taken, taken), error))?;
+        (next.taken, next.kept, next.before) = (taken, taken, before);
+        for (cycle, request) in requests.values() {
+            next.request(*cycle, request);
+        }
+        Ok(next)
     }
 
     /// A row.
@@ -115,14 +180,22 @@ impl Record {
         }
         self.taken += 1;
         // In virtual time more rows may come between two flushes than there is room for.
-        if self.bytes() + ROOM > self.reserved {
+        if self.most - self.left + ROOM > self.reserved {
             self.reserve_ahead();
         }
-        self.message(self.rows, row.time_s, &data);
+        self.time_s = row.time_s;
+        self.message(self.rows, &data);
+    }
+
+    /// A request, from a cycle on.
+    pub fn request(&mut self, cycle: u64, request: &LoopRequest) {
+        let (name, numbers) = request.numbers();
+        self.list(name, cycle, &numbers);
+        self.requests.insert(name, (cycle, *request));
     }
 
     /// A list of numbers with its name, from a cycle on.
-    pub fn list(&mut self, name: &str, cycle: u64, time_s: f64, numbers: &[f64]) {
+    fn list(&mut self, name: &str, cycle: u64, numbers: &[f64]) {
         let mut data = CDR.to_vec();
         let length = |count: usize| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         data.extend(length(name.len() + 1));
@@ -133,24 +206,24 @@ impl Record {
         data.extend(length(numbers.len()));
         align(&mut data, 8);
         data.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-        self.message(self.lists, time_s, &data);
+        self.message(self.lists, &data);
     }
 
-    fn message(&mut self, channel: u16, time_s: f64, data: &[u8]) {
+    fn message(&mut self, channel: u16, data: &[u8]) {
         self.sequence = self.sequence.wrapping_add(1);
         // With its index: as much again as two numbers.
         self.left = self.left.saturating_sub(data.len() as u64 + MESSAGE_BYTES);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time since the start")]
-        let time_ns = self.start_ns + (time_s * 1e9) as u64;
+        let time_ns = self.opening.start_ns + (self.time_s * 1e9) as u64;
         self.writer.message(channel, self.sequence, time_ns, data);
     }
 
-    /// Bytes so far, those included that are still to be brought to the file.
+    /// Bytes on the disk so far, those included that are still to be brought to it.
     pub fn bytes(&self) -> u64 {
-        self.most - self.left
+        self.before + self.most - self.left
     }
 
-    /// Rows that were taken, and those of them that are in the file.
+    /// Rows that were taken, and those of them that were brought to the disk.
     pub fn rows(&self) -> (u64, u64) {
         (self.taken, self.kept)
     }
@@ -166,16 +239,27 @@ impl Record {
     /// # Errors
     /// If the file cannot be written; what was brought to it before stays.
     pub fn flush(&mut self) -> io::Result<()> {
-        self.left = self.left.saturating_sub(CHUNK_BYTES);
         self.writer.flush()?;
         self.kept = self.taken;
-        self.reserve_ahead();
+        if self.most - self.left + AHEAD - STEP > self.reserved {
+            self.reserve_ahead();
+        }
         Ok(())
+    }
+
+    /// The same, with a check sum over what came since the last.
+    ///
+    /// # Errors
+    /// If the file cannot be written; what was brought to it before stays.
+    pub fn end_chunk(&mut self) -> io::Result<()> {
+        self.left = self.left.saturating_sub(CHUNK_BYTES);
+        self.writer.end_chunk()?;
+        self.flush()
     }
 
     /// Takes room for what comes; where there is none, the record ends within what it has.
     fn reserve_ahead(&mut self) {
-        let ahead = (self.bytes() + AHEAD).clamp(self.reserved, self.most.max(self.reserved));
+        let ahead = (self.most - self.left + AHEAD).clamp(self.reserved, self.most.max(self.reserved));
         if let Err(error) = reserve(&self.file, self.reserved, ahead) {
             self.left = self.left.saturating_sub(self.most - self.reserved);
             self.most = self.reserved;
@@ -192,12 +276,17 @@ impl Record {
     pub fn finish(mut self, why: &str) -> Result<u64, (u64, io::Error)> {
         let end = || {
             self.writer.metadata(END, &BTreeMap::from([(WHY.to_string(), why.to_string())]))?;
-            let mut file = self.writer.finish()?;
-            file.write_pending(&[])?;
-            file.file.set_len(file.written)
+            self.writer.finish()
         };
         end().map(|()| self.taken).map_err(|error| (self.kept, error))
     }
+}
+
+/// Where the part before is, of a ring.
+fn part_before(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push("-previous.mcap");
+    path.with_file_name(name)
 }
 
 /// Little-endian, no options.
@@ -212,87 +301,10 @@ const ROW_BYTES: u64 = (4 + 8 * COLUMNS) as u64 + MESSAGE_BYTES;
 const ROOM: u64 = 64 << 10;
 /// Room on the disk that is taken ahead: of a loop at 5 kHz, 3 s.
 const AHEAD: u64 = 4 << 20;
+/// By how much more at a time.
+const STEP: u64 = 1 << 20;
 
 /// Fills up to a multiple of `to` bytes behind the four of the head.
 fn align(data: &mut Vec<u8>, to: usize) {
     data.resize(4 + (data.len() - 4).next_multiple_of(to), 0);
 }
-
-/// A file that ends as an MCAP file does after every flush.
-struct WholeFile {
-    file: File,
-    /// Bytes that stay.
-    written: u64,
-    pending: Vec<u8>,
-    /// A write failed; the file ends where it did before it.
-    given_up: bool,
-}
-
-impl WholeFile {
-    /// Whoever is killed on the way leaves a file that begins and ends as one should: read from the front it ends where the write
-    /// before did, and who looks at its last bytes first finds no index there.
-    ///
-    /// Where a write fails, as on a full disk, the file is made to end where it did before.
-    fn write_pending(&mut self, end: &[u8]) -> io::Result<()> {
-        if self.given_up {
-            return Ok(());
-        }
-        self.write_behind(end).inspect_err(|_| {
-            self.given_up = true;
-            // The end before lies on blocks that the file has; what stands behind it goes.
-            if write_at(&mut self.file, &NO_INDEX, self.written).is_ok() {
-                let _ = self.file.set_len(self.written + NO_INDEX.len() as u64);
-            }
-        })
-    }
-
-    fn write_behind(&mut self, end: &[u8]) -> io::Result<()> {
-        let (from, stays) = (self.written, self.pending.len());
-        self.pending.extend_from_slice(end);
-        let whole = self.pending.len();
-        let head = whole.min(NO_INDEX.len());
-        let tail = whole.saturating_sub(NO_INDEX.len()).max(head);
-        if whole - tail == NO_INDEX.len() {
-            write_at(&mut self.file, &NO_INDEX, from + tail as u64)?;
-        }
-        // Behind the present end, then over it, then the file's own last bytes.
-        write_at(&mut self.file, &self.pending[head..tail], from + head as u64)?;
-        write_at(&mut self.file, &self.pending[..head], from)?;
-        write_at(&mut self.file, &self.pending[tail..], from + tail as u64)?;
-        self.written += stays as u64;
-        self.pending.clear();
-        Ok(())
-    }
-}
-
-impl Write for WholeFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.pending.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.write_pending(&NO_INDEX)
-    }
-}
-
-fn write_at(file: &mut File, bytes: &[u8], at: u64) -> io::Result<()> {
-    use std::io::{Seek, SeekFrom};
-    file.seek(SeekFrom::Start(at))?;
-    file.write_all(bytes)
-}
-
-/// End of the data, footer without a summary, and the magic: what an MCAP file without an index ends with.
-const NO_INDEX: [u8; 50] = {
-    let mut end = [0; 50];
-    // Code, length and check sum of the end of the data.
-    (end[0], end[1]) = (0x0f, 4);
-    // Code and length of the footer, then where the summary is, that of its offsets, its check sum.
-    (end[13], end[14]) = (0x02, 20);
-    let mut k = 0;
-    while k < 8 {
-        end[42 + k] = MAGIC[k];
-        k += 1;
-    }
-    end
-};

@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::input_output::Sampled;
 use crate::mcap::op;
 use crate::mcap_reader::{Fields, Records};
-use crate::record::{ABOUT, END, LISTS, ROWS, WHY};
+use crate::record::{ABOUT, END, EVERY, LISTS, ROWS, WHY};
 use crate::request::LoopRequest;
 use crate::row::{COLUMNS, NAMES, Row};
 use crate::setup::Setup;
@@ -55,7 +55,19 @@ pub fn read(file: &[u8]) -> Result<Contents, String> {
     if contents.columns.is_empty() {
         contents.columns = NAMES.iter().map(ToString::to_string).collect();
     }
+    if let Some(cycle) = contents.columns.iter().position(|name| name == "cycle") {
+        put_in_order(&mut contents.rows, contents.columns.len(), cycle);
+    }
     Ok(contents)
+}
+
+/// Puts the rows in the order of their cycles: those from before a trip stand behind later ones in a record of less than all rows.
+fn put_in_order(rows: &mut Vec<f64>, columns: usize, cycle: usize) {
+    let mut order: Vec<&[f64]> = rows.chunks_exact(columns).collect();
+    if !order.is_sorted_by(|one, next| one[cycle] <= next[cycle]) {
+        order.sort_by(|one, other| one[cycle].total_cmp(&other[cycle]));
+        *rows = order.concat();
+    }
 }
 
 const DAMAGED: &str = "a record's content is damaged";
@@ -148,10 +160,18 @@ const OF_CLOCK: [&str; 2] = ["late_s", "work_s"];
 /// Runs a record's samples and requests through the controller again, and compares every bit of what came of them.
 ///
 /// # Errors
-/// If the record is of another version.
+/// If the record is of another version, or lacks cycles by its rate or its beginning.
 pub fn replay(contents: &Contents) -> Result<Replayed, String> {
     if contents.columns != NAMES {
         return Err("was made by another version of forcefeel: its columns are others".to_string());
+    }
+    if let Some(every) = contents.about.get(EVERY) {
+        return Err(format!("has a row each {every} cycles, and a replay needs every cycle: record without a rate"));
+    }
+    if let Some(first) = contents.rows.get(1).filter(|cycle| **cycle > 0.0) {
+        return Err(format!(
+            "begins at cycle {first}, and a replay needs the run from its beginning: record without a ring"
+        ));
     }
     let setup = Setup::of(&contents.setup).ok_or("was made by another version of forcefeel: its setup does not fit")?;
     let mut controller = Controller::new(&setup)?;

@@ -10,6 +10,7 @@ use crate::record::{Record, WITH_THE_RUN};
 use crate::request::LoopRequest;
 use crate::row::{COLUMNS, Row};
 use crate::status::Status;
+use crate::thinning::Thinning;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
@@ -35,6 +36,8 @@ pub struct Plan {
     pub cycles: u64,
     /// Where what it tells is kept.
     pub record: Option<Record>,
+    /// Cycles from a row of it to the next.
+    pub every: u64,
     /// Rows that are kept in memory.
     pub history: usize,
 }
@@ -64,12 +67,12 @@ struct RecordedCycle {
 const ROWS: usize = 1 << 14;
 /// Wishes and disturbances for which it has.
 const WISHES: usize = 64;
-/// How long what takes the rows sleeps; by the clock the ring has room for 3 s.
+/// How long what takes the rows sleeps, and so what a process that is killed loses of its record; by the clock the ring has room for 3 s.
 const NAP: Duration = Duration::from_millis(5);
 /// The same in virtual time, where the ring is full after some 6 ms; each time it wakes, it may cost a cycle some 50 us.
 const VIRTUAL_NAP: Duration = Duration::from_millis(2);
-/// How often a record is brought to its file.
-const FLUSH: Duration = Duration::from_millis(250);
+/// Of how long a record has one check sum.
+const CHUNK: Duration = Duration::from_millis(250);
 
 impl Running {
     /// Begins.
@@ -83,7 +86,7 @@ impl Running {
         let (taken, told_wishes) = RingBuffer::new(WISHES);
         let status = Arc::new(Status::default());
         let (kept, granted) = (Arc::new(RecordedCycle::default()), Arc::new(OnceLock::new()));
-        let Plan { controller, machine, host, requests: planned, real_time, cycles, record, history } = plan;
+        let Plan { controller, machine, host, requests: planned, real_time, cycles, record, every, history } = plan;
         let period_s = controller.period_s();
         let (link, of_host) = host.map(host_link::between).transpose()?.unzip();
         let host_status = link.as_ref().map(|link| Arc::clone(&link.host_status));
@@ -116,10 +119,10 @@ impl Running {
             rows: told_rows,
             requests: told_wishes,
             record,
+            thinning: Thinning::new(every),
             kept: Arc::clone(&kept),
             history,
             nap: if real_time { NAP } else { VIRTUAL_NAP },
-            time_s: 0.0,
         };
         let looks_on = Arc::clone(&status);
         let keeping = thread::Builder::new().name("forcefeel-record".into()).spawn(move || keeper.keep(&looks_on));
@@ -225,22 +228,24 @@ struct Keeper {
     rows: Consumer<Row>,
     requests: Consumer<(u64, LoopRequest)>,
     record: Option<Record>,
+    thinning: Thinning,
     kept: Arc<RecordedCycle>,
     history: usize,
     nap: Duration,
-    time_s: f64,
 }
 
 impl Keeper {
     fn keep(mut self, status: &Status) {
-        let mut flushed = Instant::now();
+        let mut chunk = Instant::now();
         loop {
             // Looked at first: what was told before the end is taken below.
             let ended = status.ended.load(Relaxed);
             self.take();
-            if flushed.elapsed() >= FLUSH {
+            if chunk.elapsed() >= CHUNK {
+                self.write(Record::end_chunk);
+                chunk = Instant::now();
+            } else {
                 self.write(Record::flush);
-                flushed = Instant::now();
             }
             if ended && self.rows.is_empty() && self.requests.is_empty() {
                 break;
@@ -254,23 +259,22 @@ impl Keeper {
         // A request stands in the record before the row that it counts from: that row is told after it.
         let rows: usize = self.rows.slots();
         while let Ok((cycle, request)) = self.requests.pop() {
-            let (name, numbers) = request.numbers();
-            let time_s = self.time_s;
             self.write(|record| {
-                record.list(name, cycle, time_s, &numbers);
+                record.request(cycle, &request);
                 Ok(())
             });
         }
         for _ in 0..rows {
             let Ok(row) = self.rows.pop() else { break };
-            self.time_s = row.time_s;
-            if self.record.is_none() && self.kept.record_ended.get().is_some() {
-                self.kept.unrecorded.fetch_add(1, Relaxed);
+            for row in self.thinning.take(row) {
+                if self.record.is_none() && self.kept.record_ended.get().is_some() {
+                    self.kept.unrecorded.fetch_add(1, Relaxed);
+                }
+                self.write(|record| {
+                    record.row(&row);
+                    Ok(())
+                });
             }
-            self.write(|record| {
-                record.row(&row);
-                Ok(())
-            });
             let mut kept = locked(&self.kept.rows);
             if kept.len() >= self.history {
                 kept.pop_front();
@@ -279,7 +283,7 @@ impl Keeper {
         }
     }
 
-    /// Writes to the record, and ends it where that fails or it is full.
+    /// Writes to the record, and ends it where that fails or it is full; a ring goes on.
     fn write(&mut self, write: impl FnOnce(&mut Record) -> io::Result<()>) {
         let Some(record) = &mut self.record else { return };
         let written = write(record);
@@ -287,6 +291,10 @@ impl Keeper {
         let (full, rows) = (record.full(), record.rows());
         match written {
             Err(error) => self.ended_early(rows, error.to_string()),
+            Ok(()) if full.is_some() && record.turns() => match self.record.take().map(Record::next_part).transpose() {
+                Ok(next) => self.record = next,
+                Err((rows, error)) => self.ended_early(rows, error.to_string()),
+            },
             Ok(()) => {
                 if let Some(why) = full {
                     self.end(&why);

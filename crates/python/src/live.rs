@@ -8,7 +8,7 @@ use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
-use forcefeel_live::record::{Record, Size};
+use forcefeel_live::record::{EVERY, Opening, Record, Size};
 use forcefeel_live::replay::{Contents, read, replay};
 use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::{COLUMNS, NAMES};
@@ -102,6 +102,24 @@ impl ScriptOf<'_> {
     }
 }
 
+/// A record: path, most bytes and whether it is a ring, rows that are expected, cycles from a row to the next, and what is written about it.
+#[derive(FromPyObject)]
+pub struct RecordOf(PathBuf, (u64, bool), u64, u64, BTreeMap<String, String>);
+
+impl RecordOf {
+    fn begin(self, setup: &Setup) -> PyResult<(Record, u64)> {
+        let Self(path, (most_bytes, ring), rows, every, mut about) = self;
+        if every > 1 {
+            about.insert(EVERY.to_string(), every.to_string());
+        }
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
+        let (start_ns, size) = (u64::try_from(now).unwrap_or(0), Size { most_bytes, rows, ring });
+        let named = |error| PyOSError::new_err(format!("{}: {error}", path.display()));
+        let opening = Opening { path: path.clone(), size, start_ns, about, setup: setup.numbers() };
+        Ok((Record::create(opening).map_err(|error: std::io::Error| named(error))?, every))
+    }
+}
+
 /// Counts of the steps of durations, and the longest duration in ns.
 type Counted = (Vec<u64>, u64);
 
@@ -115,7 +133,7 @@ pub struct LiveLoop {
 impl LiveLoop {
     /// Begins: over UDP where there is an address, else with the machine simulated.
     ///
-    /// `record`: path, most bytes, rows that are expected, and what is written about it. `host`: where an aircraft simulator is listened to.
+    /// `host`: where an aircraft simulator is listened to.
     #[new]
     #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, requests = vec![], record = None, history = 120_000))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
@@ -127,7 +145,7 @@ impl LiveLoop {
         real_time: bool,
         cycles: Option<u64>,
         requests: Vec<Requested>,
-        record: Option<(PathBuf, u64, u64, BTreeMap<String, String>)>,
+        record: Option<RecordOf>,
         history: usize,
     ) -> PyResult<Self> {
         let mut setup = setup.setup.clone();
@@ -148,17 +166,10 @@ impl LiveLoop {
         let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
         let requests = requests.collect::<PyResult<_>>()?;
         let controller = Controller::new(&setup).map_err(refused)?;
-        let record = match record {
-            Some((path, most_bytes, rows, about)) => {
-                let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-                let now = u64::try_from(now).unwrap_or(0);
-                let record = Record::create(&path, Size { most_bytes, rows }, now, &about, &setup.numbers());
-                Some(record.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
-            }
-            None => None,
-        };
+        let (record, every) = record.map(|record| record.begin(&setup)).transpose()?.unzip();
+        let every = every.unwrap_or(1);
         let cycles = cycles.unwrap_or(u64::MAX);
-        let plan = Plan { controller, machine, host, requests, real_time, cycles, record, history };
+        let plan = Plan { controller, machine, host, requests, real_time, cycles, record, every, history };
         let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
         Ok(Self { running })
     }

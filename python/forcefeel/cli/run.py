@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from math import isfinite
+from math import isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +16,7 @@ from cyclopts import Group
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import chosen_law
 from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
-from forcefeel.cli.scenario_text import seconds
+from forcefeel.cli.scenario_text import seconds, size, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LIVE = Group("Live run", sort_key=10)
 CONSOLE = Group("Console", sort_key=20)
 
-RECORD = "record.mcap"
+RECORD, PREVIOUS = "record.mcap", "record-previous.mcap"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +59,19 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
         bool, option("Everybody on this machine may move the column: its console asks for no token.", CONSOLE)
     ] = False
     out: Annotated[Path | None, option(f"Folder for {RECORD}, all that goes in and out.", OUTPUT)] = None
+    record_rate: Annotated[
+        str | None,
+        option("Rows per second, the loop's rate over a whole number.", OUTPUT, default="every cycle", metavar="RATE"),
+    ] = None
+    max_size: Annotated[
+        str | None,
+        option(
+            f"Drop the oldest rows at this size, such as '200 MB': {RECORD} has the newest, {PREVIOUS} those before.",
+            OUTPUT,
+            default="the record ends at 1 GiB",
+            metavar="SIZE",
+        ),
+    ] = None
 
 
 def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
@@ -72,16 +85,29 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     Example: forcefeel run elevator-2khz --law robust --out run
     """
     from forcefeel.live import Simulated, Udp, start
+    from forcefeel.live.starting import MOST_RECORD_BYTES
 
     lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
     if not lasts > 0:
         raise InputError(f"--duration: expected a time above 0, got {options.duration}")
     loader = options.loader(path)
     law = chosen_law(options.law, loader)
+    rate = None if options.record_rate is None else value("--record-rate", options.record_rate, "rad/s", "100 Hz")
+    most_bytes = MOST_RECORD_BYTES if options.max_size is None else size("--max-size", options.max_size)
     record = None if options.out is None else _record(options.out, replace=options.replace)
     endpoint = Simulated() if options.machine is None else Udp(options.machine)
     with (
-        start(loader, law, endpoint=endpoint, host=options.host, record=record, expected_s=lasts) as running,
+        start(
+            loader,
+            law,
+            endpoint=endpoint,
+            host=options.host,
+            record=record,
+            record_rate_hz=None if rate is None else rate / (2 * pi),
+            most_bytes=most_bytes,
+            ring=options.max_size is not None,
+            expected_s=lasts,
+        ) as running,
         _stop_signals() as ended,
         _console(running, options),
     ):
@@ -89,7 +115,7 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
         running.off()
         time.sleep(_OFF_S)
     answer(
-        {} if record is None else {"record": record},
+        {} if record is None else {"record": record, **_previous(record)},
         lambda: _json(running),
         lambda terminal: _show(terminal, running),
         as_json=options.json,
@@ -162,9 +188,15 @@ def _record(out: Path, *, replace: bool) -> Path:
     from forcefeel.files import make_folder
     from forcefeel.page.folder import OutputFolder
 
-    OutputFolder("the run", (RECORD,), plots=False).check(out, replace=replace)
+    OutputFolder("the run", (RECORD, PREVIOUS), plots=False).check(out, replace=replace)
     make_folder(out)
     return out / RECORD
+
+
+def _previous(record: Path) -> dict[str, Path]:
+    """The older part of a ring, if there is one."""
+    previous = record.with_name(PREVIOUS)
+    return {"previous_record": previous} if previous.exists() else {}
 
 
 def _json(running: "LiveSession") -> dict[str, object]:

@@ -28,6 +28,21 @@ def seconds(option: str, text: str) -> float:
     return value(option, f"{text} s" if _is_number(text) else text, "s", "0.5 s")
 
 
+def size(option: str, text: str) -> int:
+    """A size in MB or GB, in bytes.
+
+    Raises:
+        InputError: If it has no number or another unit.
+    """
+    number, _, unit = text.strip().partition(" ")
+    if unit not in _BYTES or not _is_number(number):
+        raise InputError(f"{option}: expected a size such as '200 MB' or '1 GB', got {show(text)}")
+    return round(float(number) * _BYTES[unit])
+
+
+_BYTES = {"MB": 1e6, "GB": 1e9}
+
+
 def values(option: str, text: str, unit_si: str, example: str) -> tuple[float, ...]:
     """Values that commas part, in SI units."""
     return tuple(value(option, part, unit_si, example) for part in text.split(","))

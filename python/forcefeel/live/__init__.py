@@ -1,9 +1,10 @@
 """Live loop: start, change and observe a loader's loop in a real-time thread from Python.
 
-``start(loader, law=None, *, endpoint=Simulated(), real_time=True, supervised=True, host=None, record=None, most_bytes=2**30) ->
-LiveSession``, a context manager: leaving it ends the loop with the drive off and closes the record. ``host`` is a UDP port for an
-aircraft simulator, with the packets of ``docs/reference/host.md``. ``endpoint`` is ``Simulated(scenario=None)``, the nonlinear
-machine in the loop's own thread, or ``Udp(address)``, a machine with the packets of ``docs/reference/live.md``.
+``start(loader, law=None, *, endpoint=Simulated(), real_time=True, supervised=True, host=None, record=None, record_rate_hz=None,
+most_bytes=2**30, ring=False) -> LiveSession``, a context manager: leaving it ends the loop with the drive off and closes the
+record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``docs/reference/host.md``. ``endpoint`` is
+``Simulated(scenario=None)``, the nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine with the packets of
+``docs/reference/live.md``.
 
 ``LiveSession`` is thread-safe, and only ``wait`` waits for the loop:
 

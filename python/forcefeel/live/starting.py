@@ -1,6 +1,6 @@
 """Start of a loop."""
 
-from math import ceil, isfinite
+from math import ceil, floor, isfinite
 from pathlib import Path
 
 from forcefeel import _core
@@ -21,9 +21,11 @@ RECORD = ".mcap"
 """Suffix of a record."""
 
 MOST_RECORD_BYTES = MOST_BYTES
-"""Default largest size of a record, the limit for reading: 1.1 hours at 1 kHz."""
+"""Default largest size of a record, the limit for reading: 1 hour at 1 kHz."""
 
 LEAST_RECORD_BYTES = 2**20
+
+RING_PARTS = 2
 
 
 def start(  # noqa: PLR0913  keywords of the one call that makes a loop
@@ -35,7 +37,9 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     supervised: bool = True,
     host: str | int | None = None,
     record: str | Path | None = None,
+    record_rate_hz: float | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
+    ring: bool = False,
     expected_s: float = 0.0,
 ) -> LiveSession:
     """Start the loop of a loader in its own thread.
@@ -51,7 +55,11 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             machine, or ``"address:port"``; port 0 takes a free one, see ``running.host``. It sets trim, spring factor and shaker,
             but does not start the feel.
         record: File for all inputs and outputs, ``.mcap``. It is always readable and at most ``most_bytes`` long.
+        record_rate_hz: Rows per second, the loop's rate over a whole number; default: every cycle. Trips and other events are
+            recorded in any case, with all cycles of the second before and after a change of the trips.
         most_bytes: Largest size of the record.
+        ring: Whether the oldest rows are dropped at ``most_bytes``; otherwise the record ends there. A ring has two parts of half
+            the size: ``run.mcap`` with the newest rows, ``run-previous.mcap`` with those before.
         expected_s: Expected duration, s: at the start the disk must have space for such a record. Space for the next seconds is
             always reserved; on a full disk the record ends readable, and ``state.record_ended`` contains the reason.
 
@@ -70,6 +78,9 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         'active'
     """
     driven_by = live_law(law, loader)
+    if record is None and (record_rate_hz is not None or ring):
+        raise InputError("rate and ring: require a record; name one, on the command line with --out")
+    every = 1 if record_rate_hz is None else _every(record_rate_hz, 1 / loader["controller.period"])
     listens = None if host is None else _listens(host, supervised=supervised)
     scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
     setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
@@ -97,7 +108,13 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             requests=requests,
             record=None
             if record is None
-            else (*_file(record, most_bytes), _cycles(expected_s, loader), about_run(loader, driven_by.name, endpoint)),
+            else (
+                _file(record),
+                (_size(most_bytes, ring=ring), ring),
+                _cycles(expected_s, loader) // every,
+                every,
+                about_run(loader, driven_by.name, endpoint),
+            ),
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
@@ -123,14 +140,52 @@ def _listens(host: str | int, *, supervised: bool) -> str:
 _PORTS = 65536
 
 
-def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:
+def previous_part(record: Path) -> Path:
+    """File of the older rows of a ring."""
+    return record.with_stem(f"{record.stem}-previous")
+
+
+def _file(record: str | Path) -> Path:
     path = Path(record)
     if path.suffix != RECORD:
         raise InputError(f"record: expected a file that ends in {RECORD}, got {show(str(record))}")
-    if most_bytes < LEAST_RECORD_BYTES:
-        raise InputError(f"most_bytes: expected at least {LEAST_RECORD_BYTES:,}, got {most_bytes}")
     check_output_file(path)
-    return path, most_bytes
+    check_output_file(previous_part(path))
+    return path
+
+
+def _size(most_bytes: int, *, ring: bool) -> int:
+    least, most = (
+        (RING_PARTS * LEAST_RECORD_BYTES, RING_PARTS * MOST_RECORD_BYTES) if ring else (LEAST_RECORD_BYTES, None)
+    )
+    if most_bytes < least or (most is not None and most_bytes > most):
+        limits = f"at least {least:,}" if most is None else f"{least:,} to {most:,}"
+        raise InputError(f"size of the record: expected {limits} bytes, got {most_bytes:,}")
+    return most_bytes
+
+
+def _every(rate_hz: float, loop_hz: float) -> int:
+    """Cycles from a row to the next.
+
+    Raises:
+        InputError: If it is no whole number, with the nearest rates.
+    """
+    expect_number("record_rate_hz", rate_hz)
+    if not 0 < rate_hz <= loop_hz * (1 + _ROUNDING):
+        raise InputError(
+            f"rate of the record: expected above 0 Hz, at most the loop's {loop_hz:g} Hz, got {rate_hz:g} Hz"
+        )
+    cycles = loop_hz / rate_hz
+    if abs(cycles - round(cycles)) > _ROUNDING * cycles:
+        nearest = " or ".join(f"{loop_hz / whole:.10g} Hz" for whole in (ceil(cycles), floor(cycles)))
+        raise InputError(
+            f"rate of the record: expected the loop's {loop_hz:g} Hz over a whole number, got {rate_hz:g} Hz; use {nearest}"
+        )
+    return round(cycles)
+
+
+_ROUNDING = 1e-9
+"""Relative error of a rate with 10 digits."""
 
 
 def _cycles(lasts_s: float, loader: Loader) -> int:

@@ -28,7 +28,7 @@ class State:
         missed: Number of missed periods, which are not repeated.
         silent: Number of cycles without a sample.
         lost_rows: Rows missing in history and record because of a full ring.
-        recorded: Bytes of the record.
+        recorded: Bytes of the record, of a ring those of both parts.
         unrecorded_rows: Rows missing because the record ended before the loop, as on a full disk.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.

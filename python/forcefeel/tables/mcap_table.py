@@ -22,8 +22,9 @@ _PISTON = {"drive_position_m": "piston_position_m"}
 def read_mcap(path: Path, data: bytes, example: str) -> Table:
     """The table in a live record: rows while the law drives, on the time of its machine.
 
-    A simulated machine advances by a period per cycle, so missed periods do not count; for a real machine they do. Columns without
-    numbers, such as an unmeasured pilot's force, and those of an absent force sensor are omitted.
+    A simulated machine advances by a period per cycle, so missed periods do not count; for a real machine they do. Of a record with
+    a rate the rows of that rate are read, not those around a trip. Columns without numbers, such as an unmeasured pilot's force,
+    and those of an absent force sensor are omitted.
 
     Raises:
         InputError: If it is no such record, or the law drove in none of it.
@@ -37,12 +38,12 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
         ) from error
     check_size(str(path), len(columns), len(rows))
     whole = dict(zip(columns, rows.T, strict=True))
-    drives = _driven(path, whole)
+    drives = _driven(path, whole, _stated(path, {"record_every": "1", **about}, "record_every"))
     filled = {name: values for name, values in whole.items() if not np.isnan(values).all()}
     if not filled["grip_force_n"].any():
         del filled["grip_force_n"]
     if about.get("machine") == SIMULATED:
-        filled["time_s"] = whole["cycle"] * _period_s(path, about)
+        filled["time_s"] = whole["cycle"] * _stated(path, about, "period_s")
     renamed = _PISTON if about.get("drive") == "hydraulic" else {}
     header = [renamed.get(name, name) for name in filled]
     taken = list(filled.values())
@@ -56,22 +57,20 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
     return Table(path, header, where, {}, data_hash, take, about, broken or "")
 
 
-def _period_s(path: Path, about: Mapping[str, str]) -> float:
-    """The loop's period, s.
+def _stated(path: Path, about: Mapping[str, str], name: str) -> float:
+    """A number that the record states of its run.
 
     Raises:
-        InputError: If the record does not state one.
+        InputError: If it does not.
     """
     try:
-        return float(about["period_s"])
+        return float(about[name])
     except (KeyError, ValueError) as error:
-        raise InputError(
-            f"{path}: breaks off: what it states of its run is damaged, period_s; record it anew"
-        ) from error
+        raise InputError(f"{path}: breaks off: what it states of its run is damaged, {name}; record it anew") from error
 
 
-def _driven(path: Path, columns: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
-    """The rows in which the law drives.
+def _driven(path: Path, columns: dict[str, NDArray[np.float64]], every: float) -> NDArray[np.bool_]:
+    """The rows at the record's rate in which the law drives.
 
     Raises:
         InputError: If the law drives in no row.
@@ -79,7 +78,7 @@ def _driven(path: Path, columns: dict[str, NDArray[np.float64]]) -> NDArray[np.b
     state = columns.get("state")
     if state is None or "grip_force_n" not in columns:
         raise InputError(f"{path}: was made by another version of forcefeel: its columns are others")
-    drives: NDArray[np.bool_] = state == _ACTIVE
+    drives: NDArray[np.bool_] = (state == _ACTIVE) & (columns["cycle"] % every == 0)
     if not drives.any():
         raise InputError(
             f"{path}: has {len(state):,} rows, and the law drives in none of them; expected a run that was switched on; record "

@@ -5,4 +5,5 @@ mod host;
 mod loader;
 mod no_allocation;
 mod packets;
+mod record;
 mod stall;
