@@ -18,6 +18,7 @@ from forcefeel.flight_schedule import (
     second_order_feel,
 )
 from forcefeel.flight_schedule.findings import schedule_conclusions
+from forcefeel.flight_schedule.releases import PASSES, SWINGS_ON
 from forcefeel.flight_schedule.result import Part
 from forcefeel.flight_schedule.transitions import Transitions, blended_feel
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
@@ -63,7 +64,7 @@ def turned(schedule: FlightSchedule, turns: Sequence[np.ndarray]) -> FlightSched
     for row in (command, torque):
         row[:, :n] = np.einsum("ki,kij->kj", row[:, :n], back)
     transition, taken = t @ laws.transition @ back, t @ laws.input
-    return replace(schedule, laws=SampledLaw(laws.period_s, laws.delay_s, transition, taken, command, torque))
+    return replace(schedule, laws=replace(laws, transition=transition, input=taken, command=command, torque=torque))
 
 
 def flipped(schedule: FlightSchedule, *knots: int) -> FlightSchedule:
@@ -230,3 +231,16 @@ def test_batched_design_of_1000_knots_matches_single_designs(loader: ff.Loader) 
     alone = LAW_DESIGNS["robust"].design(loader, feel[[617]])
     close = IN_COMPANY * np.abs(alone.command[0]).max()
     np.testing.assert_allclose(schedule.laws.command[617], alone.command[0], rtol=0, atol=close)
+
+
+def test_a_place_that_swings_on_in_contact_does_not_count() -> None:
+    """Light feels of little damping: their releases pass, and without the part for contact a clamp keeps them swinging."""
+    loader = ff.digital_elevator()
+    feel = second_order_feel(np.array([0.014, 0.028]) * loader["feel.maximum_stiffness"], [1.5, 1.5], 0.15)
+    schedule = design_schedule(loader, [ScheduleAxis("pressure", "lb/ft^2", (50, 100))], feel)
+    alone = replace(schedule, laws=replace(schedule.laws, contact=np.empty(0)))
+    outcomes = [
+        {release.outcome for release in check_schedule(given, 2, changes={}, arms=()).releases}
+        for given in (schedule, alone)
+    ]
+    assert outcomes == [{PASSES}, {SWINGS_ON}]

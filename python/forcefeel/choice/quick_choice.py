@@ -123,7 +123,7 @@ def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawSc
 
     plan = replace(plan, laws={score.name: plan.laws[score.name] for score in eligible})
     envelope = compute_few(plan, threads=threads)
-    over = {score.name: score_over(plan, score, envelope) for score in eligible}
+    over = {score.name: score_over(plan, score, envelope, threads) for score in eligible}
     shares = {name: envelope.shares(name) for name in over}
     rendered = {
         name: EnvelopeSummary(law_shares.stable, law_shares.nominal_share, law_shares.worst_case_share)

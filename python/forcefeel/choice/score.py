@@ -139,7 +139,9 @@ def score_laws(
         Score(name, summary_of(name), own_setting(plan, plan.laws[name], threads_or_cores(threads)), None)
         for name in chosen
     )
-    return LawScores(plan, tuple(score if envelope is None else score_over(plan, score, envelope) for score in scores))
+    return LawScores(
+        plan, tuple(score if envelope is None else score_over(plan, score, envelope, threads) for score in scores)
+    )
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
@@ -170,7 +172,7 @@ def summary_of(name: str) -> str:
     return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
-def score_over(plan: Plan, score: Score, envelope: Envelope) -> Score:
+def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None = None) -> Score:
     """Add the results over an envelope of the plan to a law's score."""
     name = score.name
     feel = plan.settings.feel(plan.loader)
@@ -181,16 +183,16 @@ def score_over(plan: Plan, score: Score, envelope: Envelope) -> Score:
     over = OverEnvelope(
         shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
-        quiet=_quiet(plan, laws, feel) if plan.loader["controller.period"] else None,
+        quiet=_quiet(plan, laws, feel, threads) if plan.loader["controller.period"] else None,
         demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
         margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
     )
     return replace(score, over=over)
 
 
-def _quiet(plan: Plan, laws: Law, feel: NDArray[np.float64]) -> float:
+def _quiet(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int | None) -> float:
     """Share of the settings that swing on in none of ``FEW_CONTACTS``."""
-    swings = [swings_on(plan.loader, laws, feel, contact)[0] for contact in FEW_CONTACTS]
+    swings = [swings_on(plan.loader, laws, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
     return float(1 - np.any(swings, axis=0).mean())
 
 

@@ -3,6 +3,7 @@
 from importlib.metadata import version
 
 from forcefeel.envelope.as_json import deviations_json
+from forcefeel.envelope.contact import FEW_CONTACTS
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
@@ -49,6 +50,7 @@ def schedule_json(check: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
             "title": check.test.rules.title,
             "angle": quantity(check.test.angle_rad, ANGLE, units),
         },
+        "contacts": [contact.name for contact in FEW_CONTACTS],
         "releases": [json_value(release, units) for release in check.releases],
     }
 

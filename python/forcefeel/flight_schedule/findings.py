@@ -79,7 +79,8 @@ def _margins(check: ScheduleCheck) -> str:
 def _knots(check: ScheduleCheck) -> str:
     knots = [release for release in check.releases if release.knot]
     failing = [release for release in knots if not release.passes]
-    text = f"The release is within tolerance at {len(knots) - len(failing):,} of {len(knots):,} knots"
+    good = f"{len(knots) - len(failing):,} of {len(knots):,} knots"
+    text = f"The release is within tolerance, and the column quiet in contact, at {good}"
     return f"{text}. It fails at {_named(failing)}." if failing else f"{text}."
 
 
@@ -87,7 +88,7 @@ def _between(check: ScheduleCheck) -> str:
     middle = [release for release in check.releases if not release.knot]
     failing = [release for release in middle if not release.passes]
     lost = [release for release in failing if release.lost]
-    text = f"Midway between knots it is within tolerance at {len(middle) - len(failing):,} of {_count(len(middle), 'place')}"
+    text = f"Midway between knots this holds at {len(middle) - len(failing):,} of {_count(len(middle), 'place')}"
     if not failing:
         return f"{text}: the knots are dense enough."
     if lost:

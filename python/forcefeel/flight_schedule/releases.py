@@ -1,4 +1,4 @@
-"""Release test of a rule on the nominal plant, hands off, at knots and between them."""
+"""Release test of a rule and contact, on the nominal plant, hands off, at knots and between them."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.envelope.cases import NOMINAL
+from forcefeel.envelope.contact import FEW_CONTACTS, swings_on
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
@@ -22,8 +23,9 @@ from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
-PASSES, DIVERGES, NOT_JUDGED = "passes", "diverges", "not judged"
-"""Outcomes other than the first failing figure. ``NOT_JUDGED``: the feel's damping is below the range of an envelope."""
+PASSES, DIVERGES, NOT_JUDGED, SWINGS_ON = "passes", "diverges", "not judged", "swings on in contact"
+"""Outcomes other than the first failing figure. ``NOT_JUDGED``: the feel's damping is below the range of an envelope.
+``SWINGS_ON``: the release passes, but the column swings on in one of ``envelope.contact.FEW_CONTACTS``."""
 
 _BAND = np.log(2) / 2
 """Feels within half an octave have the same record."""
@@ -50,7 +52,7 @@ class ReleaseTest:
         return cls(rules, throw.release_rad(rules), throw.travel_rad)
 
     def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> list[str]:
-        """Outcome for each feel (settings, 3) with its law: ``passes`` or the first failing figure."""
+        """Outcome for each feel (settings, 3) with its law: ``passes``, the first failing figure, or ``SWINGS_ON``."""
         frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
         judged = np.flatnonzero(damping >= AXES["damping"].low)
@@ -61,6 +63,8 @@ class ReleaseTest:
             for chunk in record.chunks(len(which)):
                 some = which[chunk]
                 outcome[some] = self._judged(loader, feel[some], laws.some(some), record, threads)
+        good = np.flatnonzero(outcome == PASSES)
+        outcome[good[_swing_on(loader, feel[good], laws.some(good), threads)]] = SWINGS_ON
         return outcome.tolist()
 
     def _judged(
@@ -82,6 +86,15 @@ class ReleaseTest:
             DIVERGES if gone else PASSES if good else verdicts.names[first]
             for gone, good, first in zip(diverged, verdicts.passed, verdicts.first_failing, strict=True)
         ]
+
+
+def _swing_on(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> NDArray[np.bool_]:
+    """Whether each setting swings on in a contact."""
+    if not len(feel):
+        return np.zeros(0, dtype=np.bool_)
+    law = Law.of(laws, loader)
+    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
+    return np.asarray(np.any(swings, axis=0))
 
 
 def _record(frequency: float, damping: float, period_s: float) -> Record:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from forcefeel.envelope.contact import FEW_CONTACTS
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.flight_schedule.as_json import gains_csv, schedule_json
 from forcefeel.flight_schedule.findings import schedule_conclusions
@@ -42,6 +43,7 @@ def schedule_page(check: ScheduleCheck, units: UnitSystem, *, command: str = "")
         several=len(schedule.axes) > 1,
         period=f"{number_text(1e3 * schedule.laws.period_s)} ms",
         delay=f"{number_text(1e3 * schedule.laws.delay_s)} ms",
+        contacts=[contact.name for contact in FEW_CONTACTS],
         angle=quantity_text(check.test.angle_rad, ANGLE, units, 3),
         parameters=machine.parameters(schedule.loader, units),
     )
