@@ -256,6 +256,7 @@ impl Controller {
             drive_position_m: position,
             column_base_m: base,
             grip_force_n: grip,
+            grip_zero_n: self.supervision.last().map_or(0.0, |allowed| allowed.grip_zero),
             feel_angle_rad: delta * per_delta,
             feel_rate_rad_per_s: rate * per_delta,
             feel_torque_n_m: answer.torque,

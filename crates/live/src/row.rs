@@ -45,6 +45,8 @@ columns! {
     column_base_m;
     /// Force sensor at the grip, zero where there is none.
     grip_force_n;
+    /// Zero of that sensor, which the law's readings are without.
+    grip_zero_n;
     /// Programmed angle.
     feel_angle_rad;
     /// Its rate.

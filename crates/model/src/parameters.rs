@@ -413,6 +413,8 @@ parameter_table! {
         overrun_time: "t_o", "how long each cycle of the loop may be late, one after another", TIME, 20.0, 0.1..1e3, off 20.0;
         saturation_time: "t_i", "how long current or flow may stay at its limit", TIME, 500.0, 1.0..1e5, off 500.0;
         hand_force: "F_n", "force at the grip below which there is no hand on it", FORCE, 2.0, 0.0..1e3, off 2.0;
+        grip_offset: "F_0m", "largest offset of the force sensor at the grip that is zeroed while there is no hand on it", FORCE, 5.0, 0.0..1e3, off 5.0;
+        grip_zero_time: "t_0", "how long the grip must be untouched before its force sensor is zeroed", TIME, 5000.0, 100.0..1e5, off 5000.0;
         runaway_power: "P_r", "power that the feel would take from a moving column, below which it is not watched for running away", POWER, 5.0, 1e-3..1e5, off 5.0;
         runaway_time: "t_r", "how long a column may move against its feel with no hand on it", TIME, 50.0, 1.0..1e4, off 50.0;
         energy_limit: "E_1", "energy that a hand may be given by a column that moves otherwise than its feel; what is older than a second is forgotten", ENERGY, 4.0, 1e-2..1e3, off 4.0;

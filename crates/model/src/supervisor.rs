@@ -8,6 +8,7 @@
 //! | sensors that are silent, late, stuck, in disagreement | `sensors` |
 //! | each sensor against the observer; lost and wrong samples bridged | `plausibility` |
 //! | force, speed, travel, runaway | [`grip`] |
+//! | zero of the force sensor at the grip | `grip_zero` |
 //! | limits of the command, its way to zero | `command` |
 //! | off, initialising, passive, active, fading, tripped | [`sequence`] |
 //! | finding the travel | `search` |
@@ -33,6 +34,7 @@ mod command;
 mod debounce;
 pub mod function;
 pub mod grip;
+mod grip_zero;
 mod input;
 pub mod limits;
 mod numbers;
@@ -51,6 +53,7 @@ use crate::Scalar;
 use crate::transducers::SENSORS;
 use command::Command;
 use grip::GripMonitor;
+use grip_zero::GripZero;
 pub(crate) use numbers::finite;
 use plausibility::Plausibility;
 use sensors::Sensors;
@@ -80,6 +83,8 @@ pub struct SupervisorOutput<S> {
     pub leads: Option<S>,
     /// What is known of the grip.
     pub grip: GripEstimate<S>,
+    /// Zero of the force sensor at the grip in N, taken off its readings.
+    pub grip_zero: S,
     /// Functions that act now.
     pub acting: Functions,
     /// Functions that acted since they were acknowledged.
@@ -105,6 +110,7 @@ pub struct Supervisor<S> {
     /// The readings of this period, and whether they are admitted yet.
     admitted: (bool, Option<[S; SENSORS]>),
     watch: GripMonitor<S>,
+    grip_zero: GripZero<S>,
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
@@ -123,6 +129,7 @@ impl<S: Scalar> Supervisor<S> {
             plausibility: Plausibility::new(like),
             admitted: (false, None),
             watch: GripMonitor::new(like),
+            grip_zero: GripZero::new(like.zero()),
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
@@ -148,7 +155,9 @@ impl<S: Scalar> Supervisor<S> {
         let limits = &self.limits;
         let arrived =
             input.missed == 0 && input.delay <= limits.late && input.sensed.iter().all(|&value| finite(value));
+        let offset = self.grip_zero.offset;
         let readings = self.plausibility.admit(limits, arrived.then_some((&input.sensed, input.periods)));
+        let readings = readings.map(|[force, position, base, grip]| [force, position, base, grip - offset]);
         self.admitted = (true, readings);
         readings
     }
@@ -176,6 +185,8 @@ impl<S: Scalar> Supervisor<S> {
             let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
             let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
             self.watch.watch(&limits, fresh, (follows, of_feel, rate), &mut functions);
+            let shows = self.grip_zero.watch(&limits, input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
+            functions = functions.with(Function::GripOffset, shows);
         }
         let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
         functions = functions.with(Function::Saturation, saturated);
@@ -215,6 +226,7 @@ impl<S: Scalar> Supervisor<S> {
             anchor: self.sequence.anchor,
             leads: self.sequence.leads(),
             grip: self.watch.grip,
+            grip_zero: self.grip_zero.offset,
             acting: functions,
             tripped: self.sequence.tripped.with(Function::Swing, self.swings),
             cause: self.sequence.cause,

@@ -123,6 +123,9 @@ functions! {
     /// The column gives energy to the hand that its feel does not.
     Energy: "energy at the grip", Stop, |_| CONFIRMED,
         "The column moved against the hand otherwise than its feel. Check law, valve or motor before starting again.";
+    /// The force sensor at the grip shows too much with no hand on it.
+    GripOffset: "offset at the grip", Stop, |limits| limits.grip_zero,
+        "The force sensor at the grip shows a force with no hand on it. Look at its cable and its zero, then commission it anew.";
     /// The command stays at its limit.
     Saturation: "limit too long", Stop, |limits| limits.saturation,
         "Current or flow stayed at its limit. The feel asks for more than the drive has, or something blocks it.";

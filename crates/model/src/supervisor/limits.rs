@@ -150,6 +150,18 @@ limits! {
     motion: S,
     /// Swing of a column with no hand on it, from side to side, in rad.
     swing: S,
+    /// Whether there is a force sensor at the grip.
+    grip_sensor: bool,
+    /// Samples without a hand after which it is zeroed.
+    grip_zero: u32,
+    /// Largest mean torque in N m that may be estimated of no hand.
+    grip_quiet: S,
+    /// Largest span in N of the sensor's readings without a hand.
+    grip_span: S,
+    /// Largest zero in N.
+    grip_most: S,
+    /// Change of the zero in a sample, in N.
+    grip_step: S,
     /// `R_p` in m.
     grip_arm: S,
     /// `alpha R_b` in m.
@@ -175,6 +187,11 @@ const FORGETS_S: f64 = 1.0;
 /// Time constants after which a filter has come to within a hundredth.
 const FILTER_SETTLES: f64 = 5.0;
 
+/// Share of the force of a hand that the mean estimate of none stays below.
+const NO_HAND: f64 = 0.25;
+/// Span of ten thousand samples of noise, as a multiple of its r.m.s.
+const WIDEST_NOISE: f64 = 10.0;
+
 impl Limits {
     /// Those of a loader under a controller with this period in s.
     ///
@@ -184,7 +201,7 @@ impl Limits {
         if !(period > 0.0 && period.is_finite()) {
             return Err(Refusal::NoPeriod);
         }
-        let Parameters { safety, column, linkage, transmission, controller, .. } = values;
+        let Parameters { safety, column, linkage, transmission, controller, grip_sensor, .. } = values;
         let command = largest_command(values, kind) * safety.command_share;
         if !(command > 0.0 && command.is_finite()) {
             return Err(Refusal::NoLimit);
@@ -247,6 +264,13 @@ impl Limits {
             energy: [safety.energy_limit, (period / FORGETS_S).min(1.0), 0.5 * f64::from(stop) * period],
             motion: safety.motion_limit,
             swing: safety.swing_limit,
+            grip_sensor: grip_sensor.gain > 0.0,
+            grip_zero: within(safety.grip_zero_time),
+            grip_quiet: (column.static_friction.max(column.coulomb_friction) + NO_HAND * safety.hand_force)
+                * column.grip_arm,
+            grip_span: WIDEST_NOISE * grip_sensor.noise + MOST_STEPS * grip_sensor.resolution,
+            grip_most: safety.grip_offset,
+            grip_step: safety.hand_force * period,
             grip_arm: column.grip_arm,
             lever,
             inertia: column.inertia,

@@ -503,3 +503,48 @@ fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel
         assert!(back.host_share >= 1.0);
     }
 }
+
+/// A loader with a force sensor at the grip, untouched but for `touch`: its zero after so many samples, and what acted.
+fn grip_zero_after(samples: u32, offset: f64, touch: impl Fn(u32, &mut SupervisorInput<f64>)) -> (f64, Functions) {
+    let mut p = Parameters::elevator();
+    (p.grip_sensor.gain, p.grip_sensor.noise, p.safety.grip_zero_time) = (1.0, 0.1, 1.0);
+    let of = Limits::new(&p, DriveKind::Hydraulic, PERIOD).expect("limits");
+    let (mut supervisor, input) = active_under(&of);
+    let mut acted = Functions::NONE;
+    let mut zero = 0.0;
+    for k in 0..samples {
+        let mut now = input;
+        now.sensed[3] = offset + 0.2 * f64::from(k % 3) - 0.2;
+        touch(k, &mut now);
+        let readings = supervisor.admit(&now).expect("readings");
+        assert!((readings[3] - (now.sensed[3] - zero)).abs() < 1e-12, "the law is given what is left");
+        let allowed = supervisor.step(&now);
+        (zero, acted) = (allowed.grip_zero, acted.and(allowed.acting));
+    }
+    (zero, acted)
+}
+
+#[test]
+fn an_untouched_sensor_at_the_grip_is_zeroed_and_a_hand_is_not_zeroed_away() {
+    let (zero, acted) = grip_zero_after(3000, 4.0, |_, _| ());
+    assert!((zero - 4.0).abs() < 1e-3, "{zero}");
+    assert!(acted.is_empty());
+    // Before its time it is not; then no faster than a hand notices.
+    assert!(grip_zero_after(999, 4.0, |_, _| ()).0 == 0.0);
+    let of = limits();
+    let step = of.hand_torque / of.grip_arm * PERIOD;
+    assert!(grip_zero_after(1100, 4.0, |_, _| ()).0 <= 101.0 * step);
+    // A hand that the load cell shows, or that is not as still as the sensor's noise.
+    let pull = 4.0 * of.grip_arm / of.lever;
+    assert!(grip_zero_after(3000, 4.0, |_, now| now.sensed[0] = -pull).0 == 0.0);
+    assert!(grip_zero_after(3000, 4.0, |k, now| now.sensed[3] += 1.5 * (f64::from(k) * 0.01).sin()).0 == 0.0);
+}
+
+#[test]
+fn an_offset_at_the_grip_beyond_its_limit_stops_the_loader() {
+    let (zero, acted) = grip_zero_after(12_000, 30.0, |_, _| ());
+    assert!(acted.has(Function::GripOffset));
+    let most = Parameters::elevator().safety.grip_offset;
+    assert!(zero <= most + 1e-9, "{zero}");
+    assert!(!grip_zero_after(12_000, 20.0, |_, _| ()).1.has(Function::GripOffset));
+}
