@@ -79,12 +79,6 @@ def loader_of(machine):
         value = getattr(machine, name)
         if value != getattr(off, name):
             changes[key] = value if name == "orifice" else _si(name, value)
-    # The witness has the stops that it is given, and no others.
-    changes |= {
-        f"feel.hard_stop_{side}": end * math.pi
-        for side, end in (("low", -1), ("high", 1))
-        if f"column.stop_{side}" in changes and f"feel.hard_stop_{side}" not in changes
-    }
     curves = {}
     if machine.feel_curve:
         angles, forces = machine.feel_curve

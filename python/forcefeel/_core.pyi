@@ -49,7 +49,6 @@ __all__ = [
     "feel_frequency",
     "feel_from_frequencies",
     "feel_from_frequency",
-    "feel_hard_stops",
     "feel_held_between",
     "feel_steps",
     "feel_transitions",
@@ -450,9 +449,6 @@ def feel_from_frequency(frequency: float, damping_ratio: float, stiffness: float
 def feel_from_frequencies(frequency: _Array, damping_ratio: _Array, stiffness: _Array) -> tuple[_Array, _Array]: ...
 def feel_frequency(values: _Array) -> tuple[float, float]: ...
 def feel_frequencies(settings: _Array) -> tuple[_Array, _Array]: ...
-def feel_hard_stops(values: _Array) -> tuple[float, float]:
-    """Lowest and highest angle of the programmed control, rad; infinite without a stop."""
-
 def feel_held_between(
     values: _Array, angles: _Array, stiffness_factor: float = 1.0, *, curve: tuple[_Array, _Array] | None = None
 ) -> _Array:

@@ -252,8 +252,8 @@ def test_loader_with_optional_rows_is_simulated():
     plan = found.plan
     assert not plan.linear
     assert plan.omitted == ("feel.breakout", "feel.breakout_travel")
-    assert plan.release_rad == pytest.approx(np.radians(5.75))
-    assert plan.throw.travel_rad == pytest.approx(np.radians(23.0))
+    assert plan.release_rad == pytest.approx(np.radians(6.0))
+    assert plan.throw.travel_rad == pytest.approx(np.radians(24.0))
     feel = plan.settings.feel(plan.loader)
     place, case = next((k, case) for k, case in enumerate(plan.cases) if case.name == "linkage.ratio -20 %")
     record = releases.Record.of(plan.settings.rows[0, 1], plan.settings.damping[0])

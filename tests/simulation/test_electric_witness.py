@@ -45,12 +45,7 @@ EFFECTS = {
     "losses": {"transmission.efficiency": 0.85, "transmission.backdriving_efficiency": 0.8},
     "backlash": {"transmission.backlash": 5e-5, "transmission.stiffness": 3e6},
     "column": {"column.coulomb_friction": 5.0, "column.viscous_friction": 1.0},
-    "stops": {
-        "column.stop_low": -0.10,
-        "column.stop_high": 0.04,
-        "feel.hard_stop_low": -math.pi,
-        "feel.hard_stop_high": math.pi,
-    },
+    "stops": {"column.stop_low": -0.10, "column.stop_high": 0.04},
     "heat": {
         "thermal.winding_capacity": 0.02,
         "thermal.housing_capacity": 0.5,

@@ -158,7 +158,7 @@ def test_verdict_is_settled_when_column_rests_at_feel_angle():
 
 def test_verdict_of_held_column_names_angle_and_cause():
     """Pushed on its stop by a force that the motor does not hold; one of 19 A holds it there, where its feel then stands too."""
-    loader = ff.loader.electric("elevator-electric").replace({"feel.stop_margin": 0.0}, si=True)
+    loader = ff.loader.electric("elevator-electric")
     strong = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
     assert strong.measures.final_angle_rad > loader["column.stop_high"]
     assert verdict(strong).startswith("Settled at ")
@@ -173,12 +173,10 @@ def test_verdict_of_held_column_names_angle_and_cause():
 
 def test_equilibrium_of_a_hand_that_pushes_the_feel_to_its_hard_stop():
     """At its stop the feel takes any torque; the drive holds the column a fraction of a degree beyond, off its end stop."""
-    loader = ff.loader.electric("elevator-electric")
-    low, high = loader.hard_stops_rad
-    assert (low, high) == pytest.approx((-math.radians(12.0), math.radians(12.0)))
+    loader = ff.loader.electric("elevator-electric").replace({"feel.hard_stop_high": "12 deg"})
     run = simulate(loader, Scenario(Step(300.0), 4.0), ff.Law.of("robust", loader).without_contact().numbers)
     angle = run.measures.final_angle_rad
-    assert high < angle < loader["column.stop_high"]
+    assert loader["feel.hard_stop_high"] < angle < loader["column.stop_high"]
     # What the sensors' noise and the converters' steps leave of a mean.
     assert run.measures.equilibrium_angle_rad == pytest.approx(angle, abs=2e-5)
 

@@ -27,8 +27,6 @@ STOPS = {
     "column.static_friction": "4 lb",
     "column.stop_low": "-12 deg",
     "column.stop_high": "12 deg",
-    "feel.hard_stop_low": "-15 deg",
-    "feel.hard_stop_high": "15 deg",
     "valve.orifice": True,
     "amplifier.current_limit": "2 mA",
 }

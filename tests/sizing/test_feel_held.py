@@ -26,8 +26,8 @@ QUIET = dict.fromkeys(
 ELEVATOR = ff.digital_elevator().replace(QUIET, si=True)
 DAMPED = ELEVATOR.replace({"feel.damping": 5 * ELEVATOR["feel.damping"]}, si=True)
 """So that little swings behind a knee."""
-NOT_IN_A_SWEEP = {"feel.static_friction", "feel.shaker_force", "feel.shaker_frequency", "feel.stop_margin"}
-"""What acts on a control that rests, while the shaker is on, or beside an end stop of the column: tests of their own."""
+NOT_IN_A_SWEEP = {"feel.static_friction", "feel.shaker_force", "feel.shaker_frequency"}
+"""What acts on a control that rests, or while the shaker is on: tests of their own."""
 EVERY = {key: TABLE[key].default_si for key in OFF if key.startswith("feel.") and key not in NOT_IN_A_SWEEP}
 ROWS = sorted(key for key in TABLE if key.startswith("feel.") and key not in NOT_IN_A_SWEEP)
 OTHER = 0.8

@@ -30,7 +30,7 @@ def quiet(loader):
 
 @pytest.mark.parametrize(
     ("name", "share"),
-    [("sidestick-pitch", 0.969), ("desktop-yoke", 0.339), ("elevator-electric", 0.367), ("rudder-pedals", None)],
+    [("sidestick-pitch", 0.969), ("desktop-yoke", 0.339), ("elevator-electric", 0.382), ("rudder-pedals", None)],
 )
 def test_release_demand_matches_simulated_run(name, share):
     loader = ff.loader.electric(name)

@@ -178,6 +178,6 @@ def test_feel_demand_uses_stop_of_each_side():
     """A soft stop on the nearer side, beyond which the farther end does not lie."""
     stops = {"column.stop_low": "-15 deg", "column.stop_high": "12 deg", "feel.soft_stop_high": "13 deg"}
     loader = ff.loader.electric("elevator-electric").replace(stops)
-    found = {one.name: one for one in ff.sizing.size_drive(loader).demands}["feel at its stop, -14.5 deg"]
-    expected = loader["feel.stiffness"] * radians(14.5) / loader["column.grip_arm"]
+    found = {one.name: one for one in ff.sizing.size_drive(loader).demands}["feel at its stop, -15 deg"]
+    expected = loader["feel.stiffness"] * radians(15.0) / loader["column.grip_arm"]
     assert found.force_n == pytest.approx(expected, rel=ROUNDING)

@@ -57,7 +57,7 @@ impl<'a> Records<'a> {
                     self.chunk = unpacked(body).map_err(|why| format!("chunk {} {why}", self.chunks))?;
                 }
                 op::DATA_END => {
-                    let sum = Fields(body).u32().ok_or("its end is damaged")?;
+                    let sum = body.try_into().map(u32::from_le_bytes).map_err(|_| "its end is damaged")?;
                     same_sum(sum, &self.file[..before])?;
                     check_end(self.file).ok_or("its end is missing")??;
                     return Ok(None);

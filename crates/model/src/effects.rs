@@ -1,6 +1,5 @@
 //! Which effects beyond the linear models are in play, so that a step need not compute the others.
 
-use crate::feel::hard_stops;
 use crate::parameters::{COUNT, DriveKind, Parameters};
 use crate::transducers::SENSORS;
 
@@ -81,7 +80,7 @@ effects! {
     feel_damping_and_stops = any(&[p.feel.quadratic_damping])
         || finite(&[p.feel.soft_stop_low, p.feel.soft_stop_high]);
     /// Hard stops or velocity limit of the feel.
-    feel_limits, no_slope = finite(&hard_stops(&p.feel, &p.column)) || finite(&[p.feel.velocity_limit]);
+    feel_limits, no_slope = finite(&[p.feel.hard_stop_low, p.feel.hard_stop_high, p.feel.velocity_limit]);
     /// A digital controller.
     sampled = any(&[p.controller.period]);
     /// Noise of a sensor.

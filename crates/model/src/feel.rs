@@ -23,7 +23,7 @@ use crate::curve::Curve;
 use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
 use crate::feel_parts::{FeelParts, FeelPlace, FeelUnits};
-use crate::parameters::{Column, Feel, Parameters};
+use crate::parameters::{Feel, Parameters};
 
 impl<S: Scalar> Feel<S> {
     /// Acceleration of the programmed displacement under the torque `torque`.
@@ -121,7 +121,6 @@ impl<S: Scalar> FeelLaw<S> {
         let mu = law.load_cell_arm / linkage.base_force(column.base_arm);
         let grip_force = mu * column.grip_arm;
         let per_torque = feel.acceleration(one.zero(), one.zero(), one);
-        let [low, high] = hard_stops(feel, column);
         Self {
             per_torque,
             per_angle: lambda,
@@ -135,8 +134,8 @@ impl<S: Scalar> FeelLaw<S> {
             soft_stops: soft_stops(feel, lambda, mu),
             shaker: feel.shaker_force * grip_force,
             friction: DryFriction::new(feel.coulomb_friction, feel.static_friction, grip_force * per_torque),
-            low: low * lambda,
-            high: high * lambda,
+            low: feel.hard_stop_low * lambda,
+            high: feel.hard_stop_high * lambda,
             velocity_limit: feel.velocity_limit * lambda,
             trim_rate: feel.trim_rate * lambda,
         }
@@ -328,16 +327,4 @@ fn soft_stops<S: Scalar>(feel: &Feel<S>, lambda: S, mu: S) -> Stops<S> {
         stiffness: feel.soft_stop_stiffness * mu / lambda,
         damping: feel.soft_stop_damping * mu / lambda,
     }
-}
-
-/// Hard stops of the programmed control, as angles of the column: as programmed, else before the end stops of the column by `phi_m`, so
-/// that the drive holds a column that a hand pushes to its end, and no loop closes over the stiffness of its stop.
-#[inline(always)]
-pub fn hard_stops<S: Scalar>(feel: &Feel<S>, column: &Column<S>) -> [S; 2] {
-    let none = feel.stop_margin.constant(f64::INFINITY);
-    // Of a short travel, half is left.
-    let margin = feel.stop_margin.min((column.stop_high - column.stop_low).times(0.25));
-    let low = S::select((-none).less(feel.hard_stop_low), feel.hard_stop_low, column.stop_low + margin);
-    let high = S::select(feel.hard_stop_high.less(none), feel.hard_stop_high, column.stop_high - margin);
-    [low, high]
 }

@@ -369,7 +369,6 @@ parameter_table! {
         soft_stop_damping: "c_s", "damping of the soft stops", ROTARY_DAMPING, 100.0, 0.0..1e7, off 0.0;
         hard_stop_low: "phi_h1", "lowest angle of the programmed control", ANGLE, -18.0, -180.0..180.0, off f64::NEG_INFINITY;
         hard_stop_high: "phi_h2", "highest angle of the programmed control", ANGLE, 18.0, -180.0..180.0, off f64::INFINITY;
-        stop_margin: "phi_m", "distance by which the programmed control stops before an end stop of the column, where no hard stop is programmed", ANGLE, 1.0, 0.0..180.0, off 0.5;
         velocity_limit: "phi'_max", "largest angular velocity of the programmed control", ANGULAR_VELOCITY, 60.0, 0.1..1e5, off f64::INFINITY;
         trim_rate: "n'_max", "largest angular velocity of the trimmed neutral", ANGULAR_VELOCITY, 2.0, 1e-3..1e5, off f64::INFINITY;
         shaker_force: "F_sh", "amplitude of the stick shaker, as force at the grip", FORCE, 10.0, 0.0..1e4, off 0.0;

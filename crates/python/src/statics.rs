@@ -8,7 +8,7 @@ use forcefeel_model::drive::electric::statics::MotorStatics as OfMotor;
 use forcefeel_model::drive::hydraulic::statics::ValveStatics as OfValve;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::feel::{FeelLaw, hard_stops};
+use forcefeel_model::feel::FeelLaw;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_solve::linearize;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -34,13 +34,6 @@ pub fn feel_held_between<'py>(
     let feel = FeelLaw::new(&parameters, &Compensator::state_feedback(&parameters, [0.0; 7]));
     let held = |&angle: &f64| feel.held_between(&effects, curve.as_ref(), angle, (0.0, stiffness_factor)).to_vec();
     Ok(PyArray2::from_vec2(py, &angles.as_array().iter().map(held).collect::<Vec<_>>())?)
-}
-
-/// Lowest and highest angle of the programmed control in rad.
-#[pyfunction]
-pub fn feel_hard_stops(values: Values<'_>) -> PyResult<(f64, f64)> {
-    let Parameters { feel, column, .. } = Parameters::from_values(&vector::<COUNT>("values", &values)?);
-    Ok(hard_stops(&feel, &column).into())
 }
 
 /// Force at the grip in N that by itself turns the column with each angular acceleration in rad/s^2.

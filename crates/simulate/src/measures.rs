@@ -18,7 +18,6 @@
 //! ends where it began.
 
 use forcefeel_model::Scalar;
-use forcefeel_model::feel::hard_stops;
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_solve::release::Measuring;
 use forcefeel_solve::wide::Wide;
@@ -139,13 +138,12 @@ impl<S: Scalar> Peaks<S> {
 
     /// With the stops of a loader.
     #[inline(always)]
-    pub fn with_stops(self, Parameters { column, feel, .. }: &Parameters<S>) -> Self {
+    pub fn with_stops(self, &Parameters { column, feel, .. }: &Parameters<S>) -> Self {
         let inside = |bound: S, side: f64| {
             let none = bound.constant(f64::INFINITY);
             S::select(bound.abs().less(none), bound - bound.abs().times(side * REACHED), bound)
         };
-        let [low, high] = hard_stops(feel, column);
-        let programmed = [inside(low, -1.0), inside(high, 1.0)];
+        let programmed = [inside(feel.hard_stop_low, -1.0), inside(feel.hard_stop_high, 1.0)];
         Self { stops: [[column.stop_low, column.stop_high], programmed], ..self }
     }
 

@@ -63,7 +63,6 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("feel.detent_travel", ("feel.detent_force",)),
     ("feel.soft_stop_stiffness", ("feel.soft_stop_low", "feel.soft_stop_high")),
     ("feel.soft_stop_damping", ("feel.soft_stop_low", "feel.soft_stop_high")),
-    ("feel.stop_margin", ("column.stop_low", "column.stop_high")),
     ("feel.shaker_frequency", ("feel.shaker_force",)),
 )
 """Rows without effect unless one of the others is given."""

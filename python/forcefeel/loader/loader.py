@@ -252,19 +252,6 @@ class Loader(Mapping[str, float]):
         """What moves the linkage: ``hydraulic`` or ``electric``."""
         return drive_of(self.si_values)
 
-    @property
-    def hard_stops_rad(self) -> tuple[float, float]:
-        """Lowest and highest angle of the programmed control, rad; infinite without a stop.
-
-        ``feel.hard_stop_low`` and ``feel.hard_stop_high``, else ``feel.stop_margin`` inside the column's end stops.
-
-        Example:
-            >>> low, high = ff.elevator().replace({"column.stop_high": "10 deg"}).hard_stops_rad
-            >>> low, round(np.degrees(high), 3)
-            (-inf, 9.5)
-        """
-        return _core.feel_hard_stops(self.si_values)
-
     def _position(self, key: str) -> int:
         try:
             return INDEX[key]

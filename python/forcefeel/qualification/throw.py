@@ -37,7 +37,7 @@ class Throw:
 
     @classmethod
     def of(cls, loader: Loader, given_rad: float | None = None) -> "Throw":
-        """The stated throw, else the hard stops of the loader's feel, else the default.
+        """The stated throw, else the loader's end stops, else its feel's hard stops, else the default.
 
         Raises:
             InputError: If an end is at or beyond neutral, or more than 90 deg from it.
@@ -46,9 +46,10 @@ class Throw:
             if not (isfinite(given_rad) and given_rad > 0):
                 raise InputError(f"throw: expected an angle above 0, got {show(given_rad)} rad")
             return cls(-given_rad, given_rad, "as requested")
-        low, high = loader.hard_stops_rad
-        if isfinite(low) and isfinite(high):
-            return cls(low, high, "the feel's hard stops")
+        for part, name in (("column.stop", "the end stops of the column"), ("feel.hard_stop", "the feel's hard stops")):
+            low, high = loader[f"{part}_low"], loader[f"{part}_high"]
+            if isfinite(low) and isfinite(high):
+                return cls(low, high, name)
         return cls(-USUAL_RAD, USUAL_RAD, "assumed, because the loader has no stops and no throw is stated")
 
     @property

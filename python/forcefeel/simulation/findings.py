@@ -256,12 +256,11 @@ def _current_limit(run: Run, units: UnitSystem) -> str:
 
 def _stops(run: Run, limits: LimitTimes) -> str:
     loader = run.loader
-    feel_low, feel_high = loader.hard_stops_rad
     sides = (
         (loader["column.stop_low"], limits.stop_low_s, "the lower end stop"),
         (loader["column.stop_high"], limits.stop_high_s, "the upper end stop"),
-        (feel_low, limits.feel_low_s, "the programmed lower stop"),
-        (feel_high, limits.feel_high_s, "the programmed upper stop"),
+        (loader["feel.hard_stop_low"], limits.feel_low_s, "the programmed lower stop"),
+        (loader["feel.hard_stop_high"], limits.feel_high_s, "the programmed upper stop"),
     )
     stops = [(spent, name) for bound, spent, name in sides if isfinite(bound)]
     hit = [f"at {name} for {to_text(spent, 3)} s" for spent, name in stops if spent]

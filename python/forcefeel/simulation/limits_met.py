@@ -77,7 +77,6 @@ def limit_times(run: Run) -> LimitTimes:
     )
     feel_angle = feel / per_feel_angle(run)
     moved = np.maximum.accumulate(velocity != 0) if len(velocity) else np.zeros(0, bool)
-    feel_low, feel_high = loader.hard_stops_rad
     dry = loader["column.coulomb_friction"] > 0 or loader["column.static_friction"] > 0
     stuck = moved & (velocity == 0) & dry
 
@@ -100,8 +99,8 @@ def limit_times(run: Run) -> LimitTimes:
         over_pressure=over_pressure,
         stop_low_s=seconds(angle < loader["column.stop_low"]),
         stop_high_s=seconds(angle > loader["column.stop_high"]),
-        feel_low_s=seconds(_reached(-feel_angle, -feel_low)),
-        feel_high_s=seconds(_reached(feel_angle, feel_high)),
+        feel_low_s=seconds(_reached(-feel_angle, -loader["feel.hard_stop_low"])),
+        feel_high_s=seconds(_reached(feel_angle, loader["feel.hard_stop_high"])),
         stuck_s=seconds(stuck),
         stuck_at_end=bool(len(stuck) and stuck[-1]),
     )

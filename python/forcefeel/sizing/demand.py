@@ -96,8 +96,11 @@ def _held(
 
 
 def _stops_rad(loader: Loader) -> list[float]:
-    """Ends of the programmed travel; empty without stops."""
-    return [end for end in loader.hard_stops_rad if isfinite(end)]
+    """Ends of the travel; empty without stops."""
+    for part in ("column.stop", "feel.hard_stop"):
+        if known := [end for side in ("low", "high") if isfinite(end := loader[f"{part}_{side}"])]:
+            return known
+    return []
 
 
 def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float64]:

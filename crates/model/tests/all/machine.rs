@@ -1,7 +1,6 @@
 //! The whole machine step by step: in equilibrium, stuck, against its stops, mirrored, and under a digital controller.
 
 use crate::near::{assert_near, assert_within};
-use core::f64::consts::PI;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
@@ -171,7 +170,6 @@ fn mirrored_machine_does_the_mirrored_thing() {
 fn stop_carries_what_pilot_and_link_leave() {
     let mut p = Parameters::elevator();
     (p.column.stop_low, p.column.stop_high) = (-0.15, 0.15);
-    (p.feel.hard_stop_low, p.feel.hard_stop_high) = (-PI, PI);
     // The report's feel shakes against a column that a stop holds; a heavy one rests.
     (p.feel.inertia, p.feel.damping) = (50.0 * p.feel.inertia, 100.0 * p.feel.damping);
     for gains in [None, Some(GAINS)] {

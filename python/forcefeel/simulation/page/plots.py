@@ -149,13 +149,15 @@ def loop(run: Run, system: UnitSystem) -> go.Figure:
 
 def stops(run: Run) -> list[Level]:
     """The end stops of the column and the programmed ones, deg."""
-    loader = run.loader
-    pairs = {
-        "end stop": (loader["column.stop_low"], loader["column.stop_high"]),
-        "programmed hard stop": loader.hard_stops_rad,
-        "soft stop": (loader["feel.soft_stop_low"], loader["feel.soft_stop_high"]),
+    names = {
+        "column.stop_low": "end stop",
+        "column.stop_high": "end stop",
+        "feel.hard_stop_low": "programmed hard stop",
+        "feel.hard_stop_high": "programmed hard stop",
+        "feel.soft_stop_low": "soft stop",
+        "feel.soft_stop_high": "soft stop",
     }
-    return [Level(float(np.degrees(end)), name) for name, ends in pairs.items() for end in ends if isfinite(end)]
+    return [Level(float(np.degrees(run.loader[key])), name) for key, name in names.items() if isfinite(run.loader[key])]
 
 
 def _spring(
