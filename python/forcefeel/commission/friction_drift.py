@@ -12,8 +12,8 @@ from forcefeel.loader.parameters import TABLE
 from forcefeel.loader.tolerances import ENDS_AT
 
 DRIFT = 0.2
-"""Least tolerance, as a share. With an identified 0.2 to 3 %, a drift of 20 % leaves five machines 33 to 68 % of the settings, with this
-80 to 98 %. A friction that stays costs 0 to 5 % by it."""
+"""Least tolerance, as a share. With an identified 0.2 to 3 %, a drift of 20 % leaves five machines 33 to 68 % of the settings, with
+this 80 to 98 %. A friction that stays costs 0 to 5 % by it."""
 
 _DRY_FRICTION = (
     "column.coulomb_friction",
