@@ -8,6 +8,7 @@ from forcefeel.commission.friction_drift import DRIFT, drift_sentence, with_drif
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.laws.sampled.plant import SampledPlant
 
+TEN_DIGITS = 1e-6  # relative; of a deviation that is the difference of two numbers of a file
 IDENTIFIED = 0.005
 """Standard error as a share, as a minute of bench gives it."""
 
@@ -24,7 +25,9 @@ def test_law_learns_drift_beyond_the_identified_tolerance(tmp_path):
     assert rows == (DRY, BREAKAWAY)
     (tmp_path / "loader.toml").write_text(loader.to_toml(), encoding="utf-8")
     plant = SampledPlant.of(ff.load(tmp_path / "loader.toml"))
-    assert plant.friction_off_n_m == pytest.approx((-DRIFT * plant.friction_n_m, DRIFT * plant.friction_n_m), rel=1e-6)
+    assert plant.friction_off_n_m == pytest.approx(
+        (-DRIFT * plant.friction_n_m, DRIFT * plant.friction_n_m), rel=TEN_DIGITS
+    )
     assert "for drift" in loader.source
     assert f"{DRIFT:.0%}" in drift_sentence(rows)[0]
     assert DRY in drift_sentence(rows)[0]

@@ -50,6 +50,9 @@ _OFF = "give None, or off on the command line,"
 """How one switches an optional row off who changes a loader."""
 
 
+_FRICTION = ("actuator.seal_friction", "column.stribeck_velocity", "column.friction_asymmetry")
+"""Rows that leave a fingerprint as it is where they are off."""
+
 _READ = 4
 """Digits of a value that people read in a line."""
 
@@ -237,9 +240,10 @@ class Loader(Mapping[str, float]):
     def fingerprint(self) -> str:
         """SHA-256 of the values and curves, to the last bit: by it a law knows the loader that it was made for."""
         curves = repr([(name, curve.x, curve.y) for name, curve in self.curves.items()])
-        # What no law asks for, the limits of a supervisor and the rows of a sensor that is not there, is left out.
+        # What no law asks for, the limits of a supervisor and the rows of a sensor or friction that is not there, is left out.
         absent = ("safety.",) if self["grip_sensor.gain"] else ("safety.", "grip_sensor.")
-        own = np.array([value for key, value in self._by_key().items() if not key.startswith(absent)])
+        rows = self._by_key().items()
+        own = np.array([value for key, value in rows if not key.startswith(absent) and (value or key not in _FRICTION)])
         return hashlib.sha256(own.tobytes() + curves.encode()).hexdigest()
 
     @property
