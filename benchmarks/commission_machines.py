@@ -10,9 +10,10 @@ U.S. customary units: lb, in, s, mA, V, rad; the servo alone, its position loop 
     (J + m) w' = alpha R_b (A p - F) - d w - k_a theta - F_c R_p sgn w                                eqs. (6), (7), and an arm
     e = - K_3 x  of the last sample but one, through its sensor, and the test signal                  eq. (13)
 
-``F`` friction of the seals: what pushes the piston, ``A p - k s + c alpha R_b w``, as far as it is no more than they hold. At rest the
-column sticks while ``|alpha R_b (A p - F) - k_a theta| <= F_s R_p``; for Stribeck and asymmetry see ``rubbing_column.py``. All that is linear takes the exact steps of
-``rubbing_column.py``; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two (second order).
+``F`` friction of the seals: what pushes the piston, ``A p - k s + c alpha R_b w``, as far as it is no more than they hold. At rest
+the column sticks while ``|alpha R_b (A p - F) - k_a theta| <= F_s R_p``; for Stribeck and asymmetry see ``rubbing_column.py``.
+All that is linear takes the exact steps of ``rubbing_column.py``; what the orifice takes from the flow, ``q - q_i``, is carried on
+straight from the last two (second order).
 Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
 """
 
