@@ -4,21 +4,23 @@ U.S. customary units: lb, in, s, mA, V, rad; the servo alone, its position loop 
 
 ``x`` piston · ``p`` load pressure · ``q_i`` valve · ``theta``, ``w`` column and its rate · ``i`` current · ``e`` command
 
-    x' = (A p - k s) / c + alpha R_b w,    s = x - alpha R_b theta                                    eq. (9)
+    x' = (A p - k s - F) / c + alpha R_b w,    s = x - alpha R_b theta                                eq. (9)
     p' = 4 beta / V_E (q - A x'),          q = q_i sqrt(1 - sgn(q_i) p / p_s)                         eqs. (5), (1)
     q_i'' = w_n^2 (q_c - q_i) - 2 zeta w_n q_i',    q_c = (q_r / i_r) i,    i = K_2 e                 eq. (3)
-    (J + m) w' = alpha R_b A p - d w - k_a theta - F_c R_p sgn w                                      eqs. (6), (7), and an arm
+    (J + m) w' = alpha R_b (A p - F) - d w - k_a theta - F_c R_p sgn w                                eqs. (6), (7), and an arm
     e = - K_3 x  of the last sample but one, through its sensor, and the test signal                  eq. (13)
 
-At rest the column sticks while ``|alpha R_b A p - k_a theta| <= F_s R_p``. All that is linear takes the exact steps of
-``rubbing_column.py``; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two (second order).
+``F`` friction of the seals: what pushes the piston, ``A p - k s + c alpha R_b w``, as far as it is no more than they hold. At rest
+the column sticks while ``|alpha R_b (A p - F) - k_a theta| <= F_s R_p``; for Stribeck and asymmetry see ``rubbing_column.py``.
+All that is linear takes the exact steps of ``rubbing_column.py``; what the orifice takes from the flow, ``q - q_i``, is carried on
+straight from the last two (second order).
 Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
 """
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from rubbing_column import OnLink, Places, Rubbing
+from rubbing_column import Friction, OnLink, Places, Rubbing
 
 STEP_S, PERIOD_S = 1e-4, 5e-4
 LBF, INCH = 4.4482216152605, 0.0254  # N, m
@@ -46,10 +48,13 @@ OF_FILE = {
     "grip_arm": ("column.grip_arm", 1 / INCH),
     "coulomb_friction": ("column.coulomb_friction", 1 / LBF),
     "static_friction": ("column.static_friction", 1 / LBF),
+    "stribeck_velocity": ("column.stribeck_velocity", 1.0),
+    "friction_asymmetry": ("column.friction_asymmetry", 1.0),
+    "seal_friction": ("actuator.seal_friction", 1 / LBF),
 }
 """The file's row for each number of a machine, and its unit there in the SI one."""
-X, P, QI, QI_RATE, THETA, W, COMMAND, DEFICIT, DRY = range(9)
-"""Places in the vector: states, then what is constant over a step: commanded flow, ``q - q_i``, the torque of friction."""
+X, P, QI, QI_RATE, THETA, W, COMMAND, DEFICIT, DRY, SEALS = range(10)
+"""Places in the vector: states, then what is constant over a step: commanded flow, ``q - q_i``, the torque of friction, F."""
 PLACES = Places(THETA, W, DRY, states=6)
 
 
@@ -73,6 +78,9 @@ class Machines(OnLink):
     grip_arm: np.ndarray
     coulomb_friction: np.ndarray
     static_friction: np.ndarray
+    stribeck_velocity: np.ndarray | float = 0.0
+    friction_asymmetry: np.ndarray | float = 0.0
+    seal_friction: np.ndarray | float = 0.0
     rated_current: float = 15.0
     current_limit: float = 15.0
     flow_limit: float = 100.0
@@ -108,9 +116,10 @@ class Sensors:
 
 
 def _rates(m):
-    """Matrix of rates on the vector, the column moving, (machines, 9, 9)."""
-    a = np.zeros((len(m.area), 9, 9))
+    """Matrix of rates on the vector, the column moving, (machines, 10, 10)."""
+    a = np.zeros((len(m.area), 10, 10))
     a[:, X, P], a[:, X, X] = m.area / m.link_damping, -m.link_stiffness / m.link_damping
+    a[:, X, SEALS] = -1 / m.link_damping
     a[:, X, THETA], a[:, X, W] = m.lever * m.link_stiffness / m.link_damping, m.lever
     a[:, P] = -m.area[:, None] * a[:, X]
     a[:, P, QI] += 1.0
@@ -121,17 +130,19 @@ def _rates(m):
     a[:, QI_RATE, QI_RATE] = -2 * m.valve_damping * m.valve_frequency
     a[:, THETA, W] = 1.0
     a[:, W, P], a[:, W, DRY] = m.lever * m.area / m.turned, 1 / m.turned
+    a[:, W, SEALS] = -m.lever / m.turned
     a[:, W, THETA], a[:, W, W] = -m.arm_stiffness / m.turned, -m.arm_damping / m.turned
     return a
 
 
 class Motion(Rubbing):
-    """Machines on their way from rest at zero, ``z`` (machines, 9)."""
+    """Machines on their way from rest at zero, ``z`` (machines, 10)."""
 
     def __init__(self, m):
-        friction = (m.grip_arm * m.coulomb_friction, m.grip_arm * m.static_friction)
+        levels = (m.grip_arm * m.coulomb_friction, m.grip_arm * m.static_friction)
+        friction = Friction(*levels, m.stribeck_velocity, m.friction_asymmetry)
         super().__init__(_rates(m), PLACES, STEP_S, friction)
-        self.machines, self.deficit = m, np.zeros(len(m.area))
+        self.machines, self.deficit, self.seals = m, *np.zeros((2, len(m.area)))
 
     def current(self, command):
         """What the amplifier gives, mA, of a command in V."""
@@ -140,7 +151,7 @@ class Motion(Rubbing):
     def torque(self, z):
         """Torque on the column beside friction."""
         m = self.machines
-        return m.lever * m.area * z[:, P] - m.arm_stiffness * z[:, THETA] - m.arm_damping * z[:, W]
+        return m.lever * (m.area * z[:, P] - self.seals) - m.arm_stiffness * z[:, THETA] - m.arm_damping * z[:, W]
 
     def step(self, current):
         """A step of ``STEP_S``."""
@@ -149,6 +160,9 @@ class Motion(Rubbing):
         left = np.maximum(1 - np.sign(z[:, QI]) * z[:, P] / m.supply_pressure, 0.0)
         before, self.deficit = self.deficit, z[:, QI] * (np.sqrt(left) - 1)
         z[:, DEFICIT] = 1.5 * self.deficit - 0.5 * before
+        stretch = z[:, X] - m.lever * z[:, THETA]
+        push = m.area * z[:, P] - m.link_stiffness * stretch + m.link_damping * m.lever * z[:, W]
+        z[:, SEALS] = self.seals = np.clip(push, -m.seal_friction, m.seal_friction)
         self.advance()
 
 
@@ -163,7 +177,7 @@ def run(m, signal, rate_hz, sensors, noise):
     per_sample, per_period = round(1 / rate_hz / STEP_S), round(PERIOD_S / STEP_S)
     lag, waiting, held = np.zeros(many), np.zeros(many), np.zeros(many)
     decay = np.exp(-sensors.bandwidth * STEP_S)
-    kept = np.empty((samples, 6, many))
+    kept = np.empty((samples, 7, many))
     for k in range((samples - 1) * per_sample + 1):
         if k % per_period == 0:
             readings = np.round((lag + sensors.noise * noise[k // per_period]) / sensors.step) * sensors.step
@@ -172,16 +186,16 @@ def run(m, signal, rate_hz, sensors, noise):
         ahead = signal[min(at + 1, samples - 1)]
         middle = signal[at] + (part + 0.5) / per_sample * (ahead - signal[at])
         if part == 0:
-            kept[at, :5], kept[at, 5] = z[:, [X, P, THETA, W, QI]].T, motion.current(held + signal[at])
+            kept[at, :6], kept[at, 6] = z[:, [X, P, THETA, W, QI, SEALS]].T, motion.current(held + signal[at])
         before = z[:, X].copy()
         motion.step(motion.current(held + middle))
         slope = (z[:, X] - before) / (sensors.bandwidth * STEP_S)
         lag = z[:, X] - slope + (lag - before + slope) * decay
-    x, p, theta, _, _, current = np.moveaxis(kept, 0, 2)
+    x, p, theta, _, _, seals, current = np.moveaxis(kept, 0, 2)
     columns = {
         "column_angle": theta,
         "piston_position": x,
-        "load_cell_force": m.area[:, None] * p,
+        "load_cell_force": m.area[:, None] * p - seals,
         "load_pressure": p,
         "valve_current": current,
     }

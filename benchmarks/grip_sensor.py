@@ -88,7 +88,7 @@ class ValveMotion(witness.Motion):
 
     def shown(self):
         """Force of the link in N, the piston in m, the column's angle."""
-        force = self.machines.area * self.z[:, witness.P] * witness.LBF
+        force = (self.machines.area * self.z[:, witness.P] - self.z[:, witness.SEALS]) * witness.LBF
         return force, self.z[:, witness.X] * witness.INCH, self.z[:, witness.THETA]
 
     def run(self, command, time_s):

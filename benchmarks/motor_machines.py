@@ -17,7 +17,7 @@ At rest the column sticks while ``|alpha R_b F - k_a theta| <= F_c R_p``. What i
 from dataclasses import dataclass
 
 import numpy as np
-from rubbing_column import OnLink, Places, Rubbing
+from rubbing_column import Friction, OnLink, Places, Rubbing
 
 STEP_S = 5e-5
 """A third of the current loop's time constant."""
@@ -107,7 +107,7 @@ class Motion(Rubbing):
 
     def __init__(self, m, y, held):
         dry = m.grip_arm * m.friction
-        super().__init__(_rates(m), PLACES, STEP_S, (dry, dry))
+        super().__init__(_rates(m), PLACES, STEP_S, Friction(dry, dry))
         self.machines, self.deficit = m, np.zeros(len(m.rotor))
         self.z[:, X], self.z[:, THETA] = y[:, 1], held
         self.z[:, CURRENT] = m.held_by * y[:, 0]

@@ -1,8 +1,9 @@
 """Machines side by side whose column rubs, step by step: what the witnesses of both drives share, and no line of the engine.
 
-``w`` rate of the column · ``T`` torque on it beside friction · ``C``, ``B`` torques of the dry friction that moves and that holds
+``w`` rate of the column · ``T`` torque on it beside friction · ``C``, ``B`` torques of the dry friction that moves and that holds ·
+``w_s`` Stribeck velocity · ``a`` asymmetry · ``s`` direction
 
-    T - C sgn w  moves it;  at rest it sticks while |T| <= B
+    T - (C + (B - C) exp(-(w / w_s)^2)) (1 + a s) s  moves it;  at rest it sticks while |T| <= B (1 + a sgn T)
 
 What is linear takes exact steps by a matrix exponential for each machine; friction is constant over a step. Where the column turns
 round in one, it rests at its end, or what is left of the step goes the other way.
@@ -22,6 +23,26 @@ class Places:
     rate: int
     dry: int
     states: int
+
+
+@dataclass(frozen=True)
+class Friction:
+    """C and B, w_s and a, (machines,) each; without w_s friction falls with a jump."""
+
+    coulomb: np.ndarray
+    breakaway: np.ndarray
+    stribeck: np.ndarray | float = 0.0
+    asymmetry: np.ndarray | float = 0.0
+
+    def level(self, direction, rate):
+        """Torque of a motion in a direction."""
+        slow = np.where(np.asarray(self.stribeck) > 0, self.stribeck, 1.0)
+        fall = np.where(np.asarray(self.stribeck) > 0, np.exp(-((rate / slow) ** 2)), 0.0)
+        return (self.coulomb + (self.breakaway - self.coulomb) * fall) * (1 + self.asymmetry * direction)
+
+    def holds(self, torque):
+        """Whether it holds a column at rest."""
+        return np.abs(torque) <= self.breakaway * (1 + self.asymmetry * np.sign(torque))
 
 
 class OnLink:
@@ -45,7 +66,7 @@ class Rubbing:
         rates: Matrix of rates on the vector, the column moving, (machines, n, n).
         places: What stands where in it.
         step_s: The step.
-        friction: C and B, (machines,) each.
+        friction: That of the column.
     """
 
     def __init__(self, rates, places, step_s, friction):
@@ -54,7 +75,7 @@ class Rubbing:
         stuck[:, [places.angle, places.rate]] = 0.0
         exact = (np.array([expm(step_s * rate_matrix)[: places.states] for rate_matrix in of]) for of in (rates, stuck))
         self.slide, self.stick = exact
-        self.places, (self.coulomb, self.breakaway) = places, friction
+        self.places, self.friction = places, friction
         self.z, self.rests = np.zeros((many, size)), np.ones(many, dtype=bool)
 
     def torque(self, z):
@@ -69,19 +90,19 @@ class Rubbing:
         """A step under what stands in the vector but the friction."""
         z, rate, states = self.z, self.places.rate, self.places.states
         torque = self.push()
-        self.rests &= np.abs(torque) <= self.breakaway
+        self.rests &= self.friction.holds(torque)
         direction = np.where(z[:, rate] != 0, np.sign(z[:, rate]), np.sign(torque))
-        z[:, self.places.dry] = -direction * self.coulomb
+        level = self.friction.level(direction, z[:, rate])
+        z[:, self.places.dry] = -direction * level
         after = (self.slide @ z[:, :, None])[:, :, 0]
         turned = after[:, rate] * direction < 0
         if self.rests.any():
             after[self.rests] = (self.stick[self.rests] @ z[self.rests][:, :, None])[:, :, 0]
         # A column that turns round goes on with what is left of the step, if friction does not hold it.
         push = self.torque(after)
-        held_now = turned & (np.abs(push) <= self.breakaway)
-        slower = np.clip(
-            (push + direction * self.coulomb) / np.where(turned, push - direction * self.coulomb, 1.0), 0.0, 1.0
-        )
+        held_now = turned & self.friction.holds(push)
+        back = self.friction.level(-direction, 0.0)
+        slower = np.clip((push + direction * back) / np.where(turned, push - direction * level, 1.0), 0.0, 1.0)
         after[turned, rate] *= slower[turned]
         after[self.rests | held_now, rate] = 0.0
         self.rests |= held_now

@@ -5,6 +5,7 @@ effects alone, nothing from ``forcefeel``. What is discontinuous or set-valued i
 negative is an event, located within the step, and the solver starts anew behind it:
 
 - dry friction of column and feel: the rate is exactly zero while stuck,
+- dry friction of the piston's seals: what pushes the piston, less at most that friction, is the link damper's,
 - stops (a damper that comes in with speed), hard stop and velocity limit of the feel, the hysteresis' slider,
 - backlash: in the gap A p = 0 and x_p' = q / A, in contact p is a state,
 - clamps of current, commanded flow and relief, and the sign of q_i: each branch is smooth inside a step,
@@ -107,6 +108,7 @@ class Machine:
     relief_pressure: float = INF
     relief_gain: float = 1.0
     backlash: float = 0.0
+    seal_friction: float = 0.0
 
     arm_mass: float = 0.0  # lbm
     arm_damping: float = 0.0  # lb s/in
@@ -120,6 +122,8 @@ class Machine:
     stop_damping: float = 1000.0
     coulomb_friction: float = 0.0
     static_friction: float = 0.0
+    stribeck_velocity: float = 0.0
+    friction_asymmetry: float = 0.0
 
     feel_curve: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     """(angles, forces at the grip)."""
@@ -327,6 +331,7 @@ class Plant:
         self.inertia = m.column_inertia + m.arm_mass / GRAVITY * m.grip_arm**2
         self.coulomb = m.grip_arm * m.coulomb_friction
         self.breakaway = m.grip_arm * max(m.static_friction, m.coulomb_friction)
+        self.seals = Band(m.seal_friction)
         self.motion = None if self.breakaway == 0 else 0
         self.contact = None if m.backlash == 0 else 0
         self.gap = 0.5 * m.backlash
@@ -362,13 +367,34 @@ class Plant:
     def piston_rate(self, y):
         if self.contact == 0:
             return y[2] / self.m.area  # the gap: p = 0, q = q_i
-        # A p = k s + c s'                                                                                 eq. (9)
-        return (self.m.area * y[1] - self.spring * self.stretch(y[0], y[4])) / self.damper + self.lever * y[5]
+        # A p = k s + c s' + what the seals take                                                           eq. (9)
+        push = self.push(y)
+        return (self.seals.excess(push) if self.m.seal_friction else push) / self.damper
+
+    def push(self, y):
+        """What pushes the massless piston against its seals: the link's force at rest of the piston taken off."""
+        return self.m.area * y[1] - self.spring * self.stretch(y[0], y[4]) + self.damper * self.lever * y[5]
+
+    def link_force(self, y):
+        """F_c, which the load cell shows."""
+        rubbed = self.seals.clamp(self.push(y)) if self.m.seal_friction and self.contact != 0 else 0.0
+        return self.m.area * y[1] - rubbed
+
+    def level(self, way, rate):
+        """Torque of the dry friction of a column that moves that way."""
+        m, over = self.m, self.breakaway - self.coulomb
+        fall = math.exp(-((rate / m.stribeck_velocity) ** 2)) if m.stribeck_velocity else 0.0
+        return (self.coulomb + over * fall) * (1.0 + way * m.friction_asymmetry)
+
+    def held(self, torque):
+        """Largest torque that friction holds that way."""
+        return self.breakaway * (1.0 + _sign(torque) * self.m.friction_asymmetry)
 
     def torque(self, t, y):
         """M: torque on the column without dry friction."""
         m, theta, rate = self.m, y[4], y[5]
-        torque = m.grip_arm * self.force(t) + self.lever * m.area * y[1] - self.viscous * rate - self.arm_spring * theta
+        torque = m.grip_arm * self.force(t) + self.lever * self.link_force(y) - self.viscous * rate
+        torque -= self.arm_spring * theta
         if m.gravity_torque:
             torque += m.gravity_torque * math.sin(m.gravity_angle + theta)
         return torque - self.stops.torque(theta, rate)
@@ -387,7 +413,7 @@ class Plant:
         if self.motion is None:
             acceleration = self.torque(t, y) / self.inertia
         elif self.motion:
-            acceleration = (self.torque(t, y) - self.motion * self.coulomb) / self.inertia
+            acceleration = (self.torque(t, y) - self.motion * self.level(self.motion, rate)) / self.inertia
         w_n = m.valve_frequency
         return [
             x_p_rate,
@@ -396,7 +422,7 @@ class Plant:
             w_n * w_n * (command - q_i) - 2.0 * m.valve_damping_ratio * w_n * q_i_rate,
             rate,
             acceleration,
-            self.bandwidths[0] * (m.area * p - y[6]),
+            self.bandwidths[0] * (self.link_force(y) - y[6]),
             self.bandwidths[1] * (y[0] - y[7]),
             self.bandwidths[2] * (theta - y[8]),
         ]
@@ -406,7 +432,7 @@ class Plant:
         m = self.m
         force, piston, column = self.bandwidths
         return (
-            (y[6] if force else m.area * y[1]) + m.load_cell_offset,
+            (y[6] if force else self.link_force(y)) + m.load_cell_offset,
             (y[7] if piston else y[0]) + m.potentiometer_offset,
             (y[8] if column else y[4]) + m.column_sensor_offset,
             column * (y[4] - y[8]) if column else y[5],
@@ -421,6 +447,7 @@ class Plant:
         self.command.settle(self.gain * self.current.clamp(m.admittance * e))
         self.relief.settle(y[1])
         self.flow_sign = -1 if y[2] < 0 else 1
+        self.seals.settle(self.push(y))
         self.stops.settle(y[4], y[5])
         if self.contact is not None and y[1] != 0:
             self.contact = _sign(y[1])
@@ -430,7 +457,7 @@ class Plant:
     def _settle_motion(self, t, y):
         if y[5] == 0:
             torque = self.torque(t, y)
-            self.motion = 0 if abs(torque) <= self.breakaway else _sign(torque)
+            self.motion = 0 if abs(torque) <= self.held(torque) else _sign(torque)
         else:
             self.motion = _sign(y[5])
 
@@ -445,6 +472,8 @@ class Plant:
             found.append(("flow", self.command.guard(q), lambda _, __: self.command.cross(q)))
         if self.relief.limit < INF:
             found.append(("relief", self.relief.guard(y[1]), lambda _, y: self.relief.cross(y[1])))
+        if m.seal_friction and self.contact != 0:
+            found.append(("seals", self.seals.guard(self.push(y)), lambda _, y: self.seals.cross(self.push(y))))
         if m.orifice:
             found.append(("sign of q_i", self.flow_sign * y[2], self._turn_flow))
         if self.stops.high < INF or self.stops.low > -INF:
@@ -453,7 +482,8 @@ class Plant:
             found.append(("contact", self._contact_guard(y), self._toggle_contact))
         if self.motion is not None:
             if self.motion == 0:
-                found.append(("break-away", 1.0 - abs(self.torque(t, y)) / self.breakaway, self._break_away))
+                torque = self.torque(t, y)
+                found.append(("break-away", 1.0 - abs(torque) / self.held(torque), self._break_away))
             else:
                 found.append(("rest", self.motion * y[5], self._stop))
         return found
@@ -778,7 +808,7 @@ class HeldFeel:
 def _row(plant, at, feel):
     """Values of `COLUMNS`; ``at``: time, plant's state, e, force; ``feel``: (delta, delta', slider), feel force."""
     t, y, e, force = at
-    servo = (y[0], y[1], y[2], y[3], plant.flow(y[2], y[1]), plant.current_at(e), plant.m.area * y[1])
+    servo = (y[0], y[1], y[2], y[3], plant.flow(y[2], y[1]), plant.current_at(e), plant.link_force(y))
     (delta, delta_rate, slider), feel_force = feel
     return (t, y[4], y[5], delta, delta_rate, *servo, feel_force, slider, e, force, *y[6:9])
 

@@ -30,10 +30,10 @@ WITNESS = Solver("LSODA", 1e-9)
 _ROWS = {
     "amplifier": "admittance current_limit",
     "valve": "current_gain pressure_gain rated_flow rated_current supply_pressure orifice flow_limit",
-    "actuator": "area oil_volume bulk_modulus relief_pressure relief_gain",
+    "actuator": "area oil_volume bulk_modulus relief_pressure relief_gain seal_friction",
     "linkage": "ratio backlash",
     "column": "base_arm grip_arm viscous_friction gravity_torque gravity_angle stop_low stop_high stop_stiffness stop_damping "
-    "coulomb_friction static_friction",
+    "coulomb_friction static_friction stribeck_velocity friction_asymmetry",
     "controller": "period delay input_range input_bits output_range output_bits antiwindup",
     "pilot": "arm_mass arm_damping arm_stiffness",
 }

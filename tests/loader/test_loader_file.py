@@ -451,7 +451,7 @@ def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str
         (
             [(AREA, f"{AREA}\nfoo = 3")],
             [
-                "actuator.foo: unknown key; known are area, oil_volume, bulk_modulus, relief_pressure, relief_gain",
+                "actuator.foo: unknown key; known are area, oil_volume, bulk_modulus, relief_pressure, relief_gain, seal_friction",
             ],
         ),
         (

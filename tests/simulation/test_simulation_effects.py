@@ -31,6 +31,9 @@ LAG = (6e-5, 6e-6)
 CONTACT = (4e-5, 1.2e-5)
 """A force comes in at contact. Its moment within the step is found to second order, and what it did is made good after the step."""
 
+SEALS = (1.5e-5, 1.2e-5)
+"""A piston that turns round stands while the oil's pressure changes by twice the friction; in the engine it does not."""
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -64,6 +67,16 @@ EFFECTS = {
     "viscous friction": Effect({"viscous_friction": 100.0}),
     "Coulomb friction": Effect({"coulomb_friction": 4.0, "static_friction": 4.0}, events=("rest",)),
     "static friction": Effect({"coulomb_friction": 2.0, "static_friction": 3.0}, events=("rest",)),
+    "Stribeck": Effect({"coulomb_friction": 2.0, "static_friction": 4.0, "stribeck_velocity": 0.1}, events=("rest",)),
+    "asymmetric friction": Effect(
+        {"coulomb_friction": 2.0, "static_friction": 4.0, "friction_asymmetry": 0.4}, events=("rest",)
+    ),
+    "asymmetric Stribeck": Effect(
+        {"coulomb_friction": 2.0, "static_friction": 4.0, "stribeck_velocity": 0.1, "friction_asymmetry": -0.4},
+        events=("rest",),
+    ),
+    "seals": Effect({"seal_friction": 15.0}, SEALS, ("seals",), by=2e-4),
+    "seals with orifice": Effect({"seal_friction": 15.0, "orifice": True}, SEALS, ("seals",), by=2e-4),
     "gravity": Effect({"gravity_torque": 300.0, "gravity_angle": 30 * DEG}),
     "stops": Effect({"stop_low": -8 * DEG, "stop_high": 6 * DEG}, CONTACT, ("stop",)),
     "pilot's arm": Effect({"arm_mass": 4.0, "arm_damping": 0.1, "arm_stiffness": 2.0}),

@@ -6,6 +6,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs import Release
+from forcefeel.sizing.valve import Valve
 from tests import electric_witness as witness
 
 ENGINE = 1e-3  # relative; peaks at the steps of two runs
@@ -13,6 +14,7 @@ WITNESS = (
     1.5e-2  # relative; a peak at the samples of the controller, from an angle that the law is off by so much at rest
 )
 NEAR = 5e-3  # of the limit; a current comes to it with the lag of its loop
+ROUNDING = 1e-9  # relative; of a sum that the pressure is a thousand times
 NOISE = ("load_cell", "potentiometer", "column_sensor")
 
 
@@ -87,3 +89,17 @@ def test_release_demand_includes_pressure_of_held_valve():
 def test_elevator_release_uses_original_loop():
     row, _ = release_of(ff.elevator())
     assert row.law == "original"
+
+
+def test_seals_take_pressure_of_a_moving_piston():
+    """Closed form: ``p = F / (l A) + F_seal / A`` along the motion, at rest along the force."""
+    bare = ff.digital_elevator()
+    loader = bare.replace({"actuator.seal_friction": "15 lb"})
+    force, speed = np.array([100.0, 100.0, -100.0, 0.0, 0.0]), np.array([0.1, -0.1, 0.0, 0.1, 0.0])
+    (plain, _), (rubbed, _) = (Valve(one).statics.taken(force, speed) for one in (bare, loader))
+    taken = loader["actuator.seal_friction"] / loader["actuator.area"]
+    assert rubbed - plain == pytest.approx(taken * np.array([1, -1, -1, 1, 0]), rel=ROUNDING, abs=ROUNDING * taken)
+    at_grip = Valve(bare).force_per_pressure * taken
+    assert Valve(loader).capability.peak_force_n == pytest.approx(
+        Valve(bare).capability.peak_force_n - at_grip, rel=ROUNDING
+    )

@@ -219,7 +219,8 @@ impl Graph {
             BinaryOp::Sub if self.is(a, zero) => return self.one(UnaryOp::Neg, b),
             BinaryOp::Mul if self.is(a, one) => return b,
             BinaryOp::Mul | BinaryOp::Div if self.is(b, one) => return a,
-            BinaryOp::Mul if self.is(a, zero) || self.is(b, zero) => {
+            BinaryOp::Mul if self.is(b, zero) => return self.number(&vec![0.0; self.settings], Bank::All),
+            BinaryOp::Mul | BinaryOp::TimesSign if self.is(a, zero) => {
                 return self.number(&vec![0.0; self.settings], Bank::All);
             }
             BinaryOp::Add if self.between(a, b) => return self.changed(a, b),

@@ -2,7 +2,14 @@
 //!
 //! `J` inertia, in a run the arm's included · `R_b`, `R_p` lever arms of base and grip · `F_p` pilot force · `F_c` force of the link ·
 //! `x_b` displacement of the base · `v` its velocity · `theta` angle of the column · `U`, `phi_U` gravity torque and its angle ·
-//! `m_a`, `d_a`, `k_a` the arm's mass, damping and spring rate at the grip
+//! `m_a`, `d_a`, `k_a` the arm's mass, damping and spring rate at the grip · `F_c`, `F_s` dry friction and breakaway, `omega_s` Stribeck
+//! velocity, `a_F` asymmetry
+//!
+//! Friction of the moving column: `(F_c + (F_s - F_c) exp(-(theta' / omega_s)^2)) (1 + a_F sgn theta') sgn theta'`. Without a Stribeck
+//! velocity it falls with a jump, which is `dry_friction.rs` alone. With one, what holds and what slows down a slow motion are the
+//! same there, and what the motion has less of it is a load: smooth, and nothing at rest. The curve: L. C. Bo, D. Pavelescu, Wear 82(3)
+//! (1982) 277-289; with the exponent of two as in B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30(7) (1994)
+//! 1083-1138.
 //!
 //! States of the compliant model: `x_b` and its rate.
 //!
@@ -64,6 +71,10 @@ pub struct ColumnMotion<S> {
     pub stops: Stops<S>,
     /// Dry friction.
     pub friction: DryFriction<S>,
+    /// `F_s - F_c` of a friction that falls over a velocity, as acceleration.
+    fall: S,
+    /// Per Stribeck velocity of the base; zero without one.
+    per_stribeck: S,
 }
 
 impl<S: Scalar> ColumnMotion<S> {
@@ -80,6 +91,9 @@ impl<S: Scalar> ColumnMotion<S> {
         // Per torque about the pivot, and per angle.
         let (per_torque, per_base) = (per_pilot_force / column.grip_arm, whole.angle(one));
         let per_angle = per_torque * per_base;
+        let jump = DryFriction::new(column.coulomb_friction, column.static_friction, per_pilot_force);
+        let falls = one.zero().less(column.stribeck_velocity);
+        let kinetic = S::select(falls, jump.breakaway, jump.kinetic);
         Self {
             per_link_force,
             per_pilot_force,
@@ -94,7 +108,9 @@ impl<S: Scalar> ColumnMotion<S> {
                 stiffness: column.stop_stiffness * per_angle,
                 damping: column.stop_damping * per_angle,
             },
-            friction: DryFriction::new(column.coulomb_friction, column.static_friction, per_pilot_force),
+            friction: DryFriction { kinetic, asymmetry: column.friction_asymmetry, ..jump },
+            fall: kinetic - jump.kinetic,
+            per_stribeck: S::select(falls, per_base / S::select(falls, column.stribeck_velocity, one), one.zero()),
         }
     }
 
@@ -112,6 +128,12 @@ impl<S: Scalar> ColumnMotion<S> {
             let lean = self.gravity_angle + x_b * self.per_base;
             // U sin(phi_U + theta) - (B_c + d_a R_p^2) theta' - k_a R_p^2 theta
             sum = self.gravity * lean.sin() - self.drag * v - self.spring * x_b;
+        }
+        if effects.stribeck {
+            // (F_s - F_c) (1 - exp(-(theta' / omega_s)^2)) (sgn theta' + a_F)
+            let share = v * self.per_stribeck;
+            let less = self.fall - self.fall * (share * share).decay();
+            sum = sum + less.times_sign(v) + less * self.friction.asymmetry;
         }
         if effects.column_stops {
             sum = sum + self.stops.force(start, (x_b, v));

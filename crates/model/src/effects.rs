@@ -54,6 +54,10 @@ effects! {
     backlash, no_slope = any(&[p.linkage.backlash, p.transmission.backlash]);
     /// Dry friction of the column.
     column_friction, no_slope = any(&[p.column.coulomb_friction, p.column.static_friction]);
+    /// Fall of that friction from breakaway over a velocity.
+    stribeck, no_slope = any(&[p.column.stribeck_velocity]);
+    /// Dry friction of the piston's seals.
+    seals, no_slope = any(&[p.actuator.seal_friction]);
     /// Viscous friction, gravity, or a pilot's arm at the column.
     column_loads = any(&[
         p.column.viscous_friction,

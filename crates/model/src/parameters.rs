@@ -178,6 +178,7 @@ parameter_table! {
     optional {
         relief_pressure: "p_relief", "load pressure above which oil passes by the piston", PRESSURE, 1500.0, 1.0..1e5, off f64::INFINITY;
         relief_gain: "C_relief", "flow past the piston per unit of pressure above the relief pressure", FLOW_PER_PRESSURE, 1.0, 1e-4..1e3, off 1.0;
+        seal_friction: "F_seal", "dry friction of the seals on the moving piston, which no load cell in the linkage shows", FORCE, 5.0, 0.0..1e5, off 0.0;
     }
 
     /// Electric motor: torque from current.
@@ -281,6 +282,8 @@ parameter_table! {
         viscous_friction: "B_c", "viscous friction of the column about its pivot", ROTARY_DAMPING, 10.0, 0.0..1e6, off 0.0;
         coulomb_friction: "F_c", "dry friction of the moving column, as force at the grip", FORCE, 3.0, 0.0..1e4, off 0.0;
         static_friction: "F_s", "force at the grip at which the resting column breaks away; at least the dry friction", FORCE, 4.0, 0.0..1e4, off 0.0;
+        stribeck_velocity: "omega_s", "velocity over which the friction falls from breakaway to dry friction; a jump unless given", ANGULAR_VELOCITY, 3.0, 0.0..1e4, off 0.0;
+        friction_asymmetry: "a_F", "share by which friction and breakaway are larger towards positive angles, and smaller towards negative ones", RATIO, 0.1, -0.9..0.9, off 0.0;
         gravity_torque: "U", "weight of the column times the distance of its centre of gravity from the pivot", TORQUE, 100.0, 0.0..1e6, off 0.0;
         gravity_angle: "phi_U", "angle of the centre of gravity from the vertical above the pivot, column at neutral", ANGLE, 0.0, -180.0..180.0, off 0.0;
         stop_low: "theta_min", "lower end stop", ANGLE, -20.0, -180.0..0.0, off f64::NEG_INFINITY;

@@ -18,6 +18,7 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.commission.curve import curve_of
 from forcefeel.commission.fits import Fits, fit_what_is_seen
+from forcefeel.commission.friction_drift import drift_sentence, with_drift
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, Identified, IdentifiedParameter
@@ -80,7 +81,7 @@ def identify_loader(
     else:
         fits = fit_what_is_seen(bare, data, law, plan, progress)
     identification = fits.identification
-    identified, grip = None, GripSensorEstimate()
+    identified, grip, noticed = None, GripSensorEstimate(), list[str]()
     if identification.loader is not None:
         with_sensor = identification.loader.replace(
             {key: loader[key] for key in TABLE if loader[key] != bare[key]}, si=True
@@ -88,6 +89,8 @@ def identify_loader(
         completed = _completed(with_sensor, loader, fits)
         grip = find_grip_sensor(completed, data, law)
         identified = _with_grip_sensor(completed, grip)
+        identified, widened = with_drift(identified)
+        noticed += [*grip.notes, *drift_sentence(widened)]
     open_friction, remedy = ((_FRICTION_OPEN,), (_RECORD_FRICTION,)) if fits.friction_open else ((), ())
     missed = _missed(identification, plan) if identified else ()
     wanting = (*open_friction, *missed, *grip.wrong, *_noise_wanting(loader, identification, grip.noise))
@@ -100,7 +103,7 @@ def identify_loader(
         parameters=_parameters(loader, fits, grip) if identified else (),
         wanting=wanting,
         advice=(*(advice.sentence for advice in identification.advice), *remedy, *grip.advice),
-        noticed=grip.notes,
+        noticed=tuple(noticed),
         curve=curve_of(identification.fitted) if identified and identification.fitted else None,
     )
     return IdentifiedLoader(outcome, replace(identification, loader=identified), identified)

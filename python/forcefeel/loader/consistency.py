@@ -30,6 +30,8 @@ _SAMPLED = ("load_cell", "potentiometer", "column_sensor")
 
 ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("actuator.relief_gain", ("actuator.relief_pressure",)),
+    ("column.stribeck_velocity", ("column.static_friction",)),
+    ("column.friction_asymmetry", ("column.coulomb_friction", "column.static_friction")),
     ("column.gravity_angle", ("column.gravity_torque",)),
     ("column.stop_stiffness", ("column.stop_low", "column.stop_high")),
     ("column.stop_damping", ("column.stop_low", "column.stop_high")),

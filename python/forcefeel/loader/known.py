@@ -17,6 +17,7 @@ LEFT_OUT = (
     "transmission.efficiency",
     "transmission.backdriving_efficiency",
     "linkage.backlash",
+    "actuator.seal_friction",
     "column.coulomb_friction",
     "column.static_friction",
     "column.gravity_torque",

@@ -101,8 +101,8 @@ _UNKNOWN = (
     "pilot.arm_damping",
     "pilot.arm_stiffness",
 )
-_UNKNOWN_OF_VALVE = ("column.viscous_friction",)
-"""Eq. (17) has none."""
+_UNKNOWN_OF_VALVE = ("column.viscous_friction", "actuator.seal_friction")
+"""Eq. (17) has neither."""
 
 
 def _applies(loader: Loader) -> bool:
@@ -269,7 +269,8 @@ _VOLTAGE = OUTPUTS.index("motor_voltage_v")
 
 def _column_friction(loader: Loader) -> float:
     """Largest dry friction of the column, N at the grip."""
-    return max(loader["column.coulomb_friction"], loader["column.static_friction"])
+    level = max(loader["column.coulomb_friction"], loader["column.static_friction"])
+    return level * (1 + abs(loader["column.friction_asymmetry"]))
 
 
 def _unseen_s(loader: Loader) -> float:

@@ -36,7 +36,7 @@ class ValveCapability:
     """Capability of a valve at the grip.
 
     Attributes:
-        peak_force_n: Force at rest, at the pressure of supply or relief; also the continuous force.
+        peak_force_n: Force at rest, at the pressure of supply or relief, against the seals; also the continuous force.
         fastest_m_per_s: Speed without load, at the largest current.
         peak_pressure_pa, flow_m3_per_s: Pressure at rest and flow without load.
     """
@@ -114,17 +114,23 @@ class Valve:
         flow = self.flow_m3_per_s
         limits = [self.loader[key] for key in ("valve.supply_pressure", "actuator.relief_pressure")]
         pressure = min(*limits, self.statics.stall_pressure(flow))
-        return ValveCapability(self.force_per_pressure * pressure, flow / self.force_per_pressure, pressure, flow)
+        force = self.force_per_pressure * max(pressure - self._seals_pa, 0.0)
+        return ValveCapability(force, flow / self.force_per_pressure, pressure, flow)
+
+    @cached_property
+    def _seals_pa(self) -> float:
+        """Pressure that the seals take of a moving piston."""
+        return float(self.statics.taken(np.zeros(1), np.ones(1))[0][0])
 
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds and the valve's force in N at each, at its largest current."""
         capability = self.capability
         pressure = np.linspace(capability.peak_pressure_pa, 0.0, POINTS)
         flow = self.statics.flow(np.full(POINTS, capability.flow_m3_per_s), pressure)
-        return flow / self.force_per_pressure, self.force_per_pressure * pressure
+        return flow / self.force_per_pressure, self.force_per_pressure * np.maximum(pressure - self._seals_pa, 0.0)
 
     def remedy(self, force: float) -> ValveRemedy:
         """Remedies for ``force`` in N."""
         capability = self.capability
-        needed = force / self.force_per_pressure
+        needed = force / self.force_per_pressure + self._seals_pa
         return ValveRemedy(needed, self.loader["actuator.area"] * needed / capability.peak_pressure_pa)

@@ -140,7 +140,7 @@ impl<S: Scalar> Motion<S> for Hydraulic<S> {
 
     #[inline(always)]
     fn pull(&self, base_per_force: S, balance: &Flow<S>) -> S {
-        base_per_force * self.balance.area * balance.pressure
+        base_per_force * self.balance.area * (balance.pressure - balance.seals)
     }
 
     #[inline(always)]
@@ -189,7 +189,7 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
 
     #[inline(always)]
     fn signals(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> DriveSignals<S> {
-        self.shown(plant[0], balance.pressure + behind, balance.flow, behind.zero())
+        self.shown(plant[0], (balance.pressure + behind, balance.seals), balance.flow, behind.zero())
     }
 
     #[inline(always)]
@@ -208,7 +208,8 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
         let pressure = balance.pressure + (from.0 + to.0).times(0.5);
         let flow = balance.flow + (from.1 + to.1).times(0.5);
         let [from, to] = [a, b].map(|now| now.signals[CURRENT]);
-        self.shown(plant[0], pressure, flow, if digital { from } else { (from + to).times(0.5) })
+        let current = if digital { from } else { (from + to).times(0.5) };
+        self.shown(plant[0], (pressure, balance.seals), flow, current)
     }
 
     #[inline(always)]
@@ -221,9 +222,10 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
 
 impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
-    fn shown(&self, z: S, pressure: S, flow: S, current: S) -> DriveSignals<S> {
+    fn shown(&self, z: S, (pressure, seals): (S, S), flow: S, current: S) -> DriveSignals<S> {
         let mut signals = [flow; SIGNALS];
         (signals[PRESSURE], signals[CURRENT]) = (pressure, current);
-        DriveSignals { position: self.balance.piston(z, pressure), force: self.balance.area * pressure, signals }
+        let force = self.balance.area * (pressure - seals);
+        DriveSignals { position: self.balance.piston(z, pressure), force, signals }
     }
 }

@@ -3,7 +3,7 @@
 use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::dry_friction::{DryFriction, StickState};
 
-const FRICTION: DryFriction<f64> = DryFriction { kinetic: 2.0, breakaway: 3.0 };
+const FRICTION: DryFriction<f64> = DryFriction { kinetic: 2.0, breakaway: 3.0, asymmetry: 0.0 };
 
 /// A mass under dry friction in steps as the machine takes them: settled at the start of a step, then a Runge-Kutta step.
 struct Mass {
@@ -76,7 +76,7 @@ fn breakaway_is_at_least_the_friction_of_motion() {
     assert_eq!((friction.kinetic, friction.breakaway), (2.0, 2.0));
     let friction = DryFriction::new(4.0, 6.0, 0.5);
     assert_eq!((friction.kinetic, friction.breakaway), (2.0, 3.0));
-    let half = friction.towards(&DryFriction { kinetic: 0.0, breakaway: 9.0 }, 0.5);
+    let half = friction.towards(&DryFriction { kinetic: 0.0, breakaway: 9.0, asymmetry: 0.0 }, 0.5);
     assert_eq!((half.kinetic, half.breakaway), (1.0, 6.0));
 }
 
@@ -121,7 +121,7 @@ fn what_sticks_has_no_velocity_and_does_not_creep() {
 
 #[test]
 fn mass_breaks_away_at_the_static_level_and_not_before() {
-    let DryFriction { kinetic, breakaway } = FRICTION;
+    let DryFriction { kinetic, breakaway, .. } = FRICTION;
     for sign in [1.0, -1.0] {
         let grip = FRICTION.grip(0.0, sign * breakaway);
         assert!(grip.stuck);
@@ -163,6 +163,29 @@ fn mass_thrown_against_a_force_turns_round_without_resting() {
         assert_near(v, speed, 1e-12);
         assert_near(x, place, 1e-12); // two straight pieces of the velocity: exact
     }
+}
+
+#[test]
+fn asymmetric_friction_stops_and_holds_each_way_by_its_own_level() {
+    let friction = DryFriction { asymmetry: 0.25, ..FRICTION };
+    for way in [1.0, -1.0] {
+        let factor = 1.0 + 0.25 * way;
+        assert_near(friction.grip(way, 0.0).drag, -way * factor * friction.kinetic, ROUNDING);
+        let level = way * factor * friction.breakaway;
+        assert!(friction.grip(0.0, level).stuck);
+        assert!(!friction.grip(0.0, level * (1.0 + f64::EPSILON)).stuck);
+        assert_near(friction.from_rest(2.0 * level), 2.0 * level - way * factor * friction.kinetic, ROUNDING);
+        // A pull that grows evenly through the level half-way through a step frees it half a step before the end.
+        let grip = StickState { pull: 0.8 * level, ..friction.grip(0.0, 0.8 * level) };
+        let found = friction.settled(&grip, 0.0, 1.2 * level, (1e-3, 1e3));
+        let mean = 1.1 * level - way * factor * friction.kinetic;
+        assert_near(found.velocity, 0.5e-3 * mean, ROUNDING);
+    }
+    // Held by more the other way, then pulled beyond this way's level within one step: free from its start on at the earliest.
+    let friction = DryFriction { asymmetry: -0.5, ..FRICTION };
+    let grip = friction.grip(0.0, -3.5);
+    let found = friction.settled(&grip, 0.0, 1.6, (1e-3, 1e3));
+    assert!(found.velocity > 0.0 && found.velocity < 1e-3, "{found:?}");
 }
 
 #[test]

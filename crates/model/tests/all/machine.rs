@@ -134,7 +134,7 @@ fn force_below_breakaway_moves_nothing_and_one_above_does() {
             let at = move |step: usize| newton_per_s * STEP * step as f64;
             move |step: usize| Inputs { force: [at(step), at(step + 1)], ..still(0.0) }
         };
-        let held = p.column.static_friction;
+        let held = p.column.static_friction * (1.0 + p.column.friction_asymmetry);
         let seen = run.from(0.0, 200, ramp(held / 0.2));
         assert!(seen[..200].iter().all(|now| now.base == 0.0 && now.base_rate == 0.0));
         let seen = run.from(0.0, 300, ramp(held / 0.2));
@@ -147,6 +147,7 @@ fn force_below_breakaway_moves_nothing_and_one_above_does() {
 #[test]
 fn mirrored_machine_does_the_mirrored_thing() {
     let mut p = everything();
+    p.column.friction_asymmetry = 0.0;
     (p.column.stop_low, p.column.stop_high) = (-0.1, 0.1);
     (p.feel.hard_stop_low, p.feel.hard_stop_high) = (-0.11, 0.11);
     (p.feel.soft_stop_low, p.feel.soft_stop_high) = (-0.08, 0.08);

@@ -116,7 +116,8 @@ impl<S: Scalar> Hydraulic<S> {
             oil.flow = S::select(holds, oil.flow, now.balance.flow);
         }
         (now.signals[PRESSURE], now.signals[FLOW]) = (oil.pressure, oil.flow);
-        (now.position, now.force) = (self.balance.piston(z, oil.pressure), self.balance.area * oil.pressure);
+        now.position = self.balance.piston(z, oil.pressure);
+        now.force = self.balance.area * (oil.pressure - oil.seals);
         (state.drive.pressure, state.drive.lag) = (quasi_steady, quasi_steady - oil.pressure);
     }
 }

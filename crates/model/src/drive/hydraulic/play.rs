@@ -44,11 +44,12 @@ impl<S: Scalar> Contact<S> for Hydraulic<S> {
         let (time, _) = since_touch(met, (depth, stretch - before), rate, h);
         let first = balance.linked(effects, &step_start.side, z - depth, q_i, x_b, w);
         let last = balance.linked(effects, &step_start.side, z, q_i, x_b, w);
-        let met = met & zero.less(first.pressure * stretch) & zero.less(last.pressure * stretch);
+        let [first_on, last_on] = [first, last].map(|flow| flow.pressure - flow.seals);
+        let met = met & zero.less(first_on * stretch) & zero.less(last_on * stretch);
         // The pressure is a straight line over T.
         let only = |value: S| S::select(met, value, zero);
-        let p = only((first.pressure + last.pressure).times(0.5));
-        let (impulse, travel) = (p * time, only(first.pressure.times(2.0) + last.pressure) * time * time);
+        let p = only((first_on + last_on).times(0.5));
+        let (impulse, travel) = (p * time, only(first_on.times(2.0) + last_on) * time * time);
         let lost = only((first.flow + last.flow).times(0.5) - q_i) * time;
         state.slow.plant[0] = z + lost * self.per_area;
 
@@ -57,7 +58,7 @@ impl<S: Scalar> Contact<S> for Hydraulic<S> {
         let stuck = state.column.stuck;
         state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
         state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
-        state.late = only(neighbors.transducers.load_cell_late(time, first.pressure / last.pressure));
+        state.late = only(neighbors.transducers.load_cell_late(time, first_on / last_on));
         if shared.timing.is_some() {
             return;
         }

@@ -14,10 +14,19 @@
 //! What is left is one equation for `p` without a time derivative, `a p = d + (c / A) q(p)`, which is solved in closed form. The
 //! pressure is behind this slaved value `p_s` by the pole's time constant: `T p' = p_s - p`, `T = c kappa / a_eff` with
 //! `a_eff = a - (c / A) dq / dp`. A sensor and the law see `p`; the motions see `p_s` and are put right as above.
+//!
+//! Dry friction `F_seal` of the piston's seals stands between oil and link, `A p = F_c + sigma F_seal`, so a load cell in the linkage does
+//! not show it. A piston without mass has the velocity of the flow, and the friction acts back on it by the valve alone:
+//! `q = q_0 - s_q sigma F_seal / a_eff`, `s_q = -dq / dp`. Where that stops it, `sigma = q_0 a_eff / (s_q F_seal)` holds it; else
+//! `sigma = sgn q`. An orifice that hardly yields would make `sigma` jump, so it rises evenly up to `CREEP`.
 
 use crate::Scalar;
 use crate::effects::Effects;
 use crate::parameters::{Parameters, Valve};
+
+/// Velocity of the piston in m/s at which the friction of its seals is whole: 0.1 mm/s, a column of the elevator that takes four minutes
+/// over 10 deg.
+const CREEP: f64 = 1e-4;
 
 /// Coefficients of the balance.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +55,10 @@ pub struct Balance<S> {
     relief_gain: S,
     /// `c C_relief / A`.
     relief_slope: S,
+    /// `F_seal`.
+    seals: S,
+    /// Flow of a piston at `CREEP`.
+    creep: S,
     moving: Side<S>,
     stuck: Side<S>,
 }
@@ -111,6 +124,8 @@ pub struct Flow<S> {
     pub flow: S,
     /// Flow through the valve per no-load flow.
     pub opening: S,
+    /// Pressure in Pa that the seals take of it.
+    pub seals: S,
 }
 
 /// How the slaved pressure answers to its change: `a_eff` as shares.
@@ -153,6 +168,8 @@ impl<S: Scalar> Balance<S> {
             relief_pressure: actuator.relief_pressure,
             relief_gain: actuator.relief_gain,
             relief_slope,
+            seals: actuator.seal_friction,
+            creep: actuator.swept(one.constant(CREEP)),
             moving: side(moving, linkage.damping * linkage.ratio),
             stuck: side(held, one.zero()),
         }
@@ -203,9 +220,12 @@ impl<S: Scalar> Balance<S> {
         }
         // The link pushes at one end of its play, pulls at the other, and does neither between.
         let (zero, stretch) = (z.zero(), self.stretch(z, x_b));
-        let holds = self.half_play.less(stretch.abs()) & zero.less(linked.pressure * stretch);
+        let holds = self.half_play.less(stretch.abs()) & zero.less((linked.pressure - linked.seals) * stretch);
         let holds = touches & (holds | self.without_play());
-        Flow { pressure: S::select(holds, linked.pressure, zero), flow: S::select(holds, linked.flow, q_i), ..linked }
+        // A piston that hangs in the play is left its seals' friction.
+        let only = |value: S| S::select(holds, value, zero);
+        let (pressure, seals) = (only(linked.pressure), only(linked.seals));
+        Flow { pressure, flow: S::select(holds, linked.flow, q_i), seals, ..linked }
     }
 
     /// The same for a link at the end of its play that is nearer.
@@ -215,7 +235,14 @@ impl<S: Scalar> Balance<S> {
         if effects.backlash {
             stretch = stretch - self.half_play.times_sign(stretch);
         }
-        self.against(effects, side, self.stiffness * stretch - side.base * w, q_i)
+        let pull = self.stiffness * stretch - side.base * w;
+        let free = self.against(effects, side, pull, q_i);
+        if !effects.seals {
+            return free;
+        }
+        let yields = self.yielding(effects, side, q_i, &free).share / self.damping_per_area * self.seals;
+        let rub = self.seals * (free.flow / (yields + self.creep)).within(pull.constant(1.0));
+        Flow { seals: rub * self.per_area, ..self.against(effects, side, pull + rub, q_i) }
     }
 
     /// `a p = d + (c / A) q(p)` for the given `d`.
@@ -237,6 +264,7 @@ impl<S: Scalar> Balance<S> {
             pressure: S::select(over, open.pressure, closed.pressure),
             flow: S::select(over, open.flow - escaping, closed.flow),
             opening: S::select(over, open.opening, closed.opening),
+            ..closed
         }
     }
 
@@ -248,14 +276,15 @@ impl<S: Scalar> Balance<S> {
         let r = one - (d * gains.per_supply).times_sign(q_i);
         let g = q_i.abs() * gains.orifice;
         let y = ((g * g + r.abs()).sqrt() - g).times_sign(r);
-        Flow { pressure: (self.supply_pressure * (one - y * y.abs())).times_sign(q_i), flow: q_i * y, opening: y }
+        let pressure = (self.supply_pressure * (one - y * y.abs())).times_sign(q_i);
+        Flow { pressure, flow: q_i * y, opening: y, seals: y.zero() }
     }
 
     /// With eq. (4): `q = q_i - C_p p`.
     #[inline(always)]
     fn linear(&self, gains: &Gains<S>, d: S, q_i: S) -> Flow<S> {
         let pressure = (d + self.damping_per_area * q_i) * gains.linear;
-        Flow { pressure, flow: q_i - self.pressure_gain * pressure, opening: d.constant(1.0) }
+        Flow { pressure, flow: q_i - self.pressure_gain * pressure, opening: d.constant(1.0), seals: d.zero() }
     }
 
     /// How the slaved pressure yields.
@@ -336,7 +365,7 @@ impl<S: Scalar> Balance<S> {
             pressure: quasi_steady.pressure - t * per_time,
             // What the valve lets by the more: s_q L
             flow: quasi_steady.flow + self.area * self.compressibility * share * per_time,
-            opening: quasi_steady.opening,
+            ..*quasi_steady
         }
     }
 

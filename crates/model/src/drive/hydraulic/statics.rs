@@ -72,10 +72,14 @@ impl<S: Scalar> ValveStatics<S> {
         S::select(beyond, one / zero, needed)
     }
 
-    /// Load pressure and flow at no load that the force `f` at the grip takes while it moves at the speed `v` along it.
+    /// Load pressure and flow at no load that the force `f` at the grip takes while it moves at the speed `v` along it; before it moves on,
+    /// where it rests.
     pub fn taken(&self, f: S, v: S) -> [S; 2] {
-        // p = F / (l A), q = A l v
-        let p = f / self.force_per_pressure;
+        let zero = v.zero();
+        let along = S::select(zero.less(v.abs()), v, f);
+        let rub = S::select(zero.less(along.abs()), self.parameters.actuator.seal_friction.times_sign(along), zero);
+        // p = F / (l A) + F_seal sgn v / A, q = A l v
+        let p = f / self.force_per_pressure + rub / self.parameters.actuator.area;
         [p, self.needed(self.force_per_pressure * v, p)]
     }
 }
