@@ -47,8 +47,8 @@ def ended(monkeypatch, capsys):
 def test_internal_error_has_its_own_status_and_asks_for_a_report(ended, error):
     status, said = ended(error)
     assert status == FAULT == 70
-    assert said.startswith(f"forcefeel: a fault of forcefeel itself ({type(error).__name__}: ")
-    assert f"please report it: the command, its files, what it prints with {TRACEBACK}=1" in said
+    assert said.startswith(f"forcefeel: internal error ({type(error).__name__}: ")
+    assert f"please report it: the command, its files, and the output with {TRACEBACK}=1" in said
     assert said.count("\n") == 1
 
 
@@ -57,7 +57,7 @@ def test_traceback_is_shown_on_request(ended, monkeypatch):
     status, said = ended(KeyError("x"))
     assert status == FAULT
     assert said.startswith("Traceback (most recent call last)")
-    assert said.splitlines()[-1].startswith("forcefeel: a fault of forcefeel itself (KeyError: 'x')")
+    assert said.splitlines()[-1].startswith("forcefeel: internal error (KeyError: 'x')")
 
 
 def test_long_library_message_is_truncated(ended):
@@ -85,7 +85,7 @@ def test_help_lists_the_exit_statuses(monkeypatch, capsys):
     with pytest.raises(SystemExit):
         main()
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert "2 the input is bad, 70 a fault of forcefeel itself" in told
+    assert "2 the input is bad, 70 internal error" in told
     assert TRACEBACK in told
 
 

@@ -48,7 +48,7 @@ def test_json_names_files_law_and_loader(export):
         (("--to", "fmu", "--name", "a-b"), "--name: expected a C identifier"),
         (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),
         (("--to", "table", "--units", "si"), "--units"),
-        ((), "--to: is needed, and not given"),
+        ((), "--to: required"),
     ],
 )
 def test_invalid_input_is_named_and_nothing_is_written(export, tmp_path, words, expected):

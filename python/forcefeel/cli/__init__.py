@@ -84,4 +84,4 @@ def _fault(error: BaseException) -> str:
     if os.environ.get(TRACEBACK):
         traceback.print_exception(error)
     what = shortened(" ".join(f"{type(error).__name__}: {error}".split()), _LONGEST)
-    return f"a fault of forcefeel itself ({what}); please report it: the command, its files, what it prints with {TRACEBACK}=1"
+    return f"internal error ({what}); please report it: the command, its files, and the output with {TRACEBACK}=1"

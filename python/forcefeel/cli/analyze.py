@@ -15,11 +15,11 @@ class AnalyzeOptions(LoaderOptions, OutputOptions):
 
 
 def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions()) -> None:
-    """Analyse the loader without a law: modes, margins, stability, response.
+    """Analyze the loader without a law: modes, margins, stability, response.
 
-    Of a valve that is the original position loop; of a motor the feel by its current alone.
+    With a valve this is the original position loop, with a motor the feel by current only.
 
-    Exit status 1 if it is unstable at the programmed setting (compliant link).
+    Exit status 1 if the loader is unstable at the programmed setting (compliant link).
 
     Example: forcefeel analyze my.toml --json > analysis.json
     """

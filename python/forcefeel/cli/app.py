@@ -58,8 +58,8 @@ def command_line(*, listed: bool) -> App:
         help="Design, prove and run the force feel of aircraft simulator controls.",
         usage="Usage: forcefeel COMMAND [OPTIONS]",
         help_epilogue="forcefeel COMMAND --help lists the options of a command.\n\n"
-        "Exit status: 0 fine, 1 the answer is bad (such as an unstable design), 2 the input is bad, 70 a fault of forcefeel "
-        "itself: please report it, with what it prints where FORCEFEEL_TRACEBACK=1 is set.",
+        "Exit status: 0 fine, 1 the answer is bad (such as an unstable design), 2 the input is bad, 70 internal error: please "
+        "report it with the output under FORCEFEEL_TRACEBACK=1.",
         help_format="plaintext",
         help_flags=["--help", HELP_ALL],
         version=_version,
@@ -115,10 +115,10 @@ def command_line_error(error: CycloptsError) -> str:
     argument = error.argument
     if isinstance(error, MissingArgumentError) and argument is not None:
         name = argument.name if argument.name.startswith("--") else argument.parameter.metavar or argument.name
-        given = "expected a value" if error.keyword or argument.tokens else "is needed, and not given"
+        given = "expected a value" if error.keyword or argument.tokens else "required"
         return f"{name}: {given}; {chain} --help lists the options"
     if isinstance(error, RepeatArgumentError):
-        return f"{error.token.keyword}: is given twice; give it once"
+        return f"{error.token.keyword}: given twice; give it once"
     if isinstance(error, UnusedCliTokensError):
         return f"{' '.join(map(repr, error.unused_tokens or ()))}: one argument too many; put quotes around a value with blanks"
     if isinstance(error, CoercionError) and argument is not None and error.token is not None:

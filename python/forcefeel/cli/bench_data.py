@@ -41,10 +41,10 @@ class BenchOptions:
     experiment: Annotated[
         tuple[str, ...],
         option(
-            "Under which experiment a file was measured, if it does not tell itself: servo-open, servo-closed or loader, and what "
-            "drives it (test_signal, command_signal, pilot_force, release), or release or sweep; of a motor motor-open or loader, "
-            "driven by test_current, command_current or pilot_force. With STEM=, the file's name "
-            "without its ending, for that file alone, as in the options below. May be given again.",
+            "Experiment of a file that does not name its own: servo-open, servo-closed or loader with its drive "
+            "(test_signal, command_signal, pilot_force, release), or release, or sweep. Motors: motor-open, or loader "
+            "with test_current, command_current or pilot_force. STEM= limits this to one file, named without its ending. "
+            "Repeatable.",
             DATA,
             metavar="[STEM=]EXPERIMENT",
         ),
@@ -60,21 +60,23 @@ class BenchOptions:
     times_from: Annotated[
         tuple[str, ...],
         option(
-            "First time that is read of a record, by its own time, such as '6 s'. Repeatable.",
+            "Start of the part of a record to read, in its own time, such as '6 s'. Repeatable.",
             DATA,
             "--from",
-            default="its start",
+            default="start of the record",
             metavar="[STEM=]TIME",
         ),
     ] = ()
     times_until: Annotated[
         tuple[str, ...],
-        option("Last time that is read of a record.", DATA, "--until", default="its end", metavar="[STEM=]TIME"),
+        option(
+            "End of the part of a record to read.", DATA, "--until", default="end of the record", metavar="[STEM=]TIME"
+        ),
     ] = ()
     column: Annotated[
         tuple[str, ...],
         option(
-            "What a file calls a channel or another column, such as 'column_angle=theta'. May be given again.",
+            "Column of a file for a channel, such as 'column_angle=theta'. Repeatable.",
             DATA,
             metavar="[STEM:]CHANNEL=NAME",
         ),
@@ -82,7 +84,7 @@ class BenchOptions:
     unit: Annotated[
         tuple[str, ...],
         option(
-            "Unit of a column whose header has none, such as 'theta=deg'. May be given again.",
+            "Unit of a column without one in its header, such as 'theta=deg'. Repeatable.",
             DATA,
             metavar="[STEM:]NAME=UNIT",
         ),
@@ -90,7 +92,7 @@ class BenchOptions:
     hold: Annotated[
         tuple[str, ...],
         option(
-            "How the drive of a record runs between two samples: straight, or as a staircase.",
+            "Drive of a record between two samples: straight lines or a staircase.",
             DATA,
             metavar="[STEM=]straight|staircase",
         ),

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from forcefeel.commission import Commission, CommissionPlan, StepWriters
 
 BENCH = Group("Simulated bench", sort_key=20)
-ASKED = Group("What is asked", sort_key=30)
+ASKED = Group("Request", sort_key=30)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
     data: Annotated[
         tuple[Path, ...],
         option(
-            "A file of bench data, as identify reads it: a record in time, or a frequency response. May be given again.",
+            "Bench data, as for identify: a time record or a frequency response. Repeatable.",
             DATA,
             metavar="FILE",
         ),
@@ -49,53 +49,52 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
     own_instruments: Annotated[
         bool,
         option(
-            "The records come from fast instruments of the bench, and not through the loader's own sensors, whose lag is otherwise "
-            "taken out of them.",
+            "The records are from separate fast instruments. By default the lag of the loader's own sensors is removed.",
             DATA,
         ),
     ] = False
     simulate_bench: Annotated[
         Path | None,
-        option("A loader file of a machine that is simulated in place of a bench.", BENCH, metavar="TRUTH.toml"),
+        option("Loader file of a machine to simulate as the bench.", BENCH, metavar="TRUTH.toml"),
     ] = None
-    time_s: Annotated[float, option("Length of the simulated record in s.", BENCH, "--time")] = 60.0
-    rate_hz: Annotated[float, option("Samples per second of it.", BENCH, "--rate")] = 1000.0
-    seed: Annotated[int, option("Of the noise of its sensors.", BENCH)] = 1974
+    time_s: Annotated[float, option("Length of the simulated record, s.", BENCH, "--time")] = 60.0
+    rate_hz: Annotated[float, option("Sample rate of the simulated record, 1/s.", BENCH, "--rate")] = 1000.0
+    seed: Annotated[int, option("Seed of the simulated sensor noise.", BENCH)] = 1974
     required_share: Annotated[
         str,
         option(
-            "Share of the settings, spaced in proportion, that the law is to render: of the identified loader, and on average of "
-            "machines with all its tolerances at once.",
+            "Required share of settings, weighted evenly on logarithmic axes, that the law renders: on the identified "
+            "loader, and on average over machines drawn from all its tolerances.",
             ASKED,
         ),
     ] = "95 %"
     fit: Annotated[
         str,
         option(
-            "Identify these parameters alone, such as k,c,J,C_i.",
+            "Parameters to identify, such as k,c,J,C_i.",
             ASKED,
             default="all that the data determine",
             metavar="PARAMETERS",
         ),
     ] = ""
-    starts: Annotated[int, option("Places at which the search begins.", ASKED)] = 1
-    rule: Annotated[str, option("Edition of the rule whose tests are made.", ASKED, metavar="EDITION")] = EDITION
+    starts: Annotated[int, option("Number of starting points of the fit.", ASKED)] = 1
+    rule: Annotated[str, option("Edition of the rule.", ASKED, metavar="EDITION")] = EDITION
     grid: Annotated[
         tuple[str, ...],
         option(
-            "Settings along an axis: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
-            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. May be given again.",
+            "Settings along an axis. Defaults: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
+            "'damping=0.1, 0.3, 0.7, 1.5'. Repeatable.",
             ASKED,
             metavar="AXIS=VALUES",
         ),
     ] = ()
-    draws: Annotated[int, option("Machines drawn with all tolerances at once.", ASKED)] = 12
+    draws: Annotated[int, option("Number of machines drawn from all tolerances.", ASKED)] = 12
     out: Annotated[
         Path, option("Folder for commission.html, loader.toml, the law and a folder for each step.", OUTPUT)
     ] = Path("forcefeel-commission")
 
     def plan(self) -> "CommissionPlan":
-        """What is asked.
+        """The plan of these options.
 
         Raises:
             InputError: If an option is bad.
@@ -131,10 +130,10 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
 
 
 def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
-    """Set a loader up: identify it from its bench, choose the law, check it over the envelope, make the rule's tests.
+    """Commission a loader: identify it from bench data, choose the law, check the envelope, run the rule's tests.
 
-    A folder for each step, and one page with the result. Interrupted, it goes on where it was when it is called again. Exit status
-    1 if something that is needed is not determined, or the law does not reach the share or the tests: it is then written as
+    Writes a folder for each step and one page with the result. After an interruption, run it again to resume. Exit status 1 if a
+    required parameter is not determined, or the law misses the required share or fails a test. The law file is then named
     law-rejected.json.
 
     Example: forcefeel commission my.toml --data bench.csv --out commissioned

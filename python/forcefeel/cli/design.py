@@ -24,10 +24,10 @@ class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOption
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
     """Analyze a loader, design its law, and write the report.
 
-    On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's. An
-    electric loader has the best alone: the report's laws, and the options of recursion (22), are for a valve.
+    With a digital controller the newer laws are compared too, and the report shows the best one beside the 1974 gains. For an
+    electric loader it shows the best law only: the 1974 gains, and the options of recursion (22), require a valve.
 
-    Exit status 1 if no law is eligible; on an analog loader if it is unstable at the programmed setting with the report's.
+    Exit status 1 if no law is eligible, or an analog loader is unstable with the 1974 gains at the programmed setting.
 
     Example: forcefeel design elevator-2khz --out report
     """

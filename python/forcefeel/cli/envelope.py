@@ -31,8 +31,8 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     grid: Annotated[
         tuple[str, ...],
         option(
-            "Values along an axis: 'stiffness=1..100 %:25:log' (of G_max), 'frequency=0.5..4 Hz:16:log', "
-            "'damping=0.1, 0.2, 0.4, 0.7, 1, 1.5', which are the defaults. May be given again.",
+            "Values along an axis. Defaults: 'stiffness=1..100 %:25:log' (of G_max), 'frequency=0.5..4 Hz:16:log', "
+            "'damping=0.1, 0.2, 0.4, 0.7, 1, 1.5'. Repeatable.",
             ASKED,
             metavar="AXIS=VALUES",
         ),
@@ -40,22 +40,22 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     law: Annotated[
         tuple[str, ...],
         option(
-            f"Law, designed anew for each setting: {LAW_NAMES}; or a law file. Repeatable.",
+            f"Law, designed for each setting: {LAW_NAMES}; or a law file. Repeatable.",
             ASKED,
             default=DEFAULT_LAW,
             metavar=LAW_METAVAR,
         ),
     ] = ()
-    compare: Annotated[bool, option("All laws side by side.", ASKED)] = False
-    draws: Annotated[int, option("Machines drawn with all tolerances at once; 0 for none.", DRAWN)] = 40
-    seed: Annotated[int, option("Of the draws; the same seed, the same machines.", DRAWN)] = 0
+    compare: Annotated[bool, option("Compare all laws.", ASKED)] = False
+    draws: Annotated[int, option("Number of machines drawn from all tolerances; 0 for none.", DRAWN)] = 40
+    seed: Annotated[int, option("Seed of the draws.", DRAWN)] = 0
     corners: Annotated[
         bool,
-        option("Draw machines with every tolerance at one of its ends, in place of anywhere between.", DRAWN),
+        option("Draw each tolerance at one of its limits instead of between them.", DRAWN),
     ] = False
     contact: Annotated[
         bool,
-        option("Also against clamps and stops of 1e3 to 1e6 N/m at the grip; --no-contact leaves them out.", ASKED),
+        option("Also test clamps and stops of 1e3 to 1e6 N/m at the grip. Disable with --no-contact.", ASKED),
     ] = True
     out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(
         "forcefeel-envelope"
@@ -88,12 +88,12 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
 
 
 def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
-    """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
+    """Map the programmed feels that the loader renders: stable, and a release within the tolerances of a rule.
 
-    With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
-    are assumed, of the valve's gain 30 %; --deviation) and with each pilot's arm at the grip; then with all tolerances at once.
+    Tests the nominal plant, each plant parameter at both limits of its tolerance, each pilot's arm at the grip, and machines with
+    all tolerances at once. Parameters without a tolerance get 20 %, the valve gain 30 %; change them with --deviation.
 
-    In place of a loader also a project file, whose table [axes] names the loader of each axis: a table over them, a page for each.
+    For a project file with a table [axes], writes a page for each axis and a summary of them.
 
     Example: forcefeel envelope my.toml --compare --out envelope
     """

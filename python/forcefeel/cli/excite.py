@@ -37,8 +37,8 @@ _EXAMPLES = {
 }
 
 
-ASKED = Group("What is asked", sort_key=10)
-SIGNAL = Group("The signal", sort_key=20)
+ASKED = Group("Request", sort_key=10)
+SIGNAL = Group("Signal", sort_key=20)
 LIMITS = Group("Limits", sort_key=30)
 
 
@@ -49,7 +49,7 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     fit: Annotated[
         str,
         option(
-            "Parameters to be determined, by symbol or part.name: k,c,J,C_i, or of a motor K_t,J_m,k,c,J.",
+            "Parameters to determine, by symbol or part.name: k,c,J,C_i; for a motor K_t,J_m,k,c,J.",
             ASKED,
             metavar="PARAMETERS",
         ),
@@ -57,47 +57,47 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     experiment: Annotated[
         str | None,
         option(
-            "Loop and drive: servo-open, servo-closed (test signal at the amplifier), loader (force at the grip); with another "
-            "drive as in 'loader test_signal', or 'servo-closed command_signal' where the controller adds the signal to its "
-            "command. Of a motor: motor-open (a current alone), 'loader test_current', or 'loader command_current'.",
+            "Loop and drive: servo-open, servo-closed (test signal at the amplifier), loader (force at the grip). Other "
+            "drives: 'loader test_signal', or 'servo-closed command_signal' if the controller adds the signal to its "
+            "command. Motors: motor-open (current only), 'loader test_current', 'loader command_current'.",
             ASKED,
-            default="servo-closed; 'loader command_current' of an electric loader",
+            default="servo-closed; 'loader command_current' for an electric loader",
             metavar="EXPERIMENT",
         ),
     ] = None
     measure: Annotated[
         str | None,
         option(
-            "Channels that are recorded.",
+            "Recorded channels.",
             ASKED,
-            default="column_angle,piston_position,load_pressure; of an electric loader column_angle,drive_position,"
-            "load_cell_force,motor_current",
+            default="column_angle,piston_position,load_pressure; for an electric loader "
+            "column_angle,drive_position,load_cell_force,motor_current",
             metavar="CHANNELS",
         ),
     ] = None
     noise: Annotated[
         tuple[str, ...],
         option(
-            "White noise: as a share of each channel's r.m.s. under even lines that reach the limits, or of one channel, such as "
-            "'column_angle=0.01 deg'. May be given again.",
+            "White noise: a share of each channel's r.m.s. for equal lines at the limits, or of one channel, such as "
+            "'column_angle=0.01 deg'. Repeatable.",
             ASKED,
             default="1 %",
             metavar="[CHANNEL=]NOISE",
         ),
     ] = ()
     signal: Annotated[Literal["multisine", "chirp"], option("Kind of signal.", SIGNAL)] = "multisine"
-    time_s: Annotated[float, option("Length in s; six periods fit in it at least.", SIGNAL, "--time")] = 60.0
-    rate_hz: Annotated[float, option("Samples per second, four per cycle of the highest line.", SIGNAL, "--rate")] = (
-        1000.0
-    )
+    time_s: Annotated[float, option("Length of the signal, s: six periods or more.", SIGNAL, "--time")] = 60.0
+    rate_hz: Annotated[
+        float, option("Sample rate, 1/s: four per cycle of the highest line or more.", SIGNAL, "--rate")
+    ] = 1000.0
     from_hz: Annotated[
         float | None,
-        option("Lowest frequency in Hz.", SIGNAL, "--from", default="one cycle a period; 4 Hz of an open motor"),
+        option("Lowest frequency, Hz.", SIGNAL, "--from", default="one cycle per period; 4 Hz for motor-open"),
     ] = None
     to_hz: Annotated[
         float | None,
         option(
-            "Highest frequency in Hz.",
+            "Highest frequency, Hz.",
             SIGNAL,
             "--to",
             default="the valve's natural frequency or the current loop's bandwidth, or a quarter of the rate",
@@ -118,11 +118,11 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     ] = None
     limit_speed: Annotated[
         str | None,
-        option("Largest speed of a motor.", LIMITS, default="80 % of its speed without load", metavar="SPEED"),
+        option("Largest speed of a motor.", LIMITS, default="80 % of its no-load speed", metavar="SPEED"),
     ] = None
     limit_travel: Annotated[
         str | None,
-        option("Largest column angle.", LIMITS, default="10 deg, or 80 % of the way to an end stop", metavar="ANGLE"),
+        option("Largest column angle.", LIMITS, default="10 deg, or 80 % of the angle to an end stop", metavar="ANGLE"),
     ] = None
     limit_force: Annotated[
         str | None,
@@ -144,7 +144,7 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     ] = None
     law: BenchLawOption = None
     out: Annotated[Path, option("CSV file for the bench.", OUTPUT)] = Path("forcefeel-excite.csv")
-    replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
+    replace: Annotated[bool, option("Replace an existing file.", OUTPUT)] = False
 
     def fixed_law(self, loader: "Loader", experiment: "Experiment") -> "Law | None":
         """The law of the whole loader; ``None`` for ``bench_law``.
@@ -189,10 +189,10 @@ class ExciteOptions(LoaderOptions, OutputOptions):
 
 
 def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
-    """Design the signal for the bench that determines chosen parameters best within the limits of the loader.
+    """Design the bench signal that determines the chosen parameters best within the limits of the loader.
 
-    The file, with measured columns added, is what forcefeel identify reads. Exit status 1 if this experiment cannot separate the
-    parameters, and then nothing is written, or does not determine one.
+    Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it. Exit status 1 if the experiment
+    cannot separate the parameters (no file is written) or does not determine one.
 
     Example: forcefeel excite elevator --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
     """

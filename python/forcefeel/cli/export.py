@@ -21,9 +21,9 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     to: Annotated[
         Literal["c", "firmware", "fmu", "matlab", "table"],
         option(
-            "Where it goes: c, law and feel as C99; firmware, law, feel and supervisor as a static library; fmu, "
-            "loader, law and machine as FMUs of FMI 2.0 and 3.0; matlab, matrices, and scripts for Python and for MATLAB or Octave "
-            "that close the loop; table, the parameter sheet of a drive or a PLC as CSV.",
+            "Target. c: law and feel as C99. firmware: law, feel and supervisor as a static library. fmu: loader, law and "
+            "machine as FMI 2.0 and 3.0. matlab: matrices and scripts that close the loop in Python, MATLAB or Octave. "
+            "table: parameter sheet of a drive or PLC as CSV.",
             ASKED,
         ),
     ]
@@ -31,22 +31,22 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     knots: Annotated[
         Path | None,
         option(
-            "CSV of settings, as forcefeel schedule takes it: a law is designed for each. Else for the loader's own setting.",
+            "CSV of settings, as for forcefeel schedule, with a law for each. Default: the loader's own setting.",
             ASKED,
             metavar="FILE",
         ),
     ] = None
-    name: Annotated[str, option("How names of files begin, and names in them: an identifier of C.", ASKED)] = "loader"
-    single: Annotated[bool, option("With --to c or firmware: in single precision, float.", ASKED)] = False
+    name: Annotated[str, option("Prefix of file names and of the names in them, a C identifier.", ASKED)] = "loader"
+    single: Annotated[bool, option("With --to c or firmware: single precision (float).", ASKED)] = False
     target: Annotated[
         str | None,
         option(
-            "With --to firmware: the target as Rust names it, such as thumbv7em-none-eabihf. Else this machine.",
+            "With --to firmware: the Rust target, such as thumbv7em-none-eabihf. Default: this machine.",
             ASKED,
             metavar="TRIPLE",
         ),
     ] = None
-    out: Annotated[Path, option("Folder for what is exported.", OUTPUT)] = Path("forcefeel-export")
+    out: Annotated[Path, option("Folder for the exported files.", OUTPUT)] = Path("forcefeel-export")
 
     def exported(self, path: Path | None) -> "Exported":
         """The law with its loader.
@@ -81,7 +81,7 @@ def _spelled(error: InputError) -> InputError:
 
 
 def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
-    """Hand a law on to where it is to run, or to a colleague's tool, with what shows that it computes the same there.
+    """Export a law as C, firmware, FMU, matrices or a parameter sheet, with test vectors that prove equal results.
 
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
     """

@@ -26,9 +26,9 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     grid: Annotated[
         tuple[str, ...],
         option(
-            "Values along an axis: 'stiffness=1.39..72 %:7:log' (of G_max), 'frequency=0.616..3.25 Hz:5:log', "
-            "'damping=0.1, 0.4, 0.7, 1.5', the middles of 140 cells, are the defaults. May be given again. Each setting is "
-            "released some 550 times.",
+            "Values along an axis. Defaults, the centers of 140 cells: 'stiffness=1.39..72 %:7:log' (of G_max), "
+            "'frequency=0.616..3.25 Hz:5:log', 'damping=0.1, 0.4, 0.7, 1.5'. Repeatable. Each setting takes about 550 "
+            "releases.",
             ASKED,
             metavar="AXIS=VALUES",
         ),
@@ -61,7 +61,7 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
 
 
 def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:
-    """Find what cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
+    """Compute which feels this hardware cannot render, why, and the gain from tighter tolerances or other parts.
 
     Takes a few minutes with the default grid.
 

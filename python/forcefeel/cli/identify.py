@@ -57,8 +57,8 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     data: Annotated[
         tuple[Path, ...],
         option(
-            "A file of bench data: a frequency response (CSV) or a record in time (CSV, Parquet, MATLAB, or MCAP of "
-            "forcefeel run). May be given again.",
+            "Bench data: a frequency response (CSV) or a time record (CSV, Parquet, MATLAB, or MCAP of forcefeel run). "
+            "Repeatable.",
             DATA,
             metavar="FILE",
         ),
@@ -66,7 +66,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     fit: Annotated[
         str,
         option(
-            "Symbols or names of the parameters, such as k,c,J,C_i, or of a motor K_t,J_m,k,c,J.",
+            "Parameters to fit, by symbol or name: k,c,J,C_i; for a motor K_t,J_m,k,c,J.",
             FIT,
             metavar="PARAMETERS",
         ),
@@ -74,27 +74,27 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     starts: Annotated[
         int,
         option(
-            "How many places the search begins at: the file's values, then others within the tolerances.",
+            "Number of starting points: the file's values, then others within the tolerances.",
             FIT,
         ),
     ] = 5
     loss: Annotated[
         IdentifyLoss,
         option(
-            "What large residuals cost: those beyond three deviations count less with huber, linear is plain least squares.",
+            "Loss of large residuals: huber reduces the weight of those beyond three deviations, linear is least squares.",
             FIT,
         ),
     ] = IdentifyLoss.HUBER
-    no_priors: Annotated[bool, option("Take the file's normal tolerances for bounds only, not for knowledge.", FIT)] = (
-        False
-    )
+    no_priors: Annotated[
+        bool, option("Use the file's normal tolerances as bounds only, not as prior knowledge.", FIT)
+    ] = False
     as_responses: Annotated[
         bool,
-        option("Turn records into frequency responses first, and fit the linear model to those.", FIT, "--responses"),
+        option("Convert records to frequency responses and fit the linear model to those.", FIT, "--responses"),
     ] = False
     law: BenchLawOption = None
-    out: Annotated[Path, option("Folder for the new loader.toml, identification.html and results.json.", OUTPUT)] = (
-        Path("forcefeel-identified")
+    out: Annotated[Path, option("Folder for loader.toml, identification.html and results.json.", OUTPUT)] = Path(
+        "forcefeel-identified"
     )
 
     def settings(self, loader: "Loader", law: "Law | None") -> "FitSettings":
@@ -126,10 +126,11 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
 
 
 def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
-    """Find parameters of a loader from what was measured on the bench, with how sure they are.
+    """Estimate loader parameters and standard errors from bench data.
 
-    LOADER is never changed. Exit status 1 if the data do not determine a parameter: then no loader file is written, and the page
-    tells what cannot be separated and which experiment would; and if the model misses more than noise.
+    The loader file is not changed. Exit status 1 if the data do not determine a parameter, or the residual is larger than the
+    noise. In the first case no loader file is written; the page names the parameters that cannot be separated, and the experiment
+    that separates them.
 
     Example: forcefeel identify my.toml --data closed.csv --data release.mat --fit k,c,J,C_i --out identified
     """

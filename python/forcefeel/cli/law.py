@@ -29,7 +29,7 @@ _FOLDER = Path("forcefeel-law")
 _NONE = "-"
 
 
-LAWS = Group("Which law", sort_key=10)
+LAWS = Group("Law", sort_key=10)
 
 
 def _law_name(_: type, tokens: Any) -> str:
@@ -45,35 +45,35 @@ class LawOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions,
     law: Annotated[
         str | None,
         option(
-            f"auto compares all laws that the loader can run and chooses one; report computes gains by recursion (22) of the 1974 "
-            f"report; or one law by its name: {LAW_NAMES}.",
+            "auto: compare all laws that the loader can run, and choose one. report: gains by recursion (22) of the 1974 "
+            f"report. Or one law: {LAW_NAMES}.",
             LAWS,
             default="robust; report on an analog controller",
             metavar="NAME|auto|report",
             converter=_law_name,
         ),
     ] = None
-    envelope: Annotated[
-        bool, option("With the name of one law: score it over the envelope too, as auto does.", LAWS)
-    ] = False
+    envelope: Annotated[bool, option("With one named law: also score it over the envelope, as auto does.", LAWS)] = (
+        False
+    )
     grid: Annotated[
         tuple[str, ...],
         option(
-            "Settings of the envelope along an axis: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
-            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. Repeatable.",
+            "Settings along an axis of the envelope. Defaults: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 "
+            "Hz:4:log', 'damping=0.1, 0.3, 0.7, 1.5'. Repeatable.",
             LAWS,
             metavar="AXIS=VALUES",
         ),
     ] = ()
     out: Annotated[
         Path | None,
-        option("Folder for law.html and results.json; --law report writes none.", OUTPUT, default=str(_FOLDER)),
+        option("Folder for law.html and results.json. Not used by --law report.", OUTPUT, default=str(_FOLDER)),
     ] = None
     save_law: Annotated[
         Path | None,
         option(
-            "File (.json) for the law, which --law of other commands takes in place of a name: that of the loader's own setting; "
-            "with --envelope or --law auto those of the grid's settings too. If no law is found, no file is written.",
+            "Law file (.json) that --law of other commands reads: the law of the loader's own setting, and with "
+            "--envelope or --law auto also those of the grid. Not written if no law is eligible.",
             OUTPUT,
             metavar="FILE.json",
         ),
@@ -117,8 +117,8 @@ _SCORE_ALONE = ("envelope", "grid", "rule", "deviation", "out")
 def run(path: LoaderFile = None, /, *, options: LawOptions = LawOptions()) -> None:
     """Design a law, or compare laws and choose one.
 
-    With --law auto every law is scored over the envelope, on the drive, on noise and on margins, and one is chosen. With
-    --law report the gains come from recursion (22) of the 1974 report.
+    --law auto scores every law over the envelope, by drive demand, noise and margins, and chooses one. --law report computes the
+    gains by recursion (22) of the 1974 report.
 
     Exit status 1 if the loop is unstable at the programmed setting, or no law is eligible.
 

@@ -13,7 +13,7 @@ from forcefeel.files import check_output_file, write_whole
 from forcefeel.loader.axes import AXIS_OF, ELECTRIC_AXES, HYDRAULIC_AXES, control_of
 from forcefeel.printable import visible
 
-WHICH = Group("Which loader", sort_key=10)
+WHICH = Group("Loader", sort_key=10)
 
 
 def _name(_: type, tokens: Any) -> str:
@@ -28,19 +28,19 @@ def _name(_: type, tokens: Any) -> str:
 class NewOptions(OutputOptions):
     """The options of ``forcefeel new``."""
 
-    drive: Annotated[Literal["hydraulic", "electric"] | None, option("What moves the linkage.", WHICH)] = None
-    axis: Annotated[Literal["pitch", "roll", "yaw", "stick"] | None, option("Which control it is.", WHICH)] = None
+    drive: Annotated[Literal["hydraulic", "electric"] | None, option("Kind of drive.", WHICH)] = None
+    axis: Annotated[Literal["pitch", "roll", "yaw", "stick"] | None, option("Control of the cockpit.", WHICH)] = None
     built_in: Annotated[
         str | None,
         option(
-            f"Which by its name: {', '.join(HYDRAULIC_AXES)} with a valve; {', '.join(ELECTRIC_AXES)} with a motor.",
+            f"Built-in loader: {', '.join(HYDRAULIC_AXES)} with a valve; {', '.join(ELECTRIC_AXES)} with a motor.",
             WHICH,
-            default="the first of that drive and axis",
+            default="the first with this drive and axis",
             metavar="NAME",
             converter=_name,
         ),
     ] = None
-    replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
+    replace: Annotated[bool, option("Replace an existing file.", OUTPUT)] = False
 
 
 def run(
@@ -51,7 +51,7 @@ def run(
 ) -> None:
     """Write a built-in loader as a commented loader file.
 
-    The default is elevator-2khz, the elevator of the 1974 report under a digital controller; --drive and --axis choose others.
+    The default is elevator-2khz, the elevator of the 1974 report under a digital controller. --drive and --axis select others.
 
     Example: forcefeel new my.toml --drive electric --axis stick --units si
     """

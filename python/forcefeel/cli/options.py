@@ -44,13 +44,13 @@ class _Rare(DefaultFormatter):
             super().__call__(console, options, panel)
         elif panel.entries:
             names = ", ".join(name for entry in panel.entries for name in entry.positive_names)
-            console.print(f"Seldom needed, shown by {HELP_ALL}: {names}\n", highlight=False, style="dim")
+            console.print(f"Rarely needed, shown by {HELP_ALL}: {names}\n", highlight=False, style="dim")
 
 
 LOADER = Group("Loader and law", sort_key=80)
 OUTPUT = Group("Output", sort_key=90)
-WORK = Group("Where it is computed", sort_key=95)
-RARE = Group("Seldom needed", sort_key=99, help_formatter=_Rare())
+WORK = Group("Computation", sort_key=95)
+RARE = Group("Rarely needed", sort_key=99, help_formatter=_Rare())
 
 
 def option(help: str, group: Group, *names: str, default: str | None = None, **more: Any) -> Parameter:  # noqa: A002
@@ -119,7 +119,7 @@ class JsonOptions:
 class OutputOptions(JsonOptions):
     """What every command has that shows or writes numbers with units."""
 
-    units: Annotated[UnitSystem, option("Units of what is shown or written.", OUTPUT)] = UnitSystem.US
+    units: Annotated[UnitSystem, option("Units of printed and written values.", OUTPUT)] = UnitSystem.US
 
 
 def named_options(kind: type) -> Iterator[tuple[Field[Any], str, object]]:
@@ -150,7 +150,7 @@ def filled(kind: type[Setup], options: object, **others: Any) -> Setup:
 class FolderOptions:
     """What every command that writes a folder has; each gives `out` its own default."""
 
-    replace: Annotated[bool, option("Replace results that are in the folder.", OUTPUT)] = False
+    replace: Annotated[bool, option("Replace existing results in the folder.", OUTPUT)] = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +159,7 @@ class ThreadOptions:
 
     threads: Annotated[
         int | None,
-        option("Threads.", WORK, default="all cores"),
+        option("Number of threads.", WORK, default="all cores"),
     ] = None
 
 
@@ -170,8 +170,8 @@ class LoaderOptions:
     set_: Annotated[
         tuple[str, ...],
         option(
-            "Changes a value of the loader, such as 'column.coulomb_friction=3 lb', 'controller.period=0.5 ms', "
-            "'valve.orifice=true', 'feel.breakout=off'. May be given again.",
+            "Change a value of the loader, such as 'column.coulomb_friction=3 lb', 'controller.period=0.5 ms', "
+            "'valve.orifice=true', 'feel.breakout=off'. Repeatable.",
             LOADER,
             "--set",
             metavar="NAME=VALUE",

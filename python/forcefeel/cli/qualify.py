@@ -68,8 +68,8 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     rule: Annotated[
         str,
         option(
-            "Edition of the rule: part60-a-2014, part60-c-2014, part60-d-2014, cs-fstd-a, icao-9625, part60-a-2016. Rows that "
-            "are not verified against the document are marked.",
+            "Edition of the rule: part60-a-2014, part60-c-2014, part60-d-2014, cs-fstd-a, icao-9625, part60-a-2016. Rows "
+            "not verified against the document are marked.",
             TESTS,
             metavar="EDITION",
         ),
@@ -77,44 +77,47 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     tests: Annotated[
         tuple[str, ...],
         option(
-            "Make this test alone, such as release-25-positive, static, medium or fast. May be given again. Exit status 0 if all "
-            "that are asked for pass; without the rest of the programme that is incomplete, and marked so.",
+            "Run only this test, such as release-25-positive, static, medium or fast. Repeatable. Exit status 0 if these "
+            "pass; the test plan is then marked as incomplete.",
             TESTS,
             "--test",
-            default="the programme",
+            default="all tests",
             metavar="NAME",
         ),
     ] = ()
     axis: Annotated[
         ControlAxis | None,
-        option("Which control of the rule.", TESTS, default="that of a built-in loader, else pitch"),
+        option("Control in the rule.", TESTS, default="axis of the built-in loader, otherwise pitch"),
     ] = None
     throw: Annotated[
         str | None,
         option(
             "Throw to either side, such as '18 deg'.",
             TESTS,
-            default="the column's end stops, else the feel's hard stops, else 20 deg",
+            default="the column's end stops, otherwise the feel's hard stops, otherwise 20 deg",
             metavar="ANGLE",
         ),
     ] = None
     overdamped: Annotated[
         Overdamped,
         option(
-            "What a reference without overshoots is judged by: the time from 0.9 to 0.1 of the displacement, or that to 90 % of "
-            "the way.",
+            "Criterion for a reference without overshoot: time from 0.9 to 0.1 of the displacement, or time to 90 % of "
+            "the travel.",
             TESTS,
         ),
     ] = Overdamped.FALL_TIME
     dynamic_pressure: Annotated[
-        str | None, option("For a loader with feel.stiffness_factor, such as '5 kPa'.", TESTS, metavar="PRESSURE")
+        str | None,
+        option(
+            "Dynamic pressure, such as '5 kPa', for a loader with feel.stiffness_factor.", TESTS, metavar="PRESSURE"
+        ),
     ] = None
     references: Annotated[
         tuple[str, ...],
         option(
-            "A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
-            "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
-            "named after tests. CSV, Parquet, MATLAB, or MCAP of forcefeel run. May be given again.",
+            "Recorded aircraft instead of the programmed feel: NAME=FILE, where NAME is a test such as "
+            "release-25-positive, static, medium or fast; a file whose name or content identifies the test; or a folder "
+            "of files named after tests. CSV, Parquet, MATLAB, or MCAP of forcefeel run. Repeatable.",
             RECORDS,
             "--reference",
             metavar="[NAME=]FILE",
@@ -123,7 +126,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     records: Annotated[
         tuple[str, ...],
         option(
-            "A recorded simulator in place of the simulated loader, as --reference.",
+            "Recorded simulator instead of the simulated loader, as for --reference.",
             RECORDS,
             "--record",
             metavar="[NAME=]FILE",
@@ -132,8 +135,8 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     columns: Annotated[
         tuple[str, ...],
         option(
-            "What the files of --record and --reference call a column, such as 'position=theta'; with STEM:, the file's name "
-            "without its ending, in that file alone. May be given again.",
+            "Column of the files of --record and --reference, such as 'position=theta'. STEM: limits this to one file, "
+            "named without its ending. Repeatable.",
             RECORDS,
             "--column",
             metavar="[STEM:]COLUMN=NAME",
@@ -142,7 +145,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     unit: Annotated[
         tuple[str, ...],
         option(
-            "Unit of a column whose header has none, such as 'theta=deg'. May be given again.",
+            "Unit of a column without one in its header, such as 'theta=deg'. Repeatable.",
             RECORDS,
             metavar="[STEM:]NAME=UNIT",
         ),
@@ -150,38 +153,45 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     starts: Annotated[
         tuple[str, ...],
         option(
-            "First time that is read of the files of --record and --reference, by their own time, such as '6 s'; with STEM= of "
-            "that file alone. Repeatable.",
+            "Start of the part of --record and --reference to read, in the file's own time, such as '6 s'. STEM= limits "
+            "this to one file. Repeatable.",
             RECORDS,
             "--from",
-            default="their start",
+            default="start of the file",
             metavar="[STEM=]TIME",
         ),
     ] = ()
     ends: Annotated[
         tuple[str, ...],
-        option("Last time that is read, as --from.", RECORDS, "--until", default="their end", metavar="[STEM=]TIME"),
+        option(
+            "End of the part to read, as for --from.",
+            RECORDS,
+            "--until",
+            default="end of the file",
+            metavar="[STEM=]TIME",
+        ),
     ] = ()
     law: Annotated[
         tuple[str, ...],
         option(
-            f"Law, designed for this loader: {LAW_NAMES}; or a law file from forcefeel law --save-law. Repeatable: a section each.",
+            f"Law, designed for this loader: {LAW_NAMES}; or a law file from forcefeel law --save-law. Repeatable, a "
+            "section for each.",
             LOADER,
             default=DEFAULT_LAW,
             metavar=LAW_METAVAR,
             converter=_law_names,
         ),
     ] = ()
-    compare: Annotated[bool, option("Every --law side by side.", LOADER)] = False
+    compare: Annotated[bool, option("Compare all laws.", LOADER)] = False
     out: Annotated[Path, option("Folder for qualification.html and results.json.", OUTPUT)] = Path(
         "forcefeel-qualification"
     )
-    pdf: Annotated[bool, option("Print the page as qualification.pdf too; it takes a Chromium.", OUTPUT)] = False
+    pdf: Annotated[bool, option("Also print the page as qualification.pdf. Requires Chromium.", OUTPUT)] = False
     simulator: Annotated[
-        str, option("Which simulator, for its field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
+        str, option("Simulator, for the field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
     ] = ""
     operator: Annotated[
-        str, option("Who made the tests, for the field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
+        str, option("Operator, for the field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
     ] = ""
 
     def setup(self, loader: "Loader") -> "QualificationSetup":
@@ -211,12 +221,12 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
 
 
 def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOptions()) -> None:
-    """Make the control feel tests of a qualification rule on a loader, or on records of a simulator.
+    """Run the control feel tests of a qualification rule on a loader, or on records of a simulator.
 
-    The reference is the programmed feel, or a recorded aircraft. What is tested qualifies, does not qualify, or is incomplete.
-    Exit status 0 if it qualifies, or passed all that --test asked for; else 1.
+    The reference is the programmed feel or a recorded aircraft. The verdict is qualified, not qualified, or incomplete. Exit status
+    0 if qualified, or if all tests of --test pass; otherwise 1.
 
-    In place of a loader also a project file, whose table [axes] names the loader of each axis: one test guide over them.
+    For a project file with a table [axes], writes one test guide for all axes.
 
     Example: forcefeel qualify my.toml --compare --pdf
     """

@@ -32,12 +32,12 @@ class RecursionOptions:
     """The options as given; ``None`` is not given."""
 
     horizon_s: Annotated[
-        float | None, option("Length of the horizon in s.", RECURSION, "--horizon", default="0.05, the published one")
+        float | None, option("Length of the horizon, s.", RECURSION, "--horizon", default="0.05, the published one")
     ] = None
-    converge: Annotated[bool, option("Run until the gains stand still instead.", RECURSION)] = False
-    step_s: Annotated[float | None, option("Sampling step in s.", RECURSION, "--step", default="1e-4")] = None
+    converge: Annotated[bool, option("Iterate until the gains converge.", RECURSION)] = False
+    step_s: Annotated[float | None, option("Sampling step, s.", RECURSION, "--step", default="1e-4")] = None
     tolerance: Annotated[
-        float | None, option("With --converge: largest change of a gain.", RECURSION, default="1e-10")
+        float | None, option("With --converge: largest change of a gain at the end.", RECURSION, default="1e-10")
     ] = None
     position_weight: Annotated[float | None, option("Weight of (delta - theta)^2.", RECURSION, default="100")] = None
     r1: Annotated[float | None, option("Weight R_1 of the squared velocity error.", RECURSION, default="0")] = None
@@ -45,7 +45,8 @@ class RecursionOptions:
     pilot_coupling: Annotated[
         Coupling | None,
         option(
-            "How F_p enters the computer's row, for c_7: as the report did (-alpha R_b) or as the column does (R_p).",
+            "Entry of F_p in the row of the feel computer, for c_7: as in the report (-alpha R_b) or as on the column "
+            "(R_p).",
             RECURSION,
             default="report; column with --converge",
         ),
@@ -53,7 +54,9 @@ class RecursionOptions:
     q: Annotated[
         Path | None,
         option(
-            "[Q] whole: CSV, 7 rows of 7, SI units, order x_p p delta delta' x_b x_b' F_p.", RECURSION, metavar="FILE"
+            "Full matrix [Q]: CSV, 7 rows of 7, SI units, order x_p p delta delta' x_b x_b' F_p.",
+            RECURSION,
+            metavar="FILE",
         ),
     ] = None
 

@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from forcefeel.envelope.deviations import Deviation
     from forcefeel.loader.loader import Loader
 
-ASKED = Group("What is asked", sort_key=10)
+ASKED = Group("Request", sort_key=10)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReleaseOptions(LoaderOptions):
     """What every command has that releases many settings of the feel under a rule."""
 
-    rule: Annotated[str, option("Edition of the rule whose release test is asked for.", ASKED, metavar="EDITION")] = (
+    rule: Annotated[str, option("Edition of the rule with the required release test.", ASKED, metavar="EDITION")] = (
         EDITION
     )
     deviation: Annotated[
         tuple[str, ...],
         option(
-            "How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of the loader file's "
-            "tolerance, or the 20 % (the valve's gain 30 %) assumed where it gives none; 'column.inertia=none' for one that is not "
-            "off at all. May be given again.",
+            "Deviation of a plant parameter to either side, such as 'column.inertia=2 %', instead of the loader file's "
+            "tolerance; 'column.inertia=none' for no deviation. Default without a tolerance: 20 % assumed, valve gain 30 "
+            "%. Repeatable.",
             ASKED,
             metavar="NAME=SHARE|none",
         ),
@@ -67,7 +67,7 @@ class AngleOptions:
         option(
             "Angle of the release, such as '10 deg'.",
             ASKED,
-            default="half the throw's shorter side; 10 deg without stops",
+            default="half of the shorter side of the throw; 10 deg without stops",
             metavar="ANGLE",
         ),
     ] = None

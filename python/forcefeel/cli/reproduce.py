@@ -18,7 +18,7 @@ class ReproduceOptions(OutputOptions):
 
 
 def run(*, options: ReproduceOptions = ReproduceOptions()) -> None:
-    """Set every number and claim of the 1974 report beside what the models give.
+    """Compare the numbers and claims of the 1974 report with the models.
 
     Exit status 1 if a number differs without a known reason.
 

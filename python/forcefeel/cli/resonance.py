@@ -47,16 +47,21 @@ class ResonanceOptions(BenchOptions, LoaderOptions, OutputOptions):
 
     data: Annotated[
         Path,
-        option("A frequency response (CSV), or a record in time (CSV, Parquet, MATLAB).", DATA, metavar="FILE"),
+        option("A frequency response (CSV) or a time record (CSV, Parquet, MATLAB).", DATA, metavar="FILE"),
     ]
     band: Annotated[
         str | None,
-        option("Where to look, such as '8..16 Hz'.", RESONANCE, default="all of the data", metavar="FREQUENCIES"),
+        option(
+            "Frequency band of the resonance, such as '8..16 Hz'.",
+            RESONANCE,
+            default="all of the data",
+            metavar="FREQUENCIES",
+        ),
     ] = None
     channel: Annotated[
         str | None,
         option(
-            "Of a record: the measured channel whose response to the drive is read.",
+            "Channel of a record whose response to the drive is used.",
             RESONANCE,
             default="column_angle",
             metavar="CHANNEL",
@@ -65,7 +70,7 @@ class ResonanceOptions(BenchOptions, LoaderOptions, OutputOptions):
 
 
 def run(path: LoaderFile = None, /, *, options: ResonanceOptions) -> None:
-    """Read a resonance off a measured response, and the link's k and c from it, as the 1974 report did.
+    """Read a resonance from a measured response, and the link's k and c from it, as in the 1974 report.
 
     Exit status 1 if no resonance can be read.
 

@@ -48,25 +48,28 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
         ),
     ] = None
     duration: Annotated[
-        str | None, option("How long it runs, such as '10 s'.", LIVE, default="until Ctrl-C", metavar="TIME")
+        str | None, option("Duration, such as '10 s'.", LIVE, default="until Ctrl-C", metavar="TIME")
     ] = None
-    headless: Annotated[bool, option("Without the console in a browser: the law is switched on at once.", LIVE)] = False
-    port: Annotated[int, option("Where the console listens; 0 for any port that is free.", CONSOLE)] = 8731
+    headless: Annotated[bool, option("Run without the browser console and switch the law on at once.", LIVE)] = False
+    port: Annotated[int, option("Port of the console; 0 for any free port.", CONSOLE)] = 8731
     bind: Annotated[
-        str, option("Address that the console listens at; only this machine reaches the usual one.", CONSOLE)
+        str, option("Address of the console. The default is reachable from this machine only.", CONSOLE)
     ] = "127.0.0.1"
     no_token: Annotated[
-        bool, option("Everybody on this machine may move the column: its console asks for no token.", CONSOLE)
+        bool, option("Start the console without a token: every user of this machine can move the column.", CONSOLE)
     ] = False
-    out: Annotated[Path | None, option(f"Folder for {RECORD}, all that goes in and out.", OUTPUT)] = None
+    out: Annotated[Path | None, option(f"Folder for {RECORD}, a record of all inputs and outputs.", OUTPUT)] = None
     record_rate: Annotated[
         str | None,
-        option("Rows per second, the loop's rate over a whole number.", OUTPUT, default="every cycle", metavar="RATE"),
+        option(
+            "Rows per second: the loop's rate divided by a whole number.", OUTPUT, default="every cycle", metavar="RATE"
+        ),
     ] = None
     max_size: Annotated[
         str | None,
         option(
-            f"Drop the oldest rows at this size, such as '200 MB': {RECORD} has the newest, {PREVIOUS} those before.",
+            f"Drop the oldest rows at this size, such as '200 MB': {RECORD} has the newest rows, {PREVIOUS} the previous "
+            "ones.",
             OUTPUT,
             default="the record ends at 1 GiB",
             metavar="SIZE",
@@ -77,10 +80,10 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
 def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
     """Run the loader live: a real-time loop on a machine, simulated or over the network.
 
-    It prints the address of its console, a page of this machine; the first client that opens it holds control. Ctrl-C or SIGTERM
-    fades out the feel and stops the loop. The loop runs in a thread of its own at the period of the loader's controller. A Linux
-    process is no safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if
-    the record ended before the run, as on a full disk.
+    Prints the address of the console, a page of this machine. The first client that opens it has control. Ctrl-C or SIGTERM fades
+    out the feel and stops the loop. The loop has its own thread and the period of the loader's controller. A Linux process is no
+    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or the record ended
+    before the run, for example on a full disk.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """

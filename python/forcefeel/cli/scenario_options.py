@@ -44,60 +44,64 @@ SCENARIO = Group("Scenario", sort_key=20)
 class ScenarioOptions(LoaderOptions):
     """The options as given; ``None`` is not given. Values with units are text."""
 
-    input: Annotated[InputKind | None, option("What the pilot does.", INPUT, default="step")] = None
+    input: Annotated[InputKind | None, option("Pilot's input.", INPUT, default="step")] = None
     force: Annotated[
         str | None,
-        option("Greatest force, such as '20 lb'.", INPUT, default="pilot.force of the loader", metavar="FORCE"),
+        option("Largest force, such as '20 lb'.", INPUT, default="pilot.force of the loader", metavar="FORCE"),
     ] = None
     start: Annotated[
         str | None,
         option(
-            "When it begins; of a release, when the grip is let go.",
+            "Start of the input; for a release, the time at which the grip is released.",
             INPUT,
             default="0.1 s; release 0 s",
             metavar="TIME",
         ),
     ] = None
     width: Annotated[
-        str | None, option("Length of a pulse, of each half of a doublet.", RARE, default="0.5 s", metavar="TIME")
+        str | None, option("Length of a pulse or of each half of a doublet.", RARE, default="0.5 s", metavar="TIME")
     ] = None
     angle: Annotated[
-        str | None, option("Release: angle at which the grip is held, such as '10 deg'.", INPUT, metavar="ANGLE")
+        str | None, option("Release: angle from which the grip is released, such as '10 deg'.", INPUT, metavar="ANGLE")
     ] = None
     input_duration: Annotated[
         str | None,
         option(
-            "Length of a stop-to-stop sweep or a chirp, period of a multisine.",
+            "Length of a stop-to-stop sweep or a chirp; period of a multisine.",
             RARE,
-            default="all the run",
+            default="the whole run",
             metavar="TIME",
         ),
     ] = None
     from_: Annotated[
         str | None,
         option(
-            "First frequency of a chirp, lowest of a multisine.", INPUT, "--from", default="0.2 Hz", metavar="FREQUENCY"
+            "First frequency of a chirp, or lowest of a multisine.",
+            INPUT,
+            "--from",
+            default="0.2 Hz",
+            metavar="FREQUENCY",
         ),
     ] = None
     to: Annotated[
         str | None,
-        option("Last frequency of a chirp, highest of a multisine.", INPUT, default="20 Hz", metavar="FREQUENCY"),
+        option("Last frequency of a chirp, or highest of a multisine.", INPUT, default="20 Hz", metavar="FREQUENCY"),
     ] = None
-    spacing: Annotated[Spacing | None, option("How a chirp's frequency runs.", RARE, default="linear")] = None
+    spacing: Annotated[Spacing | None, option("Frequency of a chirp over time.", RARE, default="linear")] = None
     lines: Annotated[
         str | None,
         option(
             "Frequencies of a multisine, such as '0.5 Hz, 1.5 Hz'.",
             RARE,
-            default="all multiples of one over its period in the band",
+            default="all multiples of 1/period in the band",
             metavar="FREQUENCIES",
         ),
     ] = None
     record: Annotated[
         Path | None,
         option(
-            "File of a recorded force (CSV, Parquet, MATLAB), columns such as 'time (s),force (lb)'; its "
-            "first point is the start of the run.",
+            "Recorded force (CSV, Parquet, MATLAB), with columns such as 'time (s),force (lb)'. The run starts at its "
+            "first point.",
             INPUT,
             metavar="FILE",
         ),
@@ -105,30 +109,29 @@ class ScenarioOptions(LoaderOptions):
     column: Annotated[
         tuple[str, ...],
         option(
-            "What the file of --record calls a column, such as 'force=F1'. May be given again.",
+            "Column of the file of --record, such as 'force=F1'. Repeatable.",
             RARE,
             metavar="NAME=NAME",
         ),
     ] = ()
     unit: Annotated[
         tuple[str, ...],
-        option(
-            "Unit of a column whose header has none, such as 'F1=lb'. May be given again.", RARE, metavar="NAME=UNIT"
-        ),
+        option("Unit of a column without one in its header, such as 'F1=lb'. Repeatable.", RARE, metavar="NAME=UNIT"),
     ] = ()
     duration: Annotated[
         str | None,
         option(
             "Length of the run.",
             SCENARIO,
-            default="2 s; stop-to-stop 100 s, chirp 20 s, multisine 10 s, a recording all of it",
+            default="2 s; stop-to-stop 100 s, chirp 20 s, multisine 10 s, recordings their full length",
             metavar="TIME",
         ),
     ] = None
     trim: Annotated[
         str | None,
         option(
-            "Commanded neutral over time, such as '0 s: 0 deg, 1 s: 5 deg': straight lines; two points at one time are a jump.",
+            "Commanded neutral over time, such as '0 s: 0 deg, 1 s: 5 deg', joined by straight lines. Two points at one "
+            "time make a step.",
             RARE,
             metavar="OVER_TIME",
         ),
@@ -136,7 +139,8 @@ class ScenarioOptions(LoaderOptions):
     dynamic_pressure: Annotated[
         str | None,
         option(
-            "Dynamic pressure over time, as --trim, or one value such as '5 kPa'; for a loader with feel.stiffness_factor.",
+            "Dynamic pressure over time, as for --trim, or one value such as '5 kPa'; for a loader with "
+            "feel.stiffness_factor.",
             SCENARIO,
             metavar="OVER_TIME",
         ),
@@ -144,7 +148,8 @@ class ScenarioOptions(LoaderOptions):
     shaker: Annotated[
         str | None,
         option(
-            "How far the stick shaker is on over time, 0 to 1, such as '1 s: 0, 1 s: 1'; for a loader with feel.shaker_force.",
+            "Amplitude of the stick shaker over time, 0 to 1, such as '1 s: 0, 1 s: 1'; for a loader with "
+            "feel.shaker_force.",
             RARE,
             metavar="OVER_TIME",
         ),
@@ -152,33 +157,30 @@ class ScenarioOptions(LoaderOptions):
     change: Annotated[
         tuple[str, ...],
         option(
-            "The feel is programmed anew, such as '1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad'. May "
-            "be given again.",
+            "Change of the feel, such as '1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad'. Repeatable.",
             SCENARIO,
             metavar="CHANGE",
         ),
     ] = ()
-    fade_time: Annotated[str | None, option("How long each --change takes.", RARE, default="0.5 s", metavar="TIME")] = (
-        None
-    )
+    fade_time: Annotated[str | None, option("Duration of each --change.", RARE, default="0.5 s", metavar="TIME")] = None
     step: Annotated[
         str | None,
         option(
-            "Longest step of the engine; with a digital controller the step divides its period.",
+            "Longest step of the engine. With a digital controller the step divides its period.",
             RARE,
             default="1 ms",
             metavar="TIME",
         ),
     ] = None
     sample: Annotated[
-        str | None, option("Time between two samples of the result.", RARE, default="about 1 ms", metavar="TIME")
+        str | None, option("Sample interval of the result.", RARE, default="about 1 ms", metavar="TIME")
     ] = None
-    seed: Annotated[int, option("Seed of all that is random.", RARE)] = 0
+    seed: Annotated[int, option("Seed of all random numbers.", RARE)] = 0
     arm: Annotated[
         Arm | None,
         option(
-            "The pilot's arm at the grip: loose 1 kg, 10 N s/m, 50 N/m; firm, two hands 3 kg, 40 N s/m, 1000 N/m (this "
-            "set is unverified); hands-off none.",
+            "Pilot's arm at the grip: loose (1 kg, 10 N s/m, 50 N/m), firm (two hands, 3 kg, 40 N s/m, 1000 N/m; "
+            "unverified), or hands-off.",
             LOADER,
             default="the loader's",
         ),

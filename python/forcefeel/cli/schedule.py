@@ -25,8 +25,8 @@ class ScheduleOptions(ReleaseOptions, FolderOptions, ThreadOptions, OutputOption
     knots: Annotated[
         Path,
         option(
-            "CSV with a row for each knot of a full grid: a column for each axis, such as 'dynamic pressure (lb/ft^2)', and the "
-            "setting as 'stiffness (lb in/rad)', 'frequency (Hz)', 'damping ratio', or as I, B, G with their units.",
+            "CSV with a row for each knot of a full grid: a column for each axis, such as 'dynamic pressure (lb/ft^2)', "
+            "and the setting as 'stiffness (lb in/rad)', 'frequency (Hz)', 'damping ratio', or as I, B, G with units.",
             ASKED,
             metavar="FILE",
         ),
@@ -34,19 +34,19 @@ class ScheduleOptions(ReleaseOptions, FolderOptions, ThreadOptions, OutputOption
     law: Annotated[
         str,
         option(
-            "Law of every knot: robust, agile, h-infinity, recovered, observer, load-cell, grip or torque-mode.", ASKED
+            "Law for all knots: robust, agile, h-infinity, recovered, observer, load-cell, grip or torque-mode.", ASKED
         ),
     ] = "robust"
-    refine: Annotated[int, option("Into how many parts the way between two knots is cut.", ASKED)] = 10
+    refine: Annotated[int, option("Number of intervals between two knots in the check.", ASKED)] = 10
     out: Annotated[Path, option("Folder for schedule.html, gains.csv and results.json.", OUTPUT)] = Path(
         "forcefeel-schedule"
     )
 
 
 def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
-    """Design laws over the settings an aircraft runs through, and check them at, between and on the way between the knots.
+    """Design laws over a flight envelope, and check them at the knots, between them, and during changes.
 
-    Exit status 1 unless every loop that was checked is stable.
+    Exit status 1 unless every checked loop is stable.
 
     Example: forcefeel schedule elevator-2khz --knots knots.csv --out schedule
     """

@@ -25,9 +25,9 @@ class SimulateOptions(ScenarioOptions, FolderOptions, OutputOptions):
 
 
 def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
-    """Run the loader in time: nonlinear where its file says so.
+    """Simulate the loader in time, with the nonlinear effects of its file.
 
-    Values are text with a unit, such as '20 lb'; times may go without, in seconds. Exit status 1 if the run diverged.
+    Values are text with a unit, such as '20 lb'. Times without a unit are in seconds. Exit status 1 if the run diverged.
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """

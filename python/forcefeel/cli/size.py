@@ -25,19 +25,18 @@ class SizeOptions(AngleOptions, LoaderOptions, FolderOptions, OutputOptions):
     axis: Annotated[
         Literal["pitch", "roll", "yaw", "stick"] | None,
         option(
-            "Which control it is: 14 CFR 25.143(d) limits the forces of each but a stick's.",
+            "Control of the cockpit. 14 CFR 25.143(d) limits the forces of each except a stick's.",
             ASKED,
-            default="that of a built-in loader, else pitch",
+            default="axis of the built-in loader, otherwise pitch",
         ),
     ] = None
     out: Annotated[Path, option("Folder for size.html and results.json.", OUTPUT)] = Path("forcefeel-size")
 
 
 def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()) -> None:
-    """Set what feel and rule ask of the drive, force, speed, torque, heat, beside what motor or valve give.
+    """Check whether the drive is large enough for the feel and the rule: force, speed, torque, heat.
 
-    In place of a loader also a project file, whose table [axes] names the loader of each axis of a cockpit. Exit status 1 if a
-    drive does not give what the programmed feel asks for.
+    For a project file with a table [axes], checks all axes. Exit status 1 if a drive is too small for the programmed feel.
 
     Example: forcefeel size sidestick-pitch --units si --out size
     """

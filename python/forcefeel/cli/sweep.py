@@ -26,7 +26,7 @@ REDESIGNED = ("published", "converged")
 """Laws of which --redesign makes one for each setting."""
 
 
-SWEEP = Group("What is swept", sort_key=5)
+SWEEP = Group("Sweep", sort_key=5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,17 +36,16 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
     runs: Annotated[
         int | None,
         option(
-            "How many loaders are drawn from the tolerances; with --grid, at each of its points.",
+            "Number of loaders drawn from the tolerances; with --grid, at each grid point.",
             SWEEP,
-            default="10000; with --grid the nominal one alone",
+            default="10000; with --grid only the nominal loader",
         ),
     ] = None
     vary: Annotated[
         tuple[str, ...],
         option(
-            "A tolerance beside or in place of the loader file's: 'linkage.stiffness=20 %', "
-            '\'column.coulomb_friction=1 lb..5 lb\', \'load_cell.gain={ normal = "2 %", low = "-6 %", high = "6 %" }\', '
-            "'valve.rated_flow=none'. May be given again.",
+            "Additional or changed tolerance: 'linkage.stiffness=20 %', 'column.coulomb_friction=1 lb..5 lb', "
+            '\'load_cell.gain={ normal = "2 %", low = "-6 %", high = "6 %" }\', \'valve.rated_flow=none\'. Repeatable.',
             SWEEP,
             metavar="NAME=TOLERANCE",
         ),
@@ -54,8 +53,8 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
     grid: Annotated[
         tuple[str, ...],
         option(
-            "A setting over a grid: 'feel.stiffness=288..28800 lb in/rad:40:log' for 40 values evenly in proportion. Given "
-            "twice, a map over two.",
+            "Values of a parameter: 'feel.stiffness=288..28800 lb in/rad:40:log' for 40 logarithmically spaced values. "
+            "Use twice for a map.",
             SWEEP,
             metavar="NAME=VALUES",
         ),
@@ -63,21 +62,21 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
     redesign: Annotated[
         bool,
         option(
-            "Design the gains of --law anew for each setting I, B, G of the feel that --grid or --vary gives, for the nominal "
-            "machine; not given, one law, that of the loader file's setting, drives all.",
+            "Design the gains of --law for each setting I, B, G of --grid or --vary, for the nominal machine. Default: "
+            "one law, for the loader file's setting.",
             SWEEP,
         ),
     ] = False
     scheduler: Annotated[
         str | None,
         option(
-            "Compute on a Dask cluster instead, such as tcp://host:8786; needs the extra forcefeel[cluster].",
+            "Compute on a Dask cluster, such as tcp://host:8786. Requires the extra forcefeel[cluster].",
             WORK,
             metavar="ADDRESS",
         ),
     ] = None
     out: Annotated[Path, option("Folder for sweep.html, summary.json and runs.nc.", OUTPUT)] = Path("forcefeel-sweep")
-    resume: Annotated[bool, option("Go on with what is finished in the folder.", OUTPUT)] = False
+    resume: Annotated[bool, option("Continue from the completed part in the folder.", OUTPUT)] = False
 
     def sweep(self, path: Path | None) -> "Sweep":
         """What is swept.
@@ -104,10 +103,10 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
 
 
 def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -> None:
-    """Run many loaders: drawn from the tolerances of the loader file, or over a grid of settings.
+    """Simulate many loaders, drawn from the tolerances of the loader file or over a grid of settings.
 
-    The same seed gives the same numbers, whatever the threads or workers. Ctrl-C keeps what is finished and tells how to go on
-    (exit status 130). Exit status 1 if a loader within the tolerances diverged.
+    The results depend on the seed only, not on threads or workers. Ctrl-C keeps the completed part and prints the command that
+    resumes it (exit status 130). Exit status 1 if a loader within the tolerances diverged.
 
     Example: forcefeel sweep my.toml --runs 100000 --out sweep
     """

@@ -42,7 +42,7 @@ def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tup
     Args:
         loader: The machine, with the tolerance of its friction, which the law learns within.
         name: The law's design; a force sensor at the grip has its own.
-        plan: What is asked.
+        plan: The plan of the commissioning.
         now: The share that the machine renders as it is.
     """
     candidates = []

@@ -74,7 +74,7 @@ class Linkage(StrEnum):
 
 @runtime_checkable
 class StateSpaceLike(Protocol):
-    """What is asked of a linear model. A ``control.StateSpace`` has it, and so has a ``LinearModel``."""
+    """Interface of a linear model. A ``control.StateSpace`` has it, and so has a ``LinearModel``."""
 
     @property
     def A(self) -> NDArray[np.float64]:  # noqa: N802  python-control's name

@@ -507,7 +507,7 @@ def check_hydraulic(given: object, what: str, instead: str = INSTEAD) -> None:
 
     Args:
         given: The loader.
-        what: What is asked for, as the subject of a sentence.
+        what: The requested thing, as the subject of a sentence.
         instead: What there is for an electric one.
 
     Raises:

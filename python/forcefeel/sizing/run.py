@@ -29,7 +29,7 @@ def size_drive(loader: Loader, axis: str | None = None, release_rad: float | Non
         release_rad: Angle in rad of the release; half the throw's shorter side, 10 deg without stops, if not given.
 
     Returns:
-        What is asked, what it takes, what the drive gives.
+        The demands, their needs, and the capability of the drive.
 
     Raises:
         InputError: If it is no loader, axis or angle.

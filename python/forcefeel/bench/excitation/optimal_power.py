@@ -57,7 +57,7 @@ class PowerProblem:
         """Upper bound of the distance of ``power`` from the optimum, in ln det M.
 
         ln det M is concave, so for any admissible P' it is at most ``ln det M(P) + sum_i d_i (P'_i - P_i)``: the greatest such sum
-        is a linear programme, and its dual variables are the multipliers of the limits. Where it is 0, the equivalence theorem
+        is a linear program, and its dual variables are the multipliers of the limits. Where it is 0, the equivalence theorem
         holds: ``d_i <= sum_c mu_c a_ci``, with equality where ``P_i`` is above its floor.
 
         Returns:

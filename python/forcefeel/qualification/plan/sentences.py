@@ -102,7 +102,7 @@ def _titled(section: Section) -> str:
 
 
 def missing_text(section: Section) -> str:
-    """What a whole programme lacks, by the reason; tests of which one would do with an *or* between them."""
+    """Missing tests of a whole test plan, by the reason; alternatives are joined by *or*."""
     results = {result.trial.key: result for result in section.results}
     why: dict[str, list[str]] = {}
     for group in section.missing:
