@@ -34,8 +34,8 @@ def test_rare_options_are_named_and_shown_on_request(monkeypatch, capsys, tmp_pa
     run = runner(monkeypatch, capsys, tmp_path, "sweep", columns=80)
     short, full = run("--help")[1], run(HELP_ALL)[1]
     assert re.search(r"shown by --help-all: --width, --input-duration", short)
-    assert "Seed of all that is random." not in short
-    assert "Seed of all that is random." in full
+    assert "Seed of all random numbers." not in short
+    assert "Seed of all random numbers." in full
 
 
 def test_option_has_the_same_meaning_in_every_command():
