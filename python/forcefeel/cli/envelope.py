@@ -90,8 +90,8 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
 def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
     """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
 
-    With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
-    are assumed, of the valve's gain 30 %; --deviation) and with each pilot's arm at the grip; then with all tolerances at once.
+    With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; default: lengths 1 %, a
+    ruler's, valve gain 30 %, others 20 %; --deviation) and with each pilot's arm at the grip; then with all tolerances at once.
 
     In place of a loader also a project file, whose table [axes] names the loader of each axis: a table over them, a page for each.
 

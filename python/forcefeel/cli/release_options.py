@@ -29,8 +29,8 @@ class ReleaseOptions(LoaderOptions):
         tuple[str, ...],
         option(
             "How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of the loader file's "
-            "tolerance, or the 20 % (the valve's gain 30 %) assumed where it gives none; 'column.inertia=none' for one that is not "
-            "off at all. May be given again.",
+            "tolerance or the default (lengths 1 %, valve gain 30 %, others 20 %); 'column.inertia=none' for one that is not "
+            "off at all. Repeatable.",
             ASKED,
             metavar="NAME=SHARE|none",
         ),
