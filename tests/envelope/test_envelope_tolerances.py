@@ -71,11 +71,22 @@ def test_missing_tolerance_uses_the_marked_default():
     bare = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
     for loader in (bare, ff.elevator(), ff.elevator().replace({INERTIA: "40 lb in s^2/rad"})):
         found = deviations_of(loader)
-        assert {one.origin for one in found.values()} == {Origin.ASSUMED}
+        lengths = {"linkage.ratio", "column.base_arm", "column.grip_arm"}
+        shares = dict.fromkeys(lengths, 0.01) | {"valve.current_gain": 0.3}
         for key, one in found.items():
-            assert one.ends == pytest.approx((-0.3, 0.3) if key == "valve.current_gain" else (-0.2, 0.2))
+            assert one.origin is (Origin.RULER if key in lengths else Origin.ASSUMED)
+            assert one.size == pytest.approx(shares.get(key, 0.2))
     known = deviations_of(stating(ff.elevator(), inertia="1 %"))
     assert {key for key, one in known.items() if one.origin is Origin.FILE} == {INERTIA}
+
+
+def test_friction_and_cogging_are_among_the_cases_of_a_motor_that_has_them():
+    motor = ff.loader.electric("desktop-yoke")
+    rubs = {"column.coulomb_friction": 1.0, "motor.coulomb_friction": 0.1, "motor.cogging_torque": 0.2}
+    assert not {case.parameter for case in make_plan(motor, ("robust",), GRID).cases} & {*rubs}
+    changes = {case.parameter: case.change for case in make_plan(motor.replace(rubs, si=True), ("robust",), GRID).cases}
+    assert {key: changes[key] for key in rubs} == pytest.approx(dict.fromkeys(rubs, 0.2))
+    assert changes["transmission.travel"] == pytest.approx(0.01)
 
 
 def test_identified_tolerance_is_used_and_others_are_assumed():

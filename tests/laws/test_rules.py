@@ -1,5 +1,6 @@
 """What tunes ``robust`` from the loader: what it follows, by how much, and what it does not follow."""
 
+from dataclasses import fields, replace
 from math import pi, radians, sqrt
 
 import numpy as np
@@ -9,13 +10,18 @@ from scipy.linalg import solve_discrete_lyapunov
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
+from forcefeel.laws.law import Law
 from forcefeel.laws.sampled import design, robust_tuning
+from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.rules import Units
 from forcefeel.laws.sampled.sampled_law import SAMPLED
 from forcefeel.laws.sampled.tuning import Power, Tuning
+from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.loader.known import machine_rows
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
 from forcefeel.loader.tolerances import Distribution, Tolerance
+from forcefeel.loops import sampled_loops
 
 FEEL = [[6.8, 34.3, 1085.0]]
 SAME = 1e-6
@@ -26,6 +32,8 @@ UNHEARD = 0.01
 """Of what the feel hears of the load cell otherwise."""
 HALF = 0.5
 """Of eight light feels."""
+
+WHEELS = "elevator-electric", "aileron-wheel", "rudder-pedals", "desktop-yoke"
 
 FRICTION = "column.coulomb_friction"
 AS_QUIET = 0.2
@@ -129,6 +137,33 @@ def test_known_motor_renders_light_feels_below_load_cell_noise(motor: ff.Loader)
         shares.append(compute_few(plan).shares("robust").nominal_share)
     assert shares[0] == 1.0
     assert shares[1] <= HALF
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_motor_holds_still_under_every_arm_at_a_light_feel(name: str) -> None:
+    """The gain ``K`` of the arm's loop is two; without the exponents ``arm`` the firm arm swings at 50 to 160 Hz."""
+    motor, arms = ff.loader.electric(name), (*(ARMS[arm] for arm in (Arm.LOOSE, Arm.FIRM)), (0.8, 5.5, 30.0))
+    column, held = motor["column.inertia"], ARMS[Arm.FIRM][0] * motor["column.grip_arm"] ** 2
+    inertia = column / (1 + 2 * (column + held) / held)
+    feel = np.array([[inertia, 0.4 * 2 * pi * inertia, (2 * pi) ** 2 * inertia]])  # 1 Hz, damping ratio 0.2
+    tuning = robust_tuning(motor)
+    numbers = {row.name: getattr(tuning, row.name) for row in fields(tuning) if getattr(tuning, row.name) is not None}
+    without = replace(tuning, **{key: replace(power, arm=0.0) for key, power in numbers.items()})
+    for numbers_, stable in ((tuning, True), (without, False)):
+        law = Law.of(design(motor, feel, numbers_), motor, feel)
+        rows = motor.rows((*FEEL_SETTING, *ARM_ROWS), np.hstack([np.tile(feel, (3, 1)), np.array(arms)]))
+        loops = sampled_loops(motor, law.some(np.zeros(3, dtype=int)), rows)
+        assert loops.stable.all() == stable
+
+
+def test_arm_gain_is_that_of_the_loop_which_a_firm_arm_closes(motor: ff.Loader) -> None:
+    """Column and arm under ``F T_p``, ``F`` one: the ratio of what acts through the filter to what acts without."""
+    plant, ratio = SampledPlant.of(motor), 0.4
+    column, held = motor["column.inertia"], 3.0 * motor["column.grip_arm"] ** 2
+    # (J + m) s^2 theta = (J / I - 1) F T_p,  T_p = -m s^2 theta
+    assert plant.arm_gain(ratio) == pytest.approx((1 / ratio - 1) * held / (column + held))
+    assert plant.arm_gain(1.5) == 0.0
+    assert Power(-1.0, arm=-2.0).at(1.0, arm_gain=3.0) == pytest.approx(0.1 / 16)
 
 
 def test_tuning_depends_on_link_stretch() -> None:

@@ -29,8 +29,8 @@ class ReleaseOptions(LoaderOptions):
         tuple[str, ...],
         option(
             "Deviation of a plant parameter to either side, such as 'column.inertia=2 %', instead of the loader file's "
-            "tolerance; 'column.inertia=none' for no deviation. Default without a tolerance: 20 % assumed, valve gain 30 "
-            "%. Repeatable.",
+            "tolerance; 'column.inertia=none' for no deviation. Default without a tolerance: lengths 1 %, valve gain 30 %, "
+            "others 20 %. Repeatable.",
             ASKED,
             metavar="NAME=SHARE|none",
         ),

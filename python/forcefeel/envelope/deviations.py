@@ -1,7 +1,7 @@
 """Deviations of a machine's parameters from the loader's values, with their sources.
 
 A tolerance of the loader file sets the cases and draws of its parameter. Defaults, marked as assumed: uniform, 20 %; valve gain
-30 %. Tolerances of the built-in loaders are also assumed, as their source states.
+30 %; lengths 1 %, which a ruler measures. Tolerances of the built-in loaders are also assumed, as their source states.
 """
 
 from collections.abc import Mapping
@@ -28,20 +28,25 @@ from forcefeel.loader.parameters import (
     has,
     is_switch,
 )
-from forcefeel.loader.tolerances import ASSUMED, Distribution, Tolerance, beyond
+from forcefeel.loader.tolerances import LENGTHS, Distribution, Tolerance, assumed, beyond
 from forcefeel.units import show
 
-USUAL_CHANGE, VALVE_GAIN_CHANGE = ASSUMED, 0.3
+VALVE_GAIN_CHANGE = 0.3
 
 FRICTION = "column.coulomb_friction"
 """Friction that a law compensates; its deviation counts if the loader has friction."""
 
+_MOTOR_RUBS = ("motor.coulomb_friction", "motor.cogging_torque", "motor.cogging_torque_2")
+"""What a law cancels at the rotor; a deviation counts if the loader has it."""
+
 CHANGES: Mapping[str, float] = MappingProxyType(
-    {key: VALVE_GAIN_CHANGE if key == "valve.current_gain" else USUAL_CHANGE for key in (*PLANT_PARAMETERS, FRICTION)}
+    {key: assumed(key) for key in (*PLANT_PARAMETERS, FRICTION)} | {"valve.current_gain": VALVE_GAIN_CHANGE}
 )
 """Assumed deviation of each plant parameter, to either side. Sensor gains are calibrated; gains of the feel computer are exact."""
 
-MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys((*MOTOR_PARAMETERS, FRICTION), USUAL_CHANGE))
+MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(
+    {key: assumed(key) for key in (*MOTOR_PARAMETERS, FRICTION, *_MOTOR_RUBS)}
+)
 """Assumed deviations of an electric loader."""
 
 _IDLE = {False: {*ORIFICE.values(), "valve.rated_current"}, True: set(ORIFICE)}
@@ -56,6 +61,7 @@ class Origin(StrEnum):
 
     FILE = "loader file"
     GIVEN = "as asked"
+    RULER = "a ruler"
     ASSUMED = "assumed"
 
 
@@ -117,8 +123,12 @@ def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
     orifice = bool(loader["valve.orifice"])
     of_drive = MOTOR_CHANGES if loader.drive == ELECTRIC else CHANGES
     usual = {key: share for key, share in of_drive.items() if key not in OFF or _has_shares(loader, key)}
-    assumed = {ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
-    deviations = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
+    deviations = {
+        ORIFICE.get(key, key) if orifice else key: Deviation.within(
+            share, Origin.RULER if key in LENGTHS else Origin.ASSUMED
+        )
+        for key, share in usual.items()
+    }
     stated = {key: tolerance for key, tolerance in loader.tolerances.items() if _counts(loader, key)}
     if wrong := beyond(stated):
         raise InputError("\n".join(wrong))

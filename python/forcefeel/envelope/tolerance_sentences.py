@@ -11,6 +11,7 @@ from forcefeel.units import to_text
 _HEADINGS = {
     Origin.FILE: "Tolerances by the loader file",
     Origin.GIVEN: "Tolerances by option",
+    Origin.RULER: "Tolerances of a ruler, assumed",
     Origin.ASSUMED: "Tolerances assumed, not measured",
 }
 

@@ -2,7 +2,7 @@
 
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, MOTOR_PARAMETERS, OFF, PLANT_PARAMETERS
-from forcefeel.loader.tolerances import ASSUMED
+from forcefeel.loader.tolerances import ASSUMED, assumed
 
 ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}
 """What stands for the gains C_i, C_p where the flow follows the orifice, eq. (1)."""
@@ -51,8 +51,8 @@ def machine_rows(loader: Loader) -> tuple[str, ...]:
 def off_by(loader: Loader) -> float:
     """The largest share by which a parameter of the machine may be off.
 
-    It is that of its tolerance, and ``ASSUMED`` for one that has none. The whole loader counts as known no better than ``ASSUMED``
-    where it has any row of ``LEFT_OUT``.
+    It is that of its tolerance, and ``tolerances.assumed`` for one that has none. The whole loader counts as known no better than
+    ``ASSUMED`` where it has any row of ``LEFT_OUT``.
 
     Example:
         >>> from forcefeel.loader.known import machine_rows, off_by
@@ -68,6 +68,6 @@ def off_by(loader: Loader) -> float:
 
 def _share(loader: Loader, key: str) -> float:
     if key not in loader.tolerances:
-        return ASSUMED
+        return assumed(key)
     value = loader[key]
     return max(abs(end - value) for end in loader.tolerances[key].ends) / abs(value)

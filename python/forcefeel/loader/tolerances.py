@@ -29,6 +29,11 @@ ENDS_AT = 2.0
 ASSUMED = 0.2
 """Share to either side by which a value is assumed to be off where no tolerance is stated."""
 
+RULED = 0.01
+"""The same of a length: a ruler measures it."""
+
+LENGTHS = frozenset({"linkage.ratio", "column.base_arm", "column.grip_arm", "transmission.travel"})
+
 ZERO = "expected bounds as values with their unit, got shares of a value that is zero"
 
 
@@ -167,6 +172,17 @@ class Tolerance:
         peak = None if self.peak is None else value + (self.peak - old) * size
         deviation = None if self.deviation is None else self.deviation * size
         return replace(self, low=low, high=high, peak=peak, deviation=deviation, nominal=value)
+
+
+def assumed(key: str) -> float:
+    """Share to either side by which a parameter is assumed to be off: ``RULED`` of a length, ``ASSUMED`` of any other.
+
+    Example:
+        >>> from forcefeel.loader.tolerances import assumed
+        >>> assumed("column.grip_arm"), assumed("column.inertia")
+        (0.01, 0.2)
+    """
+    return RULED if key in LENGTHS else ASSUMED
 
 
 def _is_number(value: object) -> bool:

@@ -88,12 +88,14 @@ def readings(plant: SampledPlant) -> NDArray[np.float64]:
 
 def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
     """Covariance of what a period adds to x, T_p, d."""
-    h, places = plant.periods_per_time, plant.places
+    h, places, arm = plant.periods_per_time, plant.places, plant.arm_gain(inertia_ratio)
     covariance = np.zeros((places.held, places.held))
     n = len(plant.phi)
     # White noise of density s^2, held over the period, has the variance s^2 / h.
     covariance[:n, :n] = (
-        np.outer(plant.by_disturbance, plant.by_disturbance) * tuning.input_noise.at(inertia_ratio) ** 2 / h
+        np.outer(plant.by_disturbance, plant.by_disturbance)
+        * tuning.input_noise.at(inertia_ratio, arm_gain=arm) ** 2
+        / h
     )
     walks = {
         places.torque: tuning.torque_walk,
@@ -101,7 +103,7 @@ def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> 
         places.drive: tuning.flow_walk,
     }
     for place, walk in walks.items():
-        covariance[place, place] += walk.at(inertia_ratio) ** 2 * h
+        covariance[place, place] += walk.at(inertia_ratio, arm_gain=arm) ** 2 * h
     return covariance
 
 
@@ -109,5 +111,6 @@ def sensor_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> t
     """Noise of a sample of each trusted sensor, and which those are among F_c, x_p, theta."""
     given = (tuning.pressure_noise, tuning.piston_noise, tuning.angle_noise)
     trusted = [k for k, noise in enumerate(given) if noise is not None]
-    noises = [noise.at(inertia_ratio) for noise in given if noise is not None]
+    arm = plant.arm_gain(inertia_ratio)
+    noises = [noise.at(inertia_ratio, arm_gain=arm) for noise in given if noise is not None]
     return np.array(noises) / np.sqrt(plant.periods_per_time), trusted

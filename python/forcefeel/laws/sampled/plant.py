@@ -26,6 +26,7 @@ from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.linear.sampled_feel import delayed
+from forcefeel.loader.arms import ARMS, Arm
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.tolerances import ASSUMED
@@ -40,6 +41,11 @@ PLANT_STATES = (
     "base_velocity_m_per_s",
 )
 """The states x, in this order."""
+
+
+MOST_ARM_GAIN = 3.0
+"""Gain of an arm's loop that a design counts at most. A feel too light for that is designed more and more as for hands off: no
+design is right for both."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +180,7 @@ class SampledPlant:
         by_torque: Gamma_p, (n,).
         friction_n_m: Dry friction of the moving column, as torque on it.
         friction_off_n_m: By how much it may be off, its least and most: the file's tolerance, or an assumed one.
+        arm_share: Share of a firm arm's mass in the inertia of arm and column, ``m R_p^2 / (J + m R_p^2)``.
     """
 
     period_s: Annotated[float, SECONDS]
@@ -186,6 +193,7 @@ class SampledPlant:
     by_torque: NDArray[np.float64] = field(repr=False)
     friction_n_m: float
     friction_off_n_m: tuple[float, float]
+    arm_share: float
 
     @classmethod
     def of(cls, loader: Loader) -> "SampledPlant":
@@ -202,8 +210,32 @@ class SampledPlant:
         places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
         least, most = friction_off(loader)
         arm = loader["column.grip_arm"]
+        held = ARMS[Arm.FIRM][0] * arm**2
         known = loader[_FRICTION] * arm, (least * arm, most * arm)
-        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0], *known)
+        return cls(
+            *timing,
+            scale,
+            places,
+            phi,
+            by_held[:, 0],
+            by_command[:, 0],
+            whole[:, 0],
+            *known,
+            held / (held + loader["column.inertia"]),
+        )
+
+    def arm_gain(self, inertia_ratio: float) -> float:
+        """``K``, gain of the loop that a firm arm's mass closes over the estimate of its torque.
+
+        By the estimate ``F T_p`` the column moves as ``s^2 theta = [1 + (J / I - 1) F] T_p / J`` where inertia counts, and the arm
+        answers ``T_p = -m R_p^2 s^2 theta``, so that ``1 + K F = 0`` with
+
+            K = (J / I - 1) m R_p^2 / (J + m R_p^2)
+
+        A filter that lags by 180 deg where it still has 1 / K of its gain makes the arm swing.
+        """
+        gain = max(1 / inertia_ratio - 1, 0.0) * self.arm_share
+        return gain if gain <= MOST_ARM_GAIN else MOST_ARM_GAIN**2 / gain
 
     @property
     def periods_per_time(self) -> float:

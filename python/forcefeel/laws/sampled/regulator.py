@@ -37,13 +37,13 @@ def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float, stretch:
     Raises:
         numpy.linalg.LinAlgError: If it has no solution in double precision.
     """
-    a, b = plant.transition, plant.input[:, None]
+    a, b, arm = plant.transition, plant.input[:, None], plant.arm_gain(inertia_ratio)
     q = np.zeros_like(a)
     base, rate = plant.places.base, plant.places.base_rate
     q[base, base] = 1.0
     if tuning.rate_weight is not None:
-        q[rate, rate] = tuning.rate_weight.at(inertia_ratio, stretch)
-    r = np.array([[tuning.command_weight.at(inertia_ratio, stretch)]])
+        q[rate, rate] = tuning.rate_weight.at(inertia_ratio, stretch, arm)
+    r = np.array([[tuning.command_weight.at(inertia_ratio, stretch, arm)]])
     cost = stationary(a, b, q, r)
     gains = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
     return Regulator(gains[0], cost, residual(a, b, q, r, cost))

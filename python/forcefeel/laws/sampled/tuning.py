@@ -22,13 +22,14 @@ MOST_DECADES = 20
 
 @dataclass(frozen=True)
 class Power:
-    """The number ``10^(decades + slope log10(I / J)) [1 + STRETCHED (G / k)^2]^throw``, with I / J within ``SCHEDULED``.
+    """The number ``10^(decades + slope log10(I / J)) [1 + STRETCHED (G / k)^2]^throw (1 + K)^arm``, I / J within ``SCHEDULED``.
 
     ``G / k`` is the programmed stiffness as a share of the link's at the column: by so much of a release's angle the link is
-    stretched, and the energy in it, which goes with the square, throws the column as the hand lets go.
+    stretched, and the energy in it, which goes with the square, throws the column as the hand lets go. ``K`` is the gain of the
+    loop that an arm closes over the estimate of its torque, ``SampledPlant.arm_gain``.
 
     Raises:
-        InputError: If decades, slope or throw are beyond ``MOST_DECADES``.
+        InputError: If decades, slope, throw or arm are beyond ``MOST_DECADES``.
 
     Example:
         >>> ff.laws.Power(decades=-2.0, slope=0.5).decades
@@ -38,18 +39,19 @@ class Power:
     decades: float
     slope: float = 0.0
     throw: float = 0.0
+    arm: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("decades", "slope", "throw"):
+        for name in ("decades", "slope", "throw", "arm"):
             if not abs(getattr(self, name)) <= MOST_DECADES:
                 raise InputError(
                     f"{name}: expected a number from -{MOST_DECADES} to {MOST_DECADES}, got {getattr(self, name):g}"
                 )
 
-    def at(self, inertia_ratio: float, stretch: float = 0.0) -> float:
-        """The number for a programmed inertia of so many of the column's, and a stiffness of so many of the link's."""
+    def at(self, inertia_ratio: float, stretch: float = 0.0, arm_gain: float = 0.0) -> float:
+        """The number for a programmed inertia of so many of the column's, a stiffness of so many of the link's, and a gain K."""
         power = self.decades + self.slope * np.clip(np.log10(inertia_ratio), *SCHEDULED)
-        return float(10**power * (1 + STRETCHED * stretch**2) ** self.throw)
+        return float(10**power * (1 + STRETCHED * stretch**2) ** self.throw * (1 + arm_gain) ** self.arm)
 
     def times(self, decades: float) -> "Power":
         """The same number so many decades higher."""
