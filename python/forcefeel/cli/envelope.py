@@ -91,7 +91,8 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
     """Map the programmed feels that the loader renders: stable, and a release within the tolerances of a rule.
 
     Tests the nominal plant, each plant parameter at both limits of its tolerance, each pilot's arm at the grip, and machines with
-    all tolerances at once. Parameters without a tolerance get 20 %, lengths 1 % (a ruler's), the valve gain 30 %; change with --deviation.
+    all tolerances at once. Without a tolerance in the file: lengths 1 % (a ruler's), valve gain 30 %, others 20 %; change them
+    with --deviation.
 
     For a project file with a table [axes], writes a page for each axis and a summary of them.
 
