@@ -126,7 +126,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
     assert json.loads(run("--duration", "0.2", "--json", "--out", "other")[1])["page"] == "other/simulation.html"
     folder = tmp_path / "runs" / "first"
     assert set(_files(folder)) == WRITTEN
-    asked = "asked for by <code>forcefeel simulate elevator-1974 --input doublet --force &#39;20 lb&#39; --duration 1.5</code>"
+    asked = "created by <code>forcefeel simulate elevator-1974 --input doublet --force &#39;20 lb&#39; --duration 1.5</code>"
     assert asked in (folder / "simulation.html").read_text(encoding="utf-8")
     head, *rows = (folder / "history.csv").read_text(encoding="utf-8").splitlines()
     assert head.split(",") == [

@@ -60,7 +60,7 @@ class Origin(StrEnum):
     """Source of a deviation."""
 
     FILE = "loader file"
-    GIVEN = "as asked"
+    GIVEN = "by option"
     RULER = "a ruler"
     ASSUMED = "assumed"
 

@@ -218,7 +218,7 @@ class Law:
             settings = "1 setting" if len(self.feel) == 1 else f"{len(self.feel)} settings"
             raise InputError(
                 f"law: {self.name}{made_for} has laws for {settings} of the feel, "
-                f"none for I, B, G = {missing} (SI units); save it for the settings that are asked for, or name a design"
+                f"none for I, B, G = {missing} (SI units); save it for the requested settings, or name a design"
             )
         return self.some(np.argmax(near, axis=1))
 

@@ -79,7 +79,7 @@ def _feel(plan: SizingPlan) -> Iterator[Demand]:
         labeled = angle if stops or angle not in ends else abs(angle)
         where = f"{to_text(ANGLE.from_si(labeled, UnitSystem.SI), 3)} deg"
         name = f"feel at its stop, {where}" if angle in stops else f"feel at {where}"
-        yield _held(name, force, "the programmed feel, standing still")
+        yield _held(name, force, "the programmed feel, at rest")
 
 
 def _held(

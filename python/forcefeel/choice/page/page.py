@@ -8,7 +8,7 @@ from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.page import plots as choice_plots
 from forcefeel.choice.page import tables as choice_tables
-from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD
+from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD, LEAST_QUIET
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.json_values import json_text
 from forcefeel.page import machine
@@ -47,7 +47,12 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
         poles=choice_tables.poles(displayed[0]),
         grid=choice_tables.grid(scored, units),
         tolerances=tolerances(plan.deviations),
-        least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
+        least={
+            "gain": LEAST_GAIN,
+            "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3),
+            "close": CLOSE,
+            "quiet": LEAST_QUIET,
+        },
         holding=HOLDING,
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
         setting=[

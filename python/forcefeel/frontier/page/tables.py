@@ -172,7 +172,7 @@ def _motor(motor: MotorLimits, system: UnitSystem) -> tuple[_Row, ...]:
     known = isfinite(motor.peak_force_n)
     return (
         (
-            "Force of the motor at its largest current, standing still",
+            "Force of the motor at its largest current, at rest",
             quantity_text(motor.peak_force_n, FORCE, system, 3) if known else NONE,
             f"the settings ask for at most {share_text(motor.largest_hold)} of current or voltage at the angle of the release",
         ),

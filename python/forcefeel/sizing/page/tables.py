@@ -18,7 +18,7 @@ def demands(sizing: Sizing, units: UnitSystem) -> Table:
         )
         for demand in sizing.demands
     )
-    return Table(heads("Asked", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown_columns)), rows)
+    return Table(heads("Demand", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown_columns)), rows)
 
 
 def sources(sizing: Sizing) -> Table:
@@ -32,7 +32,7 @@ def sources(sizing: Sizing) -> Table:
         )
         for demand in sizing.demands
     )
-    return Table((Cell("Asked"), Cell("By")), rows)
+    return Table((Cell("Demand"), Cell("Source")), rows)
 
 
 def axes(cockpit: CockpitSizing, units: UnitSystem) -> Table:
