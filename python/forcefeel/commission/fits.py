@@ -1,13 +1,21 @@
 """Fits of the first step: each omits the parameters that the previous one did not determine."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from forcefeel.bench.identification.fit import identify, unseen_from_afar
+from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
-from forcefeel.commission.observability import BREAKAWAY, DRY, candidates, seen_by, with_friction
+from forcefeel.commission.observability import (
+    BREAKAWAY,
+    DRY,
+    FRICTION_CURVE,
+    STRIBECK,
+    candidates,
+    seen_by,
+    with_friction,
+)
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, CARRIED, NOTHING, UNSEEN
 from forcefeel.errors import InputError
@@ -22,6 +30,9 @@ _ROUNDING = 1e-6
 
 _NEGLIGIBLE = 0.01
 """Negligible friction, as a share of its start, the spring's force at 1 deg: it holds the column within 0.01 deg."""
+
+_FALL = frozenset({BREAKAWAY, STRIBECK})
+"""Rows of a friction that falls over a velocity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,49 +65,76 @@ def fit_what_is_seen(
     progress("observable parameters")
     start = with_friction(loader)
     observed = seen_by(start, data, candidates(start), law)
-    keys, friction_open = list(observed.fitted), DRY not in observed.fitted
-    unseen, ended, nothing = list(observed.unseen), list[str](), list[str]()
-    if friction_open:
-        keys, start = _left_out(DRY, keys, start)
-    if BREAKAWAY not in keys or BREAKAWAY in unseen_from_afar(start, data, keys, law):
-        keys, start = _left_out(BREAKAWAY, keys, start)
+    curve = [key for key in FRICTION_CURVE if key in observed.fitted]
+    keys, friction_open = [key for key in observed.fitted if key not in curve], DRY not in observed.fitted
+    unseen, carried = (
+        [key for key in rows if key not in FRICTION_CURVE] for rows in (observed.unseen, observed.carried)
+    )
+    ended, nothing = list[str](), list[str]()
+    even = _without(start, (DRY, *FRICTION_CURVE) if friction_open else FRICTION_CURVE)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
-        try:
-            identification = identify(start, data, keys, law=law, starts=plan.starts)
-        except InputError as error:
-            # An undetermined breakaway keeps its start value, and may lie below the dry friction.
-            if BREAKAWAY not in keys or BREAKAWAY not in str(error):
-                raise
-            keys, start = _left_out(BREAKAWAY, keys, start)
-            identification = identify(start, data, keys, law=law, starts=plan.starts)
+        identification = identify(even, data, keys, law=law, starts=plan.starts)
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}
-        none = [key for key, estimate in status.items() if key in (DRY, BREAKAWAY) and _is_none(estimate)]
+        none = [key for key, estimate in status.items() if key == DRY and _is_none(estimate)]
         weak = [key for key, estimate in status.items() if _is_open(estimate)]
-        if BREAKAWAY in weak:
-            weak = [BREAKAWAY]  # its jumps leave others undetermined too, which are determined without it
         at_end = [key for key, estimate in status.items() if _at_end(estimate, loader[key])]
-        if not (none or weak or at_end) or len(none) + len(weak) + len(at_end) == len(keys):
+        out = {*none, *weak, *at_end}
+        if not out or len(out) == len(keys):
             break
         friction_open |= DRY in weak and DRY not in none
-        unseen += [key for key in weak if key not in (DRY, BREAKAWAY)]
+        unseen += [key for key in weak if key != DRY]
         ended += at_end
-        nothing += {DRY} & set(none)
-        for key in {*none, *weak, *at_end}:
-            keys, start = _left_out(key, keys, start)
-    return Fits(
-        identification, {CARRIED: observed.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open
-    )
+        nothing += none
+        keys = [key for key in keys if key not in out]
+        even = _without(even, (DRY,) if DRY in out else ())
+    if DRY in keys and identification.loader is not None and curve:
+        progress(f"fit of {len(curve)} parameters of friction")
+        identification = _curved(identification, _without(start, set(FRICTION_CURVE) - set(curve)), curve, data, law)
+    return Fits(identification, {CARRIED: carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open)
 
 
-def _left_out(key: str, keys: Sequence[str], loader: Loader) -> tuple[list[str], Loader]:
-    """The fitted keys and the loader without a parameter; without friction there is no breakaway force."""
-    out = (DRY, BREAKAWAY) if key == DRY else (key,)
-    rest = [key for key in keys if key not in out]
-    if key not in (DRY, BREAKAWAY):
-        return rest, loader
-    bare = loader.with_tolerances(dict.fromkeys(row for row in out if row in loader.tolerances))
-    return rest, bare.replace(dict.fromkeys(out))
+def _curved(
+    even: Identification,
+    start: Loader,
+    curve: Sequence[str],
+    data: Sequence[Response | BenchRecord],
+    law: Law | None,
+) -> Identification:
+    """The fit with those rows of the friction's curve that the data determine; the one without where they determine none.
+
+    A breakaway stays with its Stribeck velocity alone: a fall over a velocity that is read as a jump has another breakaway, and a
+    standard error that is far too small.
+    """
+    begin = {estimate.unknown.key: estimate.value for estimate in even.estimates}
+    for _ in range(_ROUNDS):
+        if not curve:
+            return even
+        try:
+            identification = identify(start, data, [*begin, *curve], law=law, starts=1, begin=begin)
+        except InputError:  # an undetermined curve may lie beyond what a loader may have
+            return even
+        status = {estimate.unknown.key: estimate for estimate in identification.estimates}
+        kept = [key for key in curve if _is_shown(status[key])]
+        if not set(kept) >= _FALL and _FALL & set(curve):
+            # Its jumps leave others undetermined too, which are determined without it.
+            kept = [key for key in curve if key not in _FALL]
+        if kept == list(curve):
+            return identification if identification.loader is not None else even
+        start, curve = _without(start, set(curve) - set(kept)), kept
+    return even
+
+
+def _without(loader: Loader, rows: Collection[str]) -> Loader:
+    """The loader without these rows and their tolerances."""
+    stated = [key for key in rows if loader[key]] if rows else []
+    bare = loader.with_tolerances(dict.fromkeys(key for key in stated if key in loader.tolerances))
+    return bare.replace(dict.fromkeys(stated))
+
+
+def _is_shown(estimate: Estimate) -> bool:
+    """Whether the data determine a row, with an interval that excludes zero."""
+    return estimate.status is Status.DETERMINED and not estimate.low <= 0 <= estimate.high
 
 
 def _is_none(estimate: Estimate) -> bool:
@@ -106,7 +144,7 @@ def _is_none(estimate: Estimate) -> bool:
 
 def _is_open(estimate: Estimate) -> bool:
     """Whether the data leave a parameter undetermined; for a friction, between absent and present."""
-    dry = estimate.unknown.key in (DRY, BREAKAWAY)
+    dry = estimate.unknown.key == DRY
     return estimate.status is Status.UNDETERMINED or (dry and estimate.low <= 0 and not _is_none(estimate))
 
 

@@ -28,6 +28,10 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 
 DRY, BREAKAWAY = "column.coulomb_friction", "column.static_friction"
+STRIBECK, ASYMMETRY, SEALS = "column.stribeck_velocity", "column.friction_asymmetry", "actuator.seal_friction"
+
+FRICTION_CURVE = (BREAKAWAY, STRIBECK, ASYMMETRY, SEALS)
+"""Rows that tell friction as it is from one that is the same at every speed, either way."""
 
 _LAST = ("actuator.area", "actuator.bulk_modulus", "column.base_arm", "column.grip_arm")
 """Rows known by measurement or data sheet, fitted last."""
@@ -50,6 +54,9 @@ _FRICTION_AT_RAD = radians(1.0)
 
 _BREAKAWAY_SHARE = 1.2
 """Breakaway in the dry friction, where the search begins."""
+
+_STRIBECK_RAD_PER_S, _ASYMMETRY, _SEALS_SHARE = 0.05, 0.1, 0.3
+"""Where the search for these begins; of the seals a share of the dry friction, at the piston."""
 
 
 @dataclass(frozen=True)
@@ -79,16 +86,26 @@ def with_friction(loader: Loader) -> Loader:
     typical = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
     dry = bare[DRY] if with_tolerance and bare[DRY] else max(bare[DRY], typical)
     breakaway = bare[BREAKAWAY] if with_tolerance and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
-    return bare.replace({DRY: dry, BREAKAWAY: breakaway}, si=True)
+    lever = bare["column.grip_arm"] / (bare["linkage.ratio"] * bare["column.base_arm"])
+    begins = {
+        DRY: dry,
+        BREAKAWAY: breakaway,
+        STRIBECK: bare[STRIBECK] or _STRIBECK_RAD_PER_S,
+        ASYMMETRY: bare[ASYMMETRY] or _ASYMMETRY,
+    }
+    if bare.drive != ELECTRIC:
+        begins[SEALS] = bare[SEALS] or _SEALS_SHARE * dry * lever
+    return bare.replace(begins, si=True)
 
 
 def candidates(loader: Loader) -> tuple[str, ...]:
     """Candidate parameters of a loader with friction, in order of importance to a law."""
-    elsewhere = ("load_cell", "potentiometer", DRY, BREAKAWAY)
+    elsewhere = ("load_cell", "potentiometer", DRY, *FRICTION_CURVE)
     plant = [key for key in deviations_of(loader) if loader[key] and not key.startswith(elsewhere)]
     more = [key for key in _MOTOR_FRICTION if loader.drive == ELECTRIC and loader[key]]
     first = [key for key in plant if key not in _LAST and key not in more]
-    return (DRY, *first, *more, BREAKAWAY, *(key for key in _LAST if key in plant))
+    curve = (key for key in FRICTION_CURVE if loader[key])
+    return (DRY, *first, *more, *curve, *(key for key in _LAST if key in plant))
 
 
 def seen_by(

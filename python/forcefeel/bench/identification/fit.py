@@ -1,6 +1,6 @@
 """A loader from bench data."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -49,6 +49,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     *,
     law: LawLike = None,
     starts: int = 5,
+    begin: Mapping[str, float] | None = None,
     loss: Loss = "huber",
     priors: bool = True,
     as_responses: bool = False,
@@ -65,6 +66,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``, of a motor ``"K_t,J_m,k,c,J"``.
         law: The law of the whole loader in the data; default, the original loop, or ``robust`` for a motor.
         starts: Number of starts of the search: the file's values, then others within tolerance.
+        begin: Values of the first start by row, SI units, such as those of another fit; default, the file's.
         loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
         priors: Whether normal tolerances are priors.
         as_responses: Convert records into frequency responses first, and use only the linear model.
@@ -112,7 +114,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         _suspect(loader, law, measurement, responses)
     problem = Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in used], loss, priors)
     _check_points(problem)
-    optimum, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
+    first = np.array([(begin or {}).get(unknown.key, unknown.nominal) for unknown in unknowns])
+    optimum, confidence, ends = search(problem, (first, starts), progress or (lambda done, total: None))
     estimates = _estimates(unknowns, problem, optimum, confidence)
     estimated_loader = _at_estimates(loader, estimates)
     compared = (
@@ -130,7 +133,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
         rigid=rigid,
-        notes=(*notes, *_beside(data), *_made_for_another(law, loader)),
+        notes=(*notes, *_beside(data), *_jump(keys), *_made_for_another(law, loader)),
     )
     if identified.determined:
         sound = explained(identified.fitted) and identified.within_bounds
@@ -164,6 +167,15 @@ def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
     )
     sentence = f"{GRIP_FORCE} measures the hand and is not compared. To identify the sensor at the grip, run forcefeel commission."
     return (sentence,) * gripped
+
+
+def _jump(keys: Sequence[str]) -> tuple[str, ...]:
+    """A remark on a breakaway that is fitted as a jump."""
+    sentence = (
+        "The standard error of F_s holds only if the friction falls from breakaway at once. One that falls over a velocity reads "
+        "as another breakaway: state column.stribeck_velocity and fit omega_s too."
+    )
+    return (sentence,) * ("column.static_friction" in keys and "column.stribeck_velocity" not in keys)
 
 
 def _check_valve(

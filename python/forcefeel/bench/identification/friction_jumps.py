@@ -19,7 +19,7 @@ from forcefeel.bench.identification.problem import Optimum, Problem
 
 _SIDES = (-1.0, 1.0)
 
-_FAR = (4.0, 16.0, 64.0)
+_FAR = (4.0, 16.0, 64.0, 256.0, 1024.0)
 """Distances of the evaluated points in standard errors; the next if the jags still dominate at the last."""
 
 _BLIND = 0.01

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel.bench.identification.confidence import Confidence, confidence_of
 from forcefeel.bench.identification.friction_jumps import surroundings
@@ -29,20 +30,22 @@ _DROP, _MOST_DESCENTS = 1.0, 4
 
 
 def search(
-    problem: Problem, count: int, progress: Callable[[int, int], None]
+    problem: Problem, begin: tuple[NDArray[np.float64], int], progress: Callable[[int, int], None]
 ) -> tuple[Optimum, Confidence, tuple[Ended, ...]]:
     """The best optimum, its confidence and the end of each start.
 
     Args:
         problem: Data and unknowns.
-        count: Number of starts.
+        begin: Values of the first start, SI units, and the number of starts.
         progress: Called with the number of finished searches and of all.
 
     Raises:
         InputError: If the model diverges at every start.
     """
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
+    first, count = begin
     start_values = starts(problem.unknowns, count)
+    start_values[0] = first
     reached: list[tuple[int, Optimum]] = []
     for k, values in enumerate(start_values):
         progress(k, count + 1)

@@ -1,0 +1,43 @@
+"""Friction by speed, direction and place, as a record determines it."""
+
+import math
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.bench.identification.fit import identify
+from forcefeel.commission.fits import _curved, _without
+from forcefeel.commission.observability import ASYMMETRY, BREAKAWAY, DRY, FRICTION_CURVE, SEALS, STRIBECK, with_friction
+from forcefeel.commission.simulated_bench import BenchTime, simulated_records
+
+FEW = ["column.inertia", DRY]
+ENCODER = dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), math.tau / 2**20)
+NEAR = 0.1  # relative; of a record of 12 s
+
+
+def fitted(friction):
+    """Fits of a machine of this friction with and without its curve, and the machine."""
+    loader = ff.digital_elevator().replace(ENCODER, si=True)
+    loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
+    truth = loader.replace(friction)
+    data = simulated_records(loader, truth, BenchTime(time_s=12.0))
+    start = with_friction(loader)
+    even = identify(_without(start, FRICTION_CURVE), data, FEW, starts=1)
+    return even, _curved(even, start, FRICTION_CURVE, data, None), truth
+
+
+def test_seals_are_identified_and_a_fall_is_never_read_as_a_jump():
+    _, curved, truth = fitted({DRY: "1.4 lb", BREAKAWAY: "1.4 lb", SEALS: "10 lb"})
+    found = {estimate.unknown.key: estimate for estimate in curved.estimates}
+    assert SEALS in found
+    assert (BREAKAWAY in found) == (STRIBECK in found)
+    for key in (DRY, SEALS):
+        assert found[key].value == pytest.approx(truth[key], rel=NEAR)
+
+
+def test_even_friction_gets_no_curve():
+    even, curved, truth = fitted({DRY: "1.4 lb", BREAKAWAY: "1.4 lb"})
+    found = {estimate.unknown.key: estimate.value for estimate in curved.estimates}
+    assert not {BREAKAWAY, STRIBECK, ASYMMETRY, SEALS} & set(found)
+    assert found[DRY] == pytest.approx(truth[DRY], rel=NEAR)
+    assert even.loader is not None
