@@ -17,8 +17,8 @@ DRIFT = 0.2
 this 80 to 98 %. A friction that stays costs 0 to 5 % by it."""
 
 _SLOW = 0.6
-"""Least tolerance of the Stribeck velocity. Noise of the controller's sensors shakes a slow column, and 1e-5 of the motion
-that the model misses moves the estimate along ``(F_s - F_c) omega_s``: by up to 31 %, and the breakaway by up to 11 %."""
+"""Least tolerance of the Stribeck velocity. On three machines of an independent integrator it was off by up to 31 %, the breakaway
+by up to 11 %, six to eight of their standard errors. The cause is not known: the noise of the sensors explains a fifth of it."""
 
 _LEAST = {
     DRY: DRIFT,
