@@ -106,10 +106,8 @@ _ARM: Mapping[str, Mapping[str, float]] = MappingProxyType(
 )
 """Exponents ``arm``: where a firm arm closes a loop of gain ``K`` over the estimate of its torque, ``SampledPlant.arm_gain``, the
 torque is believed to change slower and the column's angle more. Both take lag from the filter where it still has ``1 / K`` of
-its gain. Found by search over four of the built-in motors with every arm, with J within 1 %."""
-
-_ARM_KNOWN = 0.6
-"""Share of those exponents on a machine that is known: with all of them a filter without load cell has no double precision."""
+its gain. Found by search over four of the built-in motors with every arm, with J within 1 %. A machine that is known has none of
+them: without its load cell there is no such filter in double precision."""
 
 _UNDECLARED = {"load_cell": 3e-5, "column_sensor": 7e-7}
 """Noise of a sample where the loader declares none, as a share of the largest force and in rad: that of the sensors of
@@ -198,7 +196,7 @@ def robust_tuning(loader: Loader) -> Tuning:
     knowledge = _knowledge(loader)
     numbers = _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], knowledge)
     if not has_grip_sensor(loader):
-        numbers = _bearing_arms(numbers, loader, 1 - (1 - _ARM_KNOWN) * knowledge)
+        numbers = _bearing_arms(numbers, loader, 1 - knowledge)
     tuning = _in_units(loader, numbers)
     return replace(tuning, torque_walk=tuning.torque_walk.times(_slower(loader)))
 
