@@ -169,7 +169,10 @@ command, and with it settings of other loaders."""
 
 
 def agile_tuning(loader: Loader) -> Tuning:
-    """The weights and noises of ``agile`` for a loader with a valve; errors as ``robust_tuning``.
+    """The weights and noises of ``agile`` for a loader; errors as ``robust_tuning``.
+
+    Of a motor they are those of ``robust`` for a machine that may be off by as much as is assumed, however well it is known: they
+    keep the load cell, which tells what an arm takes of the drive's torque.
 
     Example:
         >>> from forcefeel.laws.sampled.rules import agile_tuning, robust_tuning
@@ -177,6 +180,8 @@ def agile_tuning(loader: Loader) -> Tuning:
         >>> agile_tuning(loader).torque_walk.decades > robust_tuning(loader).torque_walk.decades
         True
     """
+    if loader.drive == ELECTRIC:
+        return _in_units(loader, _bearing_arms(_NUMBERS[ELECTRIC], loader, 1.0))
     return _in_units(loader, _AGILE)
 
 
