@@ -26,7 +26,7 @@ CONVERGED = 1e-4
 
 
 def test_motor_laws_exclude_those_for_a_valve():
-    assert names_for(ELECTRIC) == ("load-cell", "observer", "recovered", "h-infinity", "robust", "torque-mode")
+    assert names_for(ELECTRIC) == ("load-cell", "observer", "recovered", "h-infinity", "robust", "agile", "torque-mode")
     assert Law.of(None, ELECTRIC).name == "robust"
 
 

@@ -8,7 +8,9 @@ import pytest
 from scipy.linalg import solve_discrete_lyapunov
 
 import forcefeel as ff
+from forcefeel.envelope.cases import REFERENCE_ARMS
 from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.result import UNSTABLE
 from forcefeel.envelope.run import compute_few
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled import design, robust_tuning
@@ -154,6 +156,16 @@ def test_motor_holds_still_under_every_arm_at_a_light_feel(name: str) -> None:
         rows = motor.rows((*FEEL_SETTING, *ARM_ROWS), np.hstack([np.tile(feel, (3, 1)), np.array(arms)]))
         loops = sampled_loops(motor, law.some(np.zeros(3, dtype=int)), rows)
         assert loops.stable.all() == stable
+
+
+def test_agile_law_of_a_known_stick_bears_a_firm_arm_where_robust_swings() -> None:
+    stick = known(ff.loader.electric("sidestick-pitch"), 0.01)
+    grid = {"stiffness": "30, 100 %", "frequency": "1, 4 Hz", "damping": "0.4, 1.2"}
+    firm = [arm for arm in REFERENCE_ARMS if arm.name == Arm.FIRM]
+    found = compute_few(make_plan(stick, ["robust", "agile"], grid, changes={}, arms=firm))
+    stable = {law: (found.codes(law)[-1] != found.outcomes.index(UNSTABLE)).mean() for law in found.laws}
+    assert stable["agile"] == 1.0
+    assert stable["robust"] <= HALF
 
 
 def test_arm_gain_is_that_of_the_loop_which_a_firm_arm_closes(motor: ff.Loader) -> None:

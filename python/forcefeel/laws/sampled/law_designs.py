@@ -1,7 +1,7 @@
 """The methods by name: what each is, and its law for any settings of a loader."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from types import MappingProxyType
 
@@ -15,7 +15,7 @@ from forcefeel.laws.sampled.rules import GRIP_BY_FREQUENCY, agile_tuning, grip_t
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
+from forcefeel.loader.parameters import DRIVES, ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import show
 
@@ -98,13 +98,10 @@ _LAW_DESIGNS = (
         "the observer design without the potentiometer, weights and noises by the loader's lag, inertia and declared noises",
         _robust,
     ),
-    replace(
-        tuned(
-            "agile",
-            "the robust design with a faster filter: bears a hand's arm better, noise worse; for parts known to a per cent",
-            agile_tuning,
-        ),
-        drives=(HYDRAULIC,),
+    tuned(
+        "agile",
+        "the robust design with another filter: bears a hand's arm better, noise worse; for parts known to a per cent",
+        agile_tuning,
     ),
     LawDesign(
         GRIP,

@@ -43,9 +43,9 @@ PLANT_STATES = (
 """The states x, in this order."""
 
 
-MOST_ARM_GAIN = 3.0
-"""Gain of an arm's loop that a design counts at most. A feel too light for that is designed more and more as for hands off: no
-design is right for both."""
+MOST_ARM_GAIN, BEYOND = 4.0, -3
+"""Gain of an arm's loop that a design counts at most, and the power by which it counts less beyond: no filter that is tried bears
+more, and a feel as light as that is rendered hands off."""
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ class SampledPlant:
         A filter that lags by 180 deg where it still has 1 / K of its gain makes the arm swing.
         """
         gain = max(1 / inertia_ratio - 1, 0.0) * self.arm_share
-        return gain if gain <= MOST_ARM_GAIN else MOST_ARM_GAIN**2 / gain
+        return gain if gain <= MOST_ARM_GAIN else MOST_ARM_GAIN * (gain / MOST_ARM_GAIN) ** BEYOND
 
     @property
     def periods_per_time(self) -> float:
