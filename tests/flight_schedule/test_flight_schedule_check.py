@@ -244,3 +244,12 @@ def test_a_place_that_swings_on_in_contact_does_not_count() -> None:
         for given in (schedule, alone)
     ]
     assert outcomes == [{PASSES}, {SWINGS_ON}]
+
+
+def test_a_schedule_whose_releases_all_fail_is_checked() -> None:
+    """Feels of an elevator, which the motor of a sidestick does not hold."""
+    axis = ScheduleAxis("pressure", "lb/ft^2", (50, 100))
+    feel = second_order_feel(np.array([3000.0, 6000.0]), [1.0, 1.5], 0.6)
+    schedule = design_schedule(ff.loader.electric("sidestick-pitch"), [axis], feel)
+    outcomes = [release.outcome for release in check_schedule(schedule, 2, changes={}, arms=()).releases]
+    assert not {PASSES, SWINGS_ON} & set(outcomes)

@@ -63,8 +63,8 @@ class ReleaseTest:
             for chunk in record.chunks(len(which)):
                 some = which[chunk]
                 outcome[some] = self._judged(loader, feel[some], laws.some(some), record, threads)
-        good = np.flatnonzero(outcome == PASSES)
-        outcome[good[_swing_on(loader, feel[good], laws.some(good), threads)]] = SWINGS_ON
+        if len(good := np.flatnonzero(outcome == PASSES)):
+            outcome[good[_swing_on(loader, feel[good], laws.some(good), threads)]] = SWINGS_ON
         return outcome.tolist()
 
     def _judged(
@@ -90,8 +90,6 @@ class ReleaseTest:
 
 def _swing_on(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> NDArray[np.bool_]:
     """Whether each setting swings on in a contact."""
-    if not len(feel):
-        return np.zeros(0, dtype=np.bool_)
     law = Law.of(laws, loader)
     swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
     return np.asarray(np.any(swings, axis=0))
