@@ -127,7 +127,7 @@ def _curved(
 
 def _without(loader: Loader, rows: Collection[str]) -> Loader:
     """The loader without these rows and their tolerances."""
-    stated = [key for key in rows if loader[key]] if rows else []
+    stated = [key for key in rows if loader[key]]
     bare = loader.with_tolerances(dict.fromkeys(key for key in stated if key in loader.tolerances))
     return bare.replace(dict.fromkeys(stated))
 

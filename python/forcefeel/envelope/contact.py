@@ -168,3 +168,11 @@ def swings_on(
     quarter = np.ceil(4 * (duration - runs["time_s"].to_numpy()) / duration)  # from the end, which is 0
     before, after = (np.ptp(held[:, quarter == k], axis=1) for k in (2, 1))
     return diverged | ((after >= QUIET_N) & (after > DECAYED * before)), np.abs(held).max(axis=1)
+
+
+def swings_on_in_few(
+    loader: Loader, law: Law, feel: NDArray[np.float64], *, threads: int | None = None
+) -> NDArray[np.bool_]:
+    """Whether each setting swings on in any of ``FEW_CONTACTS``; arguments as in ``swings_on``."""
+    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
+    return np.asarray(np.any(swings, axis=0))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.envelope.cases import NOMINAL
-from forcefeel.envelope.contact import FEW_CONTACTS, swings_on
+from forcefeel.envelope.contact import swings_on_in_few
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
@@ -64,7 +64,8 @@ class ReleaseTest:
                 some = which[chunk]
                 outcome[some] = self._judged(loader, feel[some], laws.some(some), record, threads)
         if len(good := np.flatnonzero(outcome == PASSES)):
-            outcome[good[_swing_on(loader, feel[good], laws.some(good), threads)]] = SWINGS_ON
+            law = Law.of(laws.some(good), loader)
+            outcome[good[swings_on_in_few(loader, law, feel[good], threads=threads)]] = SWINGS_ON
         return outcome.tolist()
 
     def _judged(
@@ -86,13 +87,6 @@ class ReleaseTest:
             DIVERGES if gone else PASSES if good else verdicts.names[first]
             for gone, good, first in zip(diverged, verdicts.passed, verdicts.first_failing, strict=True)
         ]
-
-
-def _swing_on(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> NDArray[np.bool_]:
-    """Whether each setting swings on in a contact."""
-    law = Law.of(laws, loader)
-    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
-    return np.asarray(np.any(swings, axis=0))
 
 
 def _record(frequency: float, damping: float, period_s: float) -> Record:
