@@ -8,6 +8,8 @@ import hashlib
 import os
 import secrets
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 
@@ -181,8 +183,9 @@ def _size(size: int) -> str:
     return f"{size / 2**20:.4g} MB" if size >= 2**20 else f"{size} bytes"
 
 
-def write_whole(path: Path, contents: str | bytes) -> None:
-    """Writes ``contents``, text in UTF-8, to ``path``, never half of it, with the rights that the umask leaves.
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A path beside ``path`` to write to, which takes its place at the end, and is removed on an error.
 
     Raises:
         InputError: As ``check_output_file``, or if the folder is not there or cannot be written.
@@ -190,14 +193,23 @@ def write_whole(path: Path, contents: str | bytes) -> None:
     check_output_file(path)
     aside = path.with_name(f".{part_of_name(path.name)}.{secrets.token_hex(TOKEN_BYTES)}")
     try:
-        with aside.open("xb") as file:
-            file.write(contents.encode() if isinstance(contents, str) else contents)
+        yield aside
         aside.replace(path)
     except OSError as error:
         aside.unlink(missing_ok=True)
         raise InputError(
-            f"{path}: cannot be written ({error.strerror}); expected a writable folder {path.parent}"
+            f"{path}: cannot be written ({_reason(error)}); expected a writable folder {path.parent}"
         ) from error
     except BaseException:
         aside.unlink(missing_ok=True)
         raise
+
+
+def write_whole(path: Path, contents: str | bytes) -> None:
+    """Writes ``contents``, text in UTF-8, to ``path``, never half of it, with the rights that the umask leaves.
+
+    Raises:
+        InputError: As ``written_whole``.
+    """
+    with written_whole(path) as aside, aside.open("xb") as file:
+        file.write(contents.encode() if isinstance(contents, str) else contents)

@@ -20,7 +20,7 @@ from forcefeel.simulation.outcome import MEASURES, RunStatus
 from forcefeel.sweep import Sweep, run_sweep, text
 from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.findings import main_measures, sweep_conclusions
-from forcefeel.sweep.result import IMPOSSIBLE
+from forcefeel.sweep.result import IMPOSSIBLE, SweepResult
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import QUANTILES, summarize
 from forcefeel.units import UnitSystem
@@ -166,7 +166,7 @@ def test_results_are_labeled():
     assert found["linkage.stiffness"].attrs["units"] == "N/m"
     assert found["linkage.stiffness"].dims == ("run",)
     assert found["final_angle_rad"].attrs["units"] == "rad"
-    assert set(map(str, found.coords)) == {"run", *nonlinear().tolerances}
+    assert set(map(str, found.coords)) == {*nonlinear().tolerances}
 
 
 def test_fixed_law_is_used_for_all_machines():
@@ -229,6 +229,18 @@ def test_quantiles_and_correlations_match_scipy(result):
             assert float(summary.correlations.sel(measure=name, parameter=key)) == pytest.approx(want, abs=ROUNDING)
     noise = scipy.stats.norm.ppf(0.975) / math.sqrt(1499)
     assert summary.chance == pytest.approx(noise, rel=ROUNDING)
+
+
+def test_large_sweep_is_correlated_over_evenly_spread_runs(result, monkeypatch):
+    monkeypatch.setattr("forcefeel.sweep.result.SAMPLE_RUNS", 499)
+    few = result.runs.isel(run=slice(None, None, 4))
+    correlated = summarize(SweepResult(result.sweep, result.runs))
+    want = scipy.stats.spearmanr(few["overshoot"].values, few["column.inertia"].values).statistic
+    assert few.sizes["run"] == 375
+    assert float(correlated.correlations.sel(measure="overshoot", parameter="column.inertia")) == pytest.approx(
+        want, abs=ROUNDING
+    )
+    assert correlated.chance == pytest.approx(scipy.stats.norm.ppf(0.975) / math.sqrt(374), rel=ROUNDING)
 
 
 def test_shares_have_wilson_interval(result):

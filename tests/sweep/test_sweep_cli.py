@@ -104,7 +104,7 @@ def test_a_grid_makes_a_map(run, tmp_path):
     page = (tmp_path / "map" / "sweep.html").read_text(encoding="utf-8")
     assert 'id="map-stability"' in page
     assert not (tmp_path / "map" / "envelope.csv").exists()
-    assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="scipy").sizes == {"run": 20}
+    assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="h5netcdf").sizes == {"run": 20}
 
 
 def test_law_is_designed_for_each_setting(run, tmp_path):
@@ -114,7 +114,7 @@ def test_law_is_designed_for_each_setting(run, tmp_path):
         status, out, err = run("my.toml", *words, "--law", "published", *more, "--out", name)
         assert (status, err) == (0, "")
         assert "page:" in out
-        found[name] = xr.load_dataset(tmp_path / name / "runs.nc", engine="scipy")["maximum_angle_rad"].values
+        found[name] = xr.load_dataset(tmp_path / name / "runs.nc", engine="h5netcdf")["maximum_angle_rad"].values
     assert np.abs(found["one"] / found["own"] - 1).max() > 0.01
     page = (tmp_path / "own" / "sweep.html").read_text(encoding="utf-8")
     assert "designed anew for each setting of the feel" in page
@@ -134,7 +134,7 @@ def test_runs_are_repeated_at_each_grid_point(run):
 def test_seed_option_sets_sweep_seed(run, tmp_path):
     for seed in ("0", "1"):
         assert run(*small("--seed", seed, "--out", seed))[0] == 0
-    runs = [xr.load_dataset(tmp_path / seed / "runs.nc", engine="scipy") for seed in ("0", "1")]
+    runs = [xr.load_dataset(tmp_path / seed / "runs.nc", engine="h5netcdf") for seed in ("0", "1")]
     assert not runs[0]["linkage.stiffness"].equals(runs[1]["linkage.stiffness"])
 
 

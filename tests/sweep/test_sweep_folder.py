@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import json
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from forcefeel.loader.parameters import table
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import Recorded, Step
 from forcefeel.sweep import Sweep, chunk, folder, identity, run_sweep
+from forcefeel.sweep.summary import summarize
 from tests.sweeps import PUSH, nonlinear, small
 
 
@@ -62,7 +64,7 @@ def test_plan_lists_rows_of_drive():
 
 def test_units_and_coordinates_round_trip_through_file(tmp_path, whole):
     run_sweep(small(), tmp_path)
-    stored = xr.load_dataset(io.BytesIO((tmp_path / "runs.nc").read_bytes()), engine="scipy")
+    stored = xr.load_dataset(tmp_path / "runs.nc", engine="h5netcdf")
     assert set(stored.coords) == set(whole.coords)
     for name, values in whole.variables.items():
         assert stored[name].attrs == values.attrs, name
@@ -107,7 +109,7 @@ def test_finished_sweep_is_read_and_not_repeated(tmp_path, whole, monkeypatch):
 
 
 def test_an_interruption_before_the_results_loses_nothing(tmp_path, whole, monkeypatch):
-    def fail(self, runs):
+    def fail(self):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
@@ -273,7 +275,7 @@ def test_a_seed_of_any_size_is_kept(tmp_path):
     sweep = small(8, seed=2**63 - 1)
     found = run_sweep(sweep, tmp_path)
     assert run_sweep(sweep, tmp_path, resume=True).runs.identical(found.runs)
-    with xr.open_dataset(tmp_path / "runs.nc", engine="scipy") as stored:
+    with xr.open_dataset(tmp_path / "runs.nc", engine="h5netcdf") as stored:
         assert stored.attrs["seed"] == "9223372036854775807"
 
 
@@ -338,3 +340,30 @@ def test_long_recording_is_identified_by_hash():
     assert plans[0]["scenario"]["force"]["force_n"]["numbers"] == 500
     found = identity.differences(*plans)
     assert [line.partition(":")[0] for line in found] == ["scenario.force.force_n.sha256"]
+
+
+def test_memory_stays_flat(tmp_path, monkeypatch):
+    """A run of a sweep in a folder adds no more than the columns that its summary reads one by one; 400 bytes in memory."""
+    monkeypatch.setattr("forcefeel.sweep.plan._CHUNK_RUNS", 2000)
+    monkeypatch.setattr("forcefeel.sweep.result.SAMPLE_RUNS", 1000)
+
+    def peak(runs: int) -> int:
+        sweep = Sweep(ff.elevator(), Scenario(Step(100.0), duration_s=0.02), runs=runs)
+        tracemalloc.start()
+        try:
+            summarize(run_sweep(sweep, tmp_path / str(runs), threads=1))
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    peak(2000)  # what is imported on the way
+    few, many = 32_000, 64_000  # both of full chunks
+    assert (peak(many) - peak(few)) / (many - few) < 40
+
+
+def test_results_that_miss_runs_are_refused(tmp_path):
+    run_sweep(small(8), tmp_path / "other")
+    run_sweep(small(), tmp_path)
+    (tmp_path / "runs.nc").write_bytes((tmp_path / "other" / "runs.nc").read_bytes())
+    with pytest.raises(InputError, match=r"runs\.nc: does not hold the 400 runs; --replace to begin anew"):
+        run_sweep(small(), tmp_path, resume=True)

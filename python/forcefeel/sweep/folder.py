@@ -15,11 +15,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.files import check_output_file, make_folder, write_whole
+from forcefeel.files import check_output_file, make_folder, write_whole, written_whole
 from forcefeel.json_values import json_text
 from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.identity import differences, digest, identity
 from forcefeel.sweep.plan import Sweep
+from forcefeel.sweep.result import STATUSES, SweepResult, as_dataset
 from forcefeel.units import show
 
 PLAN, CHUNKS, RUNS = "plan.json", "chunks", "runs.nc"
@@ -164,43 +165,26 @@ class Folder:
     def _chunk(self, index: int) -> Path:
         return self.path / CHUNKS / f"{index:05d}.npy"
 
-    @property
-    def _measures(self) -> tuple[str, ...]:
-        return tuple(measures_of(self.sweep.loader.drive))
-
     def keep(self, index: int, measured: NDArray[np.float64]) -> None:
         """Write a finished chunk, whole."""
         data = io.BytesIO()
         np.save(data, measured)
         write_whole(self._chunk(index), data.getvalue())
 
-    def kept(self) -> dict[int, NDArray[np.float64]]:
-        """The finished chunks by index, without damaged ones."""
+    def kept(self) -> set[int]:
+        """Indexes of the finished chunks, without damaged ones; all of a sweep with results."""
         if self.finished:
-            return self._all_kept()
-        chunks = {}
-        for index, runs in enumerate(self.sweep.chunks):
-            try:
-                measured = np.load(self._chunk(index), allow_pickle=False)
-            except (OSError, ValueError, EOFError):
-                continue
-            if measured.shape == (len(runs), len(self._measures)) and measured.dtype == np.float64:
-                chunks[index] = measured
-        return chunks
+            return set(range(len(self.sweep.chunks)))
+        return {index for index in range(len(self.sweep.chunks)) if self._stored(index) is not None}
 
-    def _all_kept(self) -> dict[int, NDArray[np.float64]]:
-        """The chunks of a finished sweep, from its results."""
-        folder = self.path / RUNS
+    def _stored(self, index: int) -> NDArray[np.float64] | None:
+        """Measures of a finished chunk, read as they are used; ``None`` if it is missing or damaged."""
+        expected = len(self.sweep.chunks[index]), len(measures_of(self.sweep.loader.drive))
         try:
-            with xr.open_dataset(io.BytesIO(folder.read_bytes()), engine="scipy") as stored:
-                measured = np.column_stack([stored[name].values for name in self._measures])
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{folder}: cannot be read ({error}); --replace to begin anew") from error
-        if measured.shape != (self.sweep.total, len(self._measures)):
-            raise InputError(
-                f"{folder}: holds {len(measured):,} runs, not {self.sweep.total:,}; --replace to begin anew"
-            )
-        return {index: measured[runs.start : runs.stop] for index, runs in enumerate(self.sweep.chunks)}
+            measured = np.load(self._chunk(index), mmap_mode="r", allow_pickle=False)
+        except (OSError, ValueError, EOFError):
+            return None
+        return measured if measured.shape == expected and measured.dtype == np.float64 else None
 
     @property
     def finished(self) -> bool:
@@ -209,10 +193,49 @@ class Folder:
 
     def kept_runs(self) -> int:
         """Number of finished runs."""
-        return sum(map(len, self.kept().values()))
+        return sum(len(self.sweep.chunks[index]) for index in self.kept())
 
-    def finish(self, runs: xr.Dataset) -> None:
-        """Write the results and remove the chunks."""
-        write_whole(self.path / RUNS, bytes(runs.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT")))
+    def finish(self) -> None:
+        """Write the results, a chunk at a time, and remove the chunks."""
+        import h5netcdf  # noqa: PLC0415  only here
+
+        with written_whole(self.path / RUNS) as aside:
+            for index, runs in enumerate(self.sweep.chunks):
+                measured = self._stored(index)
+                if measured is None:
+                    raise InputError(f"{self._chunk(index)}: was removed or damaged; --resume to compute it again")
+                data = as_dataset(self.sweep, runs, measured)
+                data["status"] = "run", data["status"].values.astype(_STATUS), {"_Encoding": "utf-8"}
+                if not index:
+                    data.to_netcdf(aside, engine="h5netcdf", unlimited_dims=["run"])
+                    continue
+                with h5netcdf.File(aside, "a") as file:
+                    file.resize_dimension("run", runs.stop)
+                    for name, variable in data.variables.items():
+                        file.variables[name][runs.start : runs.stop] = _letters(variable.values)
         with contextlib.suppress(OSError):  # the results exist
             self._drop_chunks()
+
+    def result(self) -> SweepResult:
+        """The results, whose values are read from the folder as they are used.
+
+        Raises:
+            InputError: If they cannot be read, or are not those of the sweep.
+        """
+        path = self.path / RUNS
+        try:
+            runs = xr.open_dataset(path, engine="h5netcdf", cache=False)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(f"{path}: cannot be read ({error}); --replace to begin anew") from error
+        if runs.sizes.get("run") != self.sweep.total or not {*measures_of(self.sweep.loader.drive)} <= {*runs}:
+            raise InputError(f"{path}: does not hold the {self.sweep.total:,} runs; --replace to begin anew")
+        return SweepResult(self.sweep, runs)
+
+
+def _letters(values: NDArray[Any]) -> NDArray[Any]:
+    """Text of a fixed length letter by letter, as a file has it; numbers as they are."""
+    return values.view("S1").reshape(len(values), -1) if values.dtype == _STATUS else values
+
+
+_STATUS = np.dtype(f"S{max(map(len, STATUSES))}")
+"""Status in a file, in letters of a fixed number: a reader reads text of any length whole."""

@@ -15,8 +15,8 @@ from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep
 
-FORMAT = 3
-"""Version of the plan and of the chunks beside it; a new one where either changes."""
+FORMAT = 4
+"""Version of the plan, the chunks and the results; a new one where any of them changes."""
 
 _NOMINAL, _DERIVED = "nominal.", ("sweep",)
 """Section of the plan that follows from the rest."""

@@ -25,13 +25,16 @@ from forcefeel.sweep import text
 from forcefeel.units import show
 
 MOST_RUNS = 10_000_000
-"""Largest number of runs: their measures take 1.5 GB."""
+"""Largest number of runs: their results take some 4 GB of disk."""
 
 MONTE_CARLO_RUNS = 10_000
 """Default number of runs over tolerances: a share of 1 % is then known to a fifth of it."""
 
 _CHUNK_STEPS = 30_000_000
 """Steps of the engine in a chunk, about a second of work for a core."""
+
+_CHUNK_RUNS = 2**15
+"""Most runs in a chunk: its rows and their copies in the engine take some 100 MB."""
 
 _CHUNKS, _LANES = 16, 16
 """Least number of chunks, for progress; runs in parallel lanes."""
@@ -198,7 +201,7 @@ class Sweep:
     @cached_property
     def chunks(self) -> tuple[range, ...]:
         """The runs in chunks, each computed and stored whole."""
-        size = max(_LANES, min(_CHUNK_STEPS // self.steps, -(-self.total // _CHUNKS)))
+        size = max(_LANES, min(_CHUNK_STEPS // self.steps, _CHUNK_RUNS, -(-self.total // _CHUNKS)))
         size = -(-size // _LANES) * _LANES
         return tuple(range(first, min(first + size, self.total)) for first in range(0, self.total, size))
 

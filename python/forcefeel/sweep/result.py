@@ -29,6 +29,9 @@ ENVELOPE_RUNS = 400
 BANDS = {"lowest": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "highest": 1.0}
 """The edges of the band, as shares of the runs below."""
 
+SAMPLE_RUNS = 100_000
+"""Most runs in ``SweepResult.sample``: chance moves a rank correlation over them by 0.003."""
+
 _ANGLE = "column_angle_rad"
 
 
@@ -56,28 +59,27 @@ class SweepResult:
 
     @property
     def _counts(self) -> Iterator[tuple[str, int]]:
-        """Number of runs by status."""
-        return zip(*np.unique(self.runs["status"].values, return_counts=True), strict=True)
+        """Number of runs by status, without those of no run."""
+        return ((status, count) for status in sorted(STATUSES) if (count := self.count(status)))
 
-    @classmethod
-    def of(cls, sweep: Sweep, measured: NDArray[np.float64]) -> "SweepResult":
-        """The result from the measures of all runs, a row each."""
-        measures = measures_of(sweep.loader.drive).items()
-        data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(measures)}
-        failed = np.isnan(measured[:, -1])  # a run with a time of divergence, perhaps infinite, took place
-        status = np.where(failed, IMPOSSIBLE, statuses(measured))
-        coordinates = {
-            key: ("run", values, {"units": TABLE[key].unit_si, "long_name": TABLE[key].meaning})
-            for key, values in sweep.drawn(range(sweep.total)).items()
-        }
-        attributes = {
-            "title": "forcefeel sweep",
-            "loader": sweep.loader.name,
-            "seed": str(sweep.seed),  # as text: netCDF 3 has no whole numbers of this size
-            "forcefeel": version("forcefeel"),
-        }
-        runs = xr.Dataset(data, {"run": np.arange(sweep.total), **coordinates}, attributes)
-        return cls(sweep, runs.assign(status=("run", status)))
+    def count(self, status: str) -> int:
+        """Number of runs that ended with ``status``."""
+        return int((self._status == STATUSES.index(status)).sum())
+
+    @cached_property
+    def _status(self) -> NDArray[np.int8]:
+        """Place of each run's status in ``STATUSES``: ten million of them as text take a gigabyte."""
+        places = np.empty(self.sweep.total, dtype=np.int8)
+        for runs in self.sweep.chunks:
+            text = self.runs["status"][runs.start : runs.stop].values
+            for place, status in enumerate(STATUSES):
+                places[runs.start : runs.stop][text == status] = place
+        return places
+
+    @cached_property
+    def sample(self) -> xr.Dataset:
+        """All runs, or of more than ``SAMPLE_RUNS`` as many at most, evenly spread, for what needs several values of a run."""
+        return self.runs.isel(run=slice(None, None, -(-self.sweep.total // SAMPLE_RUNS)))
 
     @cached_property
     def nominal(self) -> Measures | MotorMeasures:
@@ -127,8 +129,7 @@ class SweepResult:
 
     def share_map(self, status: str) -> xr.DataArray:
         """The share of the machines at each point of the grid that ended with ``status``."""
-        is_so = (self.runs["status"].values == status).astype(float)
-        points = is_so.reshape(*self.sweep.shape, self.sweep.machines)
+        points = (self._status == STATUSES.index(status)).reshape(*self.sweep.shape, self.sweep.machines)
         return xr.DataArray(points.mean(axis=-1), self._coordinates, tuple(self.sweep.axes))
 
     def _over_grid(self, values: NDArray[np.float64], share: float) -> xr.DataArray:
@@ -146,3 +147,22 @@ class SweepResult:
             key: xr.Variable(key, np.array(values), {"units": TABLE[key].unit_si})
             for key, values in self.sweep.axes.items()
         }
+
+
+def as_dataset(sweep: Sweep, runs: range, measured: NDArray[np.float64]) -> xr.Dataset:
+    """The dataset of some runs from their measures, a row each; contents as in ``SweepResult.runs``."""
+    measures = measures_of(sweep.loader.drive).items()
+    data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(measures)}
+    failed = np.isnan(measured[:, -1])  # a run with a time of divergence, perhaps infinite, took place
+    status = np.where(failed, IMPOSSIBLE, statuses(measured))
+    coordinates = {
+        key: ("run", values, {"units": TABLE[key].unit_si, "long_name": TABLE[key].meaning})
+        for key, values in sweep.drawn(runs).items()
+    }
+    attributes = {
+        "title": "forcefeel sweep",
+        "loader": sweep.loader.name,
+        "seed": str(sweep.seed),  # as text: it may exceed 64 bits
+        "forcefeel": version("forcefeel"),
+    }
+    return xr.Dataset(data, coordinates, attributes).assign(status=("run", status))

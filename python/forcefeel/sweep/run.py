@@ -11,7 +11,7 @@ from forcefeel.errors import InputError, expect
 from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.folder import Folder
 from forcefeel.sweep.plan import Sweep
-from forcefeel.sweep.result import SweepResult
+from forcefeel.sweep.result import SweepResult, as_dataset
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
@@ -34,7 +34,7 @@ def run_sweep(
 
     Args:
         sweep: The sweep.
-        folder: Folder for finished chunks, and ``runs.nc`` at the end; default, none.
+        folder: Folder for finished chunks, and ``runs.nc`` at the end; default, none, and all runs stay in memory.
         scheduler: Address of a Dask scheduler, such as ``tcp://host:8786``.
         threads: Number of local threads; default, all cores.
         resume: Continue with the finished chunks of this sweep in ``folder``, if any.
@@ -42,7 +42,7 @@ def run_sweep(
         progress: Called with the number of finished runs and of all, first with the stored ones.
 
     Returns:
-        Every run; one that failed is a status.
+        Every run; one that failed is a status. With a folder, values are read from it as they are used.
 
     Raises:
         InputError: If the folder cannot be used or holds another sweep, or the cluster fails; finished chunks stay.
@@ -62,22 +62,26 @@ def run_sweep(
     store = None if folder is None else Folder(Path(folder), sweep)
     if store is not None:
         store.open(resume=resume, replace=replace)
-    measures = store.kept() if store is not None else {}
-    missing = [index for index in range(len(sweep.chunks)) if index not in measures]
-    done = sum(map(len, measures.values()))
+    kept = store.kept() if store is not None else set()
+    missing = [index for index in range(len(sweep.chunks)) if index not in kept]
+    done = sum(len(sweep.chunks[index]) for index in kept)
+    measures: dict[int, NDArray[np.float64]] = {}
     report = progress or (lambda _done, _total: None)
     report(done, sweep.total)
     with closing(_computed(sweep, missing, scheduler, threads)) as chunks:
         for index, measured in chunks:
-            measures[index] = measured
             if store is not None:
                 store.keep(index, measured)
+            else:
+                measures[index] = measured
             done += len(measured)
             report(done, sweep.total)
-    result = SweepResult.of(sweep, np.concatenate([measures[index] for index in range(len(sweep.chunks))]))
-    if store is not None and not store.finished:
-        store.finish(result.runs)
-    return result
+    if store is None:
+        measured = np.concatenate([measures[index] for index in range(len(sweep.chunks))])
+        return SweepResult(sweep, as_dataset(sweep, range(sweep.total), measured))
+    if not store.finished:
+        store.finish()
+    return store.result()
 
 
 def _computed(

@@ -1,6 +1,7 @@
 """Summary of the runs of a sweep: status, spread of the measures, correlations."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, get_type_hints
@@ -81,7 +82,7 @@ class Summary:
         spreads: Spread by measure.
         correlations: Spearman's rank correlation of each ``measure`` with each ``parameter`` that varied: +1 or -1 where the
             measure only rises or only falls with the parameter, 0 where it knows nothing of it. Not a number where the
-            measure is the same for all.
+            measure is the same for all. Over ``SweepResult.sample``.
         chance: Bound of the correlation of independent quantities in 95 of 100 sweeps.
     """
 
@@ -112,22 +113,18 @@ def summarize(result: SweepResult) -> Summary:
         >>> sum(share.share for share in ff.sweep.summarize(found).shares) > 0.99
         True
     """
-    runs = result.runs
-    drive = result.sweep.loader.drive
-    spread = [name for name in measures_of(drive) if name != "diverged_at_s"]
-    measured = {name: runs[name].values for name in spread}  # not a number for diverged and impossible runs
-    counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}
+    sweep, drive = result.sweep, result.sweep.loader.drive
+    measures = [name for name in measures_of(drive) if name != "diverged_at_s"]
+    counts = {status: result.count(status) for status in STATUSES}
     random = bool(result.sweep.varied) and not result.sweep.axes
     return Summary(
         shares=tuple(_share(status, count, result.sweep.total, random) for status, count in counts.items()),
         spreads={
-            name: _spread(name, values, getattr(result.nominal, name), measure_unit(name, drive))
-            for name, values in measured.items()
+            name: _spread(name, result.runs[name].values, getattr(result.nominal, name), measure_unit(name, drive))
+            for name in measures
         },
-        correlations=_correlations(
-            measured, {key: runs[key].values for key in (*result.sweep.axes, *result.sweep.varied)}
-        ),
-        chance=float(ndtri((1 + CONFIDENCE) / 2)) / math.sqrt(max(result.sweep.total - 1, 1)),
+        correlations=_correlations(result.sample, measures, (*sweep.axes, *sweep.varied)),
+        chance=float(ndtri((1 + CONFIDENCE) / 2)) / math.sqrt(max(result.sample.sizes["run"] - 1, 1)),
     )
 
 
@@ -155,16 +152,17 @@ def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in:
     finite = values[np.isfinite(values)]
     if not len(finite):
         return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
-    lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0)).tolist()
+    lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0), overwrite_input=True).tolist()
     return Spread(name, nominal, len(finite), lowest, highest, tuple(quantiles), measured_in)
 
 
-def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:
+def _correlations(runs: xr.Dataset, measures: Sequence[str], parameters: Sequence[str]) -> xr.DataArray:
     """Spearman's rank correlations over the runs that have the measure."""
     ranks: dict[bytes, NDArray[np.float64]] = {}
-    table = np.full((len(measured), len(parameters)), np.nan)
-    columns = np.array(list(parameters.values()))
-    for row, values in zip(table, measured.values(), strict=True):
+    table = np.full((len(measures), len(parameters)), np.nan)
+    columns = np.array([runs[key].values for key in parameters])
+    for row, name in zip(table, measures, strict=True):
+        values = runs[name].values  # not a number for diverged and impossible runs
         finite = np.isfinite(values)
         if finite.sum() < FEWEST or np.ptp(values[finite]) == 0:
             continue
@@ -172,7 +170,7 @@ def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str
         if same not in ranks:
             ranks[same] = _standard(rankdata(columns[:, finite], axis=1))
         row[:] = ranks[same] @ _standard(rankdata(values[finite]))
-    return xr.DataArray(table, {"measure": list(measured), "parameter": list(parameters)}, ("measure", "parameter"))
+    return xr.DataArray(table, {"measure": list(measures), "parameter": list(parameters)}, ("measure", "parameter"))
 
 
 def _standard(ranks: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -184,8 +184,8 @@ def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
 
 
 def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue: str) -> go.Figure:
-    """A measure over one parameter while all others vary too: median and middle nine of ten of equal slices of runs."""
-    values, along = result.runs[measure].values, result.runs[key].values
+    """A measure over one parameter while all others vary too: median and middle nine of ten of equal slices of the sample."""
+    values, along = result.sample[measure].values, result.sample[key].values
     finite = np.isfinite(values)
     order = np.argsort(along[finite], kind="stable")
     parts = [part for part in np.array_split(order, min(_SLICES, max(1, len(order) // 20))) if len(part)]
