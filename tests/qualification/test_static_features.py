@@ -10,12 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from forcefeel.loader.built_in import open_loader
 from forcefeel.loader.curves import Curve
 from forcefeel.qualification import Record
 from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.qualification.plan.motions import Motions, first_force
+from forcefeel.qualification.static_force import _slopes
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
@@ -181,3 +183,10 @@ def test_statics_of_hand_moved_record_match_feel(breakout, friction, deadband, n
         fine = max(SHARE * expected, NEAR_LB)
         assert abs(figure.value / LB - expected) <= fine + SURE * figure.uncertainty / LB
         assert figure.uncertainty / LB < 0.2  # of what is read beside noise of 0.1 lb a sample
+
+
+@pytest.mark.parametrize("reach", [1, 7, 149])
+def test_slopes_match_savitzky_and_golay_of_scipy(reach):
+    values = np.cumsum(np.random.default_rng(1).normal(size=300))
+    for order, slope in _slopes(values, reach):
+        assert slope == pytest.approx(savgol_filter(values, 2 * reach + 1, 2, deriv=order, delta=1.0), abs=1e-11)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from forcefeel.errors import InputError
 from forcefeel.qualification.records import Record
@@ -36,6 +35,8 @@ def release_part(record: Record) -> Record:
     farthest = float(away.max())
     if record.release_s is not None or farthest <= _BEYOND * away[0]:
         return record
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # noqa: PLC0415  slow to import, and only here
+
     samples = max(round(_STILL_S / record.step_s), 2)
     band = max(_BAND * farthest, _NOISE * record.position_noise, 2 * record.position_resolution)
     still = maximum_filter1d(x, samples) - minimum_filter1d(x, samples) <= band

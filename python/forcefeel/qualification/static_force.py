@@ -12,6 +12,7 @@ At constant speed, damping and friction are inseparable: the estimated friction 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,8 +96,6 @@ def _new_ground(legs: Legs) -> _Mask:
 
 def _motion(record: Record, mean_speed: float) -> tuple[_Array, _Array, int]:
     """Speed and acceleration by a moving parabola whose window depends on noise, and its half width in samples."""
-    from scipy.signal import savgol_filter  # noqa: PLC0415  only here
-
     h, x = record.step_s, record.position
     noise = math.hypot(record.position_noise, record.position_resolution / math.sqrt(12))
     # The slope of a parabola through n samples has the variance 12 sigma^2 / (h^2 n^3).
@@ -104,11 +103,22 @@ def _motion(record: Record, mean_speed: float) -> tuple[_Array, _Array, int]:
     reach = max(int(min(needed, _LONGEST * len(x)) / 2), 1)
     even = np.arange(record.time_s[0], record.time_s[-1] + h / 2, h)
     smooth = np.interp(even, record.time_s, x)
-    speed, acceleration = (
-        np.interp(record.time_s, even, savgol_filter(smooth, 2 * reach + 1, 2, deriv=order, delta=h))
-        for order in (1, 2)
-    )
+    speed, acceleration = (np.interp(record.time_s, even, slope / h**order) for order, slope in _slopes(smooth, reach))
     return speed, acceleration, reach
+
+
+def _slopes(values: _Array, reach: int) -> Iterator[tuple[int, _Array]]:
+    """Order, and first and second derivative per sample, of the parabola through each sample's ``2 reach + 1`` neighbors.
+
+    The filter of Savitzky and Golay (Analytical Chemistry 36, 1964): the first and last parabola serve up to the ends. SciPy's
+    brings its statistics with it, which take longer to import than a qualification to compute.
+    """
+    at = np.arange(-reach, reach + 1.0)
+    _, linear, square = np.linalg.pinv(np.vander(at, 3, increasing=True))
+    bend = np.convolve(values, 2 * square[::-1], mode="valid")
+    slope = np.convolve(values, linear[::-1], mode="valid")
+    yield 1, np.concatenate([slope[0] + bend[0] * at[:reach], slope, slope[-1] + bend[-1] * at[reach + 1 :]])
+    yield 2, np.pad(bend, reach, mode="edge")
 
 
 def _robust(terms: _Array, width: _Array) -> tuple[_Array, _Array]:

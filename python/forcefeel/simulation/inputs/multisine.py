@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len
-from scipy.optimize import minimize_scalar
 
 from forcefeel.errors import InputError
 from forcefeel.simulation.inputs.sampled import ROUNDING, Grid, Sampled, check_frequencies, check_number, through_values
@@ -176,6 +175,8 @@ class Multisine:
 
     def _top(self, i: int, points: int) -> float:
         """The greatest height within half a point of point ``i``."""
+        from scipy.optimize import minimize_scalar  # noqa: PLC0415  slow to import, and only here
+
         turn, phases, weights = 2 * np.pi * self._harmonics, self.phases_rad, self._weights
         minimum = minimize_scalar(
             lambda t: -abs(float(weights @ np.cos(turn * t + phases))),
