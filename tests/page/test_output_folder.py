@@ -118,14 +118,14 @@ def test_folder_of_any_legal_name_is_written_and_replaced(tmp_path, name):
 def test_full_disk_leaves_folder_unchanged(out, monkeypatch, notes):
     if notes:
         (out / "notes.txt").write_text("mine")
-    before, write = held(out), Path.write_text
+    before, write = held(out), Path.write_bytes
 
-    def full(self, text, **options):
+    def full(self, data):
         if self.name == "page.html":
             raise OSError(28, "No space left on device")
-        return write(self, text, **options)
+        return write(self, data)
 
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match=r"out: cannot be written \(No space left on device\)"):
         FOLDER.write(out, NEW)
     with pytest.raises(InputError, match="cannot be written"):
@@ -249,3 +249,30 @@ def test_plot_script_is_written_and_foreign_script_is_refused(tmp_path):
     (other / SCRIPT).mkdir(parents=True)
     with pytest.raises(InputError, match=rf"{SCRIPT}: is a folder; expected to write a file of that name"):
         pages.check(other)
+
+
+def test_script_is_stored_once_for_neighboring_folders(tmp_path):
+    plots = OutputFolder("the test", ("page.html",))
+    for name in ("a", "b", "a"):
+        plots.write(tmp_path / name, {"page.html": name})
+    one, other = (tmp_path / name / SCRIPT for name in ("a", "b"))
+    assert one.samefile(other)
+    assert one.stat().st_nlink == 2
+
+
+@pytest.mark.parametrize("change", ["contents", "rights", "link"])
+def test_script_of_neighbor_that_others_may_change_is_not_shared(tmp_path, change):
+    plots = OutputFolder("the test", ("page.html",))
+    plots.write(tmp_path / "a", {"page.html": ""})
+    one, other = (tmp_path / name / SCRIPT for name in ("a", "b"))
+    match change:
+        case "contents":
+            one.write_text("another")
+        case "rights":
+            one.chmod(0o666)
+        case "link":
+            one.rename(tmp_path / "elsewhere.js")
+            one.symlink_to(tmp_path / "elsewhere.js")
+    plots.write(tmp_path / "b", {"page.html": ""})
+    assert not one.samefile(other)
+    assert other.stat().st_size > 1e6

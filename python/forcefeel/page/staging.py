@@ -11,11 +11,13 @@ import os
 import re
 import secrets
 import shutil
+import stat
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path, PurePath
 
 from forcefeel.errors import InputError
 from forcefeel.files import TOKEN_BYTES, check_output_file, check_output_folder, part_of_name
+from forcefeel.page.script import SCRIPT
 
 _ASIDE = ".forcefeel-"
 _NAME = re.compile(rf"{re.escape(_ASIDE)}(?P<folder>.+)-[0-9a-f]{{{2 * TOKEN_BYTES}}}", re.DOTALL)
@@ -73,7 +75,7 @@ def _is_free(folder: Path, own: set[str]) -> bool:
 def _exchanged(folder: Path, contents: Mapping[str, str | bytes]) -> bool:
     """Writes a new folder beside and exchanges it for ``folder``; nothing, if the system cannot do that in one step."""
     with _aside(folder.parent, folder) as new:
-        _write(new, contents)
+        _write(new, contents, folder)
         shutil.copymode(folder, new)
         if any(folder.iterdir()):
             return _exchange(folder, new)
@@ -91,7 +93,7 @@ def _exchange(first: Path, other: Path) -> bool:
 def _moved_in(folder: Path, contents: Mapping[str, str | bytes], own: set[str]) -> None:
     """Writes the files aside, then moves them in; those of an earlier run that this one does not write go."""
     with _aside(folder, folder) as aside:
-        _write(aside, contents)
+        _write(aside, contents, folder)
         for name in own - contents.keys():
             (folder / name).unlink(missing_ok=True)
         for name in contents:
@@ -99,13 +101,26 @@ def _moved_in(folder: Path, contents: Mapping[str, str | bytes], own: set[str]) 
             (aside / name).replace(folder / name)
 
 
-def _write(folder: Path, contents: Mapping[str, str | bytes]) -> None:
+def _write(aside: Path, contents: Mapping[str, str | bytes], folder: Path) -> None:
+    """Writes the files of ``folder`` to ``aside``; the script is on the disk once for all folders beside each other."""
     for name, text in contents.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        if isinstance(text, bytes):
-            (folder / name).write_bytes(text)
-        else:  # the name of a data file need not be made of letters
-            (folder / name).write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        (aside / name).parent.mkdir(exist_ok=True)
+        # The name of a data file need not be made of letters.
+        data = text if isinstance(text, bytes) else text.encode(errors="backslashreplace")
+        if not (name == SCRIPT and os.name == "posix" and _linked(aside / name, data, folder)):
+            (aside / name).write_bytes(data)
+
+
+def _linked(path: Path, data: bytes, folder: Path) -> bool:
+    """Whether ``path`` could become another name of the user's own file with the same contents, in ``folder`` or beside it."""
+    for other in (folder / path.name, *folder.parent.glob(f"*/{path.name}")):
+        with contextlib.suppress(OSError):  # not there, not to be read, or a file system without links
+            about = other.lstat()
+            alone = stat.S_ISREG(about.st_mode) and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+            if alone and about.st_uid == os.geteuid() and about.st_size == len(data) and other.read_bytes() == data:
+                path.hardlink_to(other)
+                return True
+    return False
 
 
 @contextlib.contextmanager

@@ -108,14 +108,13 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     """
     measured_in = spread.unit
     scale = measured_in.from_si(1.0, system)
-    finite = values[np.isfinite(values)]
     room = _BEYOND * (spread.quantile(0.99) - spread.quantile(0.01))
     low, high = max(spread.lowest, spread.quantile(0.01) - room), min(spread.highest, spread.quantile(0.99) + room)
     if not low < high:
         low, high = spread.lowest, spread.highest
-    counts, edges = np.histogram(finite, bins=_BINS, range=(low, high))
+    counts, edges = np.histogram(values, bins=_BINS, range=(low, high))
     middles, width = (edges[:-1] + edges[1:]) / 2 * scale, (edges[1] - edges[0]) * scale
-    heights = 100 * counts / len(finite)
+    heights = 100 * counts / spread.runs
     inside = (middles >= spread.quantile(0.05) * scale) & (middles <= spread.quantile(0.95) * scale)
     picture = go.Figure()
     unit = unit_text(measured_in.shown(system))
@@ -144,7 +143,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
         range=[(low * scale) - width, (high * scale) + width],
     )
     picture.update_yaxes(title_text="Runs, %", range=[0, top])
-    return picture, len(finite) - int(counts.sum())
+    return picture, spread.runs - int(counts.sum())
 
 
 def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
