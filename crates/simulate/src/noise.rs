@@ -13,10 +13,17 @@ pub struct Noise {
     column: Vec<ChaCha8Rng>,
     /// Of the grip's sensor; none where there is no such sensor.
     grip: Vec<ChaCha8Rng>,
+    /// Numbers of [`AHEAD`] samples: sample by sample, sensor by sensor, run by run.
+    drawn: Vec<f64>,
+    /// Samples of these that are used up.
+    used: usize,
 }
 
 /// Streams from here on are those of the grip's sensors: with it or without, the others' noise is the same.
 const OF_GRIP: u64 = 1 << 63;
+
+/// Samples that are drawn at a time. To draw one stream's numbers in a row takes half as long as to change streams for each.
+const AHEAD: usize = 16;
 
 impl Noise {
     /// The streams of these runs under a seed.
@@ -27,16 +34,37 @@ impl Noise {
             stream
         };
         let grip = if grip_sensor { runs.clone().map(|run| stream(run | OF_GRIP)).collect() } else { Vec::new() };
-        Self { column: runs.map(stream).collect(), grip }
+        let column: Vec<_> = runs.map(stream).collect();
+        Self { drawn: vec![0.0; AHEAD * SENSORS * column.len()], column, grip, used: AHEAD }
     }
 
     /// A number for each sensor of each run.
+    #[inline(always)]
     pub fn next<T: Wide>(&mut self, token: T::Token) -> [T; SENSORS] {
-        let numbers = |streams: &mut [ChaCha8Rng]| {
-            let drawn: Vec<f64> = streams.iter_mut().map(|stream| StandardNormal.sample(stream)).collect();
-            T::gather(token, |run| drawn.get(run).copied().unwrap_or_default())
-        };
-        let column = &mut self.column;
-        [numbers(column), numbers(column), numbers(column), numbers(&mut self.grip)]
+        if self.used == AHEAD {
+            self.draw();
+        }
+        let (runs, sample) = (self.column.len(), self.used);
+        self.used += 1;
+        core::array::from_fn(|sensor| {
+            let numbers = &self.drawn[(sample * SENSORS + sensor) * runs..][..runs];
+            T::gather(token, |run| numbers[run])
+        })
+    }
+
+    /// Draws the numbers of the next samples. Those of a grip without a sensor stay zero.
+    #[inline(never)]
+    fn draw(&mut self) {
+        let runs = self.column.len();
+        for (streams, sensors) in [(&mut self.column, 0..SENSORS - 1), (&mut self.grip, SENSORS - 1..SENSORS)] {
+            for (run, stream) in streams.iter_mut().enumerate() {
+                for sample in 0..AHEAD {
+                    for sensor in sensors.clone() {
+                        self.drawn[(sample * SENSORS + sensor) * runs + run] = StandardNormal.sample(stream);
+                    }
+                }
+            }
+        }
+        self.used = 0;
     }
 }
