@@ -357,7 +357,7 @@ class Simulation:
         observers: _Array | None = None,
         force_scale: _Array | None = None,
         seed: int = 0,
-        first_run: int = 0,
+        first_run: int | None = 0,
         angle_noise: float = 0.0,
         threads: int = 1,
     ) -> tuple[_Array, _Array]: ...

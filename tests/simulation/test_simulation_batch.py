@@ -85,6 +85,14 @@ def test_noise_belongs_to_the_run(cut):
     )
 
 
+def test_runs_without_index_have_noise_of_first_run():
+    values = np.repeat(NOISY.si_values[np.newaxis], 20, axis=0)
+    first = simulate_batch(NOISY, SCENARIO, values[:1], "original", keep=KEEP)
+    alike = simulate_batch(NOISY, SCENARIO, values, "original", keep=KEEP, first_run=None)
+    for run in range(20):
+        assert_same(first, alike.isel(run=[run]))
+
+
 def test_diverged_member_does_not_change_other_members(batch, values):
     broken = values.copy()
     broken[5, INDEX["load_cell.gain"]] *= 1000

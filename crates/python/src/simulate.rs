@@ -150,7 +150,7 @@ impl Simulation {
     }
 
     /// Measures (runs, measures) and histories (runs, outputs, samples) of the loaders with these values, a row each.
-    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = 0, angle_noise = 0.0, threads = 1))]
+    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = Some(0), angle_noise = 0.0, threads = 1))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
     fn run<'py>(
         &self,
@@ -161,7 +161,7 @@ impl Simulation {
         observers: Option<PyReadonlyArray2<'py, f64>>,
         force_scale: Option<PyReadonlyArray1<'py, f64>>,
         seed: u64,
-        first_run: u64,
+        first_run: Option<u64>,
         angle_noise: f64,
         threads: usize,
     ) -> PyResult<Arrays<'py>> {
@@ -270,7 +270,7 @@ impl Simulation {
             law,
             force_scale: None,
             changes: &self.changes,
-            noise: (0, 0),
+            noise: (0, Some(0)),
             angle_noise: 0.0,
             sampling: self.sampling,
             outputs: &self.outputs,

@@ -64,8 +64,8 @@ pub struct Job<'a> {
     pub force_scale: Option<&'a [f64]>,
     /// Changes of the feel, in order.
     pub changes: &'a [Change],
-    /// Seed of the noise, and index of the first run.
-    pub noise: (u64, u64),
+    /// Seed of the noise, and index of the first run; none gives all of them the noise of run 0.
+    pub noise: (u64, Option<u64>),
     /// What the sensors' noise moves a column by, r.m.s. in rad: no swing that small is measured.
     pub angle_noise: f64,
     /// When to take samples.
@@ -185,8 +185,9 @@ impl Job<'_> {
         let (parameters, mut machine) = self.machines::<T, K>(wide);
         let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
         let (seed, first_run) = self.noise;
-        let mut noise =
-            Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64), self.shared.effects.grip_sensor);
+        let streams: Vec<u64> =
+            first_run.map_or(vec![0], |first_run| (0..T::RUNS).map(|lane| first_run + member(lane) as u64).collect());
+        let mut noise = Noise::new(seed, &streams, self.shared.effects.grip_sensor);
         let per_base = machine.per_base();
         let mut recorder = Recorder {
             job: self,

@@ -26,16 +26,16 @@ const OF_GRIP: u64 = 1 << 63;
 const AHEAD: usize = 16;
 
 impl Noise {
-    /// The streams of these runs under a seed.
-    pub fn new(seed: u64, runs: impl Iterator<Item = u64> + Clone, grip_sensor: bool) -> Self {
+    /// The streams of these runs under a seed; one alone is for all runs.
+    pub fn new(seed: u64, runs: &[u64], grip_sensor: bool) -> Self {
         let stream = |run: u64| {
             let mut stream = ChaCha8Rng::seed_from_u64(seed);
             stream.set_stream(run);
             stream
         };
-        let grip = if grip_sensor { runs.clone().map(|run| stream(run | OF_GRIP)).collect() } else { Vec::new() };
-        let column: Vec<_> = runs.map(stream).collect();
-        Self { drawn: vec![0.0; AHEAD * SENSORS * column.len()], column, grip, used: AHEAD }
+        let grip = if grip_sensor { runs.iter().map(|run| stream(run | OF_GRIP)).collect() } else { Vec::new() };
+        let column = runs.iter().copied().map(stream).collect();
+        Self { column, grip, drawn: vec![0.0; AHEAD * SENSORS * runs.len()], used: AHEAD }
     }
 
     /// A number for each sensor of each run.
@@ -48,7 +48,7 @@ impl Noise {
         self.used += 1;
         core::array::from_fn(|sensor| {
             let numbers = &self.drawn[(sample * SENSORS + sensor) * runs..][..runs];
-            T::gather(token, |run| numbers[run])
+            T::gather(token, |run| numbers[run.min(runs - 1)])
         })
     }
 

@@ -158,6 +158,7 @@ def swings_on(
         there.rows(FEEL_SETTING, feel),
         law,
         keep=["column_angle_rad"],
+        first_run=None,
         threads=threads,
     )
     angle = runs["column_angle_rad"].to_numpy()

@@ -104,7 +104,7 @@ def released(
     Args:
         plan: The envelope.
         cases: Machines and arms. With a digital controller they run in one batch, which keeps lanes and cores busy for few
-            settings. The noise of a run depends on its index in the batch.
+            settings. All have the same noise, so that machine and setting alone make the difference.
         feel: I, B, G of the settings, (settings, 3).
         laws: Law of each setting.
         record: Duration and sampling.
@@ -153,7 +153,8 @@ def _stepped(
     step = min(record.step_s, LONGEST_STEP_S)
     scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
     law = laws.some(which)
-    runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=["column_angle_rad"], threads=threads)
+    keep = ["column_angle_rad"]
+    runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=keep, first_run=None, threads=threads)
     angles[which] = runs["column_angle_rad"].values
     stable = stable.copy()
     stable[which[runs["status"].values == RunStatus.DIVERGED]] = False

@@ -80,10 +80,7 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
 
 
 def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
-    """Compute an envelope of few settings on a loader with a digital controller, with all cases in one batch.
-
-    The sensor noise of each run differs from that in ``compute``.
-    """
+    """Compute an envelope of few settings on a loader with a digital controller, with all cases in one batch."""
     return _compute(plan, [plan.cases], threads, lambda done, total: None)
 
 

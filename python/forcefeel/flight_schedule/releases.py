@@ -74,7 +74,7 @@ class ReleaseTest:
         rows = full_rows(loader, NOMINAL, feel, Law.of(laws, loader))
         step = min(record.step_s, LONGEST_STEP_S)
         scenario = Scenario(Release(self.angle_rad), record.duration_s, step, record.step_s)
-        runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], threads=threads)
+        runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], first_run=None, threads=threads)
         ideal = ideal_releases(feel, self.angle_rad, record.step_s, record.samples)
         measured, reference = (
             measure_releases(record.time_s, angles, held=1, rules=self.rules.release, threads=threads)

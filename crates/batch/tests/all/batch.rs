@@ -251,7 +251,7 @@ fn gains_of_each_run_are_a_law_of_its_own() {
         let size = histories.len() / 9;
         for (k, &gains) in gains.iter().enumerate() {
             let law = Law::Fixed(Compensator::state_feedback(&everything(), gains));
-            let alone = Job { law, values: &values[..1], noise: (1, k as u64), ..many.clone() };
+            let alone = Job { law, values: &values[..1], noise: (1, Some(k as u64)), ..many.clone() };
             let (one, history) = run(&alone, 1);
             assert_eq!(bits_of(&one), bits(&measures[k]));
             assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]));

@@ -94,7 +94,7 @@ pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<
         law: Law::Original,
         force_scale: None,
         changes: &[],
-        noise: (1, 0),
+        noise: (1, Some(0)),
         angle_noise: 0.0,
         sampling: Sampling::Every(1),
         outputs: &[],
@@ -130,7 +130,7 @@ pub fn assert_bits_stay(job: &Job<'_>, laws: Option<&[[f64; NUMBERS]]>) {
     for k in [0, 7, 15, 16, 31, 32, 36] {
         // Alone it runs in plain double precision, with the noise of its own index.
         let law = laws.map_or(job.law, |laws| Law::Observers(&laws[k..=k]));
-        let noise = (job.noise.0, job.noise.1 + k as u64);
+        let noise = (job.noise.0, job.noise.1.map(|first| first + k as u64));
         let (found, history) = run(&Job { values: &job.values[k..=k], law, noise, ..job.clone() }, 1);
         assert_eq!(bits(found.as_flattened()), bits(&measures[k]), "run {k}");
         assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]), "run {k}");
