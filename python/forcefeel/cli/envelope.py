@@ -57,6 +57,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         bool,
         option("Also test clamps and stops of 1e3 to 1e6 N/m at the grip. Disable with --no-contact.", ASKED),
     ] = True
+    full: Annotated[bool, option("Run every setting in every case; infer none from its neighbors.", ASKED)] = False
     out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(
         "forcefeel-envelope"
     )
@@ -83,6 +84,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             angle_rad=self.angle_rad,
             changes=self.deviations(loader),
             draws=Draws(self.draws, self.seed, self.corners),
+            full=self.full,
         )
         return (plan.with_contacts() if self.contact else plan).with_smaller_releases()
 

@@ -43,6 +43,7 @@ def envelope_json(envelope: Envelope | CockpitEnvelope, units: UnitSystem) -> di
         "cases": [_case(case, units) for case in plan.cases],
         "draws": json_value(plan.draws, units),
         "releases": releases(envelope),
+        "inferred": envelope.inferred,
         "omitted": list(plan.omitted),
         "conclusions": json_value(envelope_conclusions(envelope, units), units),
         "laws": {name: _law(envelope, name, units) for name in envelope.laws},
@@ -84,9 +85,9 @@ def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
 
 
 def releases(envelope: Envelope) -> int:
-    """Number of releases, of cases and drawn machines."""
-    names = ("outcome", "drawn_outcome")
-    return sum(int(envelope.data[name].size) for name in names if name in envelope.data)
+    """Number of releases, of cases and drawn machines, without inferred ones."""
+    names = ("inferred", "drawn_inferred")
+    return sum(int((~envelope.data[name]).sum()) for name in names if name in envelope.data)
 
 
 def _case(case: Case, units: UnitSystem) -> dict[str, Json]:

@@ -6,11 +6,12 @@ from math import isfinite, radians
 from types import MappingProxyType
 from typing import Annotated, TypedDict, Unpack
 
-from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelope.cases import REFERENCE_ARMS, Case, Kind, PilotArm, make_cases
 from forcefeel.envelope.contact import CONTACTS, Contact
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
+from forcefeel.envelope.refinement import SHARE
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
@@ -45,6 +46,7 @@ class Plan:
         draws: Machines drawn with all tolerances at once; default: none.
         smaller_rad: Further release angles for the nominal plant, hands off; default: none.
         contacts: What the column touches, with the nominal plant; default: nothing.
+        full: Whether to run every setting of every case, instead of inferring most from their neighbors (``refinement``).
         axis: Control axis of the rule; default: that of a built-in loader with the same name, else pitch.
         loader: The loader with only I, B and G as its feel.
         omitted: Rows of feel and arm that the envelope omits.
@@ -69,6 +71,7 @@ class Plan:
     draws: Draws = NO_DRAWS
     smaller_rad: Sequence[float] = ()
     contacts: Sequence[Contact] = ()
+    full: bool = False
     axis: Axis | None = None
     loader: Loader = field(init=False)
     omitted: tuple[str, ...] = field(init=False)
@@ -82,6 +85,7 @@ class Plan:
     def __post_init__(self) -> None:
         loader, omitted = feel_json(self.given)
         rules = load_rules(self.rule)
+        expect("full", self.full, bool, "true or false")
         expect("draws", self.draws, Draws, "Draws such as ff.envelope.Draws(100, seed=1)")
         if self.angle_rad is not None:
             _check_angle("angle_rad", self.angle_rad)
@@ -122,10 +126,23 @@ class Plan:
         return replace(self, contacts=CONTACTS)
 
     @property
+    def inferring(self) -> bool:
+        """Whether outcomes of settings are inferred from their neighbors: of simulated loaders on fine grids, unless ``full``."""
+        return not self.full and not self.linear and self.settings.fine
+
+    def infers(self, case: Case) -> bool:
+        """Whether most outcomes of a case are inferred.
+
+        The nominal case is run whole. So is a case with an arm, where the rule's figures jump at single settings.
+        """
+        return self.inferring and case.kind in {Kind.PLANT, Kind.DRAWN}
+
+    @property
     def releases(self) -> int:
-        """Number of releases and of contacts."""
-        cases = len(self.cases) + len(self.machines) + len(self.smaller_rad) + len(self.contacts)
-        return len(self.laws) * cases * self.settings.count
+        """Number of releases and of contacts; with inferred outcomes the usual number, for progress."""
+        cases = sum(SHARE if self.infers(case) else 1.0 for case in (*self.cases, *self.machines))
+        cases += len(self.smaller_rad) + len(self.contacts)
+        return round(len(self.laws) * cases * self.settings.count)
 
     @property
     def linear(self) -> bool:
@@ -149,6 +166,7 @@ class PlanOptions(TypedDict, total=False):
     draws: Draws
     smaller_rad: Sequence[float]
     contacts: Sequence[Contact]
+    full: bool
     axis: Axis | None
 
 
@@ -170,7 +188,8 @@ def make_plan(
         loader: The loader.
         laws: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes, as in ``Settings.of``.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``contacts``, ``axis`` of ``Plan``.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``contacts``,
+            ``full``, ``axis`` of ``Plan``.
 
     Raises:
         InputError: If an argument is invalid.

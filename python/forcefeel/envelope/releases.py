@@ -7,7 +7,7 @@ The result is the column angle over time, with a sampling rate that follows the 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil, log, pi
+from math import ceil, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,11 @@ from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
-_FEWEST_PERIODS = 10
+_FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 6
+"""Periods of the programmed frequency in a record. Those after the sixth move the margin of a simulated release, whose sensors have
+noise, by less than another noise does; with an arm at the grip, whose mass may lower the frequency, all are kept.
+"""
+
 _LEFT = 1e-3
 """Remaining share of the ideal's deflection at the end of the record."""
 
@@ -51,14 +55,15 @@ class Record:
     samples: int
 
     @classmethod
-    def of(cls, frequency: float, least_damping: float) -> "Record":
-        """Record for a programmed frequency in rad/s and the smallest damping ratio of the grid."""
+    def of(cls, frequency: float, damping: float, fewest_periods: int = _FEWEST_PERIODS) -> "Record":
+        """Record for a programmed frequency in rad/s and the smallest damping ratio of its settings."""
         period = 2 * pi / frequency
         doublings = int(
             np.clip(np.floor(np.log2(period / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9), 0, _MOST_DOUBLINGS)
         )
         step = _SHORTEST_STEP_S * 2**doublings
-        periods = max(_FEWEST_PERIODS, ceil(log(1 / _LEFT) / (2 * pi * least_damping)))
+        slowest = damping - sqrt(max(damping**2 - 1, 0))  # of the poles, as a share of the frequency
+        periods = max(fewest_periods, ceil(log(1 / _LEFT) / (2 * pi * slowest)))
         return cls(step, ceil(periods * period / step) + 1)
 
     @property
@@ -77,11 +82,23 @@ class Record:
         return (slice(first, min(first + size, count)) for first in range(0, count, size))
 
 
-def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
-    """Chunks of settings with the same frequency, each with its record."""
-    for frequency in plan.settings.frequency:
-        record = Record.of(frequency, plan.settings.damping[0])
-        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+def records(plan: Plan, *, arm: bool) -> Iterator[tuple[Record, NDArray[np.bool_]]]:
+    """Each record and which settings it is for: of one frequency and, in simulated releases without an arm, of like damping."""
+    damping, frequency, _ = plan.settings.rows.T
+    short = not (plan.linear or arm)
+    for value in plan.settings.frequency:
+        dampings: dict[Record, list[float]] = {}
+        for each in plan.settings.damping:
+            record = Record.of(value, each, _FEWEST_SIMULATED) if short else Record.of(value, plan.settings.damping[0])
+            dampings.setdefault(record, []).append(each)
+        for record, alike in dampings.items():
+            yield record, (frequency == value) & np.isin(damping, alike)
+
+
+def pieces(plan: Plan, *, arm: bool = True) -> Iterator[tuple[NDArray[np.intp], Record]]:
+    """Chunks of settings, each with its record; ``arm`` says whether an arm may be at the grip."""
+    for record, settings in records(plan, arm=arm):
+        which = np.flatnonzero(settings)
         for chunk in record.chunks(len(which)):
             yield which[chunk], record
 
@@ -117,6 +134,30 @@ def released(
         return _stepped(plan, rows, each, record, threads, stable)
     stables, angles = zip(*(_analog(plan, case, feel, laws, record, threads) for case in cases), strict=True)
     return np.concatenate(stables), np.vstack(angles)
+
+
+def stable_settings(plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, threads: int) -> NDArray[np.bool_]:
+    """Stability of the loop of each setting in a case, for a simulated loader."""
+    if plan.loader["controller.period"]:
+        return sampled_loops(plan.loader, laws, full_rows(plan.loader, case, feel, laws), threads=threads).stable
+    columns_, values = [INDEX[key] for key in columns(case)], machines(plan.loader, case, feel, laws)
+    loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
+    code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
+    return (code == _STABLE) | (code == _STABLE_BY_POLES)
+
+
+def released_pairs(
+    plan: Plan,
+    pairs: Sequence[tuple[Case, NDArray[np.intp]]],
+    feel: NDArray[np.float64],
+    laws: Law,
+    record: Record,
+    threads: int,
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """``released`` for cases each with its own stable settings, given as indices of ``feel``, in one batch."""
+    rows = np.vstack([full_rows(plan.loader, case, feel[which], laws.some(which)) for case, which in pairs])
+    each = laws.some(np.concatenate([which for _, which in pairs]))
+    return _stepped(plan, rows, each, record, threads, np.ones(len(rows), dtype=bool))
 
 
 def _analog(

@@ -179,6 +179,7 @@ class CaseShares:
         stable, passes: Shares of all settings.
         lost: Share of the nominal passes that fail in this case; NaN without nominal passes.
         verified: Whether the case's numbers were verified against a source.
+        inferred: Number of settings whose outcome is inferred from their neighbors.
     """
 
     case: str
@@ -186,6 +187,7 @@ class CaseShares:
     passes: Annotated[float, PERCENT]
     lost: Annotated[float, PERCENT]
     verified: bool
+    inferred: int
 
 
 @dataclass(frozen=True)
@@ -347,6 +349,12 @@ class Envelope:
         return AllowedShares(law, int(allowed.sum()), *shares)
 
     @property
+    def inferred(self) -> int:
+        """Number of outcomes, of cases and drawn machines, that are inferred from neighboring settings."""
+        names = ("inferred", "drawn_inferred")
+        return sum(int(self.data[name].sum()) for name in names if name in self.data)
+
+    @property
     def by_angle(self) -> tuple[AngleShares, ...]:
         """Nominal shares over the release angle: the plan's own angle first, then its smaller ones."""
         passes = {name: float(self.passes(name)[0].mean()) for name in self.laws}
@@ -385,6 +393,7 @@ class Envelope:
         stable, passes = self.stable(law), self.passes(law)
         lost = passes[0] & ~passes
         nominal = int(passes[0].sum())
+        inferred = self.data["inferred"].to_numpy()[self.laws.index(law)].reshape(len(self.plan.cases), -1).sum(axis=1)
         return tuple(
             CaseShares(
                 case.name,
@@ -392,6 +401,7 @@ class Envelope:
                 float(passes[k].mean()),
                 float(lost[k].sum()) / nominal if nominal else np.nan,
                 case.verified,
+                int(inferred[k]),
             )
             for k, case in enumerate(self.plan.cases)
         )

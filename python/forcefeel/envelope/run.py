@@ -9,20 +9,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from forcefeel.envelope.cases import NOMINAL, Case, PilotArm
+from forcefeel.envelope.cases import NOMINAL, Case
 from forcefeel.envelope.contact import swings_on
 from forcefeel.envelope.forbidden import forbidden
-from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.outcomes import FIGURES, PASSED, find_outcomes
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
-from forcefeel.envelope.releases import Record, carrying, measured, pieces, released
-from forcefeel.envelope.result import NOT_HELD, PASSES, UNSTABLE, AngleShares, Envelope
+from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification.batch_verdicts import BatchVerdicts, judge_releases
-from forcefeel.qualification.release_batch import ReleaseBatch
-from forcefeel.sizing.too_small import Beyond
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
@@ -56,7 +52,9 @@ def find_envelope(
         progress: Called with the numbers of completed and of all releases.
         options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares or deviations by plant parameter instead
             of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
-            ``smaller_rad``, further release angles for the nominal plant; ``contacts``, such as ``ff.envelope.CONTACTS``.
+            ``smaller_rad``, further release angles for the nominal plant; ``contacts``, such as ``ff.envelope.CONTACTS``;
+            ``full``, run every setting. Default: on a fine grid of a simulated loader, most settings of a perturbed plant take
+            their outcome from neighbors; ``data["inferred"]`` marks them.
 
     Returns:
         The envelope.
@@ -81,7 +79,7 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
 
 def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
     """Compute an envelope of few settings on a loader with a digital controller, with all cases in one batch."""
-    return _compute(plan, [plan.cases], threads, lambda done, total: None)
+    return _compute(replace(plan, full=True), [plan.cases], threads, lambda done, total: None)
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
@@ -96,18 +94,18 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
         progress(done, plan.releases)
 
     advance(0)
-    names, outcome, margin = _outcomes(plan, feel, laws, groups, threads, advance)
+    outcome, margin, inferred = find_outcomes(plan, feel, laws, groups, threads, advance)
     smaller = []
     for angle in plan.smaller_rad:
         smaller_plan = replace(plan, angle_rad=angle)
-        _, codes, _ = _outcomes(smaller_plan, feel, laws, [(NOMINAL,)], threads, advance)
-        passes = {name: float((codes[k] == _PASSES).mean()) for k, name in enumerate(laws)}
+        codes, _, _ = find_outcomes(smaller_plan, feel, laws, [(NOMINAL,)], threads, advance)
+        passes = {name: float((codes[k] == PASSED).mean()) for k, name in enumerate(laws)}
         smaller.append(AngleShares(angle, 1 - float(forbidden(smaller_plan, threads=threads).settings.mean()), passes))
     grips = {name: passivity(plan.loader, plan.laws[name], law, feel) for name, law in laws.items()}
-    outcomes = (PASSES, UNSTABLE, *names)
+    outcomes = (PASSES, UNSTABLE, *FIGURES)
     # A law designed here is for the plan's reduced loader, a law of a file for the whole loader.
     remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
-    data = _dataset(plan, outcomes, outcome, margin)
+    data = _dataset(plan, outcomes, outcome, margin, inferred)
     if plan.contacts:
         _touch(plan, feel, laws, threads, advance, data)
     return Envelope(plan, data, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
@@ -134,66 +132,18 @@ def _touch(
     data["largest_force_n"] = over, forces.reshape(shape)
 
 
-def _outcomes(
-    plan: Plan,
-    feel: NDArray[np.float64],
-    laws: Mapping[str, Law],
-    groups: Sequence[tuple[Case, ...]],
-    threads: int,
-    advance: Callable[[int], None],
-) -> tuple[tuple[str, ...], NDArray[np.int8], NDArray[np.float32]]:
-    """Names of the figures that can fail, outcome and margin (laws, cases, settings) at the plan's angle."""
-    shape = len(laws), sum(map(len, groups)), len(feel)
-    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
-    names: tuple[str, ...] = ()
-    parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
-    references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
-    first = 0
-    for cases in groups:
-        places, arms = slice(first, first + len(cases)), tuple(case.arm for case in cases)
-        first = places.stop
-        for piece, (which, record, some) in enumerate(parts):
-            if (piece, arms) not in references:
-                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in cases])
-                references[piece, arms] = measured(plan, record, ideal, threads)
-            for k, law in enumerate(some):
-                stable, angles = released(plan, cases, feel[which], law, record, threads)
-                measures = measured(plan, record, angles, threads)
-                verdicts = judge_releases(measures, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
-                names = verdicts.names
-                judged = (part.reshape(len(cases), -1) for part in _judged(verdicts, stable))
-                outcome[k, places][:, which], margin[k, places][:, which] = judged
-                advance(len(cases) * len(which))
-    # A force that the motor cannot hold is wrong before the release, even if the release passes.
-    not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
-    outcome[(outcome == _PASSES) & not_held] = _FIRST + len(names)
-    return (*names, NOT_HELD), outcome, margin
-
-
 def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
     """I, B, G of the settings, and the laws designed for them."""
     feel = plan.settings.feel(plan.loader)
     return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.laws.items()}
 
 
-def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
-    """Releases of I, B and G alone, with the case's arm."""
-    return ideal_releases(carrying(plan.loader, feel, case.arm), plan.release_rad, record.step_s, record.samples)
-
-
-def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-    """Outcome and margin of each release."""
-    failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
-    outcome = np.where(stable, failing, _UNSTABLE).astype(np.int8)
-    return outcome, np.where(stable, verdicts.margin, np.nan).astype(np.float32)
-
-
-_PASSES, _UNSTABLE, _FIRST = 0, 1, 2
-"""Outcome codes; figures that can fail start at ``_FIRST``."""
-
-
 def _dataset(
-    plan: Plan, outcomes: tuple[str, ...], outcome: NDArray[np.int8], margin: NDArray[np.float32]
+    plan: Plan,
+    outcomes: tuple[str, ...],
+    outcome: NDArray[np.int8],
+    margin: NDArray[np.float32],
+    inferred: NDArray[np.bool_],
 ) -> xr.Dataset:
     axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
     coordinates: dict[str, Any] = {
@@ -207,12 +157,14 @@ def _dataset(
     data: dict[str, Any] = {
         "outcome": (("law", "case", *over), outcome[:, single].reshape(shape)),
         "margin": (("law", "case", *over), margin[:, single].reshape(shape)),
+        "inferred": (("law", "case", *over), inferred[:, single].reshape(shape)),
     }
     if plan.machines:
         drawn = slice(len(plan.cases), None)
         coordinates["parameter"] = list(plan.deviations)
         data["drawn_outcome"] = ("law", "machine", *over), outcome[:, drawn].reshape(shape)
         data["drawn_margin"] = ("law", "machine", *over), margin[:, drawn].reshape(shape)
+        data["drawn_inferred"] = ("law", "machine", *over), inferred[:, drawn].reshape(shape)
         data["off"] = ("machine", "parameter"), [list(machine.off.values()) for machine in plan.machines]
     about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
     return xr.Dataset(data, coordinates, about)

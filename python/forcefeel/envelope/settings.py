@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.envelope.refinement import FEWEST, LARGEST_RATIO
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
@@ -100,6 +101,12 @@ class Settings:
     def shape(self) -> tuple[int, int, int]:
         """Values along each of ``AXES``."""
         return len(self.damping), len(self.frequency), len(self.stiffness)
+
+    @property
+    def fine(self) -> bool:
+        """Whether frequency and stiffness have enough and close values, so that outcomes can be inferred from neighbors."""
+        axes = np.array(self.frequency), np.array(self.stiffness)
+        return all(len(axis) >= FEWEST and bool((axis[1:] <= LARGEST_RATIO * axis[:-1]).all()) for axis in axes)
 
     @property
     def count(self) -> int:

@@ -1,0 +1,138 @@
+"""Outcomes of an envelope's releases: of whole cases, and of cases whose settings are mostly inferred from their neighbors."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelope.cases import Case, PilotArm
+from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.refinement import PACE, SHARE, UNKNOWN, rounds
+from forcefeel.envelope.releases import (
+    Record,
+    carrying,
+    measured,
+    pieces,
+    records,
+    released,
+    released_pairs,
+    stable_settings,
+)
+from forcefeel.envelope.result import NOT_HELD
+from forcefeel.laws.law import Law
+from forcefeel.qualification.batch_verdicts import NAMES, BatchVerdicts, judge_releases
+from forcefeel.qualification.release_batch import ReleaseBatch
+from forcefeel.sizing.too_small import Beyond
+
+PASSED, _UNSTABLE, _FIRST = 0, 1, 2
+"""Outcome codes; figures that can fail start at ``_FIRST``."""
+
+FIGURES = (*NAMES, NOT_HELD)
+"""What can fail, in the order of the codes."""
+
+_TOGETHER = 8
+"""Cases whose settings are refined in the same batches, which keeps lanes and cores busy."""
+
+Outcomes = tuple[NDArray[np.int8], NDArray[np.float32], NDArray[np.bool_]]
+"""Outcome, margin, and whether both are inferred: (laws, cases, settings)."""
+
+
+def find_outcomes(
+    plan: Plan,
+    feel: NDArray[np.float64],
+    laws: Mapping[str, Law],
+    groups: Sequence[tuple[Case, ...]],
+    threads: int,
+    advance: Callable[[int], None],
+) -> Outcomes:
+    """Outcomes of every law at the plan's angle, each group of cases in one batch, inferred cases ``_TOGETHER``."""
+    cases = [case for group in groups for case in group]
+    shape = len(laws), len(cases), len(feel)
+    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    inferred = np.zeros(shape, dtype=bool)
+    parts = {
+        arm: [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan, arm=arm)]
+        for arm in (False, True)
+    }
+    references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
+    first = 0
+    for group in groups:
+        places, arms = slice(first, first + len(group)), tuple(case.arm for case in group)
+        first = places.stop
+        if plan.infers(group[0]):
+            continue
+        for piece, (which, record, some) in enumerate(parts[any(arms)]):
+            if (piece, arms) not in references:
+                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in group])
+                references[piece, arms] = measured(plan, record, ideal, threads)
+            for k, law in enumerate(some):
+                stable, angles = released(plan, group, feel[which], law, record, threads)
+                measures = measured(plan, record, angles, threads)
+                verdicts = judge_releases(measures, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
+                judged = (part.reshape(len(group), -1) for part in _judged(verdicts, stable))
+                outcome[k, places][:, which], margin[k, places][:, which] = judged
+                advance(len(group) * len(which))
+    refined = [place for place, case in enumerate(cases) if plan.infers(case)]
+    for k, law in enumerate(laws.values()):
+        for start in range(0, len(refined), _TOGETHER):
+            some_places = refined[start : start + _TOGETHER]
+            results = _refined(plan, feel, law, [cases[place] for place in some_places], threads, advance)
+            outcome[k, some_places], margin[k, some_places], inferred[k, some_places] = results
+    # A force that the motor cannot hold is wrong before the release, even if the release passes.
+    not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
+    outcome[(outcome == PASSED) & not_held] = _FIRST + len(NAMES)
+    return outcome, margin, inferred
+
+
+def _refined(
+    plan: Plan,
+    feel: NDArray[np.float64],
+    law: Law,
+    cases: Sequence[Case],
+    threads: int,
+    advance: Callable[[int], None],
+) -> Outcomes:
+    """Outcomes of a law in hands-off cases, run where ``rounds`` asks for it."""
+    stable = np.array([stable_settings(plan, case, feel, law, threads) for case in cases])
+    outcome = np.where(stable, UNKNOWN, _UNSTABLE).astype(np.int8)
+    margin = np.full(outcome.shape, np.nan, dtype=np.float32)
+    run = ~stable
+    grids = (part.reshape(len(cases), *plan.settings.shape) for part in (outcome, margin))  # views
+    counted, usual = 0, SHARE * outcome.size
+    for index, wanted in enumerate(rounds(*grids, unstable=_UNSTABLE)):
+        settings = wanted.reshape(outcome.shape)
+        for record, places, which in _batches(plan, settings):
+            grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
+            pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
+            good, angles = released_pairs(plan, pairs, feel, law, record, threads)
+            reference = measured(plan, record, _ideal(plan, cases[0], feel[which], record), threads)
+            measures = measured(plan, record, angles, threads)
+            verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
+            outcome[places, which], margin[places, which] = _judged(verdicts, good)
+        run |= settings
+        now = round(PACE[min(index, len(PACE) - 1)] * usual)
+        advance(now - counted)
+        counted = now
+    return outcome, margin, ~run
+
+
+def _batches(plan: Plan, wanted: NDArray[np.bool_]) -> Iterator[tuple[Record, NDArray[np.intp], NDArray[np.intp]]]:
+    """Cases and settings to run (cases, settings), by their record."""
+    for record, settings in records(plan, arm=False):
+        places, which = np.nonzero(wanted & settings)
+        for chunk in record.chunks(len(which)):
+            yield record, places[chunk], which[chunk]
+
+
+def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
+    """Releases of I, B and G alone, with the case's arm."""
+    return ideal_releases(carrying(plan.loader, feel, case.arm), plan.release_rad, record.step_s, record.samples)
+
+
+def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Outcome and margin of each release."""
+    failing = np.where(verdicts.passed, PASSED, verdicts.first_failing + _FIRST)
+    outcome = np.where(stable, failing, _UNSTABLE).astype(np.int8)
+    return outcome, np.where(stable, verdicts.margin, np.nan).astype(np.float32)
