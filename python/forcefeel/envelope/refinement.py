@@ -39,9 +39,7 @@ _FAR = -1e3
 _Indices = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
-def rounds(
-    outcome: NDArray[np.int8], margin: NDArray[np.float32], unstable: int
-) -> Iterator[NDArray[np.bool_]]:
+def rounds(outcome: NDArray[np.int8], margin: NDArray[np.float32], unstable: int) -> Iterator[NDArray[np.bool_]]:
     """Yield the settings to run next, round by round; fill in all others at the end.
 
     Args:

@@ -119,20 +119,23 @@ def released(
     return np.concatenate(stables), np.vstack(angles)
 
 
-def stable_settings(
-    plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, threads: int
-) -> NDArray[np.bool_]:
+def stable_settings(plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, threads: int) -> NDArray[np.bool_]:
     """Stability of the loop of each setting in a case, for a simulated loader."""
     if plan.loader["controller.period"]:
         return sampled_loops(plan.loader, laws, full_rows(plan.loader, case, feel, laws), threads=threads).stable
     columns_, values = [INDEX[key] for key in columns(case)], machines(plan.loader, case, feel, laws)
     loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
     code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
-    return (code == _STABLE) | (code == _STABLE_BY_POLES)
+    return np.asarray((code == _STABLE) | (code == _STABLE_BY_POLES))
 
 
 def released_pairs(
-    plan: Plan, pairs: Sequence[tuple[Case, NDArray[np.intp]]], feel: NDArray[np.float64], laws: Law, record: Record, threads: int
+    plan: Plan,
+    pairs: Sequence[tuple[Case, NDArray[np.intp]]],
+    feel: NDArray[np.float64],
+    laws: Law,
+    record: Record,
+    threads: int,
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """``released`` for cases each with its own stable settings, given as indices of ``feel``, in one batch."""
     rows = np.vstack([full_rows(plan.loader, case, feel[which], laws.some(which)) for case, which in pairs])

@@ -82,7 +82,7 @@ def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
 
     The sensor noise of each run differs from that in ``compute``.
     """
-    return _compute(replace(plan, full=True), [plan.cases], threads, lambda done, total: None)
+    return _compute(plan, [plan.cases], threads, lambda done, total: None)
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:

@@ -96,7 +96,9 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
         arms=envelope_tables.arms(envelope),
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
         releases=f"{releases(envelope):,}",
-        envelope_inferred=f"{envelope.inferred:,} of {releases(envelope) + envelope.inferred:,}" if envelope.inferred else "",
+        envelope_inferred=f"{envelope.inferred:,} of {releases(envelope) + envelope.inferred:,}"
+        if envelope.inferred
+        else "",
         parameters=machine.parameters(plan.given, units),
     )
 
