@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import forcefeel as ff
-from forcefeel.envelope import run as envelope_run
+from forcefeel.envelope import outcomes
 from forcefeel.envelope.page.page import PAGE, RESULTS, Files
 from tests.command_line import runs
 
@@ -81,7 +81,7 @@ def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(envelope_run, "released", interrupted)
+    monkeypatch.setattr(outcomes, "released", interrupted)
     status, _, err = run(*SMALL)
     assert status == 130
     assert "nothing is written" in err

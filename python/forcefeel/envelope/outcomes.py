@@ -57,11 +57,13 @@ def find_outcomes(
         for arm in (False, True)
     }
     references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
+    refined: list[int] = []
     first = 0
     for group in groups:
         places, arms = slice(first, first + len(group)), tuple(case.arm for case in group)
         first = places.stop
-        if plan.infers(group[0]):
+        if plan.infers(group[0]):  # in no group of several: the nominal case is first
+            refined.append(places.start)
             continue
         for piece, (which, record, some) in enumerate(parts[any(arms)]):
             if (piece, arms) not in references:
@@ -74,7 +76,6 @@ def find_outcomes(
                 judged = (part.reshape(len(group), -1) for part in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(group) * len(which))
-    refined = [place for place, case in enumerate(cases) if plan.infers(case)]
     for k, law in enumerate(laws.values()):
         for start in range(0, len(refined), _TOGETHER):
             some_places = refined[start : start + _TOGETHER]
@@ -99,9 +100,10 @@ def _refined(
     outcome = np.where(stable, UNKNOWN, _UNSTABLE).astype(np.int8)
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
     run = ~stable
-    grids = (part.reshape(len(cases), *plan.settings.shape) for part in (outcome, margin))  # views
+    shape = len(cases), *plan.settings.shape
     counted, usual = 0, SHARE * outcome.size
-    for index, wanted in enumerate(rounds(*grids, unstable=_UNSTABLE)):
+    # Of views, which share their memory.
+    for index, wanted in enumerate(rounds(outcome.reshape(shape), margin.reshape(shape), _UNSTABLE)):
         settings = wanted.reshape(outcome.shape)
         for record, places, which in _batches(plan, settings):
             grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
@@ -115,6 +117,7 @@ def _refined(
         now = round(PACE[min(index, len(PACE) - 1)] * usual)
         advance(now - counted)
         counted = now
+    advance(round(usual) - counted)
     return outcome, margin, ~run
 
 

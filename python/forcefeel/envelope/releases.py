@@ -143,7 +143,7 @@ def stable_settings(plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law
     columns_, values = [INDEX[key] for key in columns(case)], machines(plan.loader, case, feel, laws)
     loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
     code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
-    return (code == _STABLE) | (code == _STABLE_BY_POLES)
+    return np.asarray((code == _STABLE) | (code == _STABLE_BY_POLES))
 
 
 def released_pairs(
