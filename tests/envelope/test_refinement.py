@@ -1,13 +1,17 @@
 """Inferred outcomes, held against full runs: of drawn maps and of two loaders."""
 
+import json
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.typing import NDArray
 
 import forcefeel as ff
+from forcefeel.cli.envelope import EnvelopeOptions
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.refinement import FEWEST, UNKNOWN, rounds
 from forcefeel.envelope.result import Envelope
@@ -135,6 +139,27 @@ def test_nominal_case_and_smaller_angles_are_run_whole(maps: tuple[Envelope, Env
     by_case = [row.inferred for row in maps[0].case_shares("robust")]
     assert by_case[0] == 0
     assert max(by_case[1:]) > 0
+
+
+def test_page_json_and_netcdf_say_what_is_inferred(maps: tuple[Envelope, Envelope], tmp_path: Path) -> None:
+    for envelope, folder in zip(maps, (tmp_path / "inferred", tmp_path / "full"), strict=True):
+        page = ff.envelope.write_envelope(envelope, folder, ff.UnitSystem.SI).read_text(encoding="utf-8")
+        results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+        written = xr.load_dataset(folder / "envelope.nc", engine="scipy")
+        points = results["releases"] + results["inferred"]
+        drawn = int(written["drawn_inferred"].sum())
+        by_case = [case["inferred"] for case in results["laws"]["robust"]["cases"]]
+        assert points == 7 * envelope.plan.settings.count
+        assert results["inferred"] == envelope.inferred == sum(by_case) + drawn
+        assert by_case == written["inferred"].sum(["law", "damping", "frequency", "stiffness"]).to_numpy().tolist()
+        stated = f"Of the outcomes, {envelope.inferred:,} of {points:,} are inferred from neighbors"
+        assert (stated in page.replace("\n", " ")) is bool(envelope.inferred)
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_option_full_runs_every_setting(full: bool) -> None:
+    options = EnvelopeOptions(law=("robust",), full=full)
+    assert options.plan(ff.digital_elevator()).inferring is not full
 
 
 def planned(loader: Loader, **grid: str) -> Plan:
