@@ -76,6 +76,7 @@ __all__ = [
     "simulation_measure",
     "simulation_measures",
     "simulation_outputs",
+    "stationary",
     "supervised_faults",
     "valve_gains",
 ]
@@ -519,6 +520,9 @@ def feel_steps(settings: _Array, period: float) -> _Array:
 
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
+def stationary(phi: _Array, h: _Array, q: _Array, r: _Array) -> tuple[_Array, float] | None:
+    """Cost at which recursion (22) stands still, by doubling, and its residual; none if a state does not decay."""
+
 def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...
 def release_feature_groups() -> list[tuple[str, int, str]]: ...
 def simulation_outputs(drive: str = "hydraulic") -> list[tuple[str, str]]: ...

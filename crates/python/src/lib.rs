@@ -78,6 +78,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::feel_frequencies, module)?)?;
     module.add_function(wrap_pyfunction!(solve::discretize, module)?)?;
     module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::stationary, module)?)?;
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;

@@ -8,6 +8,7 @@ use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::feel_transition::{feel_step, feel_transition};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
+use forcefeel_solve::stationary::{Stationary, stationary as stand_still};
 use nalgebra::{Matrix4, Matrix4x2, RowVector4};
 use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -73,19 +74,42 @@ pub fn recursion(
     steps: usize,
     tolerance: Option<f64>,
 ) -> PyResult<Recursion> {
+    at_most("steps", MOST_STEPS, steps)?;
+    let problem = problem(&phi, &h, &q, &r)?;
+    let stop = tolerance.map_or(Stop::Horizon(steps), |tolerance| Stop::StandStill { tolerance, most_steps: steps });
+    Ok(Recursion(py.detach(|| run(&problem, stop))))
+}
+
+/// Cost at which recursion (22) stands still, and its residual; none if a state does not decay.
+#[pyfunction]
+pub fn stationary<'py>(
+    py: Python<'py>,
+    phi: PyReadonlyArray2<'py, f64>,
+    h: PyReadonlyArray2<'py, f64>,
+    q: PyReadonlyArray2<'py, f64>,
+    r: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Option<(Matrix<'py>, f64)>> {
+    let problem = problem(&phi, &h, &q, &r)?;
+    let solution = stand_still(&problem);
+    solution.map(|Stationary { cost, residual }| Ok((to_numpy(py, &cost)?, residual))).transpose()
+}
+
+fn problem(
+    phi: &PyReadonlyArray2<'_, f64>,
+    h: &PyReadonlyArray2<'_, f64>,
+    q: &PyReadonlyArray2<'_, f64>,
+    r: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Problem> {
     let (n, m) = h.as_array().dim();
     if n == 0 || m == 0 {
         return Err(refused(format!("h: expected a state and an input at least, got {:?}", (n, m))));
     }
-    at_most("steps", MOST_STEPS, steps)?;
-    let problem = Problem {
-        phi: matrix("phi", &phi, (n, n))?,
-        h: matrix("h", &h, (n, m))?,
-        q: matrix("q", &q, (n, n))?,
-        r: matrix("r", &r, (m, m))?,
-    };
-    let stop = tolerance.map_or(Stop::Horizon(steps), |tolerance| Stop::StandStill { tolerance, most_steps: steps });
-    Ok(Recursion(py.detach(|| run(&problem, stop))))
+    Ok(Problem {
+        phi: matrix("phi", phi, (n, n))?,
+        h: matrix("h", h, (n, m))?,
+        q: matrix("q", q, (n, n))?,
+        r: matrix("r", r, (m, m))?,
+    })
 }
 
 /// Gains of the feel states for each setting `[I, B, G]`, a row each.

@@ -39,6 +39,7 @@ pub mod schedule;
 pub mod smooth;
 pub mod stability;
 pub mod start;
+pub mod stationary;
 pub mod threads;
 pub mod transition;
 pub mod wide;

@@ -113,7 +113,7 @@ class Filtering:
         Raises:
             numpy.linalg.LinAlgError: If no filter keeps the gain below it, or none in double precision.
         """
-        p = stationary(self.transition.T, *self._equation(level))
+        p, _ = stationary(self.transition.T, *self._equation(level))
         unit = np.sqrt(np.abs(np.diag(p)))
         if not (
             np.linalg.eigvalsh(p / np.outer(unit, unit)).min() > -_ROUNDING

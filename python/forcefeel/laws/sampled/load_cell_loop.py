@@ -110,7 +110,7 @@ class _Loop:
 def _gains(
     a: NDArray[np.float64], b: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    cost = stationary(a, b[:, None], q, r)
+    cost, _ = stationary(a, b[:, None], q, r)
     row: NDArray[np.float64] = (b @ cost @ a) / (r[0, 0] + b @ cost @ b)
     return row
 

@@ -95,7 +95,7 @@ def _gains(
     a: NDArray[np.float64], b: NDArray[np.float64], q: NDArray[np.float64], weight: float, d: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """K and, last, K_p."""
-    cost = stationary(a, b[:, None], q, np.array([[weight]]))
+    cost, _ = stationary(a, b[:, None], q, np.array([[weight]]))
     of_command = weight + b @ cost @ b
     gains = (b @ cost @ a) / of_command
     closed = a - np.outer(b, gains)

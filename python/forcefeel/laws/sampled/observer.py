@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.riccati import residual, stationary
+from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.tuning import Tuning
 
 REMEMBERED = 1 - 1e-9
@@ -55,7 +55,7 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
     noise, trusted = sensor_noise(plant, tuning, inertia_ratio)
     a, c = transition[estimated, estimated], reads[trusted][:, estimated]
     w, r = process_noise(plant, tuning, inertia_ratio), np.diag(noise**2)
-    covariance = stationary(a.T, c.T, w, r)
+    covariance, left = stationary(a.T, c.T, w, r)
     gains = np.zeros((plant.places.observed, len(reads)))
     gains[estimated, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
     return Observer(
@@ -64,7 +64,7 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
         reads=reads,
         gains=gains,
         covariance=covariance,
-        riccati_residual=residual(a.T, c.T, w, r, covariance),
+        riccati_residual=left,
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.riccati import residual, stationary
+from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.tuning import Tuning
 
 
@@ -44,6 +44,6 @@ def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float, stretch:
     if tuning.rate_weight is not None:
         q[rate, rate] = tuning.rate_weight.at(inertia_ratio, stretch, arm)
     r = np.array([[tuning.command_weight.at(inertia_ratio, stretch, arm)]])
-    cost = stationary(a, b, q, r)
+    cost, left = stationary(a, b, q, r)
     gains = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
-    return Regulator(gains[0], cost, residual(a, b, q, r, cost))
+    return Regulator(gains[0], cost, left)
