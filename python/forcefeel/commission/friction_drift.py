@@ -18,7 +18,8 @@ this 80 to 98 %. A friction that stays costs 0 to 5 % by it."""
 
 _SLOW = 0.6
 """Least tolerance of the Stribeck velocity. On three machines of an independent integrator it was off by up to 31 %, the breakaway
-by up to 11 %, six to eight of their standard errors. The cause is not known: the noise of the sensors explains a fifth of it."""
+by up to 11 %, six to eight of their standard errors. The cause is noise and steps of the piston's sensor: in the closed loop they
+shake the column, which the fit runs without. One machine, 6 s: 20 % and 6 % off with them, 1.5 % and 0.3 % without."""
 
 _LEAST = {
     DRY: DRIFT,
