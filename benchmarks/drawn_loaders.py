@@ -25,7 +25,7 @@ import numpy as np
 import forcefeel as ff
 from forcefeel.choice import choose, score_laws
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.loader.known import machine_rows
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.loader.tolerances import Distribution, Tolerance
@@ -117,7 +117,7 @@ def rendered(loader: ff.Loader, release_deg: float, law: str = "robust") -> Rend
     """What a law renders of a loader's settings."""
     names = [] if law == NO_LAW else [law]
     plan = make_plan(loader, names, GRID, changes={}, arms=(), angle_rad=radians(release_deg))
-    envelope = compute_few(plan, threads=1)
+    envelope = compute(plan, threads=1)
     passes = envelope.allowed_shares(law).nominal_share if names else 0.0
     return Rendered(1 - float(envelope.forbidden.settings.mean()), passes if np.isfinite(passes) else 1.0)
 

@@ -17,7 +17,7 @@ from math import pi, radians
 import forcefeel as ff
 from forcefeel.conclusions import share_text
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.laws.sampled import robust_tuning
 from forcefeel.loader.built_in import open_loader
 
@@ -51,7 +51,7 @@ def main() -> None:
         for bits, with_bits in loaders.items():
             laws = {str(made): law for made, law in tunings.items()}
             plan = make_plan(with_bits, laws, GRID, changes={}, arms=(), angle_rad=radians(release))
-            envelope = compute_few(plan, threads=1)
+            envelope = compute(plan, threads=1)
             shares[bits] = {made: envelope.shares(str(made)).nominal_share for made in BITS}
         print(f"released from {release:g} deg; law for | on {', '.join(f'{bits} bits' for bits in BITS)}")
         for made in BITS:

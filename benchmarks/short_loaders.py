@@ -26,7 +26,7 @@ from drawn_loaders import GOOD, GRID, LOADERS, drawn, known, rendered
 import forcefeel as ff
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 
 RELEASE_DEG = 10.0
 STEPS = (1.02, 1.05, 1.1, 1.2, 1.5, 2.0)
@@ -55,7 +55,7 @@ def lifts(loader: ff.Loader) -> dict[str, float]:
 def worst(loader: ff.Loader) -> tuple[np.ndarray, str]:
     """I, B, G of the setting that fails by most among those that are allowed, and by what."""
     plan = make_plan(loader, ["robust"], GRID, changes={}, arms=(), angle_rad=radians(RELEASE_DEG))
-    envelope = compute_few(plan, threads=1)
+    envelope = compute(plan, threads=1)
     margin, outcome = (envelope.data[name].values[0, 0].ravel() for name in ("margin", "outcome"))
     counted = np.where((outcome != 0) & ~envelope.forbidden.settings, np.nan_to_num(margin, nan=-np.inf), np.inf)
     index = int(np.argmin(counted))

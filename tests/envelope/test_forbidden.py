@@ -12,7 +12,7 @@ from forcefeel.envelope.as_json import envelope_json
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.forbidden import COVERED, NOISE, THROW, angle_variance, forbidden, noise_floor
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.loader.sensors import sample_variance
 from forcefeel.sizing.fastest import Fastest, Limit
 
@@ -102,7 +102,7 @@ def test_drive_without_limits_forbids_nothing():
 )
 def test_no_law_passes_settings_forbidden_by_the_drive(loader, laws, reason):
     plan = planned(loader, laws=laws)
-    found = compute_few(plan, threads=1)
+    found = compute(plan, threads=1)
     which = found.forbidden.settings
     assert 0 < which.sum() < len(which)
     assert reason is None or str(reason) in found.forbidden.counts
@@ -160,7 +160,7 @@ def test_noise_forbids_light_small_feels_and_no_law_passes_them():
     rows = {f"{sensor}.{row}": "0.3 deg" for sensor in ("column_sensor",) for row in ("noise", "resolution")}
     coarse = {"potentiometer.noise": "0.1 in", "potentiometer.resolution": "0.1 in"}
     loader = ff.digital_elevator().replace(rows | coarse, si=True)
-    found = compute_few(planned(loader, 2.0, ("robust", "observer")), threads=1)
+    found = compute(planned(loader, 2.0, ("robust", "observer")), threads=1)
     which = found.forbidden.of(NOISE)
     assert 0 < which.sum() < len(which)
     assert (found.forbidden.noise_rad[which] > COVERED * 0.05 * radians(2)).all()

@@ -6,7 +6,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope.cases import NOMINAL, Case, Kind
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.simulation.inputs import Recorded
@@ -21,7 +21,7 @@ def rendered(machine, law, grid=GRID, case=NOMINAL):
     """Share of the settings whose release is within tolerance, in one case."""
     plan = make_plan(machine, [law] if isinstance(law, str) else {"law": law}, grid, arms=())
     object.__setattr__(plan, "cases", (case,))
-    return compute_few(plan).shares(next(iter(plan.laws))).nominal_share
+    return compute(plan).shares(next(iter(plan.laws))).nominal_share
 
 
 PLAIN = LawDesign(

@@ -15,7 +15,6 @@ from forcefeel.cli.envelope import EnvelopeOptions
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.refinement import FEWEST, UNKNOWN, rounds
 from forcefeel.envelope.result import Envelope
-from forcefeel.envelope.run import compute_few
 from forcefeel.loader.loader import Loader
 
 PASSES, UNSTABLE, FAILS = 0, 1, 2
@@ -171,11 +170,6 @@ def test_coarse_grids_and_linear_loaders_are_run_whole() -> None:
     assert not planned(ff.elevator()).inferring
     assert not planned(ff.digital_elevator(), stiffness="1..100 %:15:log").inferring
     assert not planned(ff.digital_elevator(), frequency=f"1..1.1 Hz:{FEWEST - 1}").inferring
-
-
-def test_few_settings_in_one_batch_are_run_whole() -> None:
-    plan = make_plan(ff.digital_elevator(), ["robust"], FINE, changes={"column.inertia": 0.2}, arms=())
-    assert compute_few(plan).inferred == 0
 
 
 def test_full_of_another_type_raises_input_error() -> None:

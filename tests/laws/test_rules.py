@@ -11,7 +11,7 @@ import forcefeel as ff
 from forcefeel.envelope.cases import REFERENCE_ARMS
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.result import UNSTABLE
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled import design, robust_tuning
 from forcefeel.laws.sampled.plant import SampledPlant
@@ -136,7 +136,7 @@ def test_known_motor_renders_light_feels_below_load_cell_noise(motor: ff.Loader)
     shares = []
     for one in (known(motor, 0.01), known(motor, 0.2)):
         plan = make_plan(one, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
-        shares.append(compute_few(plan).shares("robust").nominal_share)
+        shares.append(compute(plan).shares("robust").nominal_share)
     assert shares[0] == 1.0
     assert shares[1] <= HALF
 
@@ -162,7 +162,7 @@ def test_agile_law_of_a_known_stick_bears_a_firm_arm_where_robust_swings() -> No
     stick = known(ff.loader.electric("sidestick-pitch"), 0.01)
     grid = {"stiffness": "30, 100 %", "frequency": "1, 4 Hz", "damping": "0.4, 1.2"}
     firm = [arm for arm in REFERENCE_ARMS if arm.name == Arm.FIRM]
-    found = compute_few(make_plan(stick, ["robust", "agile"], grid, changes={}, arms=firm))
+    found = compute(make_plan(stick, ["robust", "agile"], grid, changes={}, arms=firm))
     stable = {law: (found.codes(law)[-1] != found.outcomes.index(UNSTABLE)).mean() for law in found.laws}
     assert stable["agile"] == 1.0
     assert stable["robust"] <= HALF
@@ -195,7 +195,7 @@ def test_robust_law_recovers_a_column_thrown_by_its_link(loader: ff.Loader) -> N
     soft = loader.replace({key: share * loader[key] for key, share in keys.items()}, si=True)
     grid = {"stiffness": "80, 100 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1, 0.4"}
     plan = make_plan(soft, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
-    assert compute_few(plan).shares("robust").nominal_share == 1.0
+    assert compute(plan).shares("robust").nominal_share == 1.0
 
 
 def test_robust_law_renders_with_a_20_bit_encoder(loader: ff.Loader) -> None:
@@ -204,7 +204,7 @@ def test_robust_law_renders_with_a_20_bit_encoder(loader: ff.Loader) -> None:
     coarse = loader.replace({"column_sensor.noise": step, "column_sensor.resolution": step}, si=True)
     grid = {"stiffness": "1..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.1, 0.7"}
     plan = make_plan(coarse, ["robust"], grid, changes={}, arms=())
-    assert compute_few(plan).shares("robust").nominal_share >= 15 / 16
+    assert compute(plan).shares("robust").nominal_share >= 15 / 16
 
 
 def rate_noise(loader: ff.Loader, tuning: Tuning) -> float:
@@ -236,7 +236,7 @@ def test_slower_rate_estimate_renders_feels_lost_to_noise(loader: ff.Loader) -> 
     laws = {"slower": robust_tuning(coarse), "as without friction": robust_tuning(with_encoder(loader, 18))}
     grid = {"stiffness": "5, 10 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
     tuned = {name: ff.laws.tuned(name, "", one) for name, one in laws.items()}
-    found = compute_few(make_plan(coarse, tuned, grid, changes={}, arms=()))
+    found = compute(make_plan(coarse, tuned, grid, changes={}, arms=()))
     slower, other = (found.shares(name).nominal_share for name in laws)
     assert slower == 1.0
     assert other <= RENDERED

@@ -13,7 +13,7 @@ from forcefeel.choice.score import LawScores, Score, score_over, summary_of
 from forcefeel.conclusions import capital
 from forcefeel.design.law_comparison import EnvelopeSummary, LawComparison, LawResult, QualificationSummary
 from forcefeel.envelope.plan import Plan, make_plan
-from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.run import compute
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.law import names_for
@@ -122,7 +122,7 @@ def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawSc
     eligible = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
 
     plan = replace(plan, laws={score.name: plan.laws[score.name] for score in eligible})
-    envelope = compute_few(plan, threads=threads)
+    envelope = compute(plan, threads=threads)
     over = {score.name: score_over(plan, score, envelope, threads) for score in eligible}
     shares = {name: envelope.shares(name) for name in over}
     rendered = {

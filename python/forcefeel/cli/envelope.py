@@ -55,7 +55,11 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
     ] = False
     contact: Annotated[
         bool,
-        option("Also test clamps and stops of 1e3 to 1e6 N/m at the grip. Disable with --no-contact.", ASKED),
+        option(
+            "Also test clamps and stops of 1e3 to 1e6 N/m at the grip. Disable with --no-contact.",
+            ASKED,
+            negative="--no-contact",
+        ),
     ] = True
     full: Annotated[bool, option("Run every setting in every case; infer none from its neighbors.", ASKED)] = False
     out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(

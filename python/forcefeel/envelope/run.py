@@ -1,8 +1,8 @@
 """Compute an envelope: for each frequency, in chunks, the ideal once and then every law in every case."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import groupby, product
 from typing import Any, Unpack
 
 import numpy as np
@@ -73,13 +73,19 @@ def find_envelope(
 
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
     """Compute a planned envelope; arguments as in ``find_envelope``."""
-    # Slow releases take longer. Each case contains all of them, so progress is even.
-    return _compute(plan, [(case,) for case in (*plan.cases, *plan.machines)], threads, progress)
+    return _compute(plan, list(_groups(plan)), threads, progress)
 
 
-def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
-    """Compute an envelope of few settings on a loader with a digital controller, with all cases in one batch."""
-    return _compute(replace(plan, full=True), [plan.cases], threads, lambda done, total: None)
+_BATCH = 384
+"""Most releases in a batch of several cases: a second of work, and lanes and cores are busy for few settings too."""
+
+
+def _groups(plan: Plan) -> Iterator[tuple[Case, ...]]:
+    """Cases that run in one batch: all whole or all inferred, with an arm or without."""
+    most = max(1, _BATCH * len(plan.settings.frequency) // plan.settings.count)
+    for _, group in groupby((*plan.cases, *plan.machines), lambda case: (plan.infers(case), case.arm is None)):
+        alike = tuple(group)
+        yield from (alike[first : first + most] for first in range(0, len(alike), most))
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
