@@ -112,6 +112,7 @@ def test_digital_loader_is_compared_under_its_laws(run):
         "load_cell.noise=0.2 lb",
         "--draws",
         "2",
+        "--no-contact",
     )
     status, out, _ = run(*words, "--json")
     assert status == 0
@@ -119,6 +120,7 @@ def test_digital_loader_is_compared_under_its_laws(run):
     assert list(found["laws"]) == ["load-cell", "robust"]
     assert found["laws"]["robust"]["shares"]["nominal_share"]["value"] == 100
     assert "valve.supply_pressure -20 %" in [case["name"] for case in found["cases"]]
+    assert found["laws"]["robust"]["contact"] is None
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def find_outcomes(
         places, arms = slice(first, first + len(group)), tuple(case.arm for case in group)
         first = places.stop
         if plan.infers(group[0]):  # in no group of several: the nominal case is first
-            refined.append(places.start)
+            refined += range(places.start, places.stop)
             continue
         for piece, (which, record, some) in enumerate(parts[any(arms)]):
             if (piece, arms) not in references:
