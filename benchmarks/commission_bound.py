@@ -43,7 +43,7 @@ DRAWN = {
     "encoder of 23 bits at the column": ("^", "#A8568A", False),
     "a force sensor at the grip (law grip)": ("D", COMPENSATED, True),
 }
-"""Marker, colour and whether it is filled."""
+"""Marker, color and whether it is filled."""
 BESIDE = 0.22
 """Of a line's height."""
 

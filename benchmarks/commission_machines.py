@@ -169,7 +169,7 @@ class Motion(Rubbing):
 def run(m, signal, rate_hz, sensors, noise):
     """Channels (machines, samples) in SI units under a test signal at the amplifier, V at the samples, straight between.
 
-    ``noise`` has the normal numbers of each machine's sensor, (periods, machines), so that neighbours have no say in them.
+    ``noise`` has the normal numbers of each machine's sensor, (periods, machines), so that neighbors have no say in them.
     """
     many, samples = len(m.area), len(signal)
     motion = Motion(m)

@@ -2,7 +2,7 @@
 
 Run ``python benchmarks/linear.py``. Two seconds, a sample each 1 ms, a 96 lb step at 0.1 s, every run with its own matrices. The
 yardstick is a kernel written by hand in C with eight lanes (``peers/linear_kernel.c``), which is given its transition matrices;
-the time here includes all: the matrices from the parameters, their exponentials, the steps, the labelled result. What is left
+the time here includes all: the matrices from the parameters, their exponentials, the steps, the labeled result. What is left
 without the preparation is told by runs of sixteen steps. First every contestant is held against python-control's exact
 response, then all are timed by their own time on one core, last on all cores. Ends with an error if an answer differs or a
 promise is not kept.

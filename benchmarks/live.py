@@ -2,7 +2,7 @@
 
 Run ``python benchmarks/live.py [SECONDS]``, as root or with limits for priority and memory, and with ``cyclictest`` (of rt-tests)
 installed. Work is measured in the loop's own thread, by its clock, from before it reads to after it has written, in virtual
-time, with the machine simulated. The loop and ``cyclictest`` take turns, a few seconds each, so that both meet the same neighbours.
+time, with the machine simulated. The loop and ``cyclictest`` take turns, a few seconds each, so that both meet the same neighbors.
 Ends with an error if a promise is not kept; the worst latency is the machine's, and is reported alone.
 """
 

@@ -51,16 +51,16 @@ def response_fitted(name="closed", stated=0.01, left=0.01, coherent=True):
     """A response whose file's model resonates at 12 Hz, where the bench does at 11 Hz."""
     random = np.random.default_rng(11)
     frequency = np.geomspace(0.5, 50, LINES)
-    modelled = resonant(frequency, 11.0, 0.1)
+    modeled = resonant(frequency, 11.0, 0.1)
     error = left * (random.standard_normal(LINES) + 1j * random.standard_normal(LINES))
-    measured = modelled * np.exp(error)
+    measured = modeled * np.exp(error)
     deviation = None if stated is None else np.full(LINES, stated)
     coherence = 1 - 0.2 * random.random(LINES) if coherent else None
     data = Response(
         name, CLOSED, "test_signal", "column_angle", frequency, measured, coherence, deviation, data_hash="ab" * 32
     )
     rms = float(np.sqrt(np.mean(np.abs(error) ** 2) / 2))
-    return Fitted(data, "column_angle", frequency, measured, modelled, resonant(frequency, 12.0, 0.1), rms, left)
+    return Fitted(data, "column_angle", frequency, measured, modeled, resonant(frequency, 12.0, 0.1), rms, left)
 
 
 def record_fitted(name="release"):

@@ -29,6 +29,7 @@ PHRASES = (
     r"may be given again",
     r"called so",
     r"Beside this page",
+    r"(?i)\b(colour|neighbour|modelled|labelled|initialis)|\bcent(re|red|res)\b|\bmetres?\b",
 )
 
 VARIABLES = {

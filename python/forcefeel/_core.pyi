@@ -358,7 +358,7 @@ class Simulation:
         observers: _Array | None = None,
         force_scale: _Array | None = None,
         seed: int = 0,
-        first_run: int | None = 0,
+        first_run: int | None = None,
         angle_noise: float = 0.0,
         threads: int = 1,
     ) -> tuple[_Array, _Array]: ...
@@ -493,7 +493,7 @@ class MotorStatics:
         """Travel of the drive's end per travel of the grip."""
     @property
     def gear(self) -> float:
-        """Radians of the motor per metre of the grip."""
+        """Radians of the motor per meter of the grip."""
     @property
     def added_mass(self) -> float:
         """The rotor at the grip, kg."""

@@ -181,7 +181,7 @@ def test_intervals_from_hann_segments_have_stated_coverage():
         output = 0.5 * drive + 0.2 * rng.standard_normal(len(drive))  # no memory, so that nothing leaks
         found = estimate_response(record(drive, output, "valve_current"), "valve_current", segments=32)
         averages = independent_averages(scipy.signal.windows.hann(500, sym=False), 250, 32)
-        held.append(within(found, 0.5, averages)[:, ::3])  # Hann's neighbours go together, the third is by itself
+        held.append(within(found, 0.5, averages)[:, ::3])  # Hann's neighbors go together, the third is by itself
     share = np.mean(held)
     spread = np.sqrt(0.95 * 0.05 / np.size(held))
     # 4 standard deviations of the count, and half a percent for a t distribution of averages that are not quite independent.

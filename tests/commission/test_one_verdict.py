@@ -67,7 +67,7 @@ def test_controller_noise_is_not_reported_as_model_error():
     loader = truth.with_tolerances(dict.fromkeys(truth.tolerances))
     found = identify(loader, data, "k,c,J,alpha,q_r,R_p", law="original", starts=1)
     for fitted in found.fitted:
-        runs_on, _ = runs_on_and_jumps(fitted.measured - fitted.modelled)
+        runs_on, _ = runs_on_and_jumps(fitted.measured - fitted.modeled)
         if fitted.channel != "piston_position":  # where the bench's own noise is the larger
             assert fitted.simulated_noise == pytest.approx(runs_on, rel=SAME_SIZE)
     assert not any(map(beyond_noise, found.fitted))

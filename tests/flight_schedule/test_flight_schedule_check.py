@@ -172,7 +172,7 @@ def test_common_sign_flip_of_coordinates_changes_nothing(schedule: FlightSchedul
 
 
 def test_unstable_full_range_change_is_detected(loader: ff.Loader) -> None:
-    """Coordinates turn by half a turn over the schedule: little between neighbours, from end to end they cancel."""
+    """Coordinates turn by half a turn over the schedule: little between neighbors, from end to end they cancel."""
     knots = 121  # an observer's coordinates bear little
     axis = ScheduleAxis("mach", "", tuple(np.linspace(0.2, 0.8, knots)))
     schedule = design_schedule(loader, [axis], np.tile(feel_of(loader)[1], (knots, 1)), "observer")

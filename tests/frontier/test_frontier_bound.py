@@ -118,13 +118,13 @@ def test_exact_rendering_matches_closed_forms(plan):
     for setting, feel in enumerate(plan.settings.feel(plan.loader)):
         for k, error in enumerate(errors):
             if error * inertia >= feel[0]:
-                assert not found.centred[k, setting]  # no inertia is left
+                assert not found.centered[k, setting]  # no inertia is left
                 continue
             worst = np.max([_largest_share(feel, side * error * inertia) for side in (-1, 1)])
             if worst < 1 - NEAR:
-                assert found.centred[k, setting], (feel, error)
+                assert found.centered[k, setting], (feel, error)
             elif worst > 1 + NEAR:
-                assert not found.centred[k, setting], (feel, error)
+                assert not found.centered[k, setting], (feel, error)
                 failing += 1
             checked += np.isfinite(worst)
     assert checked > 60
@@ -133,7 +133,7 @@ def test_exact_rendering_matches_closed_forms(plan):
 
 def test_centered_settings_are_possible_and_shares_fall_with_error(plan):
     found = inertia_bound(plan, (0.005, 0.05, 0.2), threads=1)
-    assert np.all(found.possible | ~found.centred)
+    assert np.all(found.possible | ~found.centered)
     assert found.shares[0] > found.shares[1] > found.shares[2] > 0
     assert np.array_equal(found.at(0.05), found.possible[1])
 
@@ -141,7 +141,7 @@ def test_centered_settings_are_possible_and_shares_fall_with_error(plan):
 def test_off_center_response_passes_at_either_end(plan):
     """Where only a leaning response is possible, it is found again by single steps and judged by closed forms."""
     found = inertia_bound(plan, (0.1,), threads=1)
-    only = np.flatnonzero(found.possible[0] & ~found.centred[0])
+    only = np.flatnonzero(found.possible[0] & ~found.centered[0])
     inertia = plan.loader["column.inertia"]
     for setting in only:
         feel = plan.settings.feel(plan.loader)[setting]
@@ -176,10 +176,10 @@ def test_asymmetric_range_is_evaluated_at_its_own_ends(plan):
     for setting, feel in enumerate(plan.settings.feel(plan.loader)):
         worst = _largest_share(feel, 0.1 * inertia)
         if abs(worst - 1) > NEAR:
-            assert found.centred[0, setting] == (worst < 1)
+            assert found.centered[0, setting] == (worst < 1)
             checked += 1
     assert checked > 20
-    assert np.all(found.possible | ~found.centred)
+    assert np.all(found.possible | ~found.centered)
 
 
 @pytest.mark.parametrize("errors", [(), (0.0, 0.1), (0.1, 0.1), (0.5, 1.0)])

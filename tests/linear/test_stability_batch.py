@@ -76,7 +76,7 @@ def test_verdicts_match_for_parameters_varied_over_decades(keys, decades, law):
 
 
 def test_verdict_is_exact_at_stability_limit():
-    """Between two neighbours in double precision one of which is stable: exact fractions know which."""
+    """Between two neighbors in double precision one of which is stable: exact fractions know which."""
     for key, decades in (("load_cell.gain", 2), ("actuator.bulk_modulus", -4), ("column.inertia", 3)):
         low, high = sorted((LOADER[key], LOADER[key] * 10**decades))
         for _ in range(14):
@@ -126,7 +126,7 @@ def test_exact_fraction_check_of_known_polynomials():
 
 
 @pytest.mark.parametrize("threads", [2, 3])
-def test_verdicts_do_not_depend_on_threads_or_neighbours(threads):
+def test_verdicts_do_not_depend_on_threads_or_neighbors(threads):
     varied = spread(2003, 1.0, KEYS[:4])
     one = stability_batch(LOADER, varied, threads=1)
     other = stability_batch(LOADER, {key: values[::-1] for key, values in varied.items()}, threads=threads)

@@ -19,7 +19,7 @@ SPRING = 24.0  # N/deg, the elevator's
 TRAVEL = 0.1  # deg over which breakout builds up, the default of feel.breakout_travel
 RATE = 100.0
 SURE = 4.0  # standard uncertainties, of some hundred figures
-FINE_N = 0.15  # what the means of neighbouring samples round off a knee of 53 N in 0.1 deg
+FINE_N = 0.15  # what the means of neighboring samples round off a knee of 53 N in 0.1 deg
 
 FEELS = [
     {"breakout": breakout, "friction": friction, "deadband": deadband, "preload": preload}

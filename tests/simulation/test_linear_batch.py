@@ -96,7 +96,7 @@ def test_step_matches_scipy_matrix_exponential():
 
 
 @pytest.mark.parametrize("threads", [2, 3])
-def test_bits_do_not_depend_on_threads_or_neighbours(threads):
+def test_bits_do_not_depend_on_threads_or_neighbors(threads):
     values = draws(21)
     for force in (Step(96 * LB, 0.1), Chirp(100.0, 0.5, 20.0, 0.5), Release(0.1)):
         scenario = Scenario(force, 0.5)

@@ -83,10 +83,10 @@ class Feel:
         extrema, crossings = [angle], []
         while abs(extrema[-1]) > max(held, FADED * angle):
             last = extrema[-1]
-            centre = math.copysign(held, last)
-            extrema.append(centre + (last - centre) * self.phi(half))
+            center = math.copysign(held, last)
+            extrema.append(center + (last - center) * self.phi(half))
             if extrema[-1] * last < 0:
-                crosses = brentq(lambda t, c=centre, a=last: c + (a - c) * self.phi(t), 0.0, half, xtol=ROOT_S)
+                crosses = brentq(lambda t, c=center, a=last: c + (a - c) * self.phi(t), 0.0, half, xtol=ROOT_S)
                 crossings.append((len(extrema) - 2) * half + crosses)
         return extrema, crossings
 

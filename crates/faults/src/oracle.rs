@@ -300,7 +300,7 @@ fn used(row: &Row) -> [f64; SENSORS] {
     row.used.unwrap_or(row.input.sensed)
 }
 
-/// Eq. (9) with what the sensors show, in newtons in place of metres.
+/// Eq. (9) with what the sensors show, in newtons in place of meters.
 fn disagree(limits: &Limits, rows: &[Row], k: usize) -> bool {
     let [per_stiffness, half_play, damping_time] = limits.link;
     let stretch = |k: usize| used(&rows[k])[1] - used(&rows[k])[2] / limits.base_arm * limits.lever;

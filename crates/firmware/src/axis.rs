@@ -62,7 +62,7 @@ pub struct Output<S> {
     pub feel: [S; 2],
     /// Whether the drive has power.
     pub enable: u32,
-    /// Off, initialising, passive, active, fading, tripped.
+    /// Off, initializing, passive, active, fading, tripped.
     pub state: u32,
     /// Safety functions that act, a bit each.
     pub acting: u32,
@@ -164,7 +164,7 @@ impl<S: Scalar> Axis<S> {
             enable: u32::from(allowed.enable),
             state: match allowed.state {
                 SupervisorState::Off => 0,
-                SupervisorState::Initialising => 1,
+                SupervisorState::Initializing => 1,
                 SupervisorState::Passive => 2,
                 SupervisorState::Active => 3,
                 SupervisorState::Fading => 4,

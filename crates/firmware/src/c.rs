@@ -15,7 +15,7 @@ const OK: u32 = 0;
 const NOT_READY: u32 = 1;
 const BAD_INPUT: u32 = 2;
 
-/// Says that an axis has been initialised: C's memory is zero before, or anything at all.
+/// Says that an axis has been initialized: C's memory is zero before, or anything at all.
 const READY: u32 = 0x0F0_CEFE;
 
 /// `forcefeel_axis` of the header.

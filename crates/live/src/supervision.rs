@@ -11,7 +11,7 @@ use forcefeel_model::transducers::SENSORS;
 /// States, in the order of a row's numbers.
 pub const STATES: [SupervisorState; 6] = [
     SupervisorState::Off,
-    SupervisorState::Initialising,
+    SupervisorState::Initializing,
     SupervisorState::Passive,
     SupervisorState::Active,
     SupervisorState::Fading,

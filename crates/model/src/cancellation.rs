@@ -34,7 +34,7 @@ pub struct Cancellation {
 }
 
 impl Cancellation {
-    /// From radians of the motor per metre, lead in s, amplitude in A, periods per turn and phase in rad of each harmonic, then current
+    /// From radians of the motor per meter, lead in s, amplitude in A, periods per turn and phase in rad of each harmonic, then current
     /// of the friction in A and slow rate in rad/s.
     pub fn from_numbers(numbers: &[f64; CANCELLATION_NUMBERS]) -> Self {
         let &[per_travel, lead, ..] = numbers;

@@ -201,7 +201,7 @@ impl<S: Scalar> Observer<S> {
         xi
     }
 
-    /// Torque at rest per newton of the load cell, per metre of the piston, per radian of the column, per newton at the grip and per
+    /// Torque at rest per newton of the load cell, per meter of the piston, per radian of the column, per newton at the grip and per
     /// radian of the feel.
     #[inline(always)]
     pub fn torque_at_rest(&self) -> [S; SAMPLED + 1] {

@@ -284,8 +284,8 @@ parameter_table! {
         static_friction: "F_s", "force at the grip at which the resting column breaks away; at least the dry friction", FORCE, 4.0, 0.0..1e4, off 0.0;
         stribeck_velocity: "omega_s", "velocity over which the friction falls from breakaway to dry friction; a jump unless given", ANGULAR_VELOCITY, 3.0, 0.0..1e4, off 0.0;
         friction_asymmetry: "a_F", "share by which friction and breakaway are larger towards positive angles, and smaller towards negative ones", RATIO, 0.1, -0.9..0.9, off 0.0;
-        gravity_torque: "U", "weight of the column times the distance of its centre of gravity from the pivot", TORQUE, 100.0, 0.0..1e6, off 0.0;
-        gravity_angle: "phi_U", "angle of the centre of gravity from the vertical above the pivot, column at neutral", ANGLE, 0.0, -180.0..180.0, off 0.0;
+        gravity_torque: "U", "weight of the column times the distance of its center of gravity from the pivot", TORQUE, 100.0, 0.0..1e6, off 0.0;
+        gravity_angle: "phi_U", "angle of the center of gravity from the vertical above the pivot, column at neutral", ANGLE, 0.0, -180.0..180.0, off 0.0;
         stop_low: "theta_min", "lower end stop", ANGLE, -20.0, -180.0..0.0, off f64::NEG_INFINITY;
         stop_high: "theta_max", "upper end stop", ANGLE, 20.0, 0.0..180.0, off f64::INFINITY;
         stop_stiffness: "k_stop", "spring rate of the end stops", ROTARY_STIFFNESS, 5e5, 1.0..1e9, off 5e5;

@@ -10,7 +10,7 @@
 //! | force, speed, travel, runaway | [`grip`] |
 //! | zero of the force sensor at the grip | `grip_zero` |
 //! | limits of the command, its way to zero | `command` |
-//! | off, initialising, passive, active, fading, tripped | [`sequence`] |
+//! | off, initializing, passive, active, fading, tripped | [`sequence`] |
 //! | finding the travel | `search` |
 //!
 //! A loop calls [`Supervisor::admit`] in each period for the readings that the law is given, then [`Supervisor::step`] with the law's command, and
@@ -26,7 +26,7 @@
 //!
 //! To fade the spring itself in would leave a hand with a control that nothing holds.
 //!
-//! Passive is what the drive does with a command of zero. A valve's spool is centred: the ports are closed and the oil holds the piston;
+//! Passive is what the drive does with a command of zero. A valve's spool is centered: the ports are closed and the oil holds the piston;
 //! the grip gives by no more than the link's spring. It is free only when the enable line falls and opens the bypass. A motor without
 //! current is free: the hand moves column and rotor against friction and cogging.
 

@@ -17,7 +17,7 @@ const fn unit(si: &'static str, metric: &'static str, us: &'static str, si_per_u
     Unit { si, metric, us, si_per_us }
 }
 
-/// Metres in an inch (exact, international yard and pound agreement 1959).
+/// Meters in an inch (exact, international yard and pound agreement 1959).
 const IN: f64 = 0.0254;
 /// Newtons in a pound of force (exact: 0.453 592 37 kg times 9.806 65 m/s²).
 const LB: f64 = 4.448_221_615_260_5;

@@ -150,7 +150,7 @@ impl Simulation {
     }
 
     /// Measures (runs, measures) and histories (runs, outputs, samples) of the loaders with these values, a row each.
-    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = Some(0), angle_noise = 0.0, threads = 1))]
+    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = None, angle_noise = 0.0, threads = 1))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
     fn run<'py>(
         &self,

@@ -122,7 +122,7 @@ impl MotorStatics {
     fn per_grip(&self) -> f64 {
         self.statics.per_grip
     }
-    /// Radians of the motor per metre of the grip.
+    /// Radians of the motor per meter of the grip.
     #[getter]
     fn gear(&self) -> f64 {
         self.statics.gear()

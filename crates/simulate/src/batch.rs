@@ -1,6 +1,6 @@
 //! Many runs: groups of sixteen, side by side in vector lanes.
 //!
-//! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
+//! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbors or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
 use crate::measures::{MEASURES, Peaks, Samples, measure};

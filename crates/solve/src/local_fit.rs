@@ -17,7 +17,7 @@ const CONVERGED: f64 = 1e-13;
 /// The polynomial.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalFit {
-    centre: f64,
+    center: f64,
     half_width: f64,
     first: f64,
     alpha: [f64; TERMS],
@@ -48,7 +48,7 @@ impl LocalFit {
         let count = time.len().min(value.len());
         let (begin, end) = (time[0], time[count - 1]);
         let mut fit = Self {
-            centre: f64::midpoint(begin, end),
+            center: f64::midpoint(begin, end),
             half_width: (end - begin) * 0.5,
             first: value[0],
             alpha: [0.0; TERMS],
@@ -60,7 +60,7 @@ impl LocalFit {
         for j in 0..fit.terms {
             let (mut norm, mut moment, mut projection) = (0.0, 0.0, 0.0);
             for (&t, &x) in time.iter().zip(value) {
-                let u = (t - fit.centre) / fit.half_width;
+                let u = (t - fit.center) / fit.half_width;
                 let p = fit.polynomial(j, u);
                 norm += p * p;
                 moment += u * p * p;
@@ -107,7 +107,7 @@ impl LocalFit {
         let squares = (0..self.terms).map(|j| self.polynomial(j, u).powi(2) / self.norm[j]);
         let last = self.terms - 1;
         Instant {
-            time: self.centre + u * self.half_width,
+            time: self.center + u * self.half_width,
             value: self.first + value,
             slope: slope / self.half_width,
             noise: squares.sum::<f64>().sqrt(),
@@ -127,7 +127,7 @@ impl LocalFit {
     }
 
     fn newton(&self, near: f64, step: impl Fn([f64; 3]) -> f64) -> Option<Instant> {
-        let mut u = (near - self.centre) / self.half_width;
+        let mut u = (near - self.center) / self.half_width;
         for _ in 0..STEPS {
             let change = step(self.derivatives(u));
             u -= change;

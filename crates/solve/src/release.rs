@@ -307,7 +307,7 @@ impl Measuring<'_> {
         (self.time[after] - self.time[after - 2]).max(self.reach)
     }
 
-    /// The polynomial around two neighbouring samples, or one.
+    /// The polynomial around two neighboring samples, or one.
     fn fit(&self, position: &[f64], left: usize, right: usize) -> Option<LocalFit> {
         let (begin, end) = (self.time[left] - self.reach, self.time[right] + self.reach);
         let least = self.free.min(left + 1);

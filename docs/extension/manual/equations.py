@@ -1,4 +1,4 @@
-"""Equations as pictures in the page, in the colour of its text: no script, and nothing fetched from elsewhere."""
+"""Equations as pictures in the page, in the color of its text: no script, and nothing fetched from elsewhere."""
 
 import io
 import re

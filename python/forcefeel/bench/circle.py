@@ -31,7 +31,7 @@ def fit_mode(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex128]
     """Natural frequency and damping ratio from the circle of a mobility, or the reason why there is no circle.
 
     A mobility ``A j w / (w_n^2 - w^2 + 2 j zeta w_n w) + D`` with complex constants A and D goes round a circle. Seen from its
-    centre it stands at ``theta = theta_n - 2 atan((w/w_n - w_n/w) / (2 zeta))``: it sweeps fastest at ``w_n``. Centre and radius
+    center it stands at ``theta = theta_n - 2 atan((w/w_n - w_n/w) / (2 zeta))``: it sweeps fastest at ``w_n``. Center and radius
     are those of least squares (linear, then by distance), ``theta_n``, ``w_n`` and ``zeta`` those of least squares of the angles.
 
     Args:
@@ -44,8 +44,8 @@ def fit_mode(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex128]
     if len(frequency_hz) < 4:
         return f"{len(frequency_hz)} lines are too few for a circle; measure at more frequencies about the peak"
     scale = float(np.max(np.abs(mobility)))
-    centre, radius = _circle(mobility / scale)
-    points = mobility / scale - centre
+    center, radius = _circle(mobility / scale)
+    points = mobility / scale - center
     misfit = float(np.sqrt(np.mean((np.abs(points) - radius) ** 2))) / radius
     if not misfit < _MOST_OFF:
         return f"the lines about the peak are {misfit:.0%} of its radius off a circle: several modes, or noise; narrow the band"
@@ -93,5 +93,5 @@ def _sweep(f: NDArray[np.float64], angle: NDArray[np.float64], misfit: float) ->
     solution = least_squares(residual, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, method="lm")
     frequency, ratio = guess * float(np.exp(solution.x[1])), damping * float(np.exp(solution.x[2]))
     if not (f[0] <= frequency <= f[-1] and 0 < ratio < 1):
-        return "the angle about the circle's centre does not sweep as that of one mode does; narrow the band"
+        return "the angle about the circle's center does not sweep as that of one mode does; narrow the band"
     return Mode(frequency, ratio, misfit)

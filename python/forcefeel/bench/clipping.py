@@ -20,7 +20,7 @@ _DELAY = 5
 """Largest delay of a signal after its drive, in samples: the delay of a digital controller."""
 _SMOOTH = 6.0
 """Above the steps of resolution that a smooth signal takes per sample before it stays at its top for three: at most 5 on a
-parabola, on which three neighbours lie within one. Standard deviations of its noise too."""
+parabola, on which three neighbors lie within one. Standard deviations of its noise too."""
 _THIRD = 20.0
 """Variance of the third difference of white noise of variance one: 1 + 9 + 9 + 1."""
 _NORMAL = 1.4826

@@ -31,7 +31,7 @@ def curve_of(fitted: Sequence[Fitted]) -> Curve:
         response=response,
         at=tuple(best.at[index].tolist()),
         measured=_parts(best.measured[index], response=response),
-        modelled=_parts(best.modelled[index], response=response),
+        modeled=_parts(best.modeled[index], response=response),
         before=_parts(best.before[index], response=response),
     )
 
@@ -49,7 +49,7 @@ def _stretch(record: Fitted) -> NDArray[np.intp]:
     swings = np.flatnonzero(np.diff(np.sign(measured - measured.mean())))
     begin, end = 0, len(measured)
     if len(swings) > 2 * _SWINGS:
-        largest = int(np.abs(np.real(record.modelled) - np.real(record.before)).argmax())
+        largest = int(np.abs(np.real(record.modeled) - np.real(record.before)).argmax())
         first = int(np.clip(np.searchsorted(swings, largest) - _SWINGS, 0, len(swings) - 2 * _SWINGS))
         begin, end = int(swings[first]), int(swings[first + 2 * _SWINGS - 1])
     return np.arange(begin, end, max(1, -(-(end - begin) // _MOST_POINTS)))

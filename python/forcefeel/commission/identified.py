@@ -174,7 +174,7 @@ def _missed(identification: Identification, plan: CommissionPlan) -> tuple[str, 
 def _noise_wanting(loader: Loader, identification: Identification, at_grip: float | None) -> tuple[str, ...]:
     """A sentence for each sensor with a declared noise of zero, with its measured noise."""
     measured = {
-        SENSOR_OF[fitted.channel]: runs_on_and_jumps(fitted.measured.real - fitted.modelled.real)[1]
+        SENSOR_OF[fitted.channel]: runs_on_and_jumps(fitted.measured.real - fitted.modeled.real)[1]
         for fitted in identification.fitted
         if fitted.channel in SENSOR_OF and isinstance(fitted.data, BenchRecord)
     } | ({} if at_grip is None else {GRIP_SENSOR: at_grip})

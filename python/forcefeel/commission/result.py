@@ -43,7 +43,7 @@ class Curve:
         response: Whether it is a frequency response; else a record in time.
         at: Frequencies in Hz, or times in s.
         measured: Values of a record; of a response gain and phase in rad, one after the other.
-        modelled: The same of the identified model.
+        modeled: The same of the identified model.
         before: The same of the loader file's model.
     """
 
@@ -52,7 +52,7 @@ class Curve:
     response: bool
     at: tuple[float, ...]
     measured: tuple[tuple[float, ...], ...]
-    modelled: tuple[tuple[float, ...], ...]
+    modeled: tuple[tuple[float, ...], ...]
     before: tuple[tuple[float, ...], ...]
 
 

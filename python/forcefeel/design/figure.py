@@ -1,4 +1,4 @@
-"""A figure of a design as data: labelled curves, without a picture."""
+"""A figure of a design as data: labeled curves, without a picture."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,4 +1,4 @@
-"""The data behind the figures of an electric loader's design: labelled curves, without a picture.
+"""The data behind the figures of an electric loader's design: labeled curves, without a picture.
 
 Angles stand beside those of the programmed spring, forces beside the motor's own, so that 0 dB means the same on every loader.
 """

@@ -68,7 +68,7 @@ def _bound(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
     return {
         "inertia_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
         "possible": [quantity(share, PERCENT, units) for share in bound.shares],
-        "possible_if_exact_nominally": [quantity(share, PERCENT, units) for share in bound.centred_shares],
+        "possible_if_exact_nominally": [quantity(share, PERCENT, units) for share in bound.centered_shares],
         "rendered_beyond_it": quantity(frontier.beyond_bound, PERCENT, units),
     }
 

@@ -64,12 +64,12 @@ class Bound:
     Attributes:
         errors: Relative errors e, rising.
         possible: Settings that one response renders at -e, 0 and +e and with every arm, (errors, settings).
-        centred: The same for the response that is exact at e = 0.
+        centered: The same for the response that is exact at e = 0.
     """
 
     errors: tuple[float, ...]
     possible: NDArray[np.bool_] = field(repr=False)
-    centred: NDArray[np.bool_] = field(repr=False)
+    centered: NDArray[np.bool_] = field(repr=False)
 
     @property
     def shares(self) -> tuple[float, ...]:
@@ -77,9 +77,9 @@ class Bound:
         return tuple(self.possible.mean(axis=1).tolist())
 
     @property
-    def centred_shares(self) -> tuple[float, ...]:
+    def centered_shares(self) -> tuple[float, ...]:
         """The same for the response that is exact at e = 0."""
-        return tuple(self.centred.mean(axis=1).tolist())
+        return tuple(self.centered.mean(axis=1).tolist())
 
     def at(self, error: float) -> NDArray[np.bool_]:
         """Settings that can be rendered at a computed error.
@@ -115,11 +115,11 @@ def inertia_bound(
     if not rising or not all(0 < error < 1 for error in rising) or any(np.diff(rising) <= 0):
         raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(rising))}")
     shape = len(rising), plan.settings.count
-    possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    possible, centered = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     for group in setting_groups(plan, threads_or_cores(threads)):
         for k, error in enumerate(rising):
-            possible[k, group.which], centred[k, group.which] = _possible(group, error, lean)
-    return Bound(rising, possible, centred)
+            possible[k, group.which], centered[k, group.which] = _possible(group, error, lean)
+    return Bound(rising, possible, centered)
 
 
 def _possible(group: SettingGroup, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -127,8 +127,8 @@ def _possible(group: SettingGroup, error: float, lean: float) -> tuple[NDArray[n
     size = np.array([error * unseen_inertia(group.plan.loader), 0.0, 0.0])
     off = (lean - 1) * size, (lean + 1) * size
     # At the nominal inertia, with and without an arm, the exact response is the ideal.
-    centred = group.passes(group.feel + off[0]) & group.passes(group.feel + off[1])
-    possible = centred.copy()
+    centered = group.passes(group.feel + off[0]) & group.passes(group.feel + off[1])
+    possible = centered.copy()
     for damping in DAMPINGS:
         left = np.flatnonzero(~possible)
         if len(left):
@@ -136,7 +136,7 @@ def _possible(group: SettingGroup, error: float, lean: float) -> tuple[NDArray[n
             shifts = (np.repeat(SHIFTS, len(left))[:, None] - lean) * size
             renders = _renders(group.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
             possible[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
-    return possible, centred
+    return possible, centered
 
 
 def _renders(

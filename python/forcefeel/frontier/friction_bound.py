@@ -151,12 +151,12 @@ def _rubbed(
     half = np.pi / np.sqrt(square) if square > 0 else np.inf
     left = np.exp(-decay * half) if square > 0 else 0.0
     swing = np.floor(time_s / half).astype(int)
-    turns, centres = np.empty(swing[-1] + 1), np.empty(swing[-1] + 1)
+    turns, centers = np.empty(swing[-1] + 1), np.empty(swing[-1] + 1)
     at = angle
     for k in range(len(turns)):
         held = stiffness * abs(at) <= friction
-        turns[k], centres[k] = at, at if held else np.sign(at) * friction / stiffness
-        at = centres[k] - left * (at - centres[k])
+        turns[k], centers[k] = at, at if held else np.sign(at) * friction / stiffness
+        at = centers[k] - left * (at - centers[k])
     since = time_s - np.where(swing > 0, swing * half, 0.0) if square > 0 else time_s
     phi = _core.feel_transitions(feel[None], since)[0, :, 0, 0]
-    return np.asarray(centres[swing] + (turns - centres)[swing] * phi, dtype=np.float64)
+    return np.asarray(centers[swing] + (turns - centers)[swing] * phi, dtype=np.float64)

@@ -66,7 +66,7 @@ _SERVO_STATES = ("load_pressure_pa", "commanded_flow_m3_per_s", "commanded_flow_
 
 
 class Linkage(StrEnum):
-    """How the link between piston and column is modelled."""
+    """How the link between piston and column is modeled."""
 
     RIGID = "rigid"
     COMPLIANT = "compliant"

@@ -18,7 +18,7 @@ _ROUNDING = 1e-9
 """Relative; a limit typed with ten digits is still the limit."""
 
 _CLOSEST = 1e-6
-"""Share of the largest x that neighbouring points are apart at least; a file's ten digits keep them apart."""
+"""Share of the largest x that neighboring points are apart at least; a file's ten digits keep them apart."""
 
 
 @dataclass(frozen=True)

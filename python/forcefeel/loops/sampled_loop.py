@@ -4,6 +4,7 @@
 the very step that runs them (``crates/model/src/machine/period.rs``). ``e_T`` is a test signal on the command.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -29,6 +30,7 @@ class SampledLoops:
         by_force: b_F, (loops, states), per N.
         base: Place of the column's base, in m, among the states.
         command: Place of the youngest command, in V.
+        threads: How many find the poles.
     """
 
     period_s: float
@@ -37,13 +39,16 @@ class SampledLoops:
     by_force: NDArray[np.float64] = field(repr=False)
     base: int
     command: int
+    threads: int = 1
 
     @cached_property
     def poles(self) -> NDArray[np.complex128]:
         """Poles of each loop, (loops, states); not numbers where the matrix is not made of numbers."""
         good = np.isfinite(self.matrix).all(axis=(1, 2))
         poles = np.full(self.matrix.shape[:2], complex(np.nan, np.nan))
-        poles[good] = np.linalg.eigvals(self.matrix[good])
+        with ThreadPoolExecutor(self.threads) as pool:  # NumPy lets go of the interpreter meanwhile
+            parts = np.array_split(self.matrix[good], self.threads)
+            poles[good] = np.concatenate(list(pool.map(np.linalg.eigvals, parts)))
         return poles
 
     @property
@@ -77,9 +82,8 @@ def sampled_loops(
         raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
     step_s, timing = controller_steps(loader, _LONGEST_STEP_S)
     rows = loader.si_values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
-    states, matrices = _core.sampled_loops(
-        rows, step_s, timing, **Law.of(law, loader).engine(loader), threads=threads_or_cores(threads)
-    )
+    threads = threads_or_cores(threads)
+    states, matrices = _core.sampled_loops(rows, step_s, timing, **Law.of(law, loader).engine(loader), threads=threads)
     n = len(states)
     return SampledLoops(
         loader["controller.period"],
@@ -88,6 +92,7 @@ def sampled_loops(
         matrices[:, :, n + 1],
         states.index(_core.PERIOD_BASE),
         states.index(_core.PERIOD_COMMAND),
+        threads,
     )
 
 

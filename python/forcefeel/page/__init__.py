@@ -1,1 +1,1 @@
-"""The kit of every page and output folder: plots, tables, type, colours, templates, and writing that is whole or not at all."""
+"""The kit of every page and output folder: plots, tables, type, colors, templates, and writing that is whole or not at all."""

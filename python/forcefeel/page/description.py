@@ -38,7 +38,7 @@ def _lies(trace: Any) -> bool:
 def _trace_text(trace: Any) -> str:
     """A trace's name with its lowest and highest value; nothing of one without numbers, or of nameless dots on a curve."""
     if trace.type == "heatmap":
-        name, along = trace.colorbar.title.text or "colour", trace.z
+        name, along = trace.colorbar.title.text or "color", trace.z
     else:
         name, along = _bare(trace.name or ""), trace.x if _lies(trace) else trace.y
     if along is None or not (name or trace.type == "bar"):

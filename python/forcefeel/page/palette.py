@@ -1,4 +1,4 @@
-"""One look per configuration, the same in every figure: Okabe and Ito's colours, which the colour-blind can tell apart."""
+"""One look per configuration, the same in every figure: Okabe and Ito's colors, which the color-blind can tell apart."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ RIGID, COMPLIANT, COMPENSATED, IDEAL = "#0072B2", "#D55E00", "#009E73", "#222222
 _OCHRE, _PURPLE, _SKY = "#B57A00", "#A8568A", "#56B4E9"
 
 CONFIGURATIONS = {"rigid": RIGID, "compliant": COMPLIANT, "compensated": COMPENSATED}
-"""Colour by the configuration's name."""
+"""Color by the configuration's name."""
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class LineStyle:
     """How a curve is drawn.
 
     Attributes:
-        color: Colour.
+        color: Color.
         dash: Plotly's name of the dash.
         width: Width in pixels.
     """
@@ -81,4 +81,4 @@ DARK = {
     "rgba(255,255,255,0.85)": "rgba(23,28,33,0.85)",
     "rgba(34,34,34,0.10)": "rgba(230,234,238,0.12)",
 }
-"""What a colour of the plots becomes on a dark page; one that is not here stays, as do the scales of maps."""
+"""What a color of the plots becomes on a dark page; one that is not here stays, as do the scales of maps."""

@@ -164,9 +164,9 @@ _EVEN = 1e-6
 def _place(points: NDArray[np.float64], value: float, room: float) -> float:
     """Where a value lies between the edges."""
     edges = _edges(points, room)
-    centres = (edges[1:] + edges[:-1]) / 2
+    centers = (edges[1:] + edges[:-1]) / 2
     along = log if _in_proportion(points) else float
-    return float(np.interp(along(value), [along(point) for point in points], centres))
+    return float(np.interp(along(value), [along(point) for point in points], centers))
 
 
 def _loader_position(maps: SettingMaps) -> tuple[int, float, float]:

@@ -14,7 +14,7 @@ class Cell:
     Attributes:
         text: What it says.
         kind: ``number`` stands to the right, ``bad`` stands out, ``words`` may break into lines.
-        background: A colour behind it, such as ``#FDE0C5``; empty for none.
+        background: A color behind it, such as ``#FDE0C5``; empty for none.
     """
 
     text: Text
@@ -53,5 +53,5 @@ def heads(*texts: Text) -> tuple[Cell, ...]:
 
 
 def configuration(name: str) -> Markup:
-    """A configuration's name with a mark in the colour of its curves."""
+    """A configuration's name with a mark in the color of its curves."""
     return Markup('<span class="key {}">{}</span>').format(name.partition(" ")[0], name)

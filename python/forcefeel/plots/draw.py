@@ -29,7 +29,7 @@ _LOOKS: Sequence[Mapping[str, Any]] = (
     {"color": "#009E73", "linestyle": "-."},
     {"color": "#A8568A", "linestyle": (0, (5, 1, 1, 1, 1, 1))},
 )
-"""Okabe and Ito's hues, which the colour-blind can tell apart; dashes for print without colour."""
+"""Okabe and Ito's hues, which the color-blind can tell apart; dashes for print without color."""
 
 
 def curves(given: Curves, x_label: str, y_label: str, title: str, ax: Axes | None) -> Axes:
@@ -71,11 +71,11 @@ def cells(
     kinds: NDArray[np.int8], colors: Mapping[str, str], x: NDArray[np.float64], y: NDArray[np.float64], *,
     labels: tuple[str, str, str], own: tuple[float, float], ax: Axes | None,
 ) -> Axes:  # fmt: skip
-    """A map of cells, each in the colour of its kind, on two axes of even steps in proportion.
+    """A map of cells, each in the color of its kind, on two axes of even steps in proportion.
 
     Args:
         kinds: Places in ``colors``, (y, x).
-        colors: Colour by what the legend calls it.
+        colors: Color by what the legend calls it.
         x: Middles of the columns, rising, above 0.
         y: Middles of the rows, rising, above 0.
         labels: Of x, of y, and the title.

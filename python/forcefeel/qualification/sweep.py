@@ -254,10 +254,10 @@ def _line(x: _Array, y: _Array) -> tuple[float, float, float, float]:
     """Value at zero and slope of the line through points by least squares, and their standard deviations."""
     if len(x) < 3 or np.ptp(x) == 0:
         return math.nan, math.nan, math.nan, math.nan
-    centre = float(np.mean(x))
-    squares = float(np.sum((x - centre) ** 2))
-    slope = float(np.sum((x - centre) * (y - np.mean(y)))) / squares
+    center = float(np.mean(x))
+    squares = float(np.sum((x - center) ** 2))
+    slope = float(np.sum((x - center) * (y - np.mean(y)))) / squares
     level = float(np.mean(y))
-    variance = float(np.sum((y - level - slope * (x - centre)) ** 2)) / (len(x) - 2)
-    at_zero = math.sqrt(variance * (1 / len(x) + centre**2 / squares))
-    return level - slope * centre, slope, at_zero, math.sqrt(variance / squares)
+    variance = float(np.sum((y - level - slope * (x - center)) ** 2)) / (len(x) - 2)
+    at_zero = math.sqrt(variance * (1 / len(x) + center**2 / squares))
+    return level - slope * center, slope, at_zero, math.sqrt(variance / squares)

@@ -175,7 +175,7 @@ def _correlations(runs: xr.Dataset, measures: Sequence[str], parameters: Sequenc
 
 def _standard(ranks: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rows of mean zero and length one; a row that is all the same is not a number."""
-    centred = ranks - ranks.mean(axis=-1, keepdims=True)
-    length = np.sqrt((centred**2).sum(axis=-1, keepdims=True))
+    centered = ranks - ranks.mean(axis=-1, keepdims=True)
+    length = np.sqrt((centered**2).sum(axis=-1, keepdims=True))
     with np.errstate(invalid="ignore"):
-        return np.asarray(centred / length)
+        return np.asarray(centered / length)

@@ -27,7 +27,7 @@ STRAIGHT = 0.02
 """Relative: the engine draws the signal straight between samples: at 40 Hz and 500 Hz that is sinc^2, 2 % off at the highest line.
 Measured: 4e-3."""
 NEIGHBOURHOOD = 0.015
-"""Relative: lines of a chirp stand for their neighbourhood; what is before and behind the band is left out. Measured: 1.4e-3."""
+"""Relative: lines of a chirp stand for their neighborhood; what is before and behind the band is left out. Measured: 1.4e-3."""
 ENOUGH = 1e-6
 """Relative: the search for the spectrum ends so close to the greatest ln det, whatever the noise is told in. Measured: 0."""
 DIFFERENCED = 1e-6

@@ -79,11 +79,11 @@ def test_load_cell_determines_the_scale(yoke, truth, by_current_alone):
 def test_motor_frequency_responses_are_fitted(yoke, truth, law):
     experiment, lines = Experiment.read("loader test_current"), np.geomspace(0.5, 200, 60)
     noise = 0.003 * np.random.default_rng(8).standard_normal((2, 3, 60))
-    modelled = channel_responses(truth, Loop.LOADER, (), lines, law)
+    modeled = channel_responses(truth, Loop.LOADER, (), lines, law)
     data = [
         Response(name, experiment, "test_current", name, lines, value * np.exp(noise[0, k] + 1j * noise[1, k]))
         for k, name in enumerate(("column_angle", "load_cell_force", "motor_angle"))
-        for value in [modelled.between("test_current", name, experiment.drive)[0]]
+        for value in [modeled.between("test_current", name, experiment.drive)[0]]
     ]
     found = identify(yoke, data, "K_t,J_m,k,c,J", law=law, starts=1)
     assert all(abs(one.value - truth[one.unknown.key]) < 4 * one.deviation for one in found.estimates)

@@ -240,7 +240,7 @@ def test_verdict_rejects_a_model_that_misses_the_data():
     # Its noise is a quarter of how far the force swings, but noise; 10 N that come and go are not.
     assert force.residual_rms > UNEXPLAINED * force.measured.std()
     assert said(dataclasses.replace(determined(), fitted=(force,)))[0].ok
-    swinging = dataclasses.replace(force, modelled=force.modelled + 10 * np.sin(20 * force.at))
+    swinging = dataclasses.replace(force, modeled=force.modeled + 10 * np.sin(20 * force.at))
     assert unexplained(swinging) == pytest.approx(10 / np.sqrt(2) / force.measured.std(), rel=BESIDE_NOISE)
     conclusions, text = said(dataclasses.replace(determined(), fitted=(swinging,), loader=None), SI)
     assert not conclusions.ok
@@ -407,9 +407,9 @@ def test_plotted_phase_does_not_jump():
     one = response_fitted()
     random = np.random.default_rng(8)
     frequency = np.linspace(1, 91, 400)
-    modelled = np.exp(-2j * np.pi * frequency * 0.1)
-    measured = modelled * np.exp(0.2j * random.standard_normal(400))
-    found = phases(dataclasses.replace(one, at=frequency, modelled=modelled, measured=measured, before=modelled))
+    modeled = np.exp(-2j * np.pi * frequency * 0.1)
+    measured = modeled * np.exp(0.2j * random.standard_normal(400))
+    found = phases(dataclasses.replace(one, at=frequency, modeled=modeled, measured=measured, before=modeled))
     # 0.6 deg to the next line of 400 would be 8.1 deg; the noise has 11 deg.
     assert np.abs(np.diff(found["fitted"])).max() < 9
     assert np.abs(found["measured"] - found["fitted"]).max() < 60

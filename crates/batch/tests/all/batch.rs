@@ -51,7 +51,7 @@ fn bits_depend_neither_on_threads_nor_on_the_place_in_the_batch() {
 }
 
 #[test]
-fn link_that_closes_its_play_leaves_a_saturated_neighbour_alone() {
+fn link_that_closes_its_play_leaves_a_saturated_neighbor_alone() {
     // Current limits for which limit / admittance times admittance is a rounding below the limit, in every second run.
     let mut inputs = steps(200, STEP);
     for now in &mut inputs[100..] {
@@ -82,7 +82,7 @@ fn link_that_closes_its_play_leaves_a_saturated_neighbour_alone() {
 }
 
 #[test]
-fn control_that_meets_its_hard_stop_leaves_a_neighbour_that_sticks_alone() {
+fn control_that_meets_its_hard_stop_leaves_a_neighbor_that_sticks_alone() {
     // What sticks has gone no way, which the time since a touch is a part of.
     let (inputs, mut values) = (steps(400, STEP), drawn(RUNS, 0.0));
     for (k, values) in values.iter_mut().enumerate() {

@@ -114,8 +114,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
                 return with_delta(effects, neutral);
             }
             let feel = &self.control.feel;
-            let (centre, reach) = (theta * feel.per_angle, feel.per_angle.times(SEARCH_RAD));
-            let free = bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |delta| {
+            let (center, reach) = (theta * feel.per_angle, feel.per_angle.times(SEARCH_RAD));
+            let free = bisect((center - reach, center + reach), Equilibrium::neutral(center.zero()), |delta| {
                 let conditions = FeelConditions::at_rest(neutral, stiffness_factor, delta);
                 let driven = self.heard(shared, x_b, delta, &conditions);
                 self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
@@ -153,8 +153,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     pub fn standing_at(&self, shared: &Shared, [x_b, force, trim]: [S; 3]) -> Equilibrium<S> {
         let effort = self.drive.effort(force);
         let (driven, neutral) = ((effort, self.drive.stretch_at_rest(effort)), trim * self.control.feel.per_angle);
-        let (centre, reach) = (self.control.delta_at(x_b), self.control.feel.per_angle.times(SEARCH_RAD));
-        bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |delta| {
+        let (center, reach) = (self.control.delta_at(x_b), self.control.feel.per_angle.times(SEARCH_RAD));
+        bisect((center - reach, center + reach), Equilibrium::neutral(center.zero()), |delta| {
             self.standing((&shared.effects, shared.cancellation), [x_b, delta, neutral], driven)
         })
     }

@@ -54,9 +54,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let [further, faster] = self.control.given_way([law.per_delta(), law.per_rate()], period);
         // Where the command is the limit and no more.
         let asks_for_all = quotient(e - added - output([zero, zero]).command, law.per_delta());
-        let centre = self.control.delta_at(base) - asks_for_all;
+        let center = self.control.delta_at(base) - asks_for_all;
         let reach = feel.per_angle.times(SEARCH_RAD);
-        let (delta, delta_rate) = bisect((centre - reach, centre + reach), (zero, zero), |excess| {
+        let (delta, delta_rate) = bisect((center - reach, center + reach), (zero, zero), |excess| {
             // What a period adds and the end of it takes: half of it is there half-way.
             let [gained, quicker] = [further * excess, faster * excess];
             let rate = gained / period - quicker.times(0.5);

@@ -1,7 +1,7 @@
 //! The states of a loader, and how it goes from one to another.
 //!
 //! ```text
-//! off -> initialising -> passive <-> fading <-> active
+//! off -> initializing -> passive <-> fading <-> active
 //!  ^          |             |          |          |      any function that stops
 //!  +-- acknowledged ------ tripped <---+----------+
 //! ```
@@ -21,7 +21,7 @@ pub enum SupervisorState {
     /// Without power.
     Off,
     /// Sensors are watched before there is power; then the travel is found, if that is asked for.
-    Initialising,
+    Initializing,
     /// Power, and a command of zero.
     Passive,
     /// The feel is there.
@@ -37,7 +37,7 @@ impl SupervisorState {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
-            Self::Initialising => "initialising",
+            Self::Initializing => "initializing",
             Self::Passive => "passive",
             Self::Active => "active",
             Self::Fading => "fading",
@@ -145,7 +145,7 @@ impl<S: Scalar> Sequence<S> {
             }
         }
         if input.requested == RequestedMode::Off
-            && matches!(self.state, SupervisorState::Initialising | SupervisorState::Passive)
+            && matches!(self.state, SupervisorState::Initializing | SupervisorState::Passive)
         {
             self.off(true);
         }
@@ -160,10 +160,10 @@ impl<S: Scalar> Sequence<S> {
                     && functions.stopping().is_empty()
                     && self.at_zero
                 {
-                    (self.state, self.watched, self.share) = (SupervisorState::Initialising, 0, angle.zero());
+                    (self.state, self.watched, self.share) = (SupervisorState::Initializing, 0, angle.zero());
                 }
             }
-            SupervisorState::Initialising => self.initialise(limits, angle),
+            SupervisorState::Initializing => self.initialize(limits, angle),
             SupervisorState::Passive if input.requested == RequestedMode::Active && self.at_zero => {
                 (self.state, self.at_zero, self.share) = (SupervisorState::Fading, false, angle.zero());
                 (self.anchor, self.comes) = (angle, true);
@@ -177,7 +177,7 @@ impl<S: Scalar> Sequence<S> {
             }
             SupervisorState::Passive | SupervisorState::Tripped => {}
         }
-        asked == SupervisorState::Off && self.state == SupervisorState::Initialising
+        asked == SupervisorState::Off && self.state == SupervisorState::Initializing
     }
 
     #[inline(always)]
@@ -197,7 +197,7 @@ impl<S: Scalar> Sequence<S> {
 
     /// Sensors are watched for as long as one may be stuck, without power; then there is power.
     #[inline(always)]
-    fn initialise(&mut self, limits: &Limits<S>, angle: S) {
+    fn initialize(&mut self, limits: &Limits<S>, angle: S) {
         if self.search.is_some() {
             return;
         }

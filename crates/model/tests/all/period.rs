@@ -21,7 +21,7 @@ const DELTA: usize = 5;
 const DELTA_RATE: usize = 6;
 const HELD: usize = 7;
 
-/// A share of what each number of the state is at most in a run: metres, m³/s, m³/s², m, m/s; rad, rad/s; V; V; m; Pa; Pa; what is
+/// A share of what each number of the state is at most in a run: meters, m³/s, m³/s², m, m/s; rad, rad/s; V; V; m; Pa; Pa; what is
 /// sensed, N, m, m, N, twice; the observer's own.
 const SIZES: [f64; PERIOD_STATES] = {
     let plant = [1e-2, 1e-4, 1e-2, 1e-2, 0.1];

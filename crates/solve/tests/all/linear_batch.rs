@@ -116,7 +116,7 @@ fn runs_are_those_of_the_matrix_exponential() {
 }
 
 #[test]
-fn bits_depend_neither_on_threads_nor_on_the_neighbours() {
+fn bits_depend_neither_on_threads_nor_on_the_neighbors() {
     let draw = Draw::new(19);
     let all = draw.loops();
     for start in [Start::Under(0.0), Start::Held(0.1, 50)] {

@@ -305,12 +305,12 @@ def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
             observation.curves(problem.values(optimum.x), own), then, simulated_noise, strict=True
         ):
             rms = (
-                relative_error(observation.data, curve.modelled)
+                relative_error(observation.data, curve.modeled)
                 if isinstance(observation.data, Response)
-                else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
+                else float(np.sqrt(np.mean(np.square(curve.measured - curve.modeled))))
             )
             noise = float(next(groups)) * curve.expected
-            points = (curve.at, curve.measured, curve.modelled, curve_before.modelled)
+            points = (curve.at, curve.measured, curve.modeled, curve_before.modeled)
             fits.append(Fitted(observation.data, curve.channel, *points, rms, noise, simulated))
     return tuple(fits)
 

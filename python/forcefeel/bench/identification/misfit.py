@@ -47,7 +47,7 @@ def missed_and_noise(fitted: Fitted) -> tuple[float, float]:
     The part of the residual that jumps from sample to sample is noise of the bench's sensors. The part that runs on contains noise
     of the controller's sensors, which moves the machine: its size is simulated, and taken off in mean squares.
     """
-    runs_on, jumps = runs_on_and_jumps(fitted.measured.real - fitted.modelled.real)
+    runs_on, jumps = runs_on_and_jumps(fitted.measured.real - fitted.modeled.real)
     return math.sqrt(max(runs_on**2 - fitted.simulated_noise**2, 0.0)), math.hypot(jumps, fitted.simulated_noise)
 
 

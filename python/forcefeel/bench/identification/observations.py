@@ -20,7 +20,7 @@ class Compared:
     """Data against the model at one point of the unknowns.
 
     Attributes:
-        residual: Measured less modelled over the point's expected deviation, (points,).
+        residual: Measured less modeled over the point's expected deviation, (points,).
         slopes: Its derivatives by unknowns and by the data's own unknowns, (points, unknowns + own).
     """
 
@@ -35,14 +35,14 @@ class Curve:
     Attributes:
         channel: Which channel.
         at: Lines in Hz or times in s, (points,).
-        measured, modelled: Values, SI units, (points,).
+        measured, modeled: Values, SI units, (points,).
         expected: Deviation of a point that the residuals were divided by: relative for a response, SI units for a record.
     """
 
     channel: str
     at: NDArray[np.float64]
     measured: NDArray[np.complex128] | NDArray[np.float64]
-    modelled: NDArray[np.complex128] | NDArray[np.float64]
+    modeled: NDArray[np.complex128] | NDArray[np.float64]
     expected: float
 
 

@@ -72,17 +72,17 @@ class RecordObservation:
 
     def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
         """Channel by channel."""
-        modelled = self._modelled(values, own, self.keys)
-        slopes = [*modelled.slopes, -_LATER_S * modelled.rate] if self.run.released else list(modelled.slopes)
+        modeled = self._modeled(values, own, self.keys)
+        slopes = [*modeled.slopes, -_LATER_S * modeled.rate] if self.run.released else list(modeled.slopes)
         weight = 1 / self._expected[:, np.newaxis]
-        residual = self._without_offset(self._measured - modelled.value) * weight
+        residual = self._without_offset(self._measured - modeled.value) * weight
         by = [-self._without_offset(slope) * weight for slope in slopes]
         return Compared(residual.ravel(), np.array([slope.ravel() for slope in by]).T)
 
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Channel by channel, from one run."""
-        modelled = self._modelled(values, own, ())
-        return self._residual(modelled.value)
+        modeled = self._modeled(values, own, ())
+        return self._residual(modeled.value)
 
     def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
         """The same for several loaders, in parallel if the record's samples are the engine's."""
@@ -92,11 +92,11 @@ class RecordObservation:
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The measured and simulated channels, offsets included."""
-        modelled = self._modelled(values, own, ()).value
-        offset = (self._measured - modelled) - self._without_offset(self._measured - modelled)
+        modeled = self._modeled(values, own, ()).value
+        offset = (self._measured - modeled) - self._without_offset(self._measured - modeled)
         at = self.data.time_s[self.run.used]
-        rows = zip(self.run.channels, self._measured, modelled + offset, self._expected, strict=True)
-        return tuple(Curve(name, at, measured, modelled, float(e)) for name, measured, modelled, e in rows)
+        rows = zip(self.run.channels, self._measured, modeled + offset, self._expected, strict=True)
+        return tuple(Curve(name, at, measured, modeled, float(e)) for name, measured, modeled, e in rows)
 
     def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
         """Channel by channel, from a run with the noise of the controller's sensors and finer steps."""
@@ -137,6 +137,6 @@ class RecordObservation:
         with np.errstate(invalid="ignore"):  # a run that diverged is infinite, and no number without its offset
             return np.asarray(rows - (rows @ self._offsets) @ self._offsets.T)
 
-    def _modelled(self, values: NDArray[np.float64], own: NDArray[np.float64], keys: Sequence[str]) -> Histories:
+    def _modeled(self, values: NDArray[np.float64], own: NDArray[np.float64], keys: Sequence[str]) -> Histories:
         row = self.run.loader.rows(self.keys, values[np.newaxis])[0]
         return self.run.at(row, keys, _LATER_S * float(own[0]) if self.run.released else 0.0)

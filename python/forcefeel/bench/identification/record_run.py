@@ -154,8 +154,8 @@ class RecordRun:
         plain, other = (run.at(values, ()).value[rows] for run in (exact, noisy))
         difference = other - plain
         if stand_ins != list(self.channels):
-            modelled = self.at(values, ()).value
-            gain = np.std(modelled, axis=1) / np.maximum(np.std(plain, axis=1), np.finfo(np.float64).tiny)
+            modeled = self.at(values, ()).value
+            gain = np.std(modeled, axis=1) / np.maximum(np.std(plain, axis=1), np.finfo(np.float64).tiny)
             difference *= gain[:, np.newaxis]
         return difference if np.isfinite(difference).all() else np.zeros_like(difference)
 

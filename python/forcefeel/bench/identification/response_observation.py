@@ -54,7 +54,7 @@ class ResponseObservation:
 
     def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
         """Gain's errors, then phase's."""
-        value, slopes = self._modelled(values, self.keys)
+        value, slopes = self._modeled(values, self.keys)
         with np.errstate(divide="ignore", invalid="ignore"):
             error = np.log(self.data.value / value) / self.deviation
             slope = -(slopes / value) / self.deviation
@@ -70,7 +70,7 @@ class ResponseObservation:
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The measured and modeled response."""
-        value, _ = self._modelled(values, ())
+        value, _ = self._modeled(values, ())
         deviation = float(np.sqrt(np.mean(self.deviation**2)))
         return (Curve(self.data.output, self.data.frequency_hz, self.data.value, value, deviation),)
 
@@ -87,7 +87,7 @@ class ResponseObservation:
         """Relative standard deviation of each line, as far as known."""
         return line_deviation(self.data)
 
-    def _modelled(
+    def _modeled(
         self, values: NDArray[np.float64], keys: Sequence[str]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         row = self.model.loader.rows(self.keys, values[np.newaxis])[0]
@@ -109,8 +109,8 @@ def line_deviation(response: Response) -> NDArray[np.float64]:
     return np.maximum(deviation, _LEAST_DEVIATION)
 
 
-def relative_error(response: Response, modelled: NDArray[np.complex128] | NDArray[np.float64]) -> float:
+def relative_error(response: Response, modeled: NDArray[np.complex128] | NDArray[np.float64]) -> float:
     """Root mean square relative error of gain and phase, weighted by ``1 / deviation^2``."""
     weight = line_deviation(response) ** -2.0
-    error = np.abs(np.log(response.value / modelled)) ** 2 / 2
+    error = np.abs(np.log(response.value / modeled)) ** 2 / 2
     return float(np.sqrt(np.sum(weight * error) / np.sum(weight)))

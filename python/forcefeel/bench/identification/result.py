@@ -69,7 +69,7 @@ class Fitted:
         data: The response or the record.
         channel: The channel; of a response its output.
         at: Lines in Hz of a response, times in s of a record, (points,).
-        measured, modelled: Complex responses, or values over time, SI units, (points,).
+        measured, modeled: Complex responses, or values over time, SI units, (points,).
         before: Model of the loader file, (points,).
         residual_rms: Root mean square residual: relative for a response, SI unit for a record's channel.
         noise: Estimated standard deviation of a point: relative for a response, SI unit for a record.
@@ -81,7 +81,7 @@ class Fitted:
     channel: str
     at: NDArray[np.float64]
     measured: NDArray[np.complex128] | NDArray[np.float64]
-    modelled: NDArray[np.complex128] | NDArray[np.float64]
+    modeled: NDArray[np.complex128] | NDArray[np.float64]
     before: NDArray[np.complex128] | NDArray[np.float64]
     residual_rms: float
     noise: float

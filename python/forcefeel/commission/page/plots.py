@@ -25,7 +25,7 @@ _STYLES = {
 
 def curve(data: Curve, units: UnitSystem) -> go.Figure:
     """Measured, by the loader file and identified: a record over time, or gain and phase over frequency."""
-    curves = {"measured": data.measured, "loader file": data.before, "identified": data.modelled}
+    curves = {"measured": data.measured, "loader file": data.before, "identified": data.modeled}
     parts = 2 if data.response else 1
     picture = make_subplots(rows=parts, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     unit = channel_unit(data.channel)

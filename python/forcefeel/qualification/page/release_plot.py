@@ -38,8 +38,8 @@ def release(result: Result, qualification: Qualification, color: str) -> go.Figu
     reference = _features(result.reference)
     end = _SHOWN * max(span.settled_s - span.release_s.value for span in (_features(result.measured), reference))
     band = reference.band * scale
-    grey = {"fillcolor": BAND, "line_width": 0, "layer": "below"}
-    picture.add_hrect(-band, band, **grey, exclude_empty_subplots=False)  # the curves come after it
+    gray = {"fillcolor": BAND, "line_width": 0, "layer": "below"}
+    picture.add_hrect(-band, band, **gray, exclude_empty_subplots=False)  # the curves come after it
     for side, name, look in (
         (result.reference, "reference", REFERENCE),
         (result.measured, "measured", LineStyle(color, "solid", 2.4)),

@@ -58,7 +58,7 @@ def summary(qualification: Qualification) -> Table:
         rows.append(
             (words(trial.title), *(Cell(reason, "words", _NONE) for _ in qualification.sections), _number(trial))
         )
-    total = (words("All"), *(coloured(section.status) for section in qualification.sections), Cell(""))
+    total = (words("All"), *(colored(section.status) for section in qualification.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")
 
 
@@ -84,7 +84,7 @@ def axes(cockpit: CockpitQualification) -> Table:
     rows = tuple(
         (
             Cell(Markup('<a href="#{}">{}</a>').format(axis, axis), "words"),
-            coloured(section.status),
+            colored(section.status),
             *(words(text) for text in (qualification.loader.name, qualification.loader.drive, section.title)),
             *(number(str(section.count(outcome))) for outcome in Outcome),
         )
@@ -109,8 +109,8 @@ def _number(trial: RuleTestCase) -> Cell:
     return Cell(trial.test.number + (Markup("") if trial.verified else UNVERIFIED))
 
 
-def coloured(came: Outcome | QualificationStatus) -> Cell:
-    """What a test or a whole came to, in its colour."""
+def colored(came: Outcome | QualificationStatus) -> Cell:
+    """What a test or a whole came to, in its color."""
     return Cell(str(came), "", _BACKGROUNDS[came])
 
 

@@ -135,7 +135,7 @@ pub fn assert_bits_stay(job: &Job<'_>, laws: Option<&[[f64; NUMBERS]]>) {
         assert_eq!(bits(found.as_flattened()), bits(&measures[k]), "run {k}");
         assert_eq!(bits(&history), bits(&histories[k * size..(k + 1) * size]), "run {k}");
     }
-    // The other way round, each has other neighbours; the noise goes with the index and stays away.
+    // The other way round, each has other neighbors; the noise goes with the index and stays away.
     let mut quiet = job.clone();
     quiet.shared.effects.noise = false;
     let (straight, _) = run(&quiet, 1);

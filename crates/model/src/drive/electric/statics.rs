@@ -35,7 +35,7 @@ impl<S: Scalar> MotorStatics<S> {
         }
     }
 
-    /// Radians of the motor per metre of the grip: newtons at the grip per newton metre.
+    /// Radians of the motor per meter of the grip: newtons at the grip per newton meter.
     pub fn gear(&self) -> S {
         self.per_grip * self.drive.per_travel
     }

@@ -126,16 +126,14 @@ def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
     picture = make_subplots(rows=2, cols=1, vertical_spacing=0.14, row_heights=[0.66, 0.34])
     quantity = channel_unit(fitted.channel)
     scale, unit = quantity.from_si(1.0, units), unit_text(quantity.shown(units))
-    measured, modelled, before = (
-        scale * np.real(values) for values in (fitted.measured, fitted.modelled, fitted.before)
-    )
+    measured, modeled, before = (scale * np.real(values) for values in (fitted.measured, fitted.modeled, fitted.before))
     hover = f"%{{y:.4~g}} {unit}"
-    residual = measured - modelled
+    residual = measured - modeled
     displayed = stretch(measured, residual)
     for name, values, style in (
         ("measured", measured, _MEASURED),
         ("the file's model", before, _BEFORE),
-        ("fitted", modelled, _FITTED),
+        ("fitted", modeled, _FITTED),
     ):
         indices = displayed[drawn(values[displayed], MOST_POINTS)]
         _line(picture, 1, fitted.at[indices], values[indices], name, style, hover)
@@ -187,7 +185,7 @@ def _values(fitted: Fitted) -> dict[str, NDArray[np.complex128]]:
     return {
         "measured": np.asarray(fitted.measured, dtype=np.complex128),
         "the file's model": np.asarray(fitted.before, dtype=np.complex128),
-        "fitted": np.asarray(fitted.modelled, dtype=np.complex128),
+        "fitted": np.asarray(fitted.modeled, dtype=np.complex128),
     }
 
 
@@ -220,7 +218,7 @@ def _overlay(
 
 def _left_of_response(picture: go.Figure, fitted: Fitted, data: Response) -> None:
     """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and the band of 95 % of the noise."""
-    error = 100 * np.log(np.asarray(fitted.measured, dtype=np.complex128) / fitted.modelled)
+    error = 100 * np.log(np.asarray(fitted.measured, dtype=np.complex128) / fitted.modeled)
     limit = 100 * _NORMAL_95 * _noise(fitted, data)
     picture.add_scatter(
         x=np.concatenate([fitted.at, fitted.at[::-1]]),

@@ -9,7 +9,7 @@ export class Column {
   constructor({ angle, force, hand }, send, mode) {
     this.svg = document.getElementById("column");
     Object.assign(this, { angle, force, send, mode, full: 100, now: 0, pulled: 0, hand: null, sent: 0 });
-    Object.assign(this, { allowed: false, mine: false, centred: false });
+    Object.assign(this, { allowed: false, mine: false, centered: false });
     this.svg.onpointerdown = (event) => hand && this.allowed && this.grab(event);
     this.svg.onpointermove = (event) => this.hand?.pointer === event.pointerId && this.drag(event);
     this.svg.onpointerup = this.svg.onpointercancel = (event) => this.hand?.pointer === event.pointerId && this.letGo();
@@ -61,7 +61,7 @@ export class Column {
   allow(allowed, mine) {
     if (!allowed || (this.mine && !mine)) {
       this.drop();
-      this.centred = false;
+      this.centered = false;
     }
     Object.assign(this, { allowed, mine });
   }
@@ -80,8 +80,8 @@ export class Column {
     const pushed = axis.slice(0, 2).reduce((most, value) => (Math.abs(value) > Math.abs(most) ? value : most), 0);
     document.getElementById("pad").textContent = axis.length ? "a game pad pulls too" : "";
     // A stick that is pushed when control comes, or that rests elsewhere, has to be seen in its middle first.
-    this.centred ||= axis.length > 0 && Math.abs(pushed) <= PAD_DEAD;
-    if (Math.abs(pushed) > PAD_DEAD && this.allowed && this.centred && (!this.hand || this.hand.pointer === "pad")) {
+    this.centered ||= axis.length > 0 && Math.abs(pushed) <= PAD_DEAD;
+    if (Math.abs(pushed) > PAD_DEAD && this.allowed && this.centered && (!this.hand || this.hand.pointer === "pad")) {
       this.hand ??= { pointer: "pad" };
       this.wish({ force_n: (pushed * this.full) / this.force.scale });
     } else if (this.hand?.pointer === "pad") {

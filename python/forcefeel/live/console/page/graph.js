@@ -7,7 +7,7 @@ const BOTTOM = 34;
 const TOP = 8;
 const RIGHT = 10;
 
-export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 export class Graph {
   constructor(canvas) {
@@ -30,7 +30,7 @@ export class Graph {
     pen.lineWidth = 1;
     for (const [at, name] of marks ?? ticks(x, width < 400 ? 4 : 8)) this.rule([at, at], y, at === 0 && !marks, name, true);
     for (const [at, name] of ticks(y, height < 200 ? 3 : 5)) this.rule(x, [at, at], at === 0, name, false);
-    pen.fillStyle = colour("soft");
+    pen.fillStyle = color("soft");
     pen.textAlign = "right";
     pen.textBaseline = "bottom";
     pen.fillText(xLabel, width - RIGHT, height - 2);
@@ -42,9 +42,9 @@ export class Graph {
   rule(x, y, zero, label, below) {
     const pen = this.pen;
     this.path(x, y);
-    pen.strokeStyle = colour(zero ? "edge" : "rule");
+    pen.strokeStyle = color(zero ? "edge" : "rule");
     pen.stroke();
-    pen.fillStyle = colour("soft");
+    pen.fillStyle = color("soft");
     pen.textAlign = below ? "center" : "right";
     pen.textBaseline = below ? "top" : "middle";
     pen.fillText(label, below ? this.atX(x[0]) : LEFT - 6, below ? this.height - BOTTOM + 4 : this.atY(y[0]));
@@ -81,7 +81,7 @@ export class Graph {
 
   line(x, y, name, { width = 2, dash = [] } = {}) {
     this.path(x, y);
-    this.pen.strokeStyle = colour(name);
+    this.pen.strokeStyle = color(name);
     this.pen.lineWidth = width;
     this.pen.lineJoin = "round";
     this.pen.setLineDash(dash);
@@ -92,19 +92,19 @@ export class Graph {
   band(x, low, high) {
     const known = [...x.keys()].filter((k) => low[k] !== null && high[k] !== null);
     this.path([...known, ...known.toReversed()].map((k) => x[k]), [...known.map((k) => low[k]), ...known.toReversed().map((k) => high[k])]);
-    this.pen.fillStyle = colour("band");
+    this.pen.fillStyle = color("band");
     this.pen.fill();
   }
 
   dot(x, y, name) {
     this.pen.beginPath();
     this.pen.arc(this.atX(x), this.atY(y), 5, 0, 2 * Math.PI);
-    this.pen.fillStyle = colour(name);
+    this.pen.fillStyle = color(name);
     this.pen.fill();
   }
 
   box(x, y, name) {
-    this.pen.fillStyle = colour(name);
+    this.pen.fillStyle = color(name);
     this.pen.fillRect(this.atX(x[0]), this.atY(y[1]), this.atX(x[1]) - this.atX(x[0]), this.atY(y[0]) - this.atY(y[1]));
   }
 }

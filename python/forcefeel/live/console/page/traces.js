@@ -1,7 +1,7 @@
 // What scrolls: ten seconds of each signal, with both extremes of every frame.
 
 import { calm, tick } from "./numbers.js";
-import { colour } from "./graph.js";
+import { color } from "./graph.js";
 
 const SECONDS = 10;
 const POINTS = 2 * 60 * (SECONDS + 1);
@@ -37,7 +37,7 @@ export class Traces {
     }
     into.append(body);
     const height = Math.max(130, Math.min(190, window.innerHeight / 5));
-    const axis = { stroke: () => colour("soft"), grid: { stroke: () => colour("rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+    const axis = { stroke: () => color("soft"), grid: { stroke: () => color("rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
     const plot = new uPlot(
       {
         width: body.clientWidth,
@@ -52,7 +52,7 @@ export class Traces {
         ],
         series: [{}, ...taken.map((k) => {
           const [name, dash] = of[channels[k].column];
-          return { stroke: () => colour(name), dash, width: 1.6, points: { show: false } };
+          return { stroke: () => color(name), dash, width: 1.6, points: { show: false } };
         })],
       },
       [this.time, ...taken.map((k) => this.values[k])],
