@@ -131,7 +131,9 @@ def test_inferred_map_agrees_with_the_full_one(maps: tuple[Envelope, Envelope]) 
     assert not any((differs & ~inferred_there).any() for differs, inferred_there in zip(differing, marked, strict=True))
     assert sum(int(part.sum()) for part in differing) <= 0.005 * 7 * settings  # islands smaller than a cell
     assert full.inferred == 0
-    assert full.case_shares("robust")[1].passes == pytest.approx(inferred.case_shares("robust")[1].passes, abs=0.01)
+    assert full.case_shares("robust")[1].passes == pytest.approx(
+        inferred.case_shares("robust")[1].passes, abs=0.01
+    )  # islands
 
 
 def test_nominal_case_and_smaller_angles_are_run_whole(maps: tuple[Envelope, Envelope]) -> None:

@@ -210,14 +210,14 @@ def test_equal_qualifications_give_equal_bytes(made, tmp_path):
 def test_failed_write_leaves_folder_unchanged(made, tmp_path, monkeypatch):
     out = ff.qualification.write_qualification(made["unstable"], tmp_path).parent
     before = {path.name: path.read_bytes() for path in out.iterdir()}
-    write_text = Path.write_text
+    write = Path.write_bytes
 
-    def full_disk(self, text, **options):
+    def full_disk(self, data):
         if self.name == "qualification.html":
             raise OSError(28, "No space left on device")
-        return write_text(self, text, **options)
+        return write(self, data)
 
-    monkeypatch.setattr(Path, "write_text", full_disk)
+    monkeypatch.setattr(Path, "write_bytes", full_disk)
     with pytest.raises(InputError, match="No space left on device"):
         ff.qualification.write_qualification(made["friction"], out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before

@@ -26,6 +26,8 @@ LB = factor("lb", "N")
 DEG = math.pi / 180
 SHARE, NEAR_LB = 0.01, 0.02
 """What a figure may be off: the larger of a share of it and of a force."""
+ROUNDING = 1e-11
+"""Of sums of some hundred numbers of the size of ten."""
 NEAR_DEG = 0.02
 """Of a freeplay: a fifth of a place on the grid of 401."""
 SLOW_S = 100.0
@@ -189,4 +191,4 @@ def test_statics_of_hand_moved_record_match_feel(breakout, friction, deadband, n
 def test_slopes_match_savitzky_and_golay_of_scipy(reach):
     values = np.cumsum(np.random.default_rng(1).normal(size=300))
     for order, slope in _slopes(values, reach):
-        assert slope == pytest.approx(savgol_filter(values, 2 * reach + 1, 2, deriv=order, delta=1.0), abs=1e-11)
+        assert slope == pytest.approx(savgol_filter(values, 2 * reach + 1, 2, deriv=order, delta=1.0), abs=ROUNDING)

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 void stack_top(void); /* an address of board.ld, no function */
-void initialize_monitor_handles(void);
+void initialise_monitor_handles(void);
 int main(void);
 void reset(void);
 void fault(void);
@@ -24,7 +24,7 @@ __attribute__((naked, noreturn)) void reset(void)
 /* QEMU ends with main's status. What changes is zero, or loaded by QEMU itself. */
 __attribute__((noreturn)) void begin(void)
 {
-    initialize_monitor_handles();
+    initialise_monitor_handles();
     const int status = main();
     (void)fflush(stdout);
     _exit(status);
