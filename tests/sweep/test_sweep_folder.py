@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import json
+import shutil
 import tracemalloc
 from pathlib import Path
 
@@ -367,3 +368,14 @@ def test_results_that_miss_runs_are_refused(tmp_path):
     (tmp_path / "runs.nc").write_bytes((tmp_path / "other" / "runs.nc").read_bytes())
     with pytest.raises(InputError, match=r"runs\.nc: does not hold the 400 runs; --replace to begin anew"):
         run_sweep(small(), tmp_path, resume=True)
+
+
+def test_results_without_room_on_the_disk_are_not_begun(tmp_path, whole, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(2**20, 2**20, 2**19))
+        with pytest.raises(
+            InputError, match=r"runs\.nc: takes 1\.1 MB, and the disk has 0\.5 MB free; make room, then --resume"
+        ):
+            run_sweep(small(), tmp_path)
+    assert names(tmp_path) == {"plan.json", "chunks"}
+    assert run_sweep(small(), tmp_path, resume=True).runs.identical(whole)

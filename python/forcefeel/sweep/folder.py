@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import re
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -196,9 +197,14 @@ class Folder:
         return sum(len(self.sweep.chunks[index]) for index in self.kept())
 
     def finish(self) -> None:
-        """Write the results, a chunk at a time, and remove the chunks."""
+        """Write the results, a chunk at a time, and remove the chunks.
+
+        Raises:
+            InputError: If there is no room for them, or a chunk was removed.
+        """
         import h5netcdf  # noqa: PLC0415  only here
 
+        self._check_room()
         with written_whole(self.path / RUNS) as aside:
             for index, runs in enumerate(self.sweep.chunks):
                 measured = self._stored(index)
@@ -215,6 +221,18 @@ class Folder:
                         file.variables[name][runs.start : runs.stop] = _letters(variable.values)
         with contextlib.suppress(OSError):  # the results exist
             self._drop_chunks()
+
+    def _check_room(self) -> None:
+        """Refuse a disk without room for the results: HDF5 notices that only as it closes the file, and then crashes."""
+        columns = len(measures_of(self.sweep.loader.drive)) + len(self.sweep.axes) + len(self.sweep.varied)
+        runs = len(self.sweep.chunks) * len(self.sweep.chunks[0])
+        needed = runs * (8 * columns + _STATUS.itemsize) + _STRUCTURE_BYTES
+        free = shutil.disk_usage(self.path).free
+        if free < needed:
+            raise InputError(
+                f"{self.path / RUNS}: takes {needed / 2**20:,.1f} MB, and the disk has {free / 2**20:,.1f} MB free; make room, "
+                "then --resume"
+            )
 
     def result(self) -> SweepResult:
         """The results, whose values are read from the folder as they are used.
@@ -236,6 +254,9 @@ def _letters(values: NDArray[Any]) -> NDArray[Any]:
     """Text of a fixed length letter by letter, as a file has it; numbers as they are."""
     return values.view("S1").reshape(len(values), -1) if values.dtype == _STATUS else values
 
+
+_STRUCTURE_BYTES = 2**20
+"""Room for what is in a file beside its numbers, amply."""
 
 _STATUS = np.dtype(f"S{max(map(len, STATUSES))}")
 """Status in a file, in letters of a fixed number: a reader reads text of any length whole."""
