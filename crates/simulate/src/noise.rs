@@ -22,7 +22,7 @@ pub struct Noise {
 /// Streams from here on are those of the grip's sensors: with it or without, the others' noise is the same.
 const OF_GRIP: u64 = 1 << 63;
 
-/// Samples that are drawn at a time. To draw one stream's numbers in a row takes half as long as to change streams for each.
+/// Samples that are drawn at a time. To draw one stream's numbers in a row is faster than to change streams for each.
 const AHEAD: usize = 16;
 
 impl Noise {

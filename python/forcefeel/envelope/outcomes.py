@@ -32,9 +32,6 @@ PASSED, _UNSTABLE, _FIRST = 0, 1, 2
 FIGURES = (*NAMES, NOT_HELD)
 """What can fail, in the order of the codes."""
 
-_TOGETHER = 8
-"""Cases whose settings are refined in the same batches, which keeps lanes and cores busy."""
-
 Outcomes = tuple[NDArray[np.int8], NDArray[np.float32], NDArray[np.bool_]]
 """Outcome, margin, and whether both are inferred: (laws, cases, settings)."""
 
@@ -47,25 +44,25 @@ def find_outcomes(
     threads: int,
     advance: Callable[[int], None],
 ) -> Outcomes:
-    """Outcomes of every law at the plan's angle, each group of cases in one batch, inferred cases ``_TOGETHER``."""
-    cases = [case for group in groups for case in group]
-    shape = len(laws), len(cases), len(feel)
+    """Outcomes of every law at the plan's angle, each group of cases in one batch: all whole or all inferred."""
+    shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
     inferred = np.zeros(shape, dtype=bool)
     parts = {
         arm: [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan, arm=arm)]
-        for arm in (False, True)
+        for arm in {_with_arm(group) for group in groups if not plan.infers(group[0])}
     }
     references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
-    refined: list[int] = []
     first = 0
     for group in groups:
         places, arms = slice(first, first + len(group)), tuple(case.arm for case in group)
         first = places.stop
-        if plan.infers(group[0]):  # in no group of several: the nominal case is first
-            refined += range(places.start, places.stop)
+        if plan.infers(group[0]):
+            for k, law in enumerate(laws.values()):
+                results = _refined(plan, feel, law, group, threads, advance)
+                outcome[k, places], margin[k, places], inferred[k, places] = results
             continue
-        for piece, (which, record, some) in enumerate(parts[any(arms)]):
+        for piece, (which, record, some) in enumerate(parts[_with_arm(group)]):
             if (piece, arms) not in references:
                 ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in group])
                 references[piece, arms] = measured(plan, record, ideal, threads)
@@ -76,15 +73,15 @@ def find_outcomes(
                 judged = (part.reshape(len(group), -1) for part in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(group) * len(which))
-    for k, law in enumerate(laws.values()):
-        for start in range(0, len(refined), _TOGETHER):
-            some_places = refined[start : start + _TOGETHER]
-            results = _refined(plan, feel, law, [cases[place] for place in some_places], threads, advance)
-            outcome[k, some_places], margin[k, some_places], inferred[k, some_places] = results
     # A force that the motor cannot hold is wrong before the release, even if the release passes.
     not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
     outcome[(outcome == PASSED) & not_held] = _FIRST + len(NAMES)
     return outcome, margin, inferred
+
+
+def _with_arm(group: Sequence[Case]) -> bool:
+    """Whether an arm is at the grip in any of the cases."""
+    return any(case.arm is not None for case in group)
 
 
 def _refined(
