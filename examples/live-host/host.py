@@ -12,8 +12,8 @@ import time
 import zlib
 from dataclasses import astuple, dataclass
 
-ACTIVE, AUTOPILOT, PUSHER, JAM, DISCONNECT, POWER_LOST, TRIM_RUNAWAY = (1 << bit for bit in range(7))
-_FROM_HOST = struct.Struct("<4sII10f")
+ACTIVE, AUTOPILOT, PUSHER, JAM, DISCONNECT, POWER_LOST, TRIM_RUNAWAY, FREEZE, FLIGHT = (1 << bit for bit in range(9))
+_FROM_HOST = struct.Struct("<4sII21f")
 _TO_HOST = struct.Struct("<4sII6f")
 _SUM = struct.Struct("<I")
 RATE_HZ = 60
@@ -33,15 +33,28 @@ class FromHost:
     pusher_force: float = 0.0
     trim_runaway_rate: float = 0.0
     jam_force: float = 0.0
+    added_stiffness: float = 0.0  # of what does: a spring and a damper, closed in the loader
+    added_damping: float = 0.0
+    true_airspeed: float = 0.0
+    angle_of_attack: float = 0.0
+    sideslip: float = 0.0
+    roll_rate: float = 0.0
+    pitch_rate: float = 0.0
+    yaw_rate: float = 0.0
+    load_factor: float = 1.0
+    mach: float = 0.0
+    tab: float = 0.0
 
 
 @dataclass(frozen=True)
 class ToHost:
-    """What a loader sends: angles in rad, force in N; the state's and the function's places in their tables."""
+    """What a loader sends: angles in rad, force in N; the state's and the function's places in their tables; whether the last packet
+    was refused, since the loader cannot render its spring or damping."""
 
     sequence: int
     state: int
     stopped_by: int
+    refused: bool
     angle: float
     rate: float
     force: float
@@ -52,7 +65,7 @@ class ToHost:
 
 def encode(sequence: int, switches: int, values: FromHost) -> bytes:
     """The bytes of a packet."""
-    body = _FROM_HOST.pack(b"FFH1", sequence & 0xFFFFFFFF, switches, *astuple(values))
+    body = _FROM_HOST.pack(b"FFH2", sequence & 0xFFFFFFFF, switches, *astuple(values))
     return body + _SUM.pack(zlib.crc32(body))
 
 
@@ -68,7 +81,7 @@ def decode(packet: bytes) -> ToHost:
             f"packet: expected {_TO_HOST.size + 4} bytes that begin with FFL1, got {len(packet)}: {packet[:4]!r}"
         )
     _, sequence, status, *numbers = _TO_HOST.unpack(body)
-    return ToHost(sequence, status & 0xFF, status >> 8 & 0xFF, *numbers)
+    return ToHost(sequence, status & 0xFF, status >> 8 & 0xFF, bool(status >> 16 & 1), *numbers)
 
 
 def main() -> None:

@@ -29,6 +29,7 @@ __all__ = [
     "LiveLoop",
     "LiveMachine",
     "LiveSetup",
+    "LockStep",
     "Loops",
     "MotorStatics",
     "Parameter",
@@ -55,6 +56,7 @@ __all__ = [
     "fmu_variables",
     "grip_force",
     "ideal_feel",
+    "hinge_moment",
     "linear_slopes",
     "linkage_from_resonance",
     "live_columns",
@@ -458,6 +460,13 @@ def feel_held_between(
     Hysteresis, shaker and dry friction act to either side; the neutral is at zero.
     """
 
+def hinge_moment(values: _Array, flight: _Array) -> _Array:
+    """Force at the grip, N, spring, N m/rad, and damping, N m s/rad, (states, 3), of the hinge moment of the loader's surface.
+
+    ``flight``: dynamic pressure, true airspeed, angle of attack, sideslip, rates of roll, pitch and yaw, load factor, Mach number,
+    angle of the tab, angle of the control; (states, 11), SI units.
+    """
+
 def column_grip_force(values: _Array, acceleration: _Array) -> _Array:
     """Force at the grip that by itself turns the column with each angular acceleration, eq. (6)."""
 
@@ -550,6 +559,7 @@ class LiveSetup:
         stiffness_factor: tuple[_Array, _Array] | None = None,
         cancellation: Sequence[float] | None = None,
         supervised: bool = True,
+        rendered: _Array | None = None,
     ) -> Self: ...
 
 _Script: TypeAlias = tuple[dict[str, _Array], float, tuple[float, int] | None, int]
@@ -589,6 +599,16 @@ class LiveMachine:
     def __new__(cls, setup: LiveSetup, *, script: _Script | None = None) -> Self: ...
     def read(self) -> list[float] | None: ...
     def write(self, command: float, enable: bool) -> None: ...
+    def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
+
+class LockStep:
+    """A loop whose cycles are asked for, its machine simulated, a host listened to."""
+
+    def __new__(cls, setup: LiveSetup, *, script: _Script | None = None) -> Self: ...
+    def run(self, cycles: int, packet: bytes | None = None) -> _Array: ...
+    @property
+    def answer(self) -> bytes | None: ...
+    def request(self, name: str, numbers: Sequence[float]) -> None: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
 
 def live_columns() -> list[str]: ...

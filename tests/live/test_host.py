@@ -32,15 +32,17 @@ def host() -> ModuleType:
 
 
 def test_packet_bytes_match_rust_encoder(host: ModuleType) -> None:
-    values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0)
+    flight = (250.0, 12.0, 62.0, 0.07, -0.02, 0.1, 0.05, -0.03, 1.4, 0.18, 0.06)
+    values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0, *flight)
     expected = (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
     assert host.encode(7, host.ACTIVE | host.AUTOPILOT, values).hex() == expected
 
 
 def test_a_packet_of_a_loader_is_read_or_refused(host: ModuleType) -> None:
-    body = struct.pack("<4sII6f", b"FFL1", 9, 3 | 2 << 8, 0.25, -0.5, 30.0, 0.0, 1.0, 1.0)
+    body = struct.pack("<4sII6f", b"FFL1", 9, 3 | 2 << 8 | 1 << 16, 0.25, -0.5, 30.0, 0.0, 1.0, 1.0)
     found = host.decode(body + struct.pack("<I", zlib.crc32(body)))
-    assert (found.sequence, found.state, found.stopped_by, found.angle, found.force) == (9, 3, 2, 0.25, 30.0)
+    read = (found.sequence, found.state, found.stopped_by, found.refused, found.angle, found.force)
+    assert read == (9, 3, 2, True, 0.25, 30.0)
     with pytest.raises(ValueError, match=r"^packet: expected 40 bytes that begin with FFL1"):
         host.decode(body + b"none")
 

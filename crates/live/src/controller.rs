@@ -111,7 +111,8 @@ impl Controller {
             LoopRequest::Stop => self.asked.stop = true,
             LoopRequest::Host(packet) => {
                 if let Some(host) = &mut self.host {
-                    host.take(packet);
+                    let feel = &self.parameters.feel;
+                    host.take(packet, [self.wanted.stiffness_factor * feel.stiffness, feel.damping]);
                 }
             }
         }
@@ -236,7 +237,9 @@ impl Controller {
             trim: [self.supervision.neutral(trim_rad); 2],
             stiffness_factor: [stiffness_factor; 2],
             shaker: [swing; 2],
-            added_force: [of_host.added_force; 2],
+            added_force: [of_host.added.force; 2],
+            added_stiffness: [of_host.added.stiffness; 2],
+            added_damping: [of_host.added.damping; 2],
             fade: [fade; 2],
             ..Inputs::NONE
         }
@@ -264,6 +267,8 @@ impl Controller {
             fade: inputs.fade[0],
             spring_factor: inputs.stiffness_factor[0],
             added_force_n: inputs.added_force[0],
+            added_stiffness_n_m_per_rad: inputs.added_stiffness[0],
+            added_damping_n_m_s_per_rad: inputs.added_damping[0],
             host_share: self.host.as_ref().map_or(0.0, HostControl::share),
             law_command: answer.command,
             command: verdict.command,

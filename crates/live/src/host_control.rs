@@ -2,17 +2,21 @@
 //!
 //! `q` dynamic pressure · `f(q)` the loader's factor on the spring · `s` share of the host's values, the supervisor's
 //!
-//! The spring has `1 + s (f(q) - 1)` of itself times the host's own factor. A host that has not spoken yet is a silent one: its values come
+//! The spring has `1 + s (f(q) - 1)` of itself times the host's own factor. Beside it act the host's added spring and damping, and the
+//! hinge moment of the loader's surface in the host's flight state, closed here from cycle to cycle. A packet whose spring and damping the
+//! loader cannot render is refused before it acts.
+//! A host that has not spoken yet is a silent one: its values come
 //! as its share does, over the supervisor's `host_fade`.
 
 use crate::row::Row;
-use crate::setup::Setup;
+use crate::setup::{Rendered, Setup};
 use forcefeel_model::curve::Curve;
 use forcefeel_model::host::effects::Held;
 use forcefeel_model::host::packet::{FROM_HOST, HOST_NUMBERS, switches};
 use forcefeel_model::host::{FromHost, HostEffects, Stream, ToHost};
-use forcefeel_model::parameters::Safety;
+use forcefeel_model::parameters::{Parameters, Safety};
 use forcefeel_model::supervisor::{Function, SupervisorOutput};
+use forcefeel_model::surface::{Added, FlightState};
 
 /// What a host wants of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +25,8 @@ pub struct HostRequest {
     pub neutral: f64,
     /// Factor on the spring.
     pub stiffness_factor: f64,
-    /// Force at the grip in N, beside the hand's.
-    pub added_force: f64,
+    /// Force at the grip, spring and damping beside the hand's and the feel's.
+    pub added: Added,
     /// The shaker's share, 0 to 1.
     pub shaker: f64,
     /// Samples since the last packet; nothing where no host is listened to.
@@ -34,7 +38,7 @@ pub struct HostRequest {
 impl HostRequest {
     /// No host.
     pub const NONE: Self =
-        Self { neutral: 0.0, stiffness_factor: 1.0, added_force: 0.0, shaker: 0.0, age: None, holds_back: false };
+        Self { neutral: 0.0, stiffness_factor: 1.0, added: Added::NONE, shaker: 0.0, age: None, holds_back: false };
 }
 
 /// A host's packets and what they do.
@@ -42,8 +46,13 @@ impl HostRequest {
 pub struct HostControl {
     stream: Stream,
     effects: HostEffects,
-    grip_arm: f64,
+    parameters: Parameters<f64>,
     factor: Option<(Curve, [f64; 2])>,
+    rendered: Vec<Rendered>,
+    /// Share of the surface's hinge moment, and what it changes by in a period.
+    flies: f64,
+    flies_by: f64,
+    refused: bool,
     host_share: f64,
     limits: ValueLimits,
     /// The programmed control's angle.
@@ -56,15 +65,18 @@ impl HostControl {
     /// Nothing has come yet.
     pub fn new(setup: &Setup) -> Self {
         let (parameters, period_s) = (setup.parameters(), setup.period_s());
-        let grip_arm = parameters.column.grip_arm;
         let factor = setup.factor.as_ref().and_then(|(knots, coefficients)| {
             Some((Curve::new(knots, coefficients)?, [*knots.first()?, *knots.last()?]))
         });
         Self {
             stream: Stream::new(period_s),
-            effects: HostEffects::new(period_s, grip_arm),
-            grip_arm,
+            effects: HostEffects::new(period_s, parameters.column.grip_arm),
+            parameters,
             factor,
+            rendered: setup.rendered.clone(),
+            flies: 0.0,
+            flies_by: period_s / TAKES_OFF_S,
+            refused: false,
             host_share: 0.0,
             limits: ValueLimits::of(&parameters.safety, period_s),
             angle: 0.0,
@@ -73,10 +85,46 @@ impl HostControl {
         }
     }
 
-    /// A packet has come.
-    pub fn take(&mut self, packet: &FromHost) {
-        self.stream.take(packet);
+    /// A packet has come, while the feel has this spring rate in N m/rad and damping in N m s/rad. What the loader cannot render is left out,
+    /// and the host told so.
+    pub fn take(&mut self, packet: &FromHost, [spring, damping]: [f64; 2]) {
+        let values = packet.numbers.map(f64::from);
+        let added = self.added(&values, f64::from(u8::from(packet.has(switches::FLIGHT))));
+        let spring = values[SPRING] * self.of_pressure(values[0]) * spring + added.stiffness;
+        let plain = added.stiffness == 0.0 && added.damping == 0.0;
+        self.refused =
+            !packet.has(switches::FREEZE) && !plain && !renders(&self.rendered, spring, damping + added.damping);
+        if !self.refused {
+            self.stream.take(packet);
+        }
         self.received = true;
+    }
+
+    /// What the host's own coefficients and a share of the surface's hinge moment add to the feel, where the control stands.
+    fn added(&self, values: &[f64; HOST_NUMBERS], flies: f64) -> Added {
+        let &[dynamic_pressure, .., mach, tab] = values;
+        let &[.., stiffness, damping, true_airspeed, angle_of_attack, sideslip, roll, pitch, yaw, load_factor, _, _] =
+            values;
+        let flight = FlightState {
+            dynamic_pressure,
+            true_airspeed,
+            angle_of_attack,
+            sideslip,
+            rates: [roll, pitch, yaw],
+            load_factor,
+            mach,
+            tab,
+        };
+        let of = self.parameters.hinge_moment(&flight, self.angle);
+        Added {
+            force: values[FORCE] + flies * of.force,
+            stiffness: stiffness + flies * of.stiffness,
+            damping: damping + flies * of.damping,
+        }
+    }
+
+    fn of_pressure(&self, pressure: f64) -> f64 {
+        self.factor.as_ref().map_or(1.0, |(curve, [low, high])| curve.at(pressure.clamp(*low, *high)))
     }
 
     /// Share of the host's values in the last cycle.
@@ -98,17 +146,26 @@ impl HostControl {
         self.host_share = if age.is_some() { host_share } else { 0.0 };
         let values = self.limits.limited(self.stream.values(1.0), self.host_share);
         let on = self.stream.switches(self.host_share);
-        let pressure = self.stream.values(1.0)[0];
-        let of_pressure =
-            self.factor.as_ref().map_or(1.0, |(curve, [low, high])| curve.at(pressure.clamp(*low, *high)));
+        let of_pressure = self.of_pressure(self.stream.values(1.0)[0]);
         let of_pressure = 1.0 + self.host_share * (self.limits.spring(of_pressure) - 1.0);
-        let force = |angle, factor| (held.force)(angle, factor * of_pressure);
+        let flies = on & switches::FLIGHT != 0 && self.stream.age().is_some();
+        let by = self.flies_by;
+        self.flies = if flies { (self.flies + by).min(1.0) } else { (self.flies - by).max(0.0) };
+        let added = self.added(&values, self.flies);
+        let grip_arm = self.parameters.column.grip_arm;
+        let force = |angle, factor| (held.force)(angle, factor * of_pressure) + added.stiffness * angle / grip_arm;
+        let mut values = values;
+        values[FORCE] = added.force;
         let held = Held { angle: self.angle, spring: held.spring, force };
         let command = self.effects.step(&held, &values, on, share);
         HostRequest {
             neutral: command.neutral,
             stiffness_factor: command.stiffness_factor * of_pressure,
-            added_force: command.torque / self.grip_arm,
+            added: Added {
+                force: command.torque / grip_arm,
+                stiffness: share * added.stiffness,
+                damping: share * added.damping,
+            },
             shaker: command.shaker,
             age: Some(age.unwrap_or(u32::MAX)),
             holds_back: self.host_share > 0.0 && on & switches::ACTIVE == 0,
@@ -125,7 +182,7 @@ impl HostControl {
         let place = |cause: Function| Function::ALL.iter().position(|one| *one == cause);
         let cause = allowed.cause.and_then(place).map_or(0, |place| place + 1);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a short table")]
-        let status = row.state as u32 | (cause as u32) << 8;
+        let status = row.state as u32 | (cause as u32) << 8 | u32::from(self.refused) << 16;
         let numbers = [
             row.column_angle_rad,
             allowed.grip.rate,
@@ -149,17 +206,35 @@ struct ValueLimits {
     of_pressure: f64,
 }
 
-/// The spring factor's place among the values.
+/// The spring factor's place among the values, and the added force's.
 const SPRING: usize = 1;
+const FORCE: usize = 5;
+/// Time in which the surface's hinge moment comes and goes, in s.
+const TAKES_OFF_S: f64 = 0.1;
+
+/// Whether a spring rate lies among those that a loader renders, and the damping between what it needs there.
+fn renders(rendered: &[Rendered], spring: f64, damping: f64) -> bool {
+    let inside = |pair: &[Rendered]| {
+        let [a, b] = [pair[0], pair[1]];
+        let share = (spring - a.spring) / (b.spring - a.spring);
+        let between = |from: f64, to: f64| from + share * (to - from);
+        (0.0..=1.0).contains(&share)
+            && (between(a.damping[0], b.damping[0])..=between(a.damping[1], b.damping[1])).contains(&damping)
+    };
+    if rendered.is_empty() { spring > 0.0 && damping >= 0.0 } else { rendered.windows(2).any(inside) }
+}
 
 impl ValueLimits {
-    /// Those of the loader file, by what a value is: pressure, spring, angle, angle, force, force, shaker, force, rate, force.
+    /// Those of the loader file, by what a value is: pressure, spring, angle, angle, force, force, shaker, force, rate, force; the others are the flight's
+    /// own, and bounded by what is rendered.
     fn of(safety: &Safety<f64>, period_s: f64) -> Self {
         let none = f64::INFINITY;
+        let whole = |first: &[f64; 10]| core::array::from_fn(|k| first.get(k).copied().unwrap_or(none));
         let (spring, angle, force) = (safety.host_spring, safety.host_angle, safety.host_force);
-        let most = [none, spring, angle, angle, force, force, none, force, safety.host_angle_rate, force];
+        let most = whole(&[none, spring, angle, angle, force, force, none, force, safety.host_angle_rate, force]);
         let (spring, angle, force) = (safety.host_spring_rate, safety.host_angle_rate, safety.host_force_rate);
-        let step = [none, spring, angle, angle, force, force, none, force, none, force].map(|rate| rate * period_s);
+        let step =
+            whole(&[none, spring, angle, angle, force, force, none, force, none, force]).map(|rate| rate * period_s);
         Self { most, step, last: FROM_HOST.map(|(.., without)| f64::from(without)), of_pressure: 1.0 }
     }
 

@@ -33,12 +33,23 @@ pub struct Setup {
     pub factor: Option<(Vec<f64>, Vec<[f64; 4]>)>,
     /// Whether an aircraft simulator is listened to.
     pub host: bool,
+    /// Which springs and dampings that it asks for are rendered, by rising spring rate; where there are none, all that are positive.
+    pub rendered: Vec<Rendered>,
     /// What the controller adds to its command.
     pub cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
     /// Where it begins; from the first sample if nothing is known.
     pub beginning: Option<Beginning>,
     /// Whether the supervisor looks on; without it the law drives from the first sample to the last.
     pub supervised: bool,
+}
+
+/// What damping a spring rate needs and takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rendered {
+    /// Spring rate of the whole feel in N m/rad.
+    pub spring: f64,
+    /// Least and most damping in N m s/rad.
+    pub damping: [f64; 2],
 }
 
 /// Where a loop begins: what the sensors show at rest, how the feel stands, and the state of the law's observer.
@@ -136,7 +147,8 @@ impl Setup {
             lists.push(("factor_coefficients", coefficients.as_flattened().to_vec()));
         }
         if self.host {
-            lists.push(("listens", vec![]));
+            let rows = self.rendered.iter().flat_map(|of| [of.spring, of.damping[0], of.damping[1]]);
+            lists.push(("listens", rows.collect()));
         }
         if let Some(Beginning { sensors, delta, rate, neutral, estimate }) = self.beginning {
             lists.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
@@ -176,11 +188,18 @@ impl Setup {
             curve: curve("curve_knots", "curve_coefficients"),
             factor: curve("factor_knots", "factor_coefficients"),
             host: list("listens").is_some(),
+            rendered: rows_of(list("listens").unwrap_or(&[])),
             cancellation: list("cancellation").map(TryInto::try_into).transpose().ok()?,
             beginning,
             supervised: list("supervised")? != [0.0],
         })
     }
+}
+
+/// Rows of spring rate, least and most damping.
+pub fn rows_of(numbers: &[f64]) -> Vec<Rendered> {
+    let rows = numbers.as_chunks::<3>().0.iter();
+    rows.map(|&[spring, least, most]| Rendered { spring, damping: [least, most] }).collect()
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]

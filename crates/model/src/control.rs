@@ -164,7 +164,8 @@ impl<S: Scalar> Control<S> {
         };
         let output = if shared.effects.surroundings {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
-            let alone = self.feel.pushed_to(feeling.neutral, inputs.added_force[0]);
+            let beside = [inputs.added_force[0], inputs.added_stiffness[0]];
+            let alone = self.feel.pushed_to(feeling.neutral, inputs.stiffness_factor[0], beside);
             self.trimmed(output, alone, fade)
         } else {
             output
@@ -439,6 +440,7 @@ impl<S: Scalar> Control<S> {
             stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
             shaker: one.constant(moment.of(inputs.shaker)),
             added_force: one.constant(moment.of(inputs.added_force)),
+            added: [inputs.added_stiffness, inputs.added_damping].map(|of| one.constant(moment.of(of))),
             slider,
             start,
         }

@@ -7,11 +7,11 @@
 //! States: `delta` and its rate. The unit of `delta` follows from the torque that drives it: N m gives rad, and N m V/rad,
 //! the scaled torque of the analog computer, gives V.
 //!
-//! `I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_preload + parts) + stops + friction = T`
+//! `I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_preload + parts) + stops + friction = T + mu T_s`
 //!
 //! The spring `S` is `G (delta - lambda n)`, or `mu R_p` times a curve of force over angle, after the deadband and times the factor that
 //! the dynamic pressure asks for. The parts are those of `feel_parts.rs`; each is a force of its own at the grip, so parts add up and
-//! none changes another. Where `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
+//! none changes another. `T_s` comes from outside: `R_p F - G_s phi - B_s phi'`, of which G_s and B_s are zero but for a hinge moment. Where `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
 //!
 //! The linear models divide eq. (11) by the inertia as it is written. A run sums the resistance first and multiplies by `1 / I`, which it
 //! takes from that same equation: a division less at every stage, and rounded elsewhere, so both forms stay.
@@ -68,6 +68,8 @@ pub struct FeelLaw<S> {
     stiffness: S,
     quadratic_damping: S,
     grip_force: S,
+    /// `mu / lambda`: torque per torque per radian of the column and unit of `delta`.
+    added: S,
     deadband: S,
     preload: S,
     parts: FeelParts<S>,
@@ -93,6 +95,8 @@ pub struct FeelConditions<S> {
     pub shaker: S,
     /// Force at the grip in N that comes beside the hand's.
     pub added_force: S,
+    /// Spring rate in N m/rad and damping in N m s/rad about an angle of zero, beside the feel's own.
+    pub added: [S; 2],
     /// Where the slider of the hysteresis was last left, in the unit of `delta`.
     pub slider: S,
     /// Displacement at the start of the step: what a soft stop does, it does from there on.
@@ -103,7 +107,16 @@ impl<S: Scalar> FeelConditions<S> {
     /// Nothing stirs: shaker off, the slider of the hysteresis where `delta` is.
     #[inline(always)]
     pub fn at_rest(neutral: S, stiffness_factor: S, delta: S) -> Self {
-        Self { neutral, stiffness_factor, shaker: delta.zero(), added_force: delta.zero(), slider: delta, start: delta }
+        let zero = delta.zero();
+        Self {
+            neutral,
+            stiffness_factor,
+            shaker: zero,
+            added_force: zero,
+            added: [zero; 2],
+            slider: delta,
+            start: delta,
+        }
     }
 }
 
@@ -128,6 +141,7 @@ impl<S: Scalar> FeelLaw<S> {
             stiffness: feel.stiffness,
             quadratic_damping: feel.quadratic_damping * mu / (lambda * lambda),
             grip_force,
+            added: mu / lambda,
             deadband: feel.deadband * lambda,
             preload: feel.preload * grip_force,
             parts: FeelParts::new(feel, FeelUnits { grip_force, per_angle: lambda }),
@@ -153,7 +167,9 @@ impl<S: Scalar> FeelLaw<S> {
     ) -> S {
         // First what does not depend on I, B and G: of two feels, one changed into the other, it is the same.
         let torque = if effects.surroundings {
+            let [stiffness, damping] = conditions.added;
             torque + self.shaker * conditions.shaker + self.grip_force * conditions.added_force
+                - self.added * (stiffness * delta + damping * delta_rate)
         } else {
             torque
         };
@@ -234,14 +250,17 @@ impl<S: Scalar> FeelLaw<S> {
         if effects.feel_damping_and_stops { self.soft_stops.force(start, at) } else { start.zero() }
     }
 
-    /// Where the straight spring rests under a force at the grip in N, without a hand.
+    /// Where the straight spring, which has a factor, rests without a hand under a force at the grip in N and a spring rate in N m/rad
+    /// beside its own.
     #[inline(always)]
-    pub fn pushed_to(&self, neutral: S, added_force: f64) -> S {
-        if added_force == 0.0 {
+    pub fn pushed_to(&self, neutral: S, factor: f64, [added_force, added_stiffness]: [f64; 2]) -> S {
+        if added_force == 0.0 && added_stiffness == 0.0 {
             return neutral;
         }
-        // G (delta - n) = mu R_p F
-        neutral + self.grip_force * neutral.constant(added_force) / self.stiffness
+        // f G (delta - n) + G_s delta = mu R_p F; a spring that is nearly none rests nowhere
+        let (own, added) = (self.stiffness.times(factor), self.added * neutral.constant(added_stiffness));
+        let spring = (own + added).max(self.stiffness.times(LEAST_SPRING));
+        neutral + (self.grip_force * neutral.constant(added_force) - added * neutral) / spring
     }
 
     /// Where the hysteresis leaves its slider once `delta` has been reached.
@@ -315,6 +334,9 @@ impl<S: Scalar> FeelLaw<S> {
 fn taken_hold<S: Scalar>(h: S) -> S {
     (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero())
 }
+
+/// Share of the feel's own spring that is left at least, as far as a place of rest is asked for.
+const LEAST_SPRING: f64 = 1.0 / 64.0;
 
 /// Time in which a newly programmed limit takes hold.
 const LIMIT_TAKES_HOLD_S: f64 = 0.02;

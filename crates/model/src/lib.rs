@@ -36,6 +36,7 @@
 //! | what a bench measures of it | [`channels`] |
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
+//! | hinge moment of a reversible control | [`surface`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -77,6 +78,7 @@ pub mod run;
 pub mod scalar;
 pub mod supervised_law;
 pub mod supervisor;
+pub mod surface;
 pub mod transducers;
 pub mod units;
 

@@ -34,6 +34,8 @@ pub const TIME: Unit = unit("s", "ms", "ms", 1e-3);
 pub const RATE: Unit = unit("1/s", "1/s", "1/s", 1.0);
 /// Angle.
 pub const ANGLE: Unit = unit("rad", "deg", "deg", core::f64::consts::PI / 180.0);
+/// What there is per angle.
+pub const PER_ANGLE: Unit = unit("1/rad", "1/rad", "1/rad", 1.0);
 /// Angular velocity.
 pub const ANGULAR_VELOCITY: Unit = unit("rad/s", "deg/s", "deg/s", core::f64::consts::PI / 180.0);
 /// Voltage.

@@ -13,7 +13,7 @@ use forcefeel_live::replay::{Contents, read, replay};
 use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::{COLUMNS, NAMES};
 use forcefeel_live::running::{Plan, Running};
-use forcefeel_live::setup::Setup;
+use forcefeel_live::setup::{Setup, rows_of};
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
@@ -47,7 +47,7 @@ pub struct LiveSetup {
 #[pymethods]
 impl LiveSetup {
     #[new]
-    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true))]
+    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true, rendered = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray1<'_, f64>,
@@ -60,6 +60,7 @@ impl LiveSetup {
         stiffness_factor: Option<Curve<'_>>,
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
         supervised: bool,
+        rendered: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let values = vector::<COUNT>("values", &values)?;
         let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), 1)?;
@@ -81,6 +82,11 @@ impl LiveSetup {
             curve: points(curve)?,
             factor: points(stiffness_factor)?,
             host: false,
+            rendered: rendered
+                .map_or(Ok(vec![]), |of| rows::<3>("rendered", &of))?
+                .iter()
+                .flat_map(|row| rows_of(row))
+                .collect(),
             cancellation,
             beginning: None,
             supervised,
@@ -89,12 +95,19 @@ impl LiveSetup {
     }
 }
 
+impl LiveSetup {
+    /// Its numbers.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+}
+
 /// What is done to a simulated machine: inputs by name, start force or held angle with its step, seed.
 #[derive(FromPyObject)]
 pub struct ScriptOf<'py>(BTreeMap<String, PyReadonlyArray2<'py, f64>>, f64, Option<(f64, usize)>, u64);
 
 impl ScriptOf<'_> {
-    fn script(&self) -> PyResult<Script> {
+    pub fn script(&self) -> PyResult<Script> {
         let Self(inputs, start_force, held, seed) = self;
         let inputs = if inputs.is_empty() { vec![] } else { steps(inputs)? };
         let start = held.map_or(Start::Under(*start_force), |(angle, until)| Start::Held(angle, until));
@@ -283,7 +296,7 @@ impl LiveMachine {
     }
 }
 
-fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
+pub fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
     LoopRequest::of(name, numbers)
         .ok_or_else(|| refused(format!("request: {name:?} with {} numbers is none", numbers.len())))
 }
@@ -297,7 +310,7 @@ fn cycles_of(number: f64) -> PyResult<usize> {
         .ok_or_else(|| refused(format!("number: expected 0 to 1000 cycles, got {number}")))
 }
 
-fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
+pub fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
     if sensor >= SENSORS {
         return Err(refused(format!("sensor: expected a place below {SENSORS}, got {sensor}")));
     }

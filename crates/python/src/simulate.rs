@@ -127,8 +127,9 @@ impl Simulation {
         });
         let inputs = steps(&inputs)?;
         let still = |step: &Inputs| {
-            let Inputs { trim, stiffness_factor, shaker, added_force, .. } = *step;
-            (trim, stiffness_factor, shaker, added_force) == ([0.0; 2], [1.0; 2], [0.0; 2], [0.0; 2])
+            let Inputs { trim, stiffness_factor, shaker, added_force, added_stiffness, added_damping, .. } = *step;
+            let beside = [added_force, added_stiffness, added_damping];
+            (trim, stiffness_factor, shaker, beside) == ([0.0; 2], [1.0; 2], [0.0; 2], [[0.0; 2]; 3])
         };
         Ok(Self {
             stirred: !inputs.iter().all(still),

@@ -1,6 +1,6 @@
 //! Statics: what holds the feel, and what motor or valve give at the grip for a force and a speed.
 
-use crate::arrays::{Matrix, to_numpy, vector};
+use crate::arrays::{Matrix, rows, to_numpy, vector};
 use crate::errors::refused;
 use crate::simulate::spring_curve;
 use forcefeel_model::compensator::Compensator;
@@ -10,6 +10,7 @@ use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel::FeelLaw;
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::surface::{Added, FlightState};
 use forcefeel_solve::linearize;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -34,6 +35,35 @@ pub fn feel_held_between<'py>(
     let feel = FeelLaw::new(&parameters, &Compensator::state_feedback(&parameters, [0.0; 7]));
     let held = |&angle: &f64| feel.held_between(&effects, curve.as_ref(), angle, (0.0, stiffness_factor)).to_vec();
     Ok(PyArray2::from_vec2(py, &angles.as_array().iter().map(held).collect::<Vec<_>>())?)
+}
+
+/// Force at the grip in N, spring in N m/rad and damping in N m s/rad, (states, 3), that the hinge moment of the loader's surface is to a
+/// control at an angle.
+///
+/// `flight`: dynamic pressure, true airspeed, angle of attack, sideslip, rates of roll, pitch and yaw, load factor, Mach number, angle of the
+/// tab, and the control's angle; a row for each state.
+#[pyfunction]
+pub fn hinge_moment<'py>(
+    py: Python<'py>,
+    values: Values<'py>,
+    flight: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let parameters = Parameters::from_values(&vector::<COUNT>("values", &values)?);
+    let added = |&[q, v, alpha, beta, roll, pitch, yaw, n, mach, tab, theta]: &[f64; 11]| {
+        let flight = FlightState {
+            dynamic_pressure: q,
+            true_airspeed: v,
+            angle_of_attack: alpha,
+            sideslip: beta,
+            rates: [roll, pitch, yaw],
+            load_factor: n,
+            mach,
+            tab,
+        };
+        let Added { force, stiffness, damping } = parameters.hinge_moment(&flight, theta);
+        vec![force, stiffness, damping]
+    };
+    Ok(PyArray2::from_vec2(py, &rows("flight", &flight)?.iter().map(added).collect::<Vec<_>>())?)
 }
 
 /// Force at the grip in N that by itself turns the column with each angular acceleration in rad/s^2.

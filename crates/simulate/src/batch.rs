@@ -159,8 +159,9 @@ impl Job<'_> {
             Start::Held(angle, until) if until >= steps => return angle,
             _ => {}
         }
-        let moved =
-            [last.shaker, last.added_force, last.test_signal, last.command_signal].iter().any(|it| it[1] != 0.0);
+        let moved = [last.shaker, last.added_force, last.added_stiffness, last.test_signal, last.command_signal]
+            .iter()
+            .any(|it| it[1] != 0.0);
         let changing = self.changes.iter().any(|change| change.steps.0 < steps && steps < change.steps.1);
         if moved || changing {
             return f64::NAN;

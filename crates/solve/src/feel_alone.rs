@@ -11,7 +11,7 @@ use forcefeel_model::parameters::Parameters;
 
 /// Angle in rad at the start of every step and at the end of the last.
 ///
-/// A step is cut into `parts`; of the inputs, force and factor on the spring count.
+/// A step is cut into `parts`; of the inputs, force, factor on the spring and what comes beside the feel count.
 pub fn feel_alone(
     parameters: &Parameters<f64>,
     shared: &Shared,
@@ -41,7 +41,8 @@ pub fn feel_alone(
                 neutral: 0.0,
                 stiffness_factor: at(now.stiffness_factor),
                 shaker: 0.0,
-                added_force: 0.0,
+                added_force: at(now.added_force),
+                added: [at(now.added_stiffness), at(now.added_damping)],
                 slider: motion.slider,
                 start: motion.at[0],
             };

@@ -8,10 +8,11 @@ use forcefeel_live::host_link;
 use forcefeel_live::input_output::{Disturbance, InputOutput};
 use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::Row;
-use forcefeel_live::setup::Setup;
+use forcefeel_live::setup::{Rendered, Setup};
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::supervision::STATES;
-use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT};
+use forcefeel_model::host::packet::HOST_NUMBERS;
+use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT, FLIGHT, FREEZE};
 use forcefeel_model::host::{FromHost, ToHost};
 use forcefeel_model::parameters::TABLE;
 use forcefeel_model::supervisor::SupervisorState;
@@ -45,6 +46,10 @@ impl Run {
             let place = TABLE.iter().position(|row| row.part == "safety" && row.name == *name).expect("a row");
             setup.values[place] = *limit;
         }
+        Self::made(setup)
+    }
+
+    fn made(mut setup: Setup) -> Self {
         let (machine, beginning) = simulated(&setup, Script::NONE);
         setup.beginning = Some(beginning);
         let mut controller = Controller::new(&setup).expect("it has limits");
@@ -53,7 +58,7 @@ impl Run {
     }
 
     /// So many cycles, a packet each `APART` where there is one; the last row.
-    fn on(&mut self, cycles: u64, packet: Option<(u32, [f32; 10])>) -> Row {
+    fn on(&mut self, cycles: u64, packet: Option<(u32, [f32; HOST_NUMBERS])>) -> Row {
         for k in 0..cycles {
             if let Some((switches, numbers)) = packet.filter(|_| k % APART == 0) {
                 self.sequence += 1;
@@ -88,7 +93,7 @@ fn place(row: &Row) -> usize {
 }
 
 /// What holds without a host, but for some numbers.
-fn sent(some: &[(usize, f32)]) -> [f32; 10] {
+fn sent(some: &[(usize, f32)]) -> [f32; HOST_NUMBERS] {
     let mut numbers = FromHost::none().numbers;
     for &(k, number) in some {
         numbers[k] = number;
@@ -331,4 +336,75 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
     assert_eq!(host_status.packets.load(Relaxed), 3, "the host before is another sender now");
     ended.store(true, Relaxed);
     thread.join().expect("it ends");
+}
+
+/// Places of the added spring and damping, of pressure and airspeed.
+const STIFFNESS: usize = 10;
+const DAMPING: usize = 11;
+const PRESSURE: usize = 0;
+const AIRSPEED: usize = 12;
+
+#[test]
+fn coefficients_that_no_loader_renders_are_refused_before_they_act() {
+    let mut run = Run::new(None);
+    let stiffness = setup().parameters().feel.stiffness;
+    #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+    let negative = sent(&[(STIFFNESS, (-2.0 * stiffness) as f32)]);
+    run.on(4000, Some((ACTIVE, sent(&[(DAMPING, 5.0)]))));
+    assert_eq!(run.answers.last().expect("answers").status, 3);
+    let row = run.on(100, Some((ACTIVE, negative)));
+    assert_eq!(run.answers.last().expect("answers").status, 3 | 1 << 16);
+    assert_eq!((row.added_stiffness_n_m_per_rad, row.added_damping_n_m_s_per_rad), (0.0, 5.0));
+    // A host that sends nothing else is a silent one.
+    let row = run.on(2000, Some((ACTIVE, negative)));
+    assert_eq!((row.host_share, row.added_damping_n_m_s_per_rad, run.state()), (0.0, 0.0, SupervisorState::Active));
+    // A loader that renders less says so.
+    let rendered = |spring, damping| Rendered { spring, damping };
+    let springs = vec![rendered(0.5 * stiffness, [10.0, 50.0]), rendered(2.0 * stiffness, [20.0, 80.0])];
+    let feel = setup().parameters().feel.damping;
+    for (added, more, refused) in
+        [(0.0, 0.0, 0), (0.0, 30.0 - feel, 0), (0.9, 70.0 - feel, 0), (1.1, 70.0 - feel, 1), (0.0, 5.0 - feel, 1)]
+    {
+        let mut run = Run::made(Setup { rendered: springs.clone(), host: true, ..setup() });
+        #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+        run.on(40, Some((ACTIVE, sent(&[(STIFFNESS, (added * stiffness) as f32), (DAMPING, more as f32)]))));
+        assert_eq!(run.answers.last().expect("answers").status >> 16, refused, "{added}, {more}");
+    }
+}
+
+#[test]
+fn numbers_hold_while_the_simulator_stands_still_and_come_back_over_a_second() {
+    let mut run = Run::new(None);
+    run.on(6000, Some((ACTIVE, sent(&[(ADDED, 10.0)]))));
+    let row = run.on(2000, Some((ACTIVE | FREEZE, sent(&[(ADDED, 50.0)]))));
+    assert_eq!((row.added_force_n, row.host_share), (10.0, 1.0));
+    let row = run.on(1000, Some((ACTIVE, sent(&[(ADDED, 50.0)]))));
+    assert!((row.added_force_n - 30.0).abs() < 0.5, "half a second after it half of the way: {}", row.added_force_n);
+    let row = run.on(1040, Some((ACTIVE, sent(&[(ADDED, 50.0)]))));
+    assert_eq!(row.added_force_n, 50.0);
+    assert!(run.step(|row| row.added_force_n) < 40.0 / 1900.0);
+}
+
+#[test]
+fn the_surface_acts_in_the_flight_that_the_host_tells() {
+    let place = |name: &str| TABLE.iter().position(|row| row.part == "surface" && row.name == name).expect("a row");
+    let mut setup = Setup { host: true, ..setup() };
+    let rows = [("area", 1.0), ("chord", 0.4), ("gearing", 1.0), ("per_deflection", -0.3), ("per_rate", -2.0)];
+    for (name, value) in rows {
+        setup.values[place(name)] = value;
+    }
+    let mut run = Run::made(setup);
+    let flight = sent(&[(PRESSURE, 1500.0), (AIRSPEED, 50.0)]);
+    let row = run.on(6000, Some((ACTIVE, flight)));
+    assert_eq!((row.added_stiffness_n_m_per_rad, row.added_damping_n_m_s_per_rad), (0.0, 0.0), "it does not fly");
+    let row = run.on(2000, Some((ACTIVE | FLIGHT, flight)));
+    let stiffness = 1500.0 * 0.4 * 0.3;
+    assert!(
+        (row.added_stiffness_n_m_per_rad - stiffness).abs() < 1e-9 * stiffness,
+        "{}",
+        row.added_stiffness_n_m_per_rad
+    );
+    let damping = 1500.0 * 0.4 * 2.0 * 0.4 / 100.0;
+    assert!((row.added_damping_n_m_s_per_rad - damping).abs() < 1e-9 * damping, "{}", row.added_damping_n_m_s_per_rad);
+    assert!(run.step(|row| row.added_stiffness_n_m_per_rad) < 0.01 * stiffness);
 }

@@ -24,6 +24,7 @@ pub fn setup() -> Setup {
         curve: None,
         factor: None,
         host: false,
+        rendered: vec![],
         cancellation: None,
         beginning: None,
         supervised: true,

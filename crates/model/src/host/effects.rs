@@ -81,7 +81,7 @@ impl HostEffects {
         on: u32,
         share: f64,
     ) -> FeelCommand {
-        let &[_, factor, trim, autopilot, autopilot_force, added, shaker, pusher, runaway, jam_force] = values;
+        let &[_, factor, trim, autopilot, autopilot_force, added, shaker, pusher, runaway, jam_force, ..] = values;
         if on & switches::JAM == 0 && self.shares[2] == 0.0 {
             self.jammed_at = *angle;
         }

@@ -2,7 +2,7 @@
 //!
 //! | offset | bytes | |
 //! |---|---|---|
-//! | 0 | 4 | `FFH1` from the host, `FFL1` from the loader: name and version |
+//! | 0 | 4 | `FFH2` from the host, `FFL1` from the loader: name and version |
 //! | 4 | 4 | sequence number, unsigned |
 //! | 8 | 4 | switches of the host, state of the loader: bits, unsigned |
 //! | 12 | 4 each | numbers, single precision, in the order of [`FROM_HOST`] or [`TO_HOST`] |
@@ -22,6 +22,17 @@ pub const FROM_HOST: [(&str, &str, f32, f32, f32); HOST_NUMBERS] = [
     ("pusher_force", "N", -2000.0, 2000.0, 0.0),
     ("trim_runaway_rate", "rad/s", -1.0, 1.0, 0.0),
     ("jam_force", "N", 0.0, 2000.0, 0.0),
+    ("added_stiffness", "N m/rad", -1e5, 1e5, 0.0),
+    ("added_damping", "N m s/rad", -1e4, 1e4, 0.0),
+    ("true_airspeed", "m/s", 0.0, 2000.0, 0.0),
+    ("angle_of_attack", "rad", -4.0, 4.0, 0.0),
+    ("sideslip", "rad", -4.0, 4.0, 0.0),
+    ("roll_rate", "rad/s", -20.0, 20.0, 0.0),
+    ("pitch_rate", "rad/s", -20.0, 20.0, 0.0),
+    ("yaw_rate", "rad/s", -20.0, 20.0, 0.0),
+    ("load_factor", "", -50.0, 50.0, 1.0),
+    ("mach", "", 0.0, 10.0, 0.0),
+    ("tab", "rad", -2.0, 2.0, 0.0),
 ];
 
 /// Numbers to the host: name and SI unit.
@@ -29,7 +40,7 @@ pub const TO_HOST: [(&str, &str); LOADER_NUMBERS] =
     [("angle", "rad"), ("rate", "rad/s"), ("force", "N"), ("neutral", "rad"), ("share", ""), ("host_share", "")];
 
 /// How many numbers there are from the host.
-pub const HOST_NUMBERS: usize = 10;
+pub const HOST_NUMBERS: usize = 21;
 /// How many to it.
 pub const LOADER_NUMBERS: usize = 6;
 /// Bytes of a packet from the host.
@@ -53,8 +64,12 @@ pub mod switches {
     pub const POWER_LOST: u32 = 1 << 5;
     /// Trained fault: the trim runs away.
     pub const TRIM_RUNAWAY: u32 = 1 << 6;
+    /// The simulator stands still, or takes the aircraft elsewhere: its numbers hold, and come back slowly after it.
+    pub const FREEZE: u32 = 1 << 7;
+    /// The flight state is given: the hinge moment of the loader's surface acts.
+    pub const FLIGHT: u32 = 1 << 8;
     /// All that there are.
-    pub const ALL: u32 = (1 << 7) - 1;
+    pub const ALL: u32 = (1 << 9) - 1;
 }
 
 /// What a host sends.
@@ -73,7 +88,8 @@ pub struct FromHost {
 pub struct ToHost {
     /// One more than in the packet before; wraps.
     pub sequence: u32,
-    /// State of the loader in the lowest byte, in the order of its states; function that stopped it in the next, from 1.
+    /// State of the loader in the lowest byte, in the order of its states; function that stopped it in the next, from 1; bit 16 where the
+    /// packet was refused since the loader cannot render its spring or damping.
     pub status: u32,
     /// In the order of [`TO_HOST`].
     pub numbers: [f32; LOADER_NUMBERS],
@@ -103,7 +119,7 @@ impl FromHost {
     /// Its bytes.
     pub fn encode(&self) -> [u8; FROM_HOST_BYTES] {
         let mut bytes = [0; FROM_HOST_BYTES];
-        fill(&mut bytes, *b"FFH1", [self.sequence, self.switches], &self.numbers);
+        fill(&mut bytes, *b"FFH2", [self.sequence, self.switches], &self.numbers);
         bytes
     }
 
@@ -113,7 +129,7 @@ impl FromHost {
     /// If it is no such packet, or a number is out of its range: nothing is repaired.
     pub fn decode(bytes: &[u8]) -> Result<Self, Refused> {
         let mut numbers = [0.0; HOST_NUMBERS];
-        let [sequence, switches] = take(bytes, *b"FFH1", &mut numbers)?;
+        let [sequence, switches] = take(bytes, *b"FFH2", &mut numbers)?;
         if switches & !switches::ALL != 0 {
             return Err(Refused::Switches);
         }

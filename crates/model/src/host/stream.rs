@@ -4,13 +4,16 @@
 //!
 //! When a packet comes, `y` sets out from where it is and reaches `u` in a straight line over as long as the packets are apart, so `y` has
 //! no steps whatever the host's rate, and is late by one packet. A packet that comes later than that finds `y` waiting at `u`.
+//! While the simulator stands still (total freeze, reposition: ARINC 610), `y` holds; after it `y` takes a second to reach `u`.
 //! Packets out of order are left out. Silence is the supervisor's matter: `age` tells it, and its `host_share` leads from `y` to what
 //! holds without a host.
 
-use super::packet::{FROM_HOST, FromHost, HOST_NUMBERS, is_newer};
+use super::packet::{FROM_HOST, FromHost, HOST_NUMBERS, is_newer, switches};
 
 /// Longest time over which a packet's values are approached, in s: of a host with 30 packets a second one may be lost.
 const LONGEST_S: f64 = 0.07;
+/// Time over which they are approached after a freeze, in s.
+const THAWS_S: f64 = 1.0;
 
 /// What came of the packets so far.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +24,9 @@ pub struct Stream {
     left: u32,
     age: u32,
     longest: u32,
+    /// Samples that are left of the approach after a freeze, and all of them.
+    thaws: u32,
+    thawing: u32,
     /// Packets that were left out: old, or twice the same.
     pub stale: u32,
 }
@@ -36,6 +42,8 @@ impl Stream {
             left: 0,
             age: 0,
             longest: (LONGEST_S / period_s).max(1.0) as u32,
+            thaws: 0,
+            thawing: (THAWS_S / period_s).max(1.0) as u32,
             stale: 0,
         }
     }
@@ -50,15 +58,24 @@ impl Stream {
         }
         // The first one has none before it: as slowly as any.
         let over = if self.last.is_none() { self.longest } else { self.age.clamp(1, self.longest) };
+        (self.last, self.age) = (Some(*packet), 0);
+        if packet.has(switches::FREEZE) {
+            (self.left, self.thaws) = (0, self.thawing);
+            return;
+        }
+        let over = over.max(self.thaws);
         for ((step, now), number) in self.step.iter_mut().zip(self.now).zip(packet.numbers) {
             *step = (f64::from(number) - now) / f64::from(over);
         }
-        (self.last, self.left, self.age) = (Some(*packet), over, 0);
+        self.left = over;
     }
 
     /// One sample on.
     pub fn step(&mut self) {
         self.age = self.age.saturating_add(1);
+        if !self.last.is_some_and(|last| last.has(switches::FREEZE)) {
+            self.thaws = self.thaws.saturating_sub(1);
+        }
         let Some(last) = &self.last else { return };
         if self.left == 0 {
             return;

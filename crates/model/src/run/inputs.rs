@@ -43,6 +43,10 @@ inputs! {
     shaker: 0.0;
     /// Force at the grip in N that the programmed feel meets beside the hand's: of an autopilot, a pusher, a load factor.
     added_force: 0.0;
+    /// Spring rate in N m/rad about an angle of zero that the programmed feel meets beside its own: of a hinge moment.
+    added_stiffness: 0.0;
+    /// Damping in N m s/rad likewise.
+    added_damping: 0.0;
     /// Share of the next feel, while the feel is being changed.
     fade: 0.0;
     /// Test signal at the amplifier's input in V.

@@ -3,7 +3,9 @@
 #![expect(clippy::float_cmp, reason = "what is not touched, or has arrived, is the number itself")]
 
 use forcefeel_model::host::effects::Held;
-use forcefeel_model::host::packet::{FROM_HOST_BYTES, Refused, TO_HOST_BYTES, crc32, is_newer, switches};
+use forcefeel_model::host::packet::{
+    FROM_HOST, FROM_HOST_BYTES, HOST_NUMBERS, Refused, TO_HOST_BYTES, crc32, is_newer, switches,
+};
 use forcefeel_model::host::{FromHost, HostEffects, Stream, ToHost};
 
 const PERIOD: f64 = 1e-3;
@@ -18,7 +20,10 @@ fn packet(sequence: u32, trim: f32) -> FromHost {
 }
 
 fn golden() -> FromHost {
-    let numbers = [6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0];
+    let numbers = [
+        6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0, 250.0, 12.0, 62.0, 0.07, -0.02, 0.1, 0.05,
+        -0.03, 1.4, 0.18, 0.06,
+    ];
     FromHost { sequence: 7, switches: switches::ACTIVE | switches::AUTOPILOT, numbers }
 }
 
@@ -35,7 +40,7 @@ fn packets_come_back_as_they_went_and_have_the_published_bytes() {
     assert_eq!((bytes.as_slice(), GOLDEN.trim().len()), (golden.as_slice(), 2 * bytes.len()));
     let back = ToHost { sequence: 3, status: 3, numbers: [0.1, -0.2, 30.0, 0.0, 1.0, 1.0] };
     assert_eq!(ToHost::decode(&back.encode()), Ok(back));
-    assert_eq!((FROM_HOST_BYTES, TO_HOST_BYTES), (56, 40));
+    assert_eq!((FROM_HOST_BYTES, TO_HOST_BYTES), (100, 40));
 }
 
 #[test]
@@ -104,11 +109,17 @@ fn held(angle: f64) -> Held<impl Fn(f64, f64) -> f64> {
     Held { angle, spring: SPRING, force: |angle, factor| factor * SPRING * angle / ARM }
 }
 
+/// The first numbers of a host, the others as without one.
+fn whole(first: [f64; 10]) -> [f64; HOST_NUMBERS] {
+    let none = FROM_HOST.map(|(.., none)| f64::from(none));
+    core::array::from_fn(|k| first.get(k).copied().unwrap_or(none[k]))
+}
+
 fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::effects::FeelCommand {
     let mut effects = HostEffects::new(PERIOD, ARM);
-    let mut last = effects.step(&held(0.0), &numbers, 0, 1.0);
+    let mut last = effects.step(&held(0.0), &whole(numbers), 0, 1.0);
     for _ in 0..400 {
-        let now = effects.step(&held(angle), &numbers, on, 1.0);
+        let now = effects.step(&held(angle), &whole(numbers), on, 1.0);
         assert!((now.torque - last.torque).abs() < 0.02 * ARM * 4000.0, "a step");
         last = now;
     }
@@ -167,8 +178,8 @@ fn a_jam_holds_where_it_came_whatever_the_autopilot_does() {
     let jammed_at = 0.1;
     let torque = |on, angle| {
         let mut effects = HostEffects::new(PERIOD, ARM);
-        effects.step(&held(jammed_at), &numbers, switches::AUTOPILOT, 1.0);
-        (0..400).map(|_| effects.step(&held(angle), &numbers, on, 1.0).torque).last().expect("samples")
+        effects.step(&held(jammed_at), &whole(numbers), switches::AUTOPILOT, 1.0);
+        (0..400).map(|_| effects.step(&held(angle), &whole(numbers), on, 1.0).torque).last().expect("samples")
     };
     // At rest where it jammed: the spring is carried, and so is the autopilot that pulls the other way.
     for on in [switches::JAM, switches::JAM | switches::AUTOPILOT] {
@@ -189,6 +200,6 @@ fn a_lost_spring_and_a_trim_that_runs_away() {
     assert!((run.neutral - (0.1 + 0.05 * 0.4)).abs() < 1e-9);
     assert_eq!((run.stiffness_factor, run.shaker), (1.5, 1.0));
     let mut effects = HostEffects::new(PERIOD, ARM);
-    let half = effects.step(&held(0.0), &numbers, 0, 0.5);
+    let half = effects.step(&held(0.0), &whole(numbers), 0, 0.5);
     assert_eq!(half.shaker, 0.5);
 }

@@ -21,4 +21,5 @@ mod period;
 mod pressure;
 mod servo;
 mod supervisor;
+mod surface;
 mod transducers;

@@ -1,0 +1,117 @@
+//! The hinge moment against one that is worked out from the angles of control, surface and tab themselves.
+
+use forcefeel_model::parameters::Parameters;
+use forcefeel_model::surface::{Added, FlightState};
+
+const FLIGHT: FlightState = FlightState {
+    dynamic_pressure: 2400.0,
+    true_airspeed: 70.0,
+    angle_of_attack: 0.06,
+    sideslip: -0.03,
+    rates: [0.1, 0.2, -0.05],
+    load_factor: 1.4,
+    mach: 0.3,
+    tab: 0.05,
+};
+/// Area in m², chord in m.
+const AREA: f64 = 1.3;
+const CHORD: f64 = 0.4;
+
+fn loader(change: impl Fn(&mut Parameters<f64>)) -> Parameters<f64> {
+    let mut parameters = Parameters::elevator();
+    let surface = &mut parameters.surface;
+    (surface.area, surface.chord, surface.gearing) = (AREA, CHORD, -1.2);
+    (surface.at_zero, surface.per_flow, surface.per_deflection) = (0.01, -0.08, -0.25);
+    (surface.per_tab, surface.per_rate, surface.pressure_ratio) = (-0.12, -0.6, 0.9);
+    (surface.flow_per_attack, surface.flow_per_sideslip, surface.incidence) = (0.6, 0.2, -0.03);
+    (surface.roll_arm, surface.pitch_arm, surface.yaw_arm) = (1.0, 4.0, 0.5);
+    surface.bobweight = 20.0;
+    change(&mut parameters);
+    parameters
+}
+
+/// Torque on the control at an angle and a rate, by the balance of control, cables and tab: repeated until it stands.
+fn torque(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
+    let of = &parameters.surface;
+    let flow = 0.6 * FLIGHT.angle_of_attack + 0.2 * FLIGHT.sideslip - 0.03
+        + (FLIGHT.rates[0] + 4.0 * FLIGHT.rates[1] + 0.5 * FLIGHT.rates[2]) / FLIGHT.true_airspeed;
+    let grown = if of.compressible == 1.0 { 1.0 / (1.0f64 - 0.09).sqrt() } else { 1.0 };
+    let moment = of.share * 0.9 * FLIGHT.dynamic_pressure * AREA * CHORD;
+    let mut torque = 0.0;
+    for _ in 0..200 {
+        let control = theta + torque / of.cable_stiffness;
+        let gearing = of.gearing + of.gearing * of.gearing_change * control;
+        let deflection = of.gearing * control + of.gearing * of.gearing_change * control * control / 2.0;
+        let tab = FLIGHT.tab + of.tab_gearing * deflection + torque / of.tab_stiffness;
+        let angles = grown * (-0.08 * flow - 0.25 * deflection - 0.12 * tab);
+        let damped = -0.6 * gearing * rate * CHORD / (2.0 * FLIGHT.true_airspeed);
+        torque = moment * gearing * (0.01 + angles + damped);
+    }
+    torque
+}
+
+/// The same by the coefficients at the control's angle.
+fn linear(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
+    let Added { force, stiffness, damping } = parameters.hinge_moment(&FLIGHT, theta);
+    let still = force + parameters.surface.bobweight * FLIGHT.load_factor;
+    parameters.column.grip_arm * still - stiffness * theta - damping * rate
+}
+
+#[track_caller]
+fn agrees(parameters: &Parameters<f64>, within: f64) {
+    for theta in [-0.2, -0.05, 0.0, 0.1, 0.25] {
+        for rate in [0.0, 0.8, -1.5] {
+            let (whole, by_coefficients) = (torque(parameters, theta, rate), linear(parameters, theta, rate));
+            assert!(
+                (whole - by_coefficients).abs() <= within * whole.abs().max(1.0),
+                "{theta}, {rate}: {whole} {by_coefficients}"
+            );
+        }
+        // The spring is the slope of the torque.
+        let step = 1e-5;
+        let slope = (torque(parameters, theta + step, 0.0) - torque(parameters, theta - step, 0.0)) / (2.0 * step);
+        let stiffness = parameters.hinge_moment(&FLIGHT, theta).stiffness;
+        assert!((slope + stiffness).abs() <= (1e-6 + 2.0 * within) * stiffness.abs(), "{theta}: {slope} {stiffness}");
+    }
+}
+
+#[test]
+fn coefficients_are_those_of_the_balance_of_control_surface_and_tab() {
+    agrees(&loader(|_| ()), 1e-12);
+    agrees(&loader(|of| of.surface.share = 0.3), 1e-12);
+    agrees(&loader(|of| of.surface.tab_gearing = 0.7), 1e-12);
+    agrees(&loader(|of| of.surface.compressible = 1.0), 1e-12);
+    agrees(&loader(|of| of.surface.gearing_change = 0.8), 1e-12);
+    agrees(&loader(|of| of.surface.tab_stiffness = 900.0), 1e-12);
+    agrees(&loader(|of| of.surface.cable_stiffness = 2000.0), 1e-12);
+    agrees(&loader(|of| (of.surface.tab_stiffness, of.surface.cable_stiffness) = (900.0, 2000.0)), 1e-12);
+    // A gearing that changes over the stretch of the cables: what the stretch changes of it is left out, of second order.
+    agrees(&loader(|of| (of.surface.gearing_change, of.surface.cable_stiffness) = (0.3, 20_000.0)), 0.02);
+}
+
+#[test]
+fn a_surface_is_felt_by_its_share_and_not_at_all_on_the_ground() {
+    let reversible = loader(|of| of.surface.bobweight = 0.0);
+    let still = FlightState { dynamic_pressure: 0.0, true_airspeed: 0.0, ..FLIGHT };
+    let none = reversible.hinge_moment(&still, 0.1);
+    assert_eq!((none.force.abs(), none.stiffness.abs(), none.damping.abs()), (0.0, 0.0, 0.0));
+    let irreversible = loader(|of| (of.surface.share, of.surface.bobweight) = (0.0, 0.0));
+    assert_eq!(irreversible.hinge_moment(&FLIGHT, 0.1).stiffness.abs(), 0.0);
+    // Twice the pressure, twice the moment.
+    let (once, twice) = (
+        reversible.hinge_moment(&FLIGHT, 0.1),
+        reversible.hinge_moment(&FlightState { dynamic_pressure: 4800.0, ..FLIGHT }, 0.1),
+    );
+    assert!((twice.stiffness - 2.0 * once.stiffness).abs() < 1e-9 && once.stiffness > 0.0 && once.damping > 0.0);
+    // An elevator that leads is unstable, whatever gives way.
+    let leads = loader(|of| (of.surface.per_deflection, of.surface.cable_stiffness) = (0.3, 50.0));
+    let stiffness = leads.hinge_moment(&FLIGHT, 0.0).stiffness;
+    assert!(stiffness < 0.0 && stiffness.is_finite(), "{stiffness}");
+}
+
+#[test]
+fn a_bobweight_pulls_towards_negative_angles_with_the_load_factor() {
+    let parameters = loader(|of| of.surface.area = 0.0);
+    let added = parameters.hinge_moment(&FLIGHT, 0.1);
+    assert_eq!((added.force, added.stiffness.abs(), added.damping.abs()), (-20.0 * 1.4, 0.0, 0.0));
+}
