@@ -1,5 +1,7 @@
 """What a host's packets do to the column under a law, in virtual time: each packet comes before a cycle of its own."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,17 @@ NONE = {
     "pusher_force": 0.0,
     "trim_runaway_rate": 0.0,
     "jam_force": 0.0,
+    "added_stiffness": 0.0,
+    "added_damping": 0.0,
+    "true_airspeed": 0.0,
+    "angle_of_attack": 0.0,
+    "sideslip": 0.0,
+    "roll_rate": 0.0,
+    "pitch_rate": 0.0,
+    "yaw_rate": 0.0,
+    "load_factor": 1.0,
+    "mach": 0.0,
+    "tab": 0.0,
 }
 STANDS_RAD = 2.5e-3
 """Friction, resolution of the sensors and what is left of a transient."""
@@ -129,3 +142,50 @@ def test_trim_and_added_force_move_column_to_spring_equilibrium():
     expected = 0.03 + 40.0 * loader["column.grip_arm"] / loader["feel.stiffness"]
     # The law is told of the force, which no hand holds: the link is not stretched by it.
     assert found["column_angle_rad"][-1000:].mean() == pytest.approx(expected, rel=1e-3)  # noise of the sensors
+
+
+def test_added_spring_moves_the_place_where_no_hand_is_needed():
+    loader = ff.loader.electric("elevator-electric")
+    stiffness = loader["feel.stiffness"]
+    found = guided(loader, [(0, ACTIVE, {"trim": 0.06, "added_force": 40.0, "added_stiffness": 2 * stiffness})])
+    expected = (0.06 * stiffness + 40.0 * loader["column.grip_arm"]) / (3 * stiffness)
+    assert found["column_angle_rad"][-1000:].mean() == pytest.approx(expected, rel=2e-3)  # noise of the sensors
+
+
+RATIO = 0.2
+LONG_N = 150.0
+"""A force that a hand may hold for long: safety.force_limit is twice that."""
+RELEASED = 16_000
+"""The cycle in which the hand lets go."""
+
+
+@pytest.mark.parametrize("name", LOADERS)
+@pytest.mark.parametrize("hertz", [1.0, 2.0, 3.0, 4.0])
+def test_spring_of_a_host_at_60_hz_keeps_its_damping_with_jitter_and_lost_packets(name, hertz):
+    """The loader closes it: damping ratio from the decay of the swings, frequency from their zeros."""
+    loader = LOADERS[name]()
+    inertia, arm = loader["feel.inertia"], loader["column.grip_arm"]
+
+    def feel(w: float) -> dict[str, float]:
+        return {"feel.stiffness": inertia * w**2, "feel.damping": 2 * RATIO * w * inertia}
+
+    loader, whole = loader.replace(feel(2 * np.pi), si=True), feel(2 * np.pi * hertz)
+    added = {f"added_{key[5:]}": whole[key] - loader[key] for key in whole}
+    numbers = [*({**NONE, **added}.values())]
+    rng = np.random.default_rng(60)
+    beats = APART * np.arange(700) + rng.integers(0, 20, 700)  # up to 10 ms of jitter
+    kept = beats[rng.random(700) > 0.05]
+    requests = [(0, "on", []), *((int(beat), "host", [float(k), 1.0, *numbers]) for k, beat in enumerate(kept))]
+    force = np.zeros(RELEASED + 4_000)
+    held = min(0.05 * whole["feel.stiffness"] / arm, LONG_N)
+    force[:RELEASED] = held * np.clip((np.arange(RELEASED) - 6_000) / 4_000, 0, 1)
+    column = planned(loader, force, requests, host="127.0.0.1:0")["column_angle_rad"]
+    assert column[RELEASED - 100 : RELEASED].mean() == pytest.approx(held * arm / whole["feel.stiffness"], rel=2e-3)  # noise
+    column = column[RELEASED:]
+    crossings = np.flatnonzero(column[1:] * column[:-1] < 0)[:3]
+    first, second = (np.abs(column[a:b]).max() for a, b in itertools.pairwise(crossings))
+    decrement = np.log(first / second)
+    ratio = decrement / np.hypot(np.pi, decrement)
+    damped_hz = 1 / ((crossings[2] - crossings[0]) * loader["controller.period"])
+    assert ratio == pytest.approx(RATIO, abs=0.005)
+    assert damped_hz / np.sqrt(1 - ratio**2) == pytest.approx(hertz, rel=0.01)

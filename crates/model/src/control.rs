@@ -164,8 +164,8 @@ impl<S: Scalar> Control<S> {
         };
         let output = if shared.effects.surroundings {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
-            let beside = [inputs.added_force[0], inputs.added_stiffness[0]];
-            let alone = self.feel.pushed_to(feeling.neutral, inputs.stiffness_factor[0], beside);
+            let beside = [inputs.added_force, inputs.added_stiffness, inputs.added_damping].map(|[now, _]| now);
+            let alone = self.feel.pushed_to(feeling.neutral, feeling.motion.at, beside);
             self.trimmed(output, alone, fade)
         } else {
             output

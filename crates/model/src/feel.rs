@@ -250,17 +250,17 @@ impl<S: Scalar> FeelLaw<S> {
         if effects.feel_damping_and_stops { self.soft_stops.force(start, at) } else { start.zero() }
     }
 
-    /// Where the straight spring, which has a factor, rests without a hand under a force at the grip in N and a spring rate in N m/rad
-    /// beside its own.
+    /// The neutral of a straight spring without a factor that would push the control, where it is and as fast as it goes, as the feel does
+    /// under what comes beside it: a law for that feel then follows this one.
     #[inline(always)]
-    pub fn pushed_to(&self, neutral: S, factor: f64, [added_force, added_stiffness]: [f64; 2]) -> S {
-        if added_force == 0.0 && added_stiffness == 0.0 {
+    pub fn pushed_to(&self, neutral: S, [delta, delta_rate]: [S; 2], beside: [f64; 3]) -> S {
+        if beside == [0.0; 3] {
             return neutral;
         }
-        // f G (delta - n) + G_s delta = mu R_p F; a spring that is nearly none rests nowhere
-        let (own, added) = (self.stiffness.times(factor), self.added * neutral.constant(added_stiffness));
-        let spring = (own + added).max(self.stiffness.times(LEAST_SPRING));
-        neutral + (self.grip_force * neutral.constant(added_force) - added * neutral) / spring
+        let [force, stiffness, damping] = beside.map(|of| neutral.constant(of));
+        // G (delta - n_e) = G (delta - n) + mu (G_s phi + B_s phi' - R_p F)
+        let added = self.added * (stiffness * delta + damping * delta_rate);
+        neutral + (self.grip_force * force - added) / self.stiffness
     }
 
     /// Where the hysteresis leaves its slider once `delta` has been reached.
@@ -334,9 +334,6 @@ impl<S: Scalar> FeelLaw<S> {
 fn taken_hold<S: Scalar>(h: S) -> S {
     (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero())
 }
-
-/// Share of the feel's own spring that is left at least, as far as a place of rest is asked for.
-const LEAST_SPRING: f64 = 1.0 / 64.0;
 
 /// Time in which a newly programmed limit takes hold.
 const LIMIT_TAKES_HOLD_S: f64 = 0.02;

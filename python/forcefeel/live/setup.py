@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
+from forcefeel.live.rendered import rendered_feels
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.simulation.scenario import Scenario, Steps
@@ -34,9 +35,9 @@ def live_law(law: LawLike, loader: Loader) -> Law:
 
 
 def made_of(
-    loader: Loader, law: Law, *, supervised: bool = True, scenario: Scenario | None = None
+    loader: Loader, law: Law, *, supervised: bool = True, scenario: Scenario | None = None, host: bool = False
 ) -> tuple[_core.LiveSetup, Steps]:
-    """Setup of the loop, and the scenario at the steps of the machine.
+    """Setup of the loop, and the scenario at the steps of the machine; of one with a host, what it may ask for.
 
     Raises:
         InputError: As in ``Steps.of`` and ``Law.engine``.
@@ -45,6 +46,7 @@ def made_of(
     steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
     if steps.timing is None:
         raise InputError("controller.period: a live loop requires a digital controller")
+    rendered = rendered_feels(loader, law) if host else ()
     setup = _core.LiveSetup(
         loader.si_values,
         steps.step_s,
@@ -54,6 +56,7 @@ def made_of(
         stiffness_factor=loader.stiffness_factor.arrays if loader.stiffness_factor else None,
         cancellation=law.cancellation.numbers if law.cancellation else None,
         supervised=supervised,
+        rendered=rendered if len(rendered) else None,
     )
     return setup, steps
 

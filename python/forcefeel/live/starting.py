@@ -83,7 +83,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     every = 1 if record_rate_hz is None else _every(record_rate_hz, 1 / loader["controller.period"])
     listens = None if host is None else _listens(host, supervised=supervised)
     scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
-    setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
+    setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario, host=listens is not None)
     period, _ = steps.timing or (1, 0)
     script, cycles, requests = None, None, []
     if scenario is not None:

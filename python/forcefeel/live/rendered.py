@@ -1,0 +1,91 @@
+"""Which springs and dampings of a host a loader renders: those under which its loop is stable and swings no longer than asked for.
+
+Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, told of what comes beside its feel as
+of a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop
+from sample to sample (``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05,
+in the envelope's cases: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel does
+not are left out; the envelope shows them.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelope.cases import REFERENCE_ARMS, make_cases
+from forcefeel.envelope.deviations import deviations_of
+from forcefeel.envelope.machines import full_rows
+from forcefeel.laws.law import Law, LawLike
+from forcefeel.loader.loader import Loader
+from forcefeel.loops.sampled_loop import sampled_loops
+
+_SPRINGS = np.geomspace(1 / 256, 1024, 28)
+"""Spring rates that are tried, as multiples of the loader's own: three an octave and a half."""
+
+_RATIOS = np.geomspace(0.02, 8.0, 12)
+"""Damping ratios ``B / (2 sqrt(I K))`` that are tried at each."""
+
+_DIES = 0.05
+"""Damping ratio of a swing that loses a quarter in a period."""
+
+
+def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
+    """Spring rate K, N m/rad, with least and most damping B, N m s/rad, that are stable there; (springs, 3), K rising.
+
+    K is a contiguous range around the loader's own G; no rows where not even that is stable.
+    """
+    inertia, own = loader["feel.inertia"], loader["feel.stiffness"]
+    springs = own * _SPRINGS
+    dampings = 2 * np.sqrt(inertia * springs)[:, None] * _RATIOS
+    asked = np.column_stack([np.repeat(springs, len(_RATIOS)), dampings.ravel()])
+    feels = np.vstack([(loader["feel.damping"], own), asked[:, ::-1]])
+    settings = np.column_stack([np.full(len(feels), inertia), feels])
+    cases = make_cases(deviations_of(loader), REFERENCE_ARMS)
+    values = np.vstack([full_rows(loader, case, settings, law) for case in cases])
+    least = np.minimum(settings[:, 1] / (2 * np.sqrt(inertia * settings[:, 2])) / 2, _DIES)
+    told = _told(law, np.tile(settings, (len(cases), 1)), loader)
+    damped = (_damping_ratios(loader, told, values) >= np.tile(least, len(cases))).reshape(len(cases), -1)
+    good = damped[damped[:, 0], 1:].all(axis=0).reshape(dampings.shape)
+    spans = [_span(dampings[k], good[k]) for k in range(len(springs))]
+    reached = np.array([span is not None for span in spans])
+    begin, end = _around(int(np.abs(_SPRINGS - 1).argmin()), reached)
+    return np.array([(springs[k], *(spans[k] or ())) for k in range(begin, end)]).reshape(-1, 3)
+
+
+def _told(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLike:
+    """The law for each setting I, B, K: ``n_e = -((K - G) delta + (B - B_0) delta') / G`` moves its neutral."""
+    numbers = law.sampled
+    if numbers is None:
+        return law
+    own = loader["feel.stiffness"], loader["feel.damping"]
+    moved = -(settings[:, [2, 1]] - own) / own[0]
+    arrays = {
+        name: np.repeat(getattr(numbers, name), len(settings), axis=0)
+        for name in ("transition", "input", "command", "torque", "friction", "neutral", "contact")
+    }
+    for name, k in (("command", 0), ("torque", 1)):
+        arrays[name][:, -2:] += arrays["neutral"][:, [k]] * moved
+    return replace(numbers, **arrays)
+
+
+def _damping_ratios(loader: Loader, law: LawLike, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least damping ratio of the poles of each loop; below zero where it is not stable, no number where there is none."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # a pole at zero has died at once
+        s = np.log(sampled_loops(loader, law, values).poles)
+        ratios = np.where(np.isneginf(s.real), 1.0, -s.real / np.abs(s))
+    return np.asarray(ratios.min(axis=1))
+
+
+def _span(dampings: NDArray[np.float64], good: NDArray[np.bool_]) -> tuple[float, float] | None:
+    """First and last damping of the longest run of good ones; ``None`` if there are no two."""
+    runs = [_around(int(k), good) for k in np.flatnonzero(good)]
+    begin, end = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
+    return (float(dampings[begin]), float(dampings[end - 1])) if end - begin > 1 else None
+
+
+def _around(place: int, good: NDArray[np.bool_]) -> tuple[int, int]:
+    """Begin and end of the run of good ones around a place; an empty one if that is not good."""
+    bad = np.flatnonzero(~good)
+    end = next((int(k) for k in bad if k >= place), len(good))
+    begin = next((int(k) + 1 for k in bad[::-1] if k <= place), 0)
+    return min(begin, end), end
