@@ -29,11 +29,11 @@ OFF: Any = None
 """In a change: the key is taken out."""
 MOTOR_TABLES = (
     "motor, winding, current_loop, transmission, thermal, brake, linkage, column, load_cell, potentiometer, column_sensor, "
-    "grip_sensor, controller, feel, pilot, safety"
+    "grip_sensor, controller, feel, surface, pilot, safety"
 )
 SERVO_TABLES = (
-    "amplifier, valve, actuator, linkage, column, load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, "
-    "safety"
+    "amplifier, valve, actuator, linkage, column, load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, surface, "
+    "pilot, safety"
 )
 HEAT = {
     "winding_resistance": "1 K/W",
@@ -329,8 +329,8 @@ def test_row_of_other_drive_is_refused(loader: Loader, key: str, message: str) -
 
 
 def test_unknown_row_error_lists_rows_of_drive() -> None:
-    with pytest.raises(InputError, match=r"'area'; the parameters are motor\.torque_constant"):
-        bare(ELECTRIC).replace({"area": 1.0}, si=True)
+    with pytest.raises(InputError, match=r"'volume'; the parameters are motor\.torque_constant"):
+        bare(ELECTRIC).replace({"volume": 1.0}, si=True)
     with pytest.raises(
         InputError, match=r"did you mean transmission\.stiffness or linkage\.stiffness or feel\.stiffness\?"
     ):

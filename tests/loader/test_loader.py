@@ -169,7 +169,7 @@ def test_replace_refuses_bad_values(given: str | float, message: str) -> None:
     [
         ("linkage.stifness", "unknown parameter 'linkage.stifness'; did you mean linkage.stiffness?"),
         ("stiffness", "unknown parameter 'stiffness'; did you mean linkage.stiffness or feel.stiffness?"),
-        ("area", "unknown parameter 'area'; did you mean actuator.area?"),
+        ("area", "unknown parameter 'area'; did you mean actuator.area or surface.area?"),
         ("", f"unknown parameter ''; the parameters are {', '.join(table('hydraulic'))}"),
         ("x\ny", f"unknown parameter 'x\\ny'; the parameters are {', '.join(table('hydraulic'))}"),
         (

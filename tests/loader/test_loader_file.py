@@ -471,7 +471,7 @@ def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str
             [("[pilot]", '["a.b\\nc"]\n"d e" = 1\n[pilot]')],
             [
                 r"'a.b\nc': unknown key; known are name, source, drive, amplifier, valve, actuator, linkage, column, "
-                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, safety, tolerances"
+                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, surface, pilot, safety, tolerances"
             ],
         ),
         ([('name = "elevator-1974"', "")], ['name: missing value; add name = "elevator"']),
@@ -479,7 +479,7 @@ def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str
         ([('name = "elevator-1974"', 'name = ["a"]')], ['name: expected text such as name = "elevator", got an array']),
         (
             [('name = "elevator-1974"', f'name = "elevator-1974"\n{AREA}')],
-            ["area: unknown key; it belongs in the table [actuator]"],
+            ["area: unknown key; it belongs in the table [actuator] or [surface]"],
         ),
     ],
 )

@@ -141,7 +141,7 @@ def test_a_part_with_optional_rows_only_may_be_absent(tmp_path: Path, drive: str
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_missing_required_part_is_refused(tmp_path: Path, drive: str) -> None:
-    for part in sorted(set(parts(drive)) - OPTIONAL_PARTS[drive] - {"controller", "grip_sensor", "safety"}):
+    for part in sorted(set(parts(drive)) - OPTIONAL_PARTS[drive] - {"controller", "grip_sensor", "surface", "safety"}):
         text = re.sub(rf"\n\[{part}\]\n(?:.+\n)*", "\n", bare(drive).to_toml())
         assert complaints(tmp_path, text)[0] == f"{part}: missing value; add the table [{part}]"
 

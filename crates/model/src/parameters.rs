@@ -385,27 +385,27 @@ parameter_table! {
     /// Control surface that a reversible control moves; its hinge moment comes from the flight state that an aircraft simulator sends.
     surface: Surface {}
     optional {
-        area: "S", "area behind the hinge; there is no surface unless it is given", AREA, 3456.0, 1e-2..1e6, off 0.0;
-        chord: "c", "mean chord behind the hinge", LENGTH, 18.0, 1e-2..1e3, off 0.0;
-        gearing: "k_0", "angle of the surface per angle of the control, at its neutral; negative where a positive control moves the surface to negative angles", RATIO, 1.0, -20.0..20.0, off 0.0;
-        gearing_change: "k_1", "share by which the gearing changes per radian of the control", PER_ANGLE, 0.2, -10.0..10.0, off 0.0;
+        area: "S_h", "area behind the hinge; there is no surface unless it is given", AREA, 3456.0, 1e-2..1e6, off 0.0;
+        chord: "c_h", "mean chord behind the hinge", LENGTH, 18.0, 1e-2..1e3, off 0.0;
+        gearing: "k_h", "angle of the surface per angle of the control, at its neutral; negative where a positive control moves the surface to negative angles", RATIO, 1.0, -20.0..20.0, off 0.0;
+        gearing_change: "k_h'", "share by which the gearing changes per radian of the control", PER_ANGLE, 0.2, -10.0..10.0, off 0.0;
         at_zero: "C_0", "coefficient of the hinge moment with all angles zero", RATIO, 0.01, -1.0..1.0, off 0.0;
         per_flow: "C_alpha", "coefficient per angle of attack at the surface", PER_ANGLE, -0.1, -5.0..5.0, off 0.0;
         per_deflection: "C_delta", "coefficient per angle of the surface; negative where it trails", PER_ANGLE, -0.3, -5.0..5.0, off 0.0;
         per_tab: "C_tau", "coefficient per angle of the tab", PER_ANGLE, -0.1, -5.0..5.0, off 0.0;
         per_rate: "C_rate", "coefficient per delta' c / (2 V): damping by the surface's own rate", PER_ANGLE, -0.5, -50.0..50.0, off 0.0;
-        share: "s", "share of the hinge moment that reaches the control: 1 reversible, below it boosted, 0 irreversible", RATIO, 1.0, 0.0..1.0, off 1.0;
-        pressure_ratio: "eta", "dynamic pressure at the surface per that of the flight", RATIO, 0.9, 0.0..5.0, off 1.0;
-        flow_per_attack: "a", "angle of attack at the surface per that of the aircraft, less the downwash", RATIO, 0.6, -5.0..5.0, off 0.0;
-        flow_per_sideslip: "b", "the same per sideslip", RATIO, 1.0, -5.0..5.0, off 0.0;
-        incidence: "i", "angle of attack at the surface with that of the aircraft zero", ANGLE, -2.0, -45.0..45.0, off 0.0;
+        share: "s_h", "share of the hinge moment that reaches the control: 1 reversible, below it boosted, 0 irreversible", RATIO, 0.5, 0.0..1.0, off 1.0;
+        pressure_ratio: "eta_h", "dynamic pressure at the surface per that of the flight", RATIO, 0.9, 0.0..5.0, off 1.0;
+        flow_per_attack: "a_h", "angle of attack at the surface per that of the aircraft, less the downwash", RATIO, 0.6, -5.0..5.0, off 0.0;
+        flow_per_sideslip: "b_h", "the same per sideslip", RATIO, 1.0, -5.0..5.0, off 0.0;
+        incidence: "i_h", "angle of attack at the surface with that of the aircraft zero", ANGLE, -2.0, -45.0..45.0, off 0.0;
         roll_arm: "l_p", "arm by which a rate of roll changes that angle", LENGTH, 100.0, -1e4..1e4, off 0.0;
         pitch_arm: "l_q", "arm by which a rate of pitch does: of a tail, its distance behind the center of gravity", LENGTH, 180.0, -1e4..1e4, off 0.0;
         yaw_arm: "l_r", "arm by which a rate of yaw does", LENGTH, 180.0, -1e4..1e4, off 0.0;
         tab_gearing: "k_tau", "angle of the tab per angle of the surface: negative of a balance tab, positive of an anti-servo tab", RATIO, -0.3, -10.0..10.0, off 0.0;
-        tab_stiffness: "k_s", "torque at the control per angle of a spring tab; small of a servo tab", ROTARY_STIFFNESS, 1000.0, 1e-3..1e8, off f64::INFINITY;
-        cable_stiffness: "k_c", "spring rate of the cables between control and surface, at the control", ROTARY_STIFFNESS, 20000.0, 1.0..1e9, off f64::INFINITY;
-        compressible: "M", "whether the coefficients of the angles grow with the Mach number, as 1 / sqrt(1 - M^2) up to 0.8", SWITCH, 1.0, 0.0..1.0, off 0.0;
+        tab_stiffness: "k_tab", "torque at the control per angle of a spring tab; small of a servo tab", ROTARY_STIFFNESS, 1000.0, 1e-3..1e8, off f64::INFINITY;
+        cable_stiffness: "k_cable", "spring rate of the cables between control and surface, at the control", ROTARY_STIFFNESS, 20000.0, 1.0..1e9, off f64::INFINITY;
+        compressible: "M_h", "whether the coefficients of the angles grow with the Mach number, as 1 / sqrt(1 - M^2) up to 0.8", SWITCH, 1.0, 0.0..1.0, off 0.0;
         bobweight: "W_b", "force at the grip per load factor, towards negative angles", FORCE, 4.0, -1e3..1e3, off 0.0;
     }
 

@@ -1,21 +1,22 @@
 //! A reversible control surface: its hinge moment in flight, as what the programmed control meets beside its own feel.
 //!
-//! `theta` angle of the control · `delta` of the surface · `k` gearing · `q` dynamic pressure · `V` true airspeed · `S`, `c` area and chord
-//! behind the hinge · `alpha_s` angle of attack at the surface · `tau` angle of its tab · `n` load factor · `R_p` arm of the grip
+//! `theta` angle of the control · `delta` of the surface · `q` dynamic pressure · `V` true airspeed · `S_h`, `c_h` area and chord behind
+//! the hinge · `alpha_s` angle of attack at the surface · `tau` angle of its tab · `n` load factor · `R_p` arm of the grip
 //!
 //! | | equation |
 //! |---|---|
-//! | gearing | `d delta / d theta = k = k_0 (1 + k_1 theta)` |
-//! | flow | `alpha_s = a alpha + b beta + i + (l_p p + l_q q + l_r r) / V` |
-//! | tab | `tau = tau_host + k_tau delta + T / k_s` |
-//! | hinge moment | `H = eta q S c (C_0 + C_alpha alpha_s + C_delta delta + C_tau tau + C_rate delta' c / (2 V))` |
-//! | torque on the control | `T = s k H` by virtual work, of which the share `s` reaches it |
+//! | gearing | `d delta / d theta = k = k_h (1 + k_h' theta)` |
+//! | flow | `alpha_s = a_h alpha + b_h beta + i_h + (l_p p + l_q q + l_r r) / V` |
+//! | tab | `tau = tau_host + k_tau delta + T / k_tab` |
+//! | hinge moment | `H = eta_h q S_h c_h (C_0 + C_alpha alpha_s + C_delta delta + C_tau tau + C_rate delta' c_h / (2 V))` |
 //! | air that gives | `C_alpha, C_delta, C_tau` times `1 / sqrt(1 - M^2)` (Prandtl, Glauert) |
-//! | cables | the surface stands where a control at `theta + T / k_c` has it |
+//! | torque on the control | `T = s_h k H` by virtual work, of which the share `s_h` reaches it |
+//! | cables | the surface stands where a control at `theta + T / k_cable` has it |
+//! | bobweight | `W_b n` at the grip, towards negative angles |
 //!
 //! A moment is positive that turns the surface to positive angles, so a surface that trails has `C_delta < 0`. Around the control's angle of
 //! this sample `T = A_0 + A_1 theta + A_2 theta'`; tab and cables, which give way to `T`, divide all three by
-//! `1 - A_1 / k_c - s k eta q S c C_tau / k_s`: they are quick beside the control, and have no motion of their own.
+//! `1 - A_1 / k_cable - s_h k eta_h q S_h c_h C_tau / k_tab`: they are quick beside the control, and have no motion of their own.
 //!
 //! Source: B. Etkin and L. D. Reid, Dynamics of Flight: Stability and Control, 3rd edition (1996), section 2.5 (hinge moments), 2.7 (stick
 //! force, tabs).

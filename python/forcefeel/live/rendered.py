@@ -1,7 +1,7 @@
 """Which springs and dampings of a host a loader renders: those under which its loop is stable and swings no longer than asked for.
 
-Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, told of what comes beside its feel as
-of a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop
+Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, and takes what comes beside its feel as
+a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop
 from sample to sample (``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05,
 in the envelope's cases: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel does
 not are left out; the envelope shows them.
@@ -43,8 +43,8 @@ def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
     cases = make_cases(deviations_of(loader), REFERENCE_ARMS)
     values = np.vstack([full_rows(loader, case, settings, law) for case in cases])
     least = np.minimum(settings[:, 1] / (2 * np.sqrt(inertia * settings[:, 2])) / 2, _DIES)
-    told = _told(law, np.tile(settings, (len(cases), 1)), loader)
-    damped = (_damping_ratios(loader, told, values) >= np.tile(least, len(cases))).reshape(len(cases), -1)
+    informed = _informed(law, np.tile(settings, (len(cases), 1)), loader)
+    damped = (_damping_ratios(loader, informed, values) >= np.tile(least, len(cases))).reshape(len(cases), -1)
     good = damped[damped[:, 0], 1:].all(axis=0).reshape(dampings.shape)
     spans = [_span(dampings[k], good[k]) for k in range(len(springs))]
     reached = np.array([span is not None for span in spans])
@@ -52,7 +52,7 @@ def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
     return np.array([(springs[k], *(spans[k] or ())) for k in range(begin, end)]).reshape(-1, 3)
 
 
-def _told(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLike:
+def _informed(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLike:
     """The law for each setting I, B, K: ``n_e = -((K - G) delta + (B - B_0) delta') / G`` moves its neutral."""
     numbers = law.sampled
     if numbers is None:
@@ -69,7 +69,7 @@ def _told(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLike:
 
 
 def _damping_ratios(loader: Loader, law: LawLike, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Least damping ratio of the poles of each loop; below zero where it is not stable, no number where there is none."""
+    """Least damping ratio of the poles of each loop; below zero where it is unstable."""
     with np.errstate(divide="ignore", invalid="ignore"):  # a pole at zero has died at once
         s = np.log(sampled_loops(loader, law, values).poles)
         ratios = np.where(np.isneginf(s.real), 1.0, -s.real / np.abs(s))
@@ -77,7 +77,7 @@ def _damping_ratios(loader: Loader, law: LawLike, values: NDArray[np.float64]) -
 
 
 def _span(dampings: NDArray[np.float64], good: NDArray[np.bool_]) -> tuple[float, float] | None:
-    """First and last damping of the longest run of good ones; ``None`` if there are no two."""
+    """First and last damping of the longest run of good ones; ``None`` if there are fewer than two."""
     runs = [_around(int(k), good) for k in np.flatnonzero(good)]
     begin, end = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
     return (float(dampings[begin]), float(dampings[end - 1])) if end - begin > 1 else None

@@ -66,6 +66,16 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("feel.soft_stop_stiffness", ("feel.soft_stop_low", "feel.soft_stop_high")),
     ("feel.soft_stop_damping", ("feel.soft_stop_low", "feel.soft_stop_high")),
     ("feel.shaker_frequency", ("feel.shaker_force",)),
+    ("surface.area", ("surface.gearing",)),
+    *(
+        (f"surface.{name}", ("surface.area",))
+        for name in (
+            *("chord", "gearing", "gearing_change", "at_zero", "per_flow", "per_deflection", "per_tab", "per_rate"),
+            *("share", "pressure_ratio", "flow_per_attack", "flow_per_sideslip", "incidence", "tab_gearing"),
+            *("roll_arm", "pitch_arm", "yaw_arm", "tab_stiffness", "cable_stiffness", "compressible"),
+        )
+    ),
+    ("surface.area", ("surface.chord",)),
 )
 """Rows without effect unless one of the others is given."""
 
