@@ -48,8 +48,10 @@ class FromHost:
 
 @dataclass(frozen=True)
 class ToHost:
-    """What a loader sends: angles in rad, force in N; the state's and the function's places in their tables; whether the last packet
-    was refused, since the loader cannot render its spring or damping."""
+    """What a loader sends: angles in rad, force in N; the state's and the function's places in their tables.
+
+    ``refused``: whether the last packet was, since the loader cannot render its spring or damping.
+    """
 
     sequence: int
     state: int

@@ -55,8 +55,8 @@ __all__ = [
     "feel_transitions",
     "fmu_variables",
     "grip_force",
-    "ideal_feel",
     "hinge_moment",
+    "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
     "live_columns",
@@ -601,6 +601,7 @@ class LiveMachine:
     def write(self, command: float, enable: bool) -> None: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
 
+@final
 class LockStep:
     """A loop whose cycles are asked for, its machine simulated, a host listened to."""
 

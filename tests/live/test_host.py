@@ -4,6 +4,7 @@ import importlib.util
 import json
 import socket
 import struct
+import subprocess
 import sys
 import time
 import zlib
@@ -36,6 +37,29 @@ def test_packet_bytes_match_rust_encoder(host: ModuleType) -> None:
     values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0, *flight)
     expected = (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
     assert host.encode(7, host.ACTIVE | host.AUTOPILOT, values).hex() == expected
+
+
+_CPP = """#include "host.hpp"
+#include <cstdio>
+int main() {
+    forcefeel::FromHost v{6000.0f, 1.5f, 0.05f, -0.1f, 120.0f, 15.0f, 0.5f, -300.0f, 0.02f, 400.0f, 250.0f, 12.0f, 62.0f, 0.07f,
+                          -0.02f, 0.1f, 0.05f, -0.03f, 1.4f, 0.18f, 0.06f};
+    for (auto byte : forcefeel::encode(7, forcefeel::ACTIVE | forcefeel::AUTOPILOT, v)) std::printf("%02x", byte);
+}
+"""
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_hosts_in_c_and_cpp_make_the_same_bytes(language: str, tmp_path: Path) -> None:
+    examples, program = ROOT / "examples/live-host", tmp_path / "host"
+    source = examples / "host.c"
+    if language == "c++":
+        source = tmp_path / "host.cpp"
+        source.write_text(_CPP, encoding="utf-8")
+    compiler = {"c": ["cc", "-std=c11"], "c++": ["c++", "-std=c++17", "-I", str(examples)]}[language]
+    subprocess.run([*compiler, "-O2", "-Wall", "-Wextra", "-Werror", "-o", program, source], check=True)
+    made = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    assert made.strip() == (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
 
 
 def test_a_packet_of_a_loader_is_read_or_refused(host: ModuleType) -> None:

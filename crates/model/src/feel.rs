@@ -11,7 +11,8 @@
 //!
 //! The spring `S` is `G (delta - lambda n)`, or `mu R_p` times a curve of force over angle, after the deadband and times the factor that
 //! the dynamic pressure asks for. The parts are those of `feel_parts.rs`; each is a force of its own at the grip, so parts add up and
-//! none changes another. `T_s` comes from outside: `R_p F - G_s phi - B_s phi'`, of which G_s and B_s are zero but for a hinge moment. Where `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
+//! none changes another. `T_s` comes from outside: `R_p F - G_s phi - B_s phi'`, of which `G_s` and `B_s` are zero but for a
+//! hinge moment. Where `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
 //!
 //! The linear models divide eq. (11) by the inertia as it is written. A run sums the resistance first and multiplies by `1 / I`, which it
 //! takes from that same equation: a division less at every stage, and rounded elsewhere, so both forms stay.
@@ -254,7 +255,7 @@ impl<S: Scalar> FeelLaw<S> {
     /// under what comes beside it: a law for that feel then follows this one.
     #[inline(always)]
     pub fn pushed_to(&self, neutral: S, [delta, delta_rate]: [S; 2], beside: [f64; 3]) -> S {
-        if beside == [0.0; 3] {
+        if beside.iter().all(|&of| of == 0.0) {
             return neutral;
         }
         let [force, stiffness, damping] = beside.map(|of| neutral.constant(of));

@@ -82,11 +82,7 @@ impl LiveSetup {
             curve: points(curve)?,
             factor: points(stiffness_factor)?,
             host: false,
-            rendered: rendered
-                .map_or(Ok(vec![]), |of| rows::<3>("rendered", &of))?
-                .iter()
-                .flat_map(|row| rows_of(row))
-                .collect(),
+            rendered: rendered.map_or_else(Vec::new, |of| rows_of(&of.as_array().iter().copied().collect::<Vec<_>>())),
             cancellation,
             beginning: None,
             supervised,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
     from forcefeel.simulation import FeelChange, Scenario
-    from forcefeel.simulation.inputs import Recorded, Schedule
+    from forcefeel.simulation.inputs import Flight, Recorded, Schedule
 
 
 STEP_S, SAMPLE_S, FADE_S = 1e-3, 1e-3, 0.5
@@ -145,6 +145,15 @@ class ScenarioOptions(LoaderOptions):
             metavar="OVER_TIME",
         ),
     ] = None
+    flight: Annotated[
+        Path | None,
+        option(
+            "Flight over time (CSV, Parquet, MATLAB), with columns such as 'time (s),dynamic pressure (Pa),true airspeed "
+            "(m/s)'; for a loader with a surface.",
+            SCENARIO,
+            metavar="FILE",
+        ),
+    ] = None
     shaker: Annotated[
         str | None,
         option(
@@ -240,6 +249,7 @@ class ScenarioOptions(LoaderOptions):
             step_s=STEP_S if self.step is None else seconds("--step", self.step),
             trim_rad=_schedule("--trim", self.trim, "rad", "5 deg"),
             dynamic_pressure_pa=_schedule("--dynamic-pressure", self.dynamic_pressure, "Pa", "5 kPa"),
+            flight=self._flight(),
             shaker=self._shaker(loader),
             feel_changes=self._changes(),
             seed=self.seed,
@@ -281,6 +291,13 @@ class ScenarioOptions(LoaderOptions):
 
         with options_named():
             return read_recorded(self.record, **names.arguments(self.record.stem)).from_zero()
+
+    def _flight(self) -> "Flight | None":
+        if self.flight is None:
+            return None
+        from forcefeel.simulation.inputs import read_flight
+
+        return read_flight(self.flight)
 
     def _shaker(self, loader: "Loader") -> "Schedule | None":
         on = _schedule("--shaker", self.shaker, "", "1")

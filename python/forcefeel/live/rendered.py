@@ -1,13 +1,11 @@
 """Which springs and dampings of a host a loader renders: those under which its loop is stable and swings no longer than asked for.
 
-Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, and takes what comes beside its feel as
-a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop
-from sample to sample (``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05,
-in the envelope's cases: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel does
-not are left out; the envelope shows them.
+Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, and takes what comes beside its feel
+as a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop from sample to sample
+(``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05, in the cases of an
+envelope: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel has less are left
+out; an envelope shows them.
 """
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +14,7 @@ from forcefeel.envelope.cases import REFERENCE_ARMS, make_cases
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.envelope.machines import full_rows
 from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.sampled_loop import sampled_loops
 
@@ -44,7 +43,7 @@ def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
     values = np.vstack([full_rows(loader, case, settings, law) for case in cases])
     least = np.minimum(settings[:, 1] / (2 * np.sqrt(inertia * settings[:, 2])) / 2, _DIES)
     informed = _informed(law, np.tile(settings, (len(cases), 1)), loader)
-    damped = (_damping_ratios(loader, informed, values) >= np.tile(least, len(cases))).reshape(len(cases), -1)
+    damped = _damping_ratios(loader, informed, values).reshape(len(cases), -1) >= least
     good = damped[damped[:, 0], 1:].all(axis=0).reshape(dampings.shape)
     spans = [_span(dampings[k], good[k]) for k in range(len(springs))]
     reached = np.array([span is not None for span in spans])
@@ -59,13 +58,13 @@ def _informed(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLik
         return law
     own = loader["feel.stiffness"], loader["feel.damping"]
     moved = -(settings[:, [2, 1]] - own) / own[0]
-    arrays = {
-        name: np.repeat(getattr(numbers, name), len(settings), axis=0)
-        for name in ("transition", "input", "command", "torque", "friction", "neutral", "contact")
-    }
+    each = {name: np.repeat(getattr(numbers, name), len(settings), axis=0) for name in _ARRAYS}
     for name, k in (("command", 0), ("torque", 1)):
-        arrays[name][:, -2:] += arrays["neutral"][:, [k]] * moved
-    return replace(numbers, **arrays)
+        each[name][:, -2:] += each["neutral"][:, [k]] * moved
+    return SampledLaw(numbers.period_s, numbers.delay_s, **each)
+
+
+_ARRAYS = ("transition", "input", "command", "torque", "friction", "neutral", "contact")
 
 
 def _damping_ratios(loader: Loader, law: LawLike, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -46,7 +46,7 @@ def made_of(
     steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
     if steps.timing is None:
         raise InputError("controller.period: a live loop requires a digital controller")
-    rendered = rendered_feels(loader, law) if host else ()
+    rendered = rendered_feels(loader, law) if host else None
     setup = _core.LiveSetup(
         loader.si_values,
         steps.step_s,
@@ -56,7 +56,7 @@ def made_of(
         stiffness_factor=loader.stiffness_factor.arrays if loader.stiffness_factor else None,
         cancellation=law.cancellation.numbers if law.cancellation else None,
         supervised=supervised,
-        rendered=rendered if len(rendered) else None,
+        rendered=rendered,
     )
     return setup, steps
 

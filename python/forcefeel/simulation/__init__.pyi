@@ -3,6 +3,8 @@
 from forcefeel.simulation.engine import simulate as simulate
 from forcefeel.simulation.engine import simulate_batch as simulate_batch
 from forcefeel.simulation.findings import run_conclusions as run_conclusions
+from forcefeel.simulation.inputs.flight import Flight as Flight
+from forcefeel.simulation.inputs.flight import read_flight as read_flight
 from forcefeel.simulation.inputs.multisine import Multisine as Multisine
 from forcefeel.simulation.inputs.recorded import Recorded as Recorded
 from forcefeel.simulation.inputs.recorded import read_recorded as read_recorded

@@ -25,6 +25,7 @@ def applies(loader: Loader, scenario: Scenario) -> bool:
     others = (
         scenario.trim_rad,
         scenario.dynamic_pressure_pa,
+        scenario.flight,
         scenario.shaker,
         scenario.test_signal_v,
         scenario.command_signal_v,

@@ -12,7 +12,7 @@ from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import WHOLE, controller_steps
-from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
+from forcefeel.simulation.inputs import Flight, Force, HandsOff, Recorded, Release, Sampled, Schedule
 from forcefeel.simulation.inputs.sampled import Grid
 
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
@@ -67,6 +67,7 @@ class Scenario:
             the cubic through its ends.
         trim_rad: Commanded neutral of the feel over time; it is followed at ``feel.trim_rate``.
         dynamic_pressure_pa: Dynamic pressure over time, for a feel whose stiffness depends on it.
+        flight: Flight state over time, for a loader with a surface.
         shaker: How far the stick shaker is on over time, 0 to 1.
         test_signal_v: Voltage over time at the amplifier's input, beside the command; of a motor a current in A.
         command_signal_v: Voltage over time that the law adds to its command; a digital controller adds what it finds of it at a
@@ -89,6 +90,7 @@ class Scenario:
     sample_s: float = 1e-3
     trim_rad: Schedule | None = None
     dynamic_pressure_pa: Schedule | None = None
+    flight: Flight | None = None
     shaker: Schedule | None = None
     test_signal_v: Schedule | None = None
     command_signal_v: Schedule | None = None
@@ -128,6 +130,8 @@ class Scenario:
                 raise InputError(
                     f"{name}: expected values over time, simulation.Schedule(times_s, values), got {type_text(value)}"
                 )
+        if self.flight is not None:
+            expect("flight", self.flight, Flight, "a simulation.Flight")
         expect("feel_changes", self.feel_changes, (tuple, list), "a tuple of simulation.FeelChange")
         for change in self.feel_changes:
             expect("feel_changes", change, FeelChange, "a tuple of simulation.FeelChange")
@@ -146,7 +150,7 @@ class Steps:
         step_s: The step.
         every: Steps between two samples of the history; 0 for two samples a step.
         inputs: By the engine's name, (steps, 2) at start and end of each step: force; trim, stiffness_factor, shaker, fade,
-            test_signal and command_signal where there is such a thing.
+            added_force, added_stiffness, added_damping, test_signal and command_signal where there is such a thing.
         timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
         start_force_n: Force under which the run begins at rest.
         held: Angle in rad at which the grip is held, and the step at which it is let go; ``None`` but for a release.
@@ -190,6 +194,8 @@ class Steps:
         }
         if (factor := _stiffness_factor(scenario, loader, span)) is not None:
             inputs["stiffness_factor"] = factor.pairs
+        if scenario.flight is not None:
+            inputs |= scenario.flight.added(loader, *span)
         if scenario.shaker is not None:
             on, angle = (
                 scenario.shaker.sample(*span),

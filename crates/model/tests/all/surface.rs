@@ -1,5 +1,7 @@
 //! The hinge moment against one that is worked out from the angles of control, surface and tab themselves.
 
+#![expect(clippy::float_cmp, reason = "a switch, and what is exactly nothing")]
+
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::surface::{Added, FlightState};
 

@@ -3,6 +3,7 @@
 Every input is frozen data with one method, ``sample(time_s, step_s)``, which returns its ``Sampled`` for a run of ``time_s``.
 """
 
+from forcefeel.simulation.inputs.flight import Flight, read_flight
 from forcefeel.simulation.inputs.multisine import Multisine
 from forcefeel.simulation.inputs.recorded import Recorded, read_recorded
 from forcefeel.simulation.inputs.sampled import Sampled, Schedule
@@ -14,6 +15,7 @@ Force = Step | Pulse | Doublet | StopToStop | Chirp | Multisine | Recorded | Rel
 __all__ = [
     "Chirp",
     "Doublet",
+    "Flight",
     "Force",
     "HandsOff",
     "Multisine",
@@ -24,5 +26,6 @@ __all__ = [
     "Schedule",
     "Step",
     "StopToStop",
+    "read_flight",
     "read_recorded",
 ]

@@ -1,0 +1,116 @@
+"""A loader with a surface in flight, against the equation of control and hinge moment by an integrator of its own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import forcefeel as ff
+
+SURFACE = {
+    "surface.area": 1.0,
+    "surface.chord": 0.4,
+    "surface.gearing": 1.3,
+    "surface.per_deflection": -0.3,
+    "surface.per_flow": -0.08,
+    "surface.per_tab": -0.1,
+    "surface.per_rate": -2.0,
+    "surface.flow_per_attack": 0.6,
+    "surface.pitch_arm": 4.0,
+    "surface.bobweight": 12.0,
+}
+TIMES = np.array([0.0, 1.0, 4.0])
+STATES = {
+    "dynamic_pressure": np.array([800.0, 1500.0, 2500.0]),
+    "true_airspeed": np.array([36.0, 50.0, 64.0]),
+    "angle_of_attack": np.array([0.1, 0.06, 0.02]),
+    "pitch_rate": np.array([0.0, 0.1, -0.1]),
+    "load_factor": np.array([1.0, 1.4, 0.8]),
+    "tab": np.array([0.0, 0.1, 0.1]),
+}
+FOLLOWS_RAD = 2.5e-3
+"""What the column is behind the programmed control at 1 rad/s: two milliseconds and their ripple."""
+RESTS_RAD = 1e-4
+"""What steps and noise of the sensors leave once it is slow."""
+
+
+def alone(loader, release):
+    """Angle of the programmed control over time: ``I theta'' + B theta' + G theta = k q S c C_h - R_p W n``."""
+    inertia, damping, stiffness, arm = (
+        loader[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness", "column.grip_arm")
+    )
+
+    def motion(t, state):
+        theta, rate = state
+        now = {name: np.interp(t, TIMES, column) for name, column in STATES.items()}
+        flow = 0.6 * now["angle_of_attack"] + 4.0 * now["pitch_rate"] / now["true_airspeed"]
+        coefficient = -0.3 * 1.3 * theta - 0.08 * flow - 0.1 * now["tab"]
+        coefficient += -2.0 * 1.3 * rate * 0.4 / (2 * now["true_airspeed"])
+        torque = 1.3 * now["dynamic_pressure"] * 1.0 * 0.4 * coefficient - arm * 12.0 * now["load_factor"]
+        return rate, (torque - damping * rate - stiffness * theta) / inertia
+
+    sampled = np.arange(4001) * 1e-3
+    tolerances = {"rtol": 1e-9, "atol": 1e-12}  # far below what the column is off
+    return solve_ivp(motion, (0, 4), (release, 0.0), t_eval=sampled, max_step=0.01, **tolerances).y[0]
+
+
+@pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
+def test_column_with_a_surface_follows_hinge_moment_in_flight(name):
+    loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(SURFACE, si=True)
+    flight = ff.simulation.Flight(TIMES, STATES)
+    scenario = ff.Scenario(ff.Release(0.08), duration_s=4.0, flight=flight)
+    run = ff.simulate(loader, scenario, "robust")
+    off = run.history["column_angle_rad"].to_numpy() - alone(loader, 0.08)
+    assert np.abs(off).max() < FOLLOWS_RAD
+    assert np.abs(off[2500:]).max() < RESTS_RAD
+    still = ff.simulate(loader, ff.Scenario(ff.Release(0.08), duration_s=4.0), "robust").history["column_angle_rad"]
+    assert np.abs(still.to_numpy() - alone(loader, 0.08)).max() > 9 * FOLLOWS_RAD, "the flight matters"
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,1500,50", "expected two rows of numbers at least, got 1"),
+        ("0,1500,50\n1,1500,50", "expected a flight of all the run, 0 s to 2 s, got 0 s to 1 s"),
+        ("0,1500,50\n1,nan,50\n2,1500,50", "dynamic_pressure"),
+        ("0,1500,50\n0,1500,50\n2,1500,50", "time"),
+    ],
+)
+def test_bad_flight_is_named(forcefeel, rows, message):
+    Path("flight.csv").write_text(f"time (s),dynamic pressure (Pa),true airspeed (m/s)\n{rows}\n", encoding="utf-8")
+    surface = [word for key, value in SURFACE.items() for word in ("--set", f"{key}={value}{_UNITS.get(key, '')}")]
+    status, out, err = forcefeel("simulate", "elevator-2khz", "--law", "robust", "--flight", "flight.csv", *surface)
+    assert (status, out) == (2, "")
+    assert message in err
+
+
+_UNITS = {
+    "surface.area": " m^2",
+    "surface.chord": " m",
+    "surface.pitch_arm": " m",
+    "surface.bobweight": " N",
+    "surface.per_deflection": " 1/rad",
+    "surface.per_flow": " 1/rad",
+    "surface.per_tab": " 1/rad",
+    "surface.per_rate": " 1/rad",
+}
+
+
+def test_flight_without_a_surface_or_without_units_is_refused(forcefeel):
+    Path("flight.csv").write_text(
+        "time (s),dynamic pressure (Pa),true airspeed (kt)\n0,1500,97\n9,1500,97\n", encoding="utf-8"
+    )
+    status, out, err = forcefeel("simulate", "elevator-2khz", "--law", "robust", "--flight", "flight.csv")
+    assert (status, out) == (2, "")
+    assert "the loader has no surface" in err
+    Path("flight.csv").write_text(
+        "time (s),dynamic pressure,true airspeed (kt)\n0,1500,97\n9,1500,97\n", encoding="utf-8"
+    )
+    status, out, err = forcefeel("simulate", "elevator-2khz", "--law", "robust", "--flight", "flight.csv")
+    assert (status, out) == (2, "")
+    assert "dynamic_pressure" in err
+    with pytest.raises(ff.InputError, match="expected names out of dynamic_pressure"):
+        ff.simulation.Flight(TIMES, {"altitude": TIMES})
+    with pytest.raises(ff.InputError, match="columns of one length"):
+        ff.simulation.Flight(TIMES, {"mach": TIMES[1:]})
