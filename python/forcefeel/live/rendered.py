@@ -1,10 +1,10 @@
 """Which springs and dampings of a host a loader renders: those under which its loop is stable and swings no longer than asked for.
 
-Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, and takes what comes beside its feel
-as a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop from sample to sample
-(``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05, in the cases of an
-envelope: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel has less are left
-out; an envelope shows them.
+Spring rate K and damping B of the whole feel are those that an aircraft asks for; the law stays, and takes what comes beside its
+feel as a moving neutral (``crates/model/src/feel.rs``, ``pushed_to``). Each pole ``z = exp(s T)`` of the loop from sample to sample
+(``loops.sampled_loops``) has a damping ratio ``-Re s / |s|`` of half the feel's ``B / (2 sqrt(I K))`` or of 0.05, in the cases of
+an envelope: each parameter at both ends of its tolerance, each arm at the grip. Cases in which the loader's own feel has less are
+left out; an envelope shows them.
 """
 
 import numpy as np
