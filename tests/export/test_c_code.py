@@ -172,7 +172,7 @@ NO_NUMBER = """
 int main(void)
 {
     pitch_state state = { 0 };
-    pitch_input in = { 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0U, 1U };
+    pitch_input in = { 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0U, 1U, 0.0, 0.0, 0.0 };
     pitch_output out;
     int wrong = 0;
     wrong += pitch_law_step(&state, &in, &out) != pitch_NOT_READY || out.command != 0.0;
@@ -210,7 +210,7 @@ def test_law_started_off_neutral_gives_a_small_command(loader):
     law = ff.Law.of("robust", loader)
     angle = 0.1
     base = angle * loader["column.base_arm"]
-    given = np.zeros((4, 8))
+    given = np.zeros((4, 11))
     given[:, :3] = 0.0, loader["linkage.ratio"] * base, base
     given[:, 4:6] = angle, 1.0
     noise = np.random.default_rng(1).normal(size=(4, 3))

@@ -259,7 +259,7 @@ def test_reset_starts_like_the_simulator(loader, drive, start):
     position, current, per_ampere = ("drive_position_m", "motor_current_a", 1.0)
     if drive == "valve":
         position, current, per_ampere = "piston_position_m", "valve_current_a", 1 / machine["amplifier.admittance"]
-    given = np.zeros((2, 8))
+    given = np.zeros((2, 11))
     given[:, 0] = history.load_cell_force_n.values[0]
     given[:, 1] = history[position].values[0]
     given[:, 2] = history.column_angle_rad.values[0] * machine["column.base_arm"]

@@ -137,7 +137,7 @@ def test_firmware_matches_the_live_loop(loader):
         running.wait(500)
         rows = running.history(most=100_000)
     seen = dict(zip(running.columns, rows.T, strict=True))
-    given = np.zeros((len(rows), 9))
+    given = np.zeros((len(rows), 11))
     given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
     given[:, 4], given[:, 6] = 0.02, 0.5
     given[:, 5] = np.where(np.maximum.accumulate(seen["spring_factor"]) > 1.0, 1.3, 1.0)
@@ -156,7 +156,7 @@ def test_firmware_matches_the_live_loop(loader):
 def test_host_force_acts_like_hand_force():
     """At rest ``G theta = R_p F + T``, where T is what the law hears from a column that does not follow."""
     loader = ff.loader.electric("elevator-electric")
-    given = np.zeros((16000, 9))
+    given = np.zeros((16000, 11))
     given[:, 5] = 1.0
     given[4000:, 8] = force = 0.5
     words = np.zeros((len(given), 7), dtype=int)

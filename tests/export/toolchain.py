@@ -34,6 +34,8 @@ NONLINEAR = {
     "feel.shaker_force": "5 lb",
     "column.coulomb_friction": "1 lb",
 }
+SURFACE = {"surface.area": "1 m^2", "surface.chord": "0.4 m", "surface.gearing": 1.0, "surface.bobweight": "10 N"}
+"""A loader with a surface takes what that adds as inputs; which coefficients it has is the aircraft's matter."""
 USUAL = {
     key: NONLINEAR[key]
     for key in (
@@ -55,8 +57,8 @@ KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
 
 
 def valve():
-    """A valve's law for two settings, with every nonlinear part of the feel."""
-    loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
+    """A valve's law for two settings, with every nonlinear part of the feel, and a surface."""
+    loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS | SURFACE, si=True)
     return ff.export.Exported.of("robust", loader, "pitch", ff.flight_schedule.read_knots(KNOTS).feel[:2])
 
 

@@ -13,7 +13,7 @@ use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
 use forcefeel_model::known_friction::FrictionState;
-use forcefeel_model::law_inputs::{SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
+use forcefeel_model::law_inputs::{ADDED as ADDED_RANGES, SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
@@ -21,13 +21,27 @@ use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
 use std::sync::OnceLock;
 
-/// What a controller is given in a period, in this order; `blend` is how far the feel has been changed.
-pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend"];
+/// What a controller is given in a period, in this order; `blend` is how far the feel has been changed. What is added beside the feel is
+/// read where the loader has a surface.
+pub const INPUTS: [&str; 11] = [
+    "force",
+    "position",
+    "base",
+    "grip",
+    "trim",
+    "stiffness_factor",
+    "shaker",
+    "blend",
+    "added_force",
+    "added_stiffness",
+    "added_damping",
+];
 
 const FORCE: usize = 0;
 const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
+const ADDED: usize = 8;
 
 /// The name of a place: of an input, then of a number that a controller remembers.
 pub fn name_of(place: usize) -> &'static str {
@@ -121,7 +135,20 @@ impl Job {
     /// Between which values each of [`INPUTS`] is taken.
     pub fn ranges(&self) -> [(f64, f64); INPUTS.len()] {
         let [force, position, base, grip] = sensed(&Parameters::from_values(&self.values[0]));
-        [force, position, base, grip, TRIM_RANGE, STIFFNESS_FACTOR, SHAKER_SWING, (0.0, 1.0)]
+        let [added_force, added_stiffness, added_damping] = ADDED_RANGES;
+        [
+            force,
+            position,
+            base,
+            grip,
+            TRIM_RANGE,
+            STIFFNESS_FACTOR,
+            SHAKER_SWING,
+            (0.0, 1.0),
+            added_force,
+            added_stiffness,
+            added_damping,
+        ]
     }
 
     /// What the law of each setting remembers in equilibrium.
@@ -176,6 +203,12 @@ impl Job {
             }
             if self.values.len() > 1 {
                 inputs.fade = [input_as_f64(SHARE); 2];
+            }
+            if self.values.iter().any(|values| Parameters::from_values(values).surface.is_there()) {
+                let added = [&mut inputs.added_force, &mut inputs.added_stiffness, &mut inputs.added_damping];
+                for (k, input) in added.into_iter().enumerate() {
+                    *input = [input_as_f64(ADDED + k); 2];
+                }
             }
             let (mut feeling, mut remembered) = state();
             let zero = Trace::known(&vec![0.0; self.values.len()], Bank::All);
@@ -409,8 +442,18 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
         let (from, to) = one.settings;
         let mut control = parts[from].2;
         control.fade_to(&parts[to].0, Some(&parts[to].1));
-        let [.., trim, stiffness_factor, shaker, fade] = one.inputs.map(|input| [input; 2]);
-        let inputs = Inputs { trim, stiffness_factor, shaker, fade, ..Inputs::NONE };
+        let [.., trim, stiffness_factor, shaker, fade, added_force, added_stiffness, added_damping] =
+            one.inputs.map(|input| [input; 2]);
+        let inputs = Inputs {
+            trim,
+            stiffness_factor,
+            shaker,
+            fade,
+            added_force,
+            added_stiffness,
+            added_damping,
+            ..Inputs::NONE
+        };
         let sample = Sample { sensors: sensors(one), pilot_force: like.zero() };
         let mut torque = like;
         let e = control.command(&shared, (&mut feeling, &mut remembered), &inputs, &sample, |answer| {

@@ -27,6 +27,10 @@ pub struct Input<S> {
     pub blend: S,
     /// Force at the grip in N that a host adds beside the hand's.
     pub added_force: S,
+    /// Spring in N m/rad about the angle zero that it adds to the feel's.
+    pub added_stiffness: S,
+    /// Damping in N m s/rad likewise.
+    pub added_damping: S,
     /// The setting that is left, or stays.
     pub from: u32,
     /// The setting that is gone to.
@@ -195,13 +199,15 @@ impl<S: Scalar> Axis<S> {
     where
         S: Into<f64>,
     {
-        let Input { trim, stiffness_factor, shaker, blend, added_force, .. } = *given;
+        let Input { trim, stiffness_factor, shaker, blend, .. } = *given;
         let modifiers = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
         let swing = self.led.swing(modifiers.shaker, &self.pace);
         let trim = self.last.map_or(modifiers.trim_rad, |allowed| allowed.neutral(modifiers.trim_rad));
-        let [trim, stiffness_factor, shaker, fade, added_force] =
-            [trim, modifiers.stiffness_factor, swing, blend, added_force].map(|number| [number.into(); 2]);
-        Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
+        let [trim, stiffness_factor, shaker, fade] =
+            [trim, modifiers.stiffness_factor, swing, blend].map(|number| [number.into(); 2]);
+        let [added_force, added_stiffness, added_damping] =
+            [given.added_force, given.added_stiffness, given.added_damping].map(|number| [number.into(); 2]);
+        Inputs { trim, stiffness_factor, shaker, fade, added_force, added_stiffness, added_damping, ..Inputs::NONE }
     }
 }
 

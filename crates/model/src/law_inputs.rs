@@ -17,6 +17,9 @@ pub const SHAKER_SWING: (f64, f64) = (-1.0, 1.0);
 /// How far the stick shaker is on.
 pub const SHAKER: (f64, f64) = (0.0, 1.0);
 
+/// Force at the grip in N, spring rate in N m/rad and damping in N m s/rad beside the feel's.
+pub const ADDED: [(f64, f64); 3] = [(-2000.0, 2000.0), (-1e5, 1e5), (-1e4, 1e4)];
+
 /// Force of a hand at the grip in N: a sensor there measures whatever a hand does.
 pub const HAND: (f64, f64) = (-1e5, 1e5);
 

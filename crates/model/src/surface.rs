@@ -22,7 +22,7 @@
 //! force, tabs).
 
 use crate::Scalar;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Surface};
 
 /// How an aircraft flies, as far as a surface feels it; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +59,13 @@ pub struct Added<S = f64> {
 impl Added {
     /// Nothing.
     pub const NONE: Self = Self { force: 0.0, stiffness: 0.0, damping: 0.0 };
+}
+
+impl Surface<f64> {
+    /// Whether there is anything that a flight acts on.
+    pub fn is_there(&self) -> bool {
+        self.area != 0.0 || self.bobweight != 0.0
+    }
 }
 
 impl<S: Scalar> Parameters<S> {

@@ -67,7 +67,7 @@ impl ExportedLaw {
         LawSource { states, inputs, functions, step, reset, same, own, operations }
     }
 
-    /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 8) in settings `from`, `to` (samples, 2),
+    /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 11) in settings `from`, `to` (samples, 2),
     /// from rest at the first sample.
     fn answers<'py>(
         &self,

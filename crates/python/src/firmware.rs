@@ -17,7 +17,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::prelude::*;
 
 /// Numbers and words of an input; of an answer.
-const GIVEN: usize = SAMPLED + 5;
+const GIVEN: usize = SAMPLED + 7;
 const WORDS: usize = 7;
 const ANSWERED: usize = 4;
 
@@ -82,7 +82,7 @@ impl BoardAxis {
     }
 
     /// Command, torque, angle and rate of the feel (samples, 4), and enable, state, acting, tripped (samples, 4), for sensors, trim, factor,
-    /// shaker, blend, added force (samples, 9) and from, to, request, missed, late, flags (samples, 6), from an axis that is off.
+    /// shaker, blend, added force, spring and damping (samples, 11) and from, to, request, missed, late, flags (samples, 6), from an axis that is off.
     #[pyo3(signature = (inputs, words, *, single))]
     fn answers<'py>(
         &self,
@@ -120,8 +120,19 @@ impl BoardAxis {
             .iter()
             .zip(words)
             .map(|(numbers, &[from, to, request, missed, delay, late, flags])| {
-                let [force, drive, base, grip, trim, stiffness_factor, shaker, blend, added_force] =
-                    numbers.map(|number| like.constant(number));
+                let [
+                    force,
+                    drive,
+                    base,
+                    grip,
+                    trim,
+                    stiffness_factor,
+                    shaker,
+                    blend,
+                    added_force,
+                    added_stiffness,
+                    added_damping,
+                ] = numbers.map(|number| like.constant(number));
                 let sensors = [force, drive, base, grip];
                 let given = Input {
                     sensors,
@@ -130,6 +141,8 @@ impl BoardAxis {
                     shaker,
                     blend,
                     added_force,
+                    added_stiffness,
+                    added_damping,
                     from,
                     to,
                     request,

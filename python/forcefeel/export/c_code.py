@@ -32,8 +32,11 @@ _RELEASED_RAD = 0.1
 _SHARES = (1.0, 0.1, 0.01)
 """Factors on release and sweep: with a feel that is heavy for the drive, a large one can diverge."""
 
-INPUTS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend")
-"""Inputs of the law each period; columns of the golden vectors."""
+_ALWAYS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker")
+_CHANGING = ("blend",)
+_ADDED = ("added_force", "added_stiffness", "added_damping")
+INPUTS = (*_ALWAYS, *_CHANGING, *_ADDED)
+"""Inputs of the law each period: those of a law for several settings, and of a loader with a surface, among them."""
 
 _FILES = {
     "law.h": "{}_law.h",
@@ -69,15 +72,22 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         [traced.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
     )
     fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
-    settings = numbers.settings
+    columns = _ALWAYS + _CHANGING * (numbers.settings > 1) + _ADDED * has_surface(exported.loader)
     fields |= {
         "samples": len(inputs),
         "part": PART,
-        "given": spelled_rows(inputs if settings > 1 else inputs[:, :7], single=single),
+        "columns": columns,
+        "added": has_surface(exported.loader),
+        "given": spelled_rows(inputs[:, [INPUTS.index(name) for name in columns]], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
     return rendered("c", _FILES, fields)
+
+
+def has_surface(loader: Loader) -> bool:
+    """Whether a flight acts on the loader."""
+    return bool(loader["surface.area"] or loader["surface.bobweight"])
 
 
 def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) -> dict[str, str | bytes]:
@@ -104,9 +114,9 @@ def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
-    """Sensor inputs (samples, 8) and settings of release, sweep and random input from a run of the loader.
+    """Inputs (samples, 11) and settings of release, sweep and random input from a run of the loader.
 
-    In the random part the settings, trim, spring factor and shaker change.
+    In the random part the settings, trim, spring factor and shaker change, and what a surface adds.
     """
     loader = exported.loader
     period = exported.law.period_s or 0.0
@@ -128,10 +138,13 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     ]
     random = np.random.default_rng(_SEED)
     size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
-    noise = np.zeros((PART, 8))
+    noise = np.zeros((PART, len(INPUTS)))
     noise[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
     noise[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
     noise[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    if has_surface(loader):
+        beside = [0.1 * force, loader["feel.stiffness"], loader["feel.damping"]]
+        noise[:, 8:] = beside * random.uniform(-0.5, 1, (PART, 3))
     pairs = [(0, 0)] * (2 * PART)
     count = len(exported.settings)
     for k in range(PART):
@@ -158,7 +171,7 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
             "use settings that this loader can render, or another law"
         )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-    samples = np.zeros((PART, 8))
+    samples = np.zeros((PART, len(INPUTS)))
     base = history.column_angle_rad.values * loader["column.base_arm"]
     for column, values in enumerate((history.load_cell_force_n.values, history[position].values, base)):
         samples[:, column] = values[:PART]
@@ -196,7 +209,7 @@ def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str,
 
 
 def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
-    """Inputs (samples, 8), clipped to the ranges of the law's inputs."""
+    """Inputs (samples, 11), clipped to the ranges of the law's inputs."""
     clipped = inputs.copy()
     for name, (low, high) in source.inputs:
         column = INPUTS.index(name)

@@ -95,7 +95,7 @@ def board_axis(exported: Exported) -> BoardAxis:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Inputs, numbers (samples, 9) and words (samples, 7), that reach every state.
+    """Inputs, numbers (samples, 11) and words (samples, 7), that reach every state.
 
     They are: on, a sweep, a sensor with NaN, acknowledgment, on, random input, the emergency stop.
     """
@@ -120,9 +120,10 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     # Trim, factor and shaker jump about every tenth of a second; the controller limits their rate.
     stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-PART // 150), 3)), 150, axis=0)[:PART]
     stirred[:, 6] = np.abs(stirred[:, 6])
-    added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
+    stirred[:, 8] = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
+    beside = [0.1 * loader["feel.stiffness"], 0.1 * loader["feel.damping"]]
+    stirred[:, 9:] = beside * random.uniform(-0.5, 1, (PART, 2))
     inputs = np.vstack([still, sweep, stopped, still, stirred])
-    inputs = np.column_stack([inputs, np.concatenate([np.zeros(len(inputs) - PART), added])])
     words = np.zeros((len(inputs), 7), dtype=np.int64)
     begins = rest + PART + settled
     words[:, 2] = _ACTIVE
