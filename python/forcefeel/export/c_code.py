@@ -19,6 +19,7 @@ from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
+from forcefeel.loader.surface import has_surface
 from forcefeel.simulation.engine import simulate
 from forcefeel.simulation.inputs.signals import Chirp, Release
 from forcefeel.simulation.scenario import Scenario
@@ -83,11 +84,6 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         "answers": spelled_rows(answers, single=single),
     }
     return rendered("c", _FILES, fields)
-
-
-def has_surface(loader: Loader) -> bool:
-    """Whether a flight acts on the loader."""
-    return bool(loader["surface.area"] or loader["surface.bobweight"])
 
 
 def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) -> dict[str, str | bytes]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.surface import has_surface
 from forcefeel.simulation.inputs.sampled import Grid, Sampled, through_points
 from forcefeel.tables.faults import fault
 from forcefeel.tables.signals import Signals
@@ -90,7 +91,7 @@ class Flight:
         Raises:
             InputError: If the loader has no surface, or the flight does not last as long as the run.
         """
-        if not loader["surface.area"] and not loader["surface.bobweight"]:
+        if not has_surface(loader):
             raise InputError(
                 "flight: the loader has no surface on which it could act; give surface.area, surface.chord and "
                 "surface.gearing with the coefficients, or leave the flight out"
