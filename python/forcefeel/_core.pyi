@@ -4,7 +4,7 @@ Numbers are in SI units. `values` holds a loader's values in the order of the ro
 other row's stead. Matrices come as `(A, B, C, D)` of eqs. (14a), (14b).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal, Self, TypeAlias, final
 
@@ -56,6 +56,10 @@ __all__ = [
     "fmu_variables",
     "grip_force",
     "hinge_moment",
+    "host_answer",
+    "host_numbers",
+    "host_packet",
+    "host_request",
     "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
@@ -612,6 +616,10 @@ class LockStep:
     def request(self, name: str, numbers: Sequence[float]) -> None: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
 
+def host_numbers() -> list[tuple[str, str, float, float, float]]: ...
+def host_packet(sequence: int, switches: int, numbers: Mapping[str, float]) -> bytes: ...
+def host_answer(packet: bytes) -> tuple[int, int, list[float]] | None: ...
+def host_request(packet: bytes) -> tuple[int, int, dict[str, float]] | None: ...
 def live_columns() -> list[str]: ...
 def live_states() -> list[str]: ...
 def live_trips() -> list[tuple[str, str]]: ...

@@ -7,6 +7,7 @@ mod export;
 mod faults;
 mod firmware;
 mod fmu;
+mod host;
 mod laws;
 mod limits;
 mod live;
@@ -92,6 +93,10 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<live::LiveLoop>()?;
     module.add_class::<live::LiveMachine>()?;
     module.add_class::<lockstep::LockStep>()?;
+    module.add_function(wrap_pyfunction!(host::host_numbers, module)?)?;
+    module.add_function(wrap_pyfunction!(host::host_packet, module)?)?;
+    module.add_function(wrap_pyfunction!(host::host_answer, module)?)?;
+    module.add_function(wrap_pyfunction!(host::host_request, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_columns, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_states, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_trips, module)?)?;

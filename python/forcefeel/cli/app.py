@@ -39,6 +39,7 @@ _COMMANDS = {
     "excite": f"{_LOADER} --fit PARAMETERS",
     "commission": f"{_LOADER} --data FILE",
     "run": _LOADER,
+    "bridge": "SIMULATOR",
     "export": f"{_LOADER} --to TARGET",
     "reproduce": "",
 }

@@ -1,0 +1,52 @@
+"""What a bridge asks of an aircraft simulator."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Protocol
+
+SEA_LEVEL_DENSITY = 1.225
+"""Density of the standard atmosphere at sea level, kg/m^3, by which an equivalent airspeed is a dynamic pressure."""
+
+
+class Axis(StrEnum):
+    """The control that a loader is."""
+
+    PITCH = "pitch"
+    ROLL = "roll"
+    YAW = "yaw"
+
+
+@dataclass(frozen=True)
+class SimulatorState:
+    """What a simulator tells of the flight.
+
+    Attributes:
+        numbers: By the names of a host's packet, SI units; ``tab`` is a share of its travel, -1 to 1.
+        frozen: Whether the simulator stands still.
+        jammed: Whether the control is jammed.
+        shaken: Whether the stick shaker is on.
+    """
+
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    frozen: bool = False
+    jammed: bool = False
+    shaken: bool = False
+
+
+class Simulator(Protocol):
+    """A simulator that a bridge speaks with."""
+
+    def receive(self) -> SimulatorState | None:
+        """The newest state since the last call; ``None`` if there is none."""
+
+    def move(self, share: float) -> None:
+        """Put the aircraft's control to a share of its travel, -1 to 1."""
+
+    def close(self) -> None:
+        """Give the control back, and close the sockets."""
+
+
+def dynamic_pressure(speed_m_per_s: float, density: float = SEA_LEVEL_DENSITY) -> float:
+    """``q = rho V^2 / 2``, Pa, of a true airspeed in air of a density, or of an equivalent airspeed."""
+    return 0.5 * density * speed_m_per_s**2
