@@ -24,6 +24,7 @@ SURFACE = {
     "surface.gearing": 1.0,
     "surface.per_deflection": -0.3,
     "surface.per_flow": -0.5,
+    "surface.flow_per_attack": 1.0,
 }
 SETTINGS = ff.bridge.BridgeSettings(travel_rad=0.25, tab_rad=0.4)
 POSITION = "sim/flightmodel/position"
@@ -53,7 +54,7 @@ def settled(running, report_of) -> None:
 
 
 def test_x_plane_flies_a_loader_and_is_moved_by_its_column():
-    loader = unhurried_elevator().replace({**SURFACE, "surface.flow_per_attack": 1.0}, si=True)
+    loader = unhurried_elevator().replace(SURFACE, si=True)
     ended = threading.Event()
     with XPlaneEmulator(dict(FLIGHT)) as x_plane, ff.live.start(loader, "robust", host=0) as running:
         running.on()

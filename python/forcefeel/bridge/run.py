@@ -29,6 +29,10 @@ class BridgeReport:
         refused: Whether the loader refused the last one: its spring or damping is more than the loader renders.
         loader_state: The loader's last state, one of ``live.STATES``; empty before its first answer.
         angle_rad: The control's last angle.
+
+    Example:
+        >>> ff.bridge.BridgeReport().answers
+        0
     """
 
     states: int = 0
@@ -46,6 +50,10 @@ class BridgeSettings:
         travel_rad: Angle of the control at which the aircraft's is at 1.
         tab_rad: Angle of the trim tab at which the simulator's trim is at 1.
         jam_n: Force at the grip that breaks a jam.
+
+    Example:
+        >>> ff.bridge.BridgeSettings(travel_rad=0.25).jam_n
+        400.0
     """
 
     travel_rad: float
@@ -65,6 +73,9 @@ def bridge(
         loader: Address of the loader's host port.
         settings: Travels and forces.
         ended: Asked about 500 times a second.
+
+    Example:
+        See ``Simulator``.
     """
     report, states, next_s, state = BridgeReport(), live_states(), 0.0, None
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:

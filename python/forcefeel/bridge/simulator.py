@@ -10,7 +10,12 @@ SEA_LEVEL_DENSITY = 1.225
 
 
 class Axis(StrEnum):
-    """The control that a loader is."""
+    """The control that a loader is.
+
+    Example:
+        >>> ff.bridge.Axis("pitch").value
+        'pitch'
+    """
 
     PITCH = "pitch"
     ROLL = "roll"
@@ -26,6 +31,10 @@ class SimulatorState:
         frozen: Whether the simulator stands still.
         jammed: Whether the control is jammed.
         shaken: Whether the stick shaker is on.
+
+    Example:
+        >>> ff.bridge.SimulatorState({"dynamic_pressure": 1500.0, "true_airspeed": 50.0}).frozen
+        False
     """
 
     numbers: Mapping[str, float] = field(default_factory=dict)
@@ -35,7 +44,20 @@ class SimulatorState:
 
 
 class Simulator(Protocol):
-    """A simulator that a bridge speaks with."""
+    """A simulator that a bridge speaks with.
+
+    Example:
+        >>> class Still:
+        ...     def receive(self):
+        ...         return ff.bridge.SimulatorState({"dynamic_pressure": 1500.0, "true_airspeed": 50.0})
+        ...     def move(self, share):
+        ...         pass
+        ...     def close(self):
+        ...         pass
+        >>> ends = iter([False, True])
+        >>> ff.bridge.bridge(Still(), ("127.0.0.1", 9), ff.bridge.BridgeSettings(0.25), lambda: next(ends)).states
+        1
+    """
 
     def receive(self) -> SimulatorState | None:
         """The newest state since the last call; ``None`` if there is none."""

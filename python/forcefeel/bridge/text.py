@@ -1,8 +1,8 @@
 """Simulators that send lines of text over UDP: FlightGear by its generic protocol, DCS by a script.
 
-A line has ``name=value`` pairs between blanks, by the names of a host's packet in SI units, and ``frozen``, ``jammed``, ``shaken`` as
-0 or 1: ``dynamic_pressure=1500 true_airspeed=50 angle_of_attack=0.07``. The answer is a line with the control's share of its travel,
--1 to 1.
+A line has ``name=value`` pairs between blanks, by the names of a host's packet in SI units, and ``frozen``, ``jammed``, ``shaken``
+as 0 or 1: ``dynamic_pressure=1500 true_airspeed=50 angle_of_attack=0.07``. The answer is a line with the control's share of its
+travel, -1 to 1.
 """
 
 import socket
@@ -19,7 +19,17 @@ _LONGEST = 2048
 
 
 class Text:
-    """A simulator that sends lines to an address of ours, and is answered where it sent them from, or at another."""
+    """A simulator that sends lines to an address of ours, and is answered where it sent them from, or at another.
+
+    Raises:
+        OSError: If the address cannot be listened at.
+
+    Example:
+        >>> text = ff.bridge.Text(("127.0.0.1", 0))
+        >>> text.receive() is None
+        True
+        >>> text.close()
+    """
 
     def __init__(self, listens: tuple[str, int], answers: tuple[str, int] | None = None) -> None:
         self._wire = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

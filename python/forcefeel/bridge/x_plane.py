@@ -45,7 +45,14 @@ _OVERRIDE = {Axis.PITCH: "pitch", Axis.ROLL: "roll", Axis.YAW: "heading"}
 
 
 class XPlane:
-    """X-Plane at an address."""
+    """X-Plane at an address.
+
+    Example:
+        >>> x_plane = ff.bridge.XPlane(("127.0.0.1", 49000), ff.bridge.Axis.PITCH)
+        >>> x_plane.receive() is None
+        True
+        >>> x_plane.close()
+    """
 
     def __init__(self, address: tuple[str, int], axis: Axis) -> None:
         self._address = address
