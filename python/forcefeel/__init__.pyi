@@ -1,6 +1,7 @@
 """What most people need, and the modules that hold the rest; ``__init__.py`` fetches them when first used."""
 
 from forcefeel import bench as bench
+from forcefeel import bridge as bridge
 from forcefeel import choice as choice
 from forcefeel import commission as commission
 from forcefeel import design as design

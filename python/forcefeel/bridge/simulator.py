@@ -60,7 +60,7 @@ class Simulator(Protocol):
     """
 
     def receive(self) -> SimulatorState | None:
-        """The newest state since the last call; ``None`` if there is none."""
+        """The newest state since the last call; ``None`` without a new one."""
 
     def move(self, share: float) -> None:
         """Put the aircraft's control to a share of its travel, -1 to 1."""

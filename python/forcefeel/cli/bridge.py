@@ -73,7 +73,7 @@ class BridgeOptions(OutputOptions):
 
 
 def run(
-    simulator: Annotated[SimulatorKind, Parameter(show=True)], /, *, options: BridgeOptions = BridgeOptions()
+    simulator: Annotated[SimulatorKind, Parameter(show_choices=False)], /, *, options: BridgeOptions = BridgeOptions()
 ) -> None:
     """Connect an aircraft simulator to a running loader: the flight to the loader, the column's angle to the aircraft.
 
