@@ -49,6 +49,7 @@ __all__ = [
     "feel_frequency",
     "feel_from_frequencies",
     "feel_from_frequency",
+    "feel_held_along",
     "feel_held_between",
     "feel_steps",
     "feel_transitions",
@@ -456,6 +457,14 @@ def feel_held_between(
     """Lowest and highest force at the grip, (angles, 2), that hold the programmed feel at angles, eq. (11) at rest.
 
     Hysteresis, shaker and dry friction act to either side; the neutral is at zero.
+    """
+
+def feel_held_along(
+    values: _Array, angles: _Array, directions: _Array, *, curve: tuple[_Array, _Array] | None = None
+) -> _Array:
+    """Force at the grip (angles,) that moves the programmed feel slowly along a path, eq. (11) at rest.
+
+    Dry friction acts against each angle's direction, +1 or -1; 0 is without it. The hysteresis begins at the first angle.
     """
 
 def column_grip_force(values: _Array, acceleration: _Array) -> _Array:
