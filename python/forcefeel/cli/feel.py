@@ -51,7 +51,9 @@ class FeelOptions(LoaderOptions, OutputOptions):
     ] = ()
     neutral: Annotated[
         str | None,
-        option("Position of the trimmed control in the file, such as '1.5 deg'.", DATA, default="0", metavar="POSITION"),
+        option(
+            "Position of the trimmed control in the file, such as '1.5 deg'.", DATA, default="0", metavar="POSITION"
+        ),
     ] = None
     columns: Annotated[
         tuple[str, ...],
@@ -66,9 +68,9 @@ class FeelOptions(LoaderOptions, OutputOptions):
         tuple[str, ...],
         option("Unit of a column without one, such as 'theta=deg'. Repeatable.", DATA, metavar="[STEM:]NAME=UNIT"),
     ] = ()
-    breakout: Annotated[
-        str | None, option("Breakout force.", STATED, default="from the points", metavar="FORCE")
-    ] = None
+    breakout: Annotated[str | None, option("Breakout force.", STATED, default="from the points", metavar="FORCE")] = (
+        None
+    )
     friction: Annotated[
         str | None, option("Friction at the grip.", STATED, default="from the points", metavar="FORCE")
     ] = None
@@ -106,12 +108,15 @@ class FeelOptions(LoaderOptions, OutputOptions):
                 stated("friction", "N", "6 N"),
                 stated("frequency", "rad/s", "2 Hz"),
                 stated("damping", "", "0.2"),
-                self.release and read_record(self.release, **self._names().arguments(self.release.stem)),
+                None
+                if self.release is None
+                else read_record(self.release, **self._names().arguments(self.release.stem)),
             )
         except InputError as error:
-            first, _, rest = str(error).partition(":")
-            name = {"damping_ratio": "damping"}.get(first, first)
-            raise InputError(f"--{name}:{rest}") from error if name in _STATED else error
+            name, _, fault = str(error).partition(":")
+            if name not in _OPTIONS:
+                raise
+            raise InputError(f"{_OPTIONS[name]}:{fault}") from error
 
     def measured(self) -> "ForcePoints":
         """The points of the selected condition.
@@ -148,7 +153,8 @@ class FeelOptions(LoaderOptions, OutputOptions):
             FOLDER.check(self.report, replace=self.replace, inputs=inputs)
 
 
-_STATED = ("breakout", "friction", "frequency", "damping")
+_OPTIONS = {name: f"--{name.partition('_')[0]}" for name in ("breakout", "friction", "frequency", "damping_ratio", "release")}
+"""Option of each argument that a plan names in a message."""
 
 
 def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.feel.select import Fitting, StaticFit, fitting
+from forcefeel.feel.select import StaticFit, fitting
 from forcefeel.feel.shape import Shape, Spring, StaticModel
 from forcefeel.qualification import ForcePoints
 

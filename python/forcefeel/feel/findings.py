@@ -40,8 +40,8 @@ def feel_conclusions(fit: FeelFit, units: UnitSystem) -> Conclusions:
 
 def shape_text(fit: FeelFit) -> str:
     """The parts of the programmed feel in words."""
-    knots = fit.shape.spring.knots
-    parts = [f"a force curve of {len(fit.curve_half_intervals_n)} points" if knots else "a straight spring"]
+    points = len(fit.curve_half_intervals_n)
+    parts = [f"a force curve of {points} points" if points else "a straight spring"]
     rows = {"coulomb_friction": "friction", "preload": "preload", "hysteresis": "hysteresis"}
     rows |= {"breakout": "breakout", "deadband": "a deadband"}
     parts += [text for key, text in rows.items() if fit.row(f"feel.{key}")]
@@ -120,12 +120,14 @@ def _motion(fit: FeelFit, units: UnitSystem) -> Iterator[str]:
         yield f"The release of {release.record.name} follows the feel within {scatter} r.m.s."
         if abs(release.offset_rad) > 3 * release.scatter_rad:
             yield f"Its positions are {_angle(release.offset_rad, units)} off the neutral of the points."
-    if fit.shape.spring.knots:
+    if fit.curve_half_intervals_n:
         yield "Frequency and damping ratio hold for feel.stiffness, the mean slope of the curve over the middle half of its travel."
 
 
 def _replaced(fit: FeelFit) -> Iterator[str]:
-    off = [key for key in fit.replaced if key.startswith("feel.") and fit.row(key) is None and key != "feel.force_curve"]
+    off = [
+        key for key in fit.replaced if key.startswith("feel.") and fit.row(key) is None and key != "feel.force_curve"
+    ]
     if off:
         yield f"Switched off in the loader's former feel: {', '.join(off)}."
 

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import feel_from_frequency, feel_frequency
+from forcefeel._core import feel_frequency, feel_from_frequency
 from forcefeel.errors import InputError, expect
 from forcefeel.feel.directions import Directions, assigned, both_ways, check_branches
 from forcefeel.feel.plan import FeelPlan
@@ -229,9 +229,7 @@ def _without_feel(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
     return bare, (*rows, *curves)
 
 
-def _loader(
-    plan: FeelPlan, values: _Array, curve: Curve | None, points: ForcePoints
-) -> tuple[Loader, tuple[str, ...]]:
+def _loader(plan: FeelPlan, values: _Array, curve: Curve | None, points: ForcePoints) -> tuple[Loader, tuple[str, ...]]:
     """The loader with the feel at rest; frequency and damping ratio stay."""
     loader, replaced = _without_feel(plan.loader)
     stiffness = float(values[INDEX["feel.stiffness"]])
@@ -274,7 +272,10 @@ def _with_motion(loader: Loader, plan: FeelPlan, release: ReleaseFit | None) -> 
         rows.append(row)
         numbers.append(row.value_si)
     inertia, damping = feel_from_frequency(numbers[0], numbers[1], loader["feel.stiffness"])
-    return loader.replace({"feel.inertia": inertia, "feel.damping": damping}, si=True), (*rows, *_of_motion(loader, rows))
+    return loader.replace({"feel.inertia": inertia, "feel.damping": damping}, si=True), (
+        *rows,
+        *_of_motion(loader, rows),
+    )
 
 
 def _of_motion(loader: Loader, rows: list[FittedRow]) -> Iterator[FittedRow]:

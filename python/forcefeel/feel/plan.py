@@ -9,6 +9,8 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import Record
 from forcefeel.units import FORCE, HERTZ, RATIO, show
 
+_NAMES = {"breakout_n": "breakout", "friction_n": "friction", "frequency_rad_per_s": "frequency"}
+
 
 @dataclass(frozen=True)
 class FeelPlan:
@@ -42,7 +44,7 @@ class FeelPlan:
         for name in ("breakout_n", "friction_n", "frequency_rad_per_s", "damping_ratio"):
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value >= 0):
-                raise InputError(f"{name.rpartition('_')[0]}: expected a number of at least 0, got {show(value)}")
+                raise InputError(f"{_NAMES.get(name, name)}: expected a number of at least 0, got {show(value)}")
         if self.frequency_rad_per_s == 0:
             raise InputError("frequency: expected a frequency above 0, got 0")
         if self.release is None:

@@ -149,7 +149,7 @@ class _Released:
         scatter = math.sqrt(squares / len(missed)) * abs(self.features.displacement.value)
         return run.x, _QUANTILE * np.sqrt(np.diag(covariance)), scatter
 
-    def _run(self, residual: Callable[[_Array], _Array], names: tuple[str, ...]) -> Any:  # noqa: ANN401  SciPy's result
+    def _run(self, residual: Callable[[_Array], _Array], names: tuple[str, ...]) -> Any:
         from scipy.optimize import least_squares  # noqa: PLC0415  SciPy waits until there is a record
 
         start, swing = self.start, abs(self.features.displacement.value)

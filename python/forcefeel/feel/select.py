@@ -100,7 +100,7 @@ def fitting(model: StaticModel, force_n: _Array, known_n: _Array) -> Fitting:
 def choose(fit: Fitting, angle_rad: _Array, allowed: Sequence[str]) -> StaticFit | None:
     """The best shape whose parts are among ``allowed``; ``None`` if there are too few points even for a straight line."""
     usual = frozenset(allowed) & {"friction", "breakout"}
-    begun = [Shape(), Shape(parts=usual), Shape(Spring(2), usual)]
+    begun = [Shape(), Shape(parts=usual), Shape(Spring(cubic=True), usual), Shape(Spring(2), usual)]
     ends = [_descended(fit, shape, angle_rad, allowed) for shape in begun if _enough(shape, angle_rad)]
     return min((end for end in ends if end), key=lambda each: each.criterion, default=None)
 
@@ -140,7 +140,7 @@ def _neighbors(shape: Shape, x: _Array, allowed: Sequence[str]) -> Iterator[Shap
             yield replace(shape, parts=shape.parts - {"deadband"} | {part})
         else:
             yield shape.with_part(part)
-    springs = [Spring(), *(Spring(k, mirrored=True) for k in _KNOTS)]
+    springs = [Spring(), Spring(cubic=True), *(Spring(k, mirrored=True) for k in _KNOTS)]
     if both:
         springs += [Spring(k, mirrored=False) for k in (1, *_KNOTS)]
     yield from (replace(shape, spring=spring) for spring in springs if spring != shape.spring)

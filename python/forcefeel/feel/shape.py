@@ -32,21 +32,31 @@ _ROWS = {
 }
 """Row of each unknown, and what it is a multiple of."""
 
+_CUBIC_POINTS = 17
+"""Points of the curve of a cubic; between them it differs by 0.1 % of the end's force at most."""
+
 _NONE, _MOST = 1e-6, 20.0
 """Bounds of an unknown in its scale."""
 
 
 @dataclass(frozen=True)
 class Spring:
-    """The spring: a straight line, or a curve through knots.
+    """The spring: a straight line, an odd cubic, or a curve through knots.
 
     Attributes:
-        knots: Knots on either side beside the neutral; 0 for a straight line.
+        knots: Knots on either side beside the neutral; 0 for a line or a cubic.
         mirrored: Whether both sides are the same.
+        cubic: Whether it is the cubic ``s_0 x + (s_1 - s_0) x^3 / (3 x_end^2)``, of slope ``s_0`` at neutral and ``s_1`` at the end.
     """
 
     knots: int = 0
     mirrored: bool = True
+    cubic: bool = False
+
+    @property
+    def curved(self) -> bool:
+        """Whether it is programmed as a curve."""
+        return self.cubic or self.knots > 0
 
 
 @dataclass(frozen=True)
@@ -102,6 +112,8 @@ class StaticModel:
         low, high = self.knots_rad
         sides = ("",) if self.shape.spring.mirrored else ("-", "+")
         rises = [f"rise {side}{k}" for side in sides for k in range(len(low if side == "-" else high))]
+        if self.shape.spring.cubic:
+            rises = ["slope 0", "slope 1"]
         parts = [name for name in _ROWS if name in self.shape.parts]
         if "hysteresis" in parts:
             parts.append("hysteresis travel")
@@ -110,7 +122,7 @@ class StaticModel:
 
     def start(self, stop_share: float, inner_share: float) -> _Array:
         """Numbers to begin with: a stop at a share of the travel, a deadband and a hysteresis travel of another."""
-        begun = {"stiffness": 1.0, "stop": stop_share, "stop high": stop_share, "stop low": -stop_share, "preload": 0.0}
+        begun = {"stiffness": 1.0, "slope 0": 0.8, "slope 1": 1.2, "stop": stop_share, "stop high": stop_share, "stop low": -stop_share, "preload": 0.0}
         begun |= {"deadband": inner_share, "hysteresis travel": inner_share, "stop stiffness": 3.0}
         knots = max(len(self.knots_rad[1]), 1)
         return np.array([begun.get(name, 1 / knots if name.startswith("rise") else 0.1) for name in self.names])
@@ -121,7 +133,9 @@ class StaticModel:
         low = {"preload": -_MOST, "stop low": -1.0, "hysteresis travel": 1e-3}
         high = {"stop low": -_NONE, "stop high": 1.0, "stop": 1.0, "deadband": 0.9, "hysteresis travel": 0.5}
         bottom = [low.get(name, _NONE if name == "stiffness" else 0.0) for name in self.names]
-        return np.array(bottom), np.array([high.get(name, 1e3 if "stiffness" in name else _MOST) for name in self.names])
+        return np.array(bottom), np.array(
+            [high.get(name, 1e3 if "stiffness" in name else _MOST) for name in self.names]
+        )
 
     def feel(self, numbers: _Array) -> tuple[_Array, Curve | None]:
         """SI values and curve of the feel with these numbers."""
@@ -148,8 +162,12 @@ class StaticModel:
         return _core.feel_held_along(values, angle, direction, curve=None if curve is None else curve.arrays)
 
     def _curve(self, named: Mapping[str, float]) -> Curve | None:
-        if not self.shape.spring.knots:
+        if not self.shape.spring.curved:
             return None
+        if self.shape.spring.cubic:
+            u = np.linspace(-1, 1, _CUBIC_POINTS)
+            rise = named["slope 0"] * u + (named["slope 1"] - named["slope 0"]) / 3 * u**3
+            return Curve(tuple(self.scales["angle"] * u), tuple(self.scales["force"] * rise))
         low, high = self.knots_rad
         rises = {
             side: np.cumsum([named[f"rise {side}{k}"] for k in range(count)]) * self.scales["force"]

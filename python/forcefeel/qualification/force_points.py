@@ -172,9 +172,8 @@ class ForcePoints:
                 raise InputError(f"condition: {error}") from error
             near = np.abs(part.conditions[key] - wanted) <= _SAME_CONDITION * np.abs(self.conditions[key]).max()
             if not near.any():
-                raise InputError(
-                    f"condition: {self.name} has no {key.replace('_', ' ')} of {value}; its conditions are {'; '.join(self.groups())}"
-                )
+                known = "; ".join(self.groups())
+                raise InputError(f"condition: {self.name} has no {name} of {value}; its conditions are {known}")
             part = part.taken(near)
         groups = part.groups()
         if len(groups) > 1:
@@ -239,7 +238,9 @@ def _check_numbers(read: Columns) -> None:
         bad = ~(np.abs(values) <= LARGEST)
         if bad.any():
             k = int(np.argmax(bad))
-            raise InputError(f"{read.places[k + 1]}: {name}: expected a finite number, got {values[k]:g}; leave the row out")
+            raise InputError(
+                f"{read.places[k + 1]}: {name}: expected a finite number, got {values[k]:g}; leave the row out"
+            )
 
 
 def _from_order(position: _Array) -> _Array:

@@ -66,11 +66,16 @@ def _residuals(fit: FeelFit, units: UnitSystem) -> Table | None:
             *(number(number_text(FORCE.from_si(value, units), 3)) for value in (force, force - missed, missed)),
         )
         for x, direction, force, missed in zip(
-            *(values[order].tolist() for values in (points.position, points.directions, points.force_n, fit.residual_n)),
+            *(
+                values[order].tolist()
+                for values in (points.position, points.directions, points.force_n, fit.residual_n)
+            ),
             strict=True,
         )
     )
-    head = heads(heading_text("Position", ANGLE, units), "Direction", *(heading_text(name, FORCE, units) for name in _FORCES))
+    head = heads(
+        heading_text("Position", ANGLE, units), "Direction", *(heading_text(name, FORCE, units) for name in _FORCES)
+    )
     return Table(head, rows)
 
 
