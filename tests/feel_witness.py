@@ -54,7 +54,9 @@ class Control:
         """Measured points."""
         angle, direction = np.radians(angle_deg), np.broadcast_to(np.asarray(direction, float), np.shape(angle_deg))
         noise = noise_n * np.random.default_rng(seed).standard_normal(np.shape(angle_deg))
-        return ForcePoints(angle, self.static(angle, direction) + noise, direction if stated else None, name="flight.csv")
+        return ForcePoints(
+            angle, self.static(angle, direction) + noise, direction if stated else None, name="flight.csv"
+        )
 
     def moved(self, angle_rad, forces_n):
         """Angles under a force for each step, friction as a set; before the first step at rest."""
@@ -86,7 +88,9 @@ class Control:
         force = most * (eased(part) - 2 * eased((part - 1) / 2) + eased(part - 3))
         every = round(1 / rate / STEP_S)
         x = self.moved(0.0, force)[::every]
-        return Record(np.arange(len(x)) / rate, x, force[::every], name=f"sweep of {duration_s:g} s", noise=0.0, force_noise_n=0.0)
+        return Record(
+            np.arange(len(x)) / rate, x, force[::every], name=f"sweep of {duration_s:g} s", noise=0.0, force_noise_n=0.0
+        )
 
     def but(self, **changes):
         """Another control."""

@@ -110,7 +110,7 @@ class FeelOptions(LoaderOptions, OutputOptions):
                 stated("damping", "", "0.2"),
                 None
                 if self.release is None
-                else read_record(self.release, **self._names().arguments(self.release.stem)),
+                else read_record(self.release, name=self.release.name, **self._names().arguments(self.release.stem)),
             )
         except InputError as error:
             name, _, fault = str(error).partition(":")
@@ -153,14 +153,16 @@ class FeelOptions(LoaderOptions, OutputOptions):
             FOLDER.check(self.report, replace=self.replace, inputs=inputs)
 
 
-_OPTIONS = {name: f"--{name.partition('_')[0]}" for name in ("breakout", "friction", "frequency", "damping_ratio", "release")}
+_OPTIONS = {
+    name: f"--{name.partition('_')[0]}" for name in ("breakout", "friction", "frequency", "damping_ratio", "release")
+}
 """Option of each argument that a plan names in a message."""
 
 
 def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:
     """Make a feel from measured force over position and a recorded release.
 
-    Replaces the feel of the loader and writes the loader file. Prints each row with its 95 % interval, and what the data leave open.
+    Replaces the feel of the loader and writes the loader file. Prints each row with its 95 % interval, and what stays open.
 
     Example: forcefeel feel elevator-2khz --from flight.csv --frequency "2 Hz" --damping 0.2 --out my.toml
     """

@@ -95,8 +95,8 @@ def check_branches(points: ForcePoints, direction: _Array) -> None:
             first = int(np.argmax(force[: k + 1]))
             raise InputError(
                 f"{points.name}: turns back: {force[first]:.4g} N at {points.shown(x[first])}, and {force[k]:.4g} N at "
-                f"{points.shown(x[k])}; expected a force that does not fall in one direction; correct the points, or if they are of "
-                "two flight conditions, add a column such as 'dynamic pressure (Pa)'"
+                f"{points.shown(x[k])}; expected a force that does not fall in one direction; correct the points, or if they are "
+                "of two flight conditions, add a column such as 'dynamic pressure (Pa)'"
             )
     (x_up, up), (x_down, down) = branches.values()
     if min(len(up), len(down)) < 2:

@@ -148,10 +148,11 @@ def _static(points: ForcePoints, plan: FeelPlan) -> tuple[StaticFit, Directions]
             how, best = Directions.ASSIGNED, chosen(replace(model, directions=loop))
         scatter = float(np.sqrt(np.mean(best.residual_n**2)))
         if scatter > _SCATTER * scales["force"]:
+            remedy = "; check the stated breakout and friction" if model.stated else ""
             raise InputError(
-                f"{points.name}: the points scatter by {scatter:.3g} N about one line; expected the direction of each point; add a "
-                "column 'direction', 1 where the position rises and -1 where it falls, or 'time (s)'; if they are of two flight "
-                "conditions, add a column such as 'dynamic pressure (Pa)'"
+                f"{points.name}: the points scatter by {scatter:.3g} N about one line{remedy}; expected the direction of each "
+                "point; add a column 'direction', 1 where the position rises and -1 where it falls, or 'time (s)'; if they are of two "
+                "flight conditions, add a column such as 'dynamic pressure (Pa)'"
             )
     return best, how
 
@@ -272,10 +273,20 @@ def _with_motion(loader: Loader, plan: FeelPlan, release: ReleaseFit | None) -> 
         rows.append(row)
         numbers.append(row.value_si)
     inertia, damping = feel_from_frequency(numbers[0], numbers[1], loader["feel.stiffness"])
-    return loader.replace({"feel.inertia": inertia, "feel.damping": damping}, si=True), (
-        *rows,
-        *_of_motion(loader, rows),
-    )
+    loader = loader.replace({"feel.inertia": inertia, "feel.damping": damping}, si=True)
+    if "feel.soft_stop_stiffness" in loader.given:
+        loader, row = _with_stop_damping(loader, numbers[1])
+        rows.append(row)
+    return loader, (*rows, *_of_motion(loader, rows[:2]))
+
+
+def _with_stop_damping(loader: Loader, ratio: float) -> tuple[Loader, FittedRow]:
+    """The loader with soft stops in which the damping ratio is that of the spring: no point shows theirs."""
+    stiffness = loader["feel.stiffness"] + loader["feel.soft_stop_stiffness"]
+    frequency, _ = feel_frequency(loader.replace({"feel.stiffness": stiffness}, si=True).si_values)
+    damping = feel_from_frequency(frequency, ratio, stiffness)[1] - loader["feel.damping"]
+    key = "feel.soft_stop_damping"
+    return loader.replace({key: damping}, si=True), FittedRow(key, damping, None, Source.ASSUMED)
 
 
 def _of_motion(loader: Loader, rows: list[FittedRow]) -> Iterator[FittedRow]:

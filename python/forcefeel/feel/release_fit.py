@@ -35,6 +35,8 @@ _MOST_RATIO = 5.0
 """Largest damping ratio."""
 _RATIOS = np.geomspace(0.3, 4.0, 14)
 """Damping ratios that are tried for a bound."""
+_KNOWN = 0.1
+"""Largest relative half interval of a frequency from a release without overshoot."""
 _QUANTILE = 1.96
 """Standard uncertainties that hold the true value with 95 %; a record has many samples."""
 
@@ -47,16 +49,19 @@ def fit_release(loader: Loader, plan: FeelPlan) -> ReleaseFit:
         plan: The request, with a release.
 
     Raises:
-        InputError: If there is no release in the record, or it does not oscillate and no frequency is stated.
+        InputError: If there is no release in the record, or it does not oscillate and neither frequency nor damping is stated.
     """
     assert plan.release is not None  # the caller asks for it
     features = measure_release(plan.release)
     released = _Released(loader, plan, features)
-    if not features.underdamped and plan.frequency_rad_per_s is None and plan.damping_ratio is None:
-        raise InputError(released.without_swing())
     numbers, uncertainty, scatter = released.fitted()
     values = dict(zip(released.names, zip(numbers.tolist(), uncertainty.tolist(), strict=True), strict=True))
-    frequency, ratio = plan.frequency_rad_per_s, plan.damping_ratio
+    if not features.underdamped and {"frequency", "ratio"} <= values.keys():
+        ratio, known = values["ratio"]
+        # Dry friction may hold a feel before it overshoots; its first movement then tells the frequency.
+        if ratio + known >= 1 or values["frequency"][1] > _KNOWN:
+            raise InputError(released.without_swing())
+    frequency, stated_ratio = plan.frequency_rad_per_s, plan.damping_ratio
     if frequency is None:
         log_frequency, known = values["frequency"]
         frequency = math.exp(log_frequency)
@@ -67,7 +72,7 @@ def fit_release(loader: Loader, plan: FeelPlan) -> ReleaseFit:
     return ReleaseFit(
         plan.release,
         of_frequency,
-        values["ratio"] if ratio is None else (ratio, None),
+        values["ratio"] if stated_ratio is None else (stated_ratio, None),
         values["offset"][0],
         time,
         angle,
@@ -188,7 +193,7 @@ class _Released:
         bound = float(_RATIOS[int(np.argmax(good))])
         slow = HERTZ.from_si(math.exp(self.start["frequency"]), UnitSystem.SI)
         return (
-            f"{self.record.name}: does not oscillate; it only bounds the damping ratio, at least {to_text(bound, 2)}, and leaves the "
-            f"frequency open (near {to_text(slow, 2)} Hz by its fall time); expected an overshoot; state --frequency, then the "
+            f"{self.record.name}: does not oscillate; it only bounds the damping ratio, at least {to_text(bound, 2)}, and leaves "
+            f"the frequency open (near {to_text(slow, 2)} Hz by its fall time); expected an overshoot; state --frequency, then the "
             "damping ratio follows from the release, or state --frequency and --damping and leave the release out"
         )

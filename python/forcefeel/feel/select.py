@@ -18,13 +18,15 @@ from forcefeel.feel.shape import STOPS, Shape, Spring, StaticModel
 _Array = NDArray[np.float64]
 
 _KNOTS = (2, 3, 4, 6, 8)
-"""Numbers of knots on a side that are tried."""
+"""Numbers of knots on a side that are tried, each from the one before or after it."""
+_TOLERANCE = 1e-6
+"""Relative change of squares and unknowns at which a fit ends, far below any interval."""
 _EXACT = 1e-4
 """Share of the largest force below which residuals are rounding of the file."""
 _FEWEST_BEYOND = 2
 """Least number of points beyond a soft stop, and between a stop and neutral."""
 _EQUAL, _MORE = 0.01, 2
-"""Share of the travel within which angles are equal, and different angles beyond the number of knots on a side."""
+"""Share of the travel within which angles are equal, and different angles for each knot on a side."""
 _SAME = 1e-9
 """Improvement of the criterion that is rounding."""
 _STARTS = ((0.75, 0.05), (0.9, 0.15), (0.6, 0.3))
@@ -80,6 +82,8 @@ def fitting(model: StaticModel, force_n: _Array, known_n: _Array) -> Fitting:
                 np.clip(trial.start(*start), *trial.bounds),
                 bounds=trial.bounds,
                 max_nfev=60,
+                ftol=_TOLERANCE,
+                xtol=_TOLERANCE,
             )
             for start in (_STARTS if nonlinear else _STARTS[:1])
         ]
@@ -123,7 +127,7 @@ def _enough(shape: Shape, x: _Array) -> bool:
     sides = (np.abs(x),) if shape.spring.mirrored else (x[x > near], -x[x < -near])
     different = [int(np.sum(np.diff(np.sort(side)) > near)) + 1 for side in sides if len(side)]
     stops = {"mirrored": np.abs(x), "high": x, "low": -x}
-    return min(different) >= shape.spring.knots + _MORE * bool(shape.spring.knots) and all(
+    return min(different) >= _MORE * shape.spring.knots and all(
         np.sum(stops[name] > near) > 2 * _FEWEST_BEYOND for name in shape.stop.split()
     )
 
@@ -140,8 +144,10 @@ def _neighbors(shape: Shape, x: _Array, allowed: Sequence[str]) -> Iterator[Shap
             yield replace(shape, parts=shape.parts - {"deadband"} | {part})
         else:
             yield shape.with_part(part)
-    springs = [Spring(), Spring(cubic=True), *(Spring(k, mirrored=True) for k in _KNOTS)]
+    place = _KNOTS.index(shape.spring.knots) if shape.spring.knots in _KNOTS else 0
+    near = {0: (*_KNOTS[:2],)}.get(shape.spring.knots, _KNOTS[max(place - 1, 0) : place + 2])
+    springs = [Spring(), Spring(cubic=True), *(Spring(k, mirrored=True) for k in near)]
     if both:
-        springs += [Spring(k, mirrored=False) for k in (1, *_KNOTS)]
+        springs += [Spring(k, mirrored=False) for k in (1, *near)]
     yield from (replace(shape, spring=spring) for spring in springs if spring != shape.spring)
     yield from (replace(shape, stop=stop) for stop in ("", *STOPS, "high low") if stop != shape.stop)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel.loader.curves import Curve
+from forcefeel.loader.curves import Curve, pieces_through
 from forcefeel.loader.parameters import INDEX
 
 _Array = NDArray[np.float64]
@@ -46,17 +46,12 @@ class Spring:
     Attributes:
         knots: Knots on either side beside the neutral; 0 for a line or a cubic.
         mirrored: Whether both sides are the same.
-        cubic: Whether it is the cubic ``s_0 x + (s_1 - s_0) x^3 / (3 x_end^2)``, of slope ``s_0`` at neutral and ``s_1`` at the end.
+        cubic: Whether it is the cubic ``s_0 x + (s_1 - s_0) x^3 / (3 x_end^2)``: slope ``s_0`` at neutral, ``s_1`` at the end.
     """
 
     knots: int = 0
     mirrored: bool = True
     cubic: bool = False
-
-    @property
-    def curved(self) -> bool:
-        """Whether it is programmed as a curve."""
-        return self.cubic or self.knots > 0
 
 
 @dataclass(frozen=True)
@@ -122,7 +117,15 @@ class StaticModel:
 
     def start(self, stop_share: float, inner_share: float) -> _Array:
         """Numbers to begin with: a stop at a share of the travel, a deadband and a hysteresis travel of another."""
-        begun = {"stiffness": 1.0, "slope 0": 0.8, "slope 1": 1.2, "stop": stop_share, "stop high": stop_share, "stop low": -stop_share, "preload": 0.0}
+        begun = {
+            "stiffness": 1.0,
+            "slope 0": 0.8,
+            "slope 1": 1.2,
+            "stop": stop_share,
+            "stop high": stop_share,
+            "stop low": -stop_share,
+            "preload": 0.0,
+        }
         begun |= {"deadband": inner_share, "hysteresis travel": inner_share, "stop stiffness": 3.0}
         knots = max(len(self.knots_rad[1]), 1)
         return np.array([begun.get(name, 1 / knots if name.startswith("rise") else 0.1) for name in self.names])
@@ -139,7 +142,27 @@ class StaticModel:
 
     def feel(self, numbers: _Array) -> tuple[_Array, Curve | None]:
         """SI values and curve of the feel with these numbers."""
-        values, named = self.values.copy(), dict(zip(self.names, numbers.tolist(), strict=True))
+        named = dict(zip(self.names, numbers.tolist(), strict=True))
+        values, points = self._values(named), self._curve_points(named)
+        curve = None if points is None else Curve(tuple(points[0].tolist()), tuple(points[1].tolist()))
+        stiffness = named["stiffness"] * self.scales["stiffness"] if curve is None else self._slope(curve)
+        values[INDEX["feel.stiffness"]] = stiffness
+        return values, curve
+
+    def forces(self, numbers: _Array, angle_rad: _Array | None = None, directions: _Array | None = None) -> _Array:
+        """Force at the grip at the points, or at other angles."""
+        named = dict(zip(self.names, numbers.tolist(), strict=True))
+        values, points = self._values(named), self._curve_points(named)
+        if points is None:
+            values[INDEX["feel.stiffness"]] = named["stiffness"] * self.scales["stiffness"]
+        angle = self.angle_rad if angle_rad is None else angle_rad
+        direction = self.directions if directions is None else directions
+        curve = None if points is None else (points[0], pieces_through(*points))
+        return _core.feel_held_along(values, angle, direction, curve=curve)
+
+    def _values(self, named: Mapping[str, float]) -> _Array:
+        """SI values with all but the spring."""
+        values = self.values.copy()
         for key, value in self.stated.items():
             values[INDEX[key]] = value
         for name, (key, scale) in _ROWS.items():
@@ -148,36 +171,23 @@ class StaticModel:
         if "stop" in named:
             for side, sign in (("high", 1.0), ("low", -1.0)):
                 values[INDEX[f"feel.soft_stop_{side}"]] = sign * named["stop"] * self.scales["angle"]
-        curve = self._curve(named)
-        values[INDEX["feel.stiffness"]] = (
-            named["stiffness"] * self.scales["stiffness"] if curve is None else self._slope(curve)
-        )
-        return values, curve
+        return values
 
-    def forces(self, numbers: _Array, angle_rad: _Array | None = None, directions: _Array | None = None) -> _Array:
-        """Force at the grip at the points, or at other angles."""
-        values, curve = self.feel(numbers)
-        angle = self.angle_rad if angle_rad is None else angle_rad
-        direction = self.directions if directions is None else directions
-        return _core.feel_held_along(values, angle, direction, curve=None if curve is None else curve.arrays)
-
-    def _curve(self, named: Mapping[str, float]) -> Curve | None:
-        if not self.shape.spring.curved:
-            return None
-        if self.shape.spring.cubic:
+    def _curve_points(self, named: Mapping[str, float]) -> tuple[_Array, _Array] | None:
+        """Angles and forces of the curve; ``None`` for a straight spring."""
+        spring = self.shape.spring
+        if spring.cubic:
             u = np.linspace(-1, 1, _CUBIC_POINTS)
             rise = named["slope 0"] * u + (named["slope 1"] - named["slope 0"]) / 3 * u**3
-            return Curve(tuple(self.scales["angle"] * u), tuple(self.scales["force"] * rise))
-        low, high = self.knots_rad
-        rises = {
-            side: np.cumsum([named[f"rise {side}{k}"] for k in range(count)]) * self.scales["force"]
-            for side, count in (
-                (("", len(high)),) if self.shape.spring.mirrored else (("-", len(low)), ("+", len(high)))
-            )
-        }
-        below, above = (rises.get(side, rises.get("", np.empty(0))) for side in ("-", "+"))
-        x = (*(-low[::-1]).tolist(), 0.0, *high.tolist())
-        return Curve(x, (*(-below[::-1]).tolist(), 0.0, *above.tolist()))
+            return self.scales["angle"] * u, self.scales["force"] * rise
+        if not spring.knots:
+            return None
+        x, y = [], []
+        for sign, side, far in zip((-1, 1), "-+", self.knots_rad, strict=True):
+            rises = [named[f"rise {'' if spring.mirrored else side}{k}"] for k in range(len(far))]
+            x.append(sign * far[::sign])
+            y.append(sign * self.scales["force"] * np.cumsum(rises)[::sign])
+        return np.concatenate([x[0], [0.0], x[1]]), np.concatenate([y[0], [0.0], y[1]])
 
     def _slope(self, curve: Curve) -> float:
         """Mean slope of the curve over the middle half of its travel, as spring rate of the column."""

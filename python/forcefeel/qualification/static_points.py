@@ -1,7 +1,7 @@
 """Figures of a static test from a few points of force over position, without a sweep.
 
-``d`` distance from neutral · ``F`` force away from neutral: breakout is ``F_0`` of the line ``F = F_0 + s d`` through the two nearest
-points of a side. It is as uncertain as the third point shows the force to bend.
+``d`` distance from neutral · ``F`` force away from neutral: breakout is ``F_0`` of the line ``F = F_0 + s d`` through the two
+nearest points of a side. It is as uncertain as the third point shows the force to bend.
 """
 
 import math
