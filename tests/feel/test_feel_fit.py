@@ -154,7 +154,9 @@ def test_positions_as_lengths_are_angles_of_the_grip():
     length = ff.qualification.ForcePoints(
         points.position * loader["column.grip_arm"], points.force_n, points.direction, position_unit="m"
     )
-    assert fitted(length).loader["feel.stiffness"] == pytest.approx(fitted(points).loader["feel.stiffness"], rel=1e-6)  # rounding
+    assert fitted(length).loader["feel.stiffness"] == pytest.approx(
+        fitted(points).loader["feel.stiffness"], rel=1e-6
+    )  # rounding
 
 
 @pytest.mark.parametrize(("spring", "damping"), [(linear, 14.0), (progressive, 25.0)])

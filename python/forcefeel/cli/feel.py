@@ -170,7 +170,8 @@ def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:
     from forcefeel.feel.as_json import feel_json
 
     options.check()
-    fit = fit_feel(options.measured(), options.plan(options.loader(path)))
+    loader = options.loader(path)
+    fit = fit_feel(options.measured(), options.plan(loader))
     page = None
     if options.report is not None:
         command = options.command_line(path)

@@ -15,6 +15,8 @@ from forcefeel.units import ANGLE, FORCE, UnitSystem, to_text
 _DIGITS = 3
 _GAP = 0.3
 """Share of the travel of the points above which a gap between neighbors is reported."""
+_BEYOND = 1.1
+"""Ratio of the throw to the farthest point above which the extrapolation is reported."""
 _WIDE = 0.05
 """Share of the largest force above which the scatter is reported as large."""
 _INSIDE = 0.1
@@ -67,8 +69,11 @@ def _open(fit: FeelFit, units: UnitSystem) -> Iterator[str]:
             yield f"No point on the {'negative' if side == 'below' else 'positive'} side: the feel there mirrors the other side."
     throw = Throw.of(fit.loader)
     for end, reached, word in ((low, throw.low_rad, "below"), (high, throw.high_rad, "beyond")):
-        if abs(reached) > abs(end) * 1.02 and end * reached > 0:
+        if abs(reached) > _BEYOND * abs(end) and end * reached > 0:
             yield f"No point {word} {_angle(end, units)}: up to the throw of {_angle(reached, units)} the feel is extrapolated."
+    stops = fit.loader["column.stop_low"], fit.loader["column.stop_high"]
+    if low < stops[0] or high > stops[1]:
+        yield f"Points lie beyond the column's end stops, {_angle(stops[0], units)} and {_angle(stops[1], units)}."
     gaps = [(float(b - a), float(a), float(b)) for a, b in pairwise(x.tolist())]
     width, begin, end = max(gaps)
     if width > _GAP * (high - low):

@@ -151,8 +151,8 @@ def _static(points: ForcePoints, plan: FeelPlan) -> tuple[StaticFit, Directions]
             remedy = "; check the stated breakout and friction" if model.stated else ""
             raise InputError(
                 f"{points.name}: the points scatter by {scatter:.3g} N about one line{remedy}; expected the direction of each "
-                "point; add a column 'direction', 1 where the position rises and -1 where it falls, or 'time (s)'; if they are of two "
-                "flight conditions, add a column such as 'dynamic pressure (Pa)'"
+                "point; add a column 'direction', 1 where the position rises and -1 where it falls, or 'time (s)'; if they are of "
+                "two flight conditions, add a column such as 'dynamic pressure (Pa)'"
             )
     return best, how
 

@@ -73,6 +73,7 @@ def read_reference(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     between_s: Times = ALL,
+    conditions: tuple[str, ...] = (),
 ) -> Record | ForcePoints:
     """A record as of ``read_record``; points of force over position from a file without a time.
 
@@ -82,7 +83,7 @@ def read_reference(
     cells = {heading(cell, _SIGNALS.accepted).name for cell in open_table(path, _SIGNALS.example).header}
     if "time" in cells or "time" in (columns or {}) or not cells & {"force", "pilot_force", *_own_force(columns)}:
         return read_record(path, columns=columns, units=units, between_s=between_s)
-    return read_force_points(path, columns=columns, units=units).of_condition()
+    return read_force_points(path, columns=columns, units=units).of_condition(conditions)
 
 
 def _own_force(columns: Mapping[str, str] | None) -> set[str]:

@@ -7,11 +7,12 @@ from forcefeel.feel.findings import feel_conclusions, row_cells
 from forcefeel.feel.page import plots
 from forcefeel.feel.result import FeelFit
 from forcefeel.json_values import json_text
+from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
 from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
-from forcefeel.page.table import Table, heads, number, words
-from forcefeel.page.typography import heading_text, number_text, prose_html, unit_text
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import heading_text, number_text, parameter_name, unit_text
 from forcefeel.units import ANGLE, FORCE, UnitSystem
 
 PAGE, RESULTS = "feel.html", "results.json"
@@ -42,7 +43,7 @@ def _rows(fit: FeelFit, units: UnitSystem) -> Table:
     """A row for each number of the feel."""
     rows = tuple(
         (
-            words(prose_html(key)),
+            words(parameter_name(key) if key in TABLE else key.replace(".", " ").replace("_", " ")),
             number(value.replace("-", "\N{MINUS SIGN}")),
             number(f"± {half}" if half and half[0] != "a" else half),
             words(unit_text(unit)),
@@ -50,7 +51,7 @@ def _rows(fit: FeelFit, units: UnitSystem) -> Table:
         )
         for key, value, half, unit, source in row_cells(fit, units)
     )
-    return Table(heads("Row", "Value", "95 % interval", "Unit", "From"), rows)
+    return Table((*heads("Row", "Value", "95 % interval"), Cell("Unit"), Cell("From")), rows)
 
 
 def _residuals(fit: FeelFit, units: UnitSystem) -> Table | None:
@@ -63,7 +64,7 @@ def _residuals(fit: FeelFit, units: UnitSystem) -> Table | None:
         (
             number(number_text(ANGLE.from_si(x, units), 4)),
             words({1.0: "rising", -1.0: "falling"}.get(direction, "")),
-            *(number(number_text(FORCE.from_si(value, units), 3)) for value in (force, force - missed, missed)),
+            *(number(number_text(FORCE.from_si(value, units), 4)) for value in (force, force - missed, missed)),
         )
         for x, direction, force, missed in zip(
             *(
@@ -73,13 +74,9 @@ def _residuals(fit: FeelFit, units: UnitSystem) -> Table | None:
             strict=True,
         )
     )
-    head = heads(
-        heading_text("Position", ANGLE, units), "Direction", *(heading_text(name, FORCE, units) for name in _FORCES)
-    )
-    return Table(head, rows)
-
-
-_FORCES = ("Measured", "Feel", "Difference")
+    first = Cell(heading_text("Position", ANGLE, units), "number")
+    forces = (Cell(heading_text(name, FORCE, units), "number") for name in ("Measured", "Feel", "Difference"))
+    return Table((first, Cell("Direction"), *forces), rows)
 
 
 def write_feel(fit: FeelFit, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:

@@ -227,7 +227,9 @@ class TestBench:
             low, high = (
                 end(_in_unit(points, None, self.task.loader["column.grip_arm"]).position) for end in (min, max)
             )
-            throw = Throw(min(throw.low_rad, low / _REACH), max(throw.high_rad, high / _REACH), throw.source)
+            stops = self.task.loader["column.stop_low"], self.task.loader["column.stop_high"]
+            low, high = min(throw.low_rad, low / _REACH), max(throw.high_rad, high / _REACH)
+            throw = Throw(max(low, stops[0]), min(high, stops[1]), throw.source)
         return measured or self._loader_slow(throw, lasts), reference or self._programmed_slow(throw, lasts)
 
     def _loader_slow(self, throw: Throw, lasts: float) -> Side:

@@ -64,11 +64,13 @@ class Recognition:
         planned: The tests.
         rules: The rule, with the durations of its sweeps.
         throw: Travel of the control; a release is recognized by its share of it.
+        conditions: Flight condition of points, as of ``ForcePoints.of_condition``.
     """
 
     planned: Sequence[RuleTestCase]
     rules: Rules
     throw: Throw
+    conditions: tuple[str, ...] = ()
 
     def read(
         self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames, times: Mapping[str, Times]
@@ -86,8 +88,12 @@ class Recognition:
         """
         records: dict[str, InputRecord] = {}
         for stated, path in files:
-            read = read_reference if option == "--reference" else read_record
-            record = read(path, between_s=times.get(path.stem, ALL), **names.arguments(path.stem))
+            between = times.get(path.stem, ALL)
+            record = (
+                read_reference(path, between_s=between, conditions=self.conditions, **names.arguments(path.stem))
+                if option == "--reference"
+                else read_record(path, between_s=between, **names.arguments(path.stem))
+            )
             key = stated or (STATIC if isinstance(record, ForcePoints) else self._test_of(record))
             if isinstance(record, ForcePoints):
                 check_static(record, key)

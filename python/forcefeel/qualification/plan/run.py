@@ -47,6 +47,7 @@ class QualificationSetup:
         tests: Keys of the requested tests, such as ``release-25-positive``. Default: the whole test plan.
         columns: Column names of the files, as command-line arguments: ``[STEM:]position=NAME``.
         units: Units of columns without a unit in the header: ``[STEM:]NAME=deg``.
+        conditions: Flight condition of points among the references: ``NAME=VALUE``, such as ``q=60 lb/ft^2``.
         starts, ends: First and last time to read from the files: ``[STEM=]TIME``. Default: all.
         dynamic_pressure_pa: Dynamic pressure, for a feel whose stiffness depends on it.
         overdamped: Quantity compared where a response has no overshoot.
@@ -67,6 +68,7 @@ class QualificationSetup:
     tests: Sequence[str] = ()
     columns: Sequence[str] = ()
     units: Sequence[str] = ()
+    conditions: Sequence[str] = ()
     starts: Sequence[str] = ()
     ends: Sequence[str] = ()
     dynamic_pressure_pa: Annotated[float, PRESSURE] | None = None
@@ -113,7 +115,7 @@ def qualify_loader(
     omitted = tuple(row for row in ARM_ROWS if loader[row] != 0)
     loader = loader.replace(dict.fromkeys(omitted))
     throw = Throw.of(loader, setup.throw_rad)
-    references, records = _references_and_records(setup, Recognition(planned, rules, throw))
+    references, records = _references_and_records(setup, Recognition(planned, rules, throw, tuple(setup.conditions)))
     feel = FeelAlone(loader)
     motions = Motions.of(loader, setup.dynamic_pressure_pa)
     moving = {key: it.record for key, it in references.items() if isinstance(it.record, Record)}
