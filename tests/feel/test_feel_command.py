@@ -57,7 +57,7 @@ def test_printed_json_is_that_of_the_folder(run, ten, tmp_path):
     printed = json.loads(out)
     stored = json.loads((tmp_path / "page" / "results.json").read_text(encoding="utf-8"))
     assert status == 0
-    assert {key: value for key, value in printed.items() if key not in ("loader_file", "page")} == stored
+    assert {key: value for key, value in printed.items() if key not in ("loader_file", "knots", "page")} == stored
     assert stored["rows"]["feel.breakout"]["half_interval"]["unit"] == "lb"
 
 
@@ -96,6 +96,30 @@ def test_condition_selects_its_points_and_is_named(run, tmp_path):
         slope = loader["feel.stiffness"] / loader["column.grip_arm"] / 4.4482216152605 * math.pi / 180
         assert slope == pytest.approx(0.05 * q, rel=ROUNDING)
         assert f"dynamic pressure={q} lb/ft^2" in loader.source
+
+
+def test_conditions_become_knots_of_a_schedule(run, tmp_path):
+    """Inertia and damping are those of the selected condition; the spring rates are proportional to the dynamic pressure."""
+    points = [(x, q, (0.05 * q) * x + math.copysign(2, x)) for q in (60, 120) for x in (-9, -6, -3, 3, 6, 9)]
+    write(tmp_path, "flight.csv", "position (deg),q (lb/ft^2),force (lb)", points)
+    words = ("--from", "flight.csv", "--condition", "q=120 lb/ft^2", "--frequency", "2 Hz", "--out", "my.toml")
+    assert run(*words, "--knots", "knots.csv")[0] == 0
+    knots = ff.flight_schedule.read_knots(tmp_path / "knots.csv")
+    loader = ff.load(tmp_path / "my.toml")
+    assert [(axis.name, axis.unit) for axis in knots.axes] == [("dynamic pressure", "lb/ft^2")]
+    assert knots.axes[0].values == pytest.approx((60, 120))
+    inertia, damping, stiffness = knots.feel.T
+    shown = 1e-5  # relative; knots have six digits
+    assert inertia == pytest.approx([loader["feel.inertia"]] * 2, rel=shown)
+    assert damping == pytest.approx([loader["feel.damping"]] * 2, rel=shown)
+    assert stiffness == pytest.approx([loader["feel.stiffness"] / 2, loader["feel.stiffness"]], rel=shown)
+
+
+def test_knots_need_several_conditions(run, ten, tmp_path):
+    status, _, err = run(*ten, "--knots", "knots.csv")
+    assert status == 2
+    assert "flight.csv: expected two flight conditions for knots, got one" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["flight.csv"]
 
 
 BAD = {

@@ -83,6 +83,15 @@ class FeelOptions(LoaderOptions, OutputOptions):
         option("Damping ratio.", STATED, default="from the release, otherwise the loader's", metavar="RATIO"),
     ] = None
     out: Annotated[Path, option("Loader file to write.", OUTPUT, metavar="FILE")]
+    knots: Annotated[
+        Path | None,
+        option(
+            "File of knots for forcefeel schedule, to write: the spring rate at each flight condition of the file.",
+            OUTPUT,
+            default="none",
+            metavar="FILE",
+        ),
+    ] = None
     report: Annotated[
         Path | None, option("Folder for feel.html and results.json.", OUTPUT, default="no page", metavar="FOLDER")
     ] = None
@@ -119,17 +128,17 @@ class FeelOptions(LoaderOptions, OutputOptions):
             raise InputError(f"{_OPTIONS[name]}:{fault}") from error
 
     def measured(self) -> "ForcePoints":
-        """The points of the selected condition.
+        """The points of all conditions.
 
         Raises:
-            InputError: If the file is bad, or has several conditions and none is selected.
+            InputError: If the file is bad.
         """
         from forcefeel.qualification import read_force_points
 
         points = read_force_points(self.points, **self._names().arguments(self.points.stem))
         if self.neutral is not None:
             points = points.about(value("--neutral", self.neutral, points.position_unit, "1.5 deg"))
-        return points.of_condition(self.condition)
+        return points
 
     def _names(self) -> "ColumnNames":
         from forcefeel.tables.column_names import ColumnNames
@@ -146,9 +155,12 @@ class FeelOptions(LoaderOptions, OutputOptions):
         from forcefeel.feel.page.page import FOLDER
 
         inputs = tuple(path for path in (self.points, self.release) if path is not None)
-        if any(is_same(path, self.out) for path in inputs):
-            raise InputError(f"--out: {self.out} is what the feel is made from; name another file")
-        check_output_file(self.out, replace=self.replace)
+        for name, target in (("--out", self.out), ("--knots", self.knots)):
+            if target is None:
+                continue
+            if any(is_same(path, target) for path in inputs):
+                raise InputError(f"{name}: {target} is what the feel is made from; name another file")
+            check_output_file(target, replace=self.replace)
         if self.report is not None:
             FOLDER.check(self.report, replace=self.replace, inputs=inputs)
 
@@ -168,17 +180,22 @@ def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:
     """
     from forcefeel.feel import fit_feel, write_feel
     from forcefeel.feel.as_json import feel_json
+    from forcefeel.feel.knots import knots_csv
 
     options.check()
     loader = options.loader(path)
-    fit = fit_feel(options.measured(), options.plan(loader))
+    points = options.measured()
+    fit = fit_feel(points.of_condition(options.condition), options.plan(loader))
+    knots = options.knots and knots_csv(points, fit, options.units)
     page = None
     if options.report is not None:
         command = options.command_line(path)
         page = write_feel(fit, options.report, options.units, replace=options.replace, command=command)
+    if options.knots and knots:
+        write_whole(options.knots, knots)
     write_whole(options.out, fit.loader.to_toml(options.units))
     answer(
-        {"loader_file": options.out, "page": page},
+        {"loader_file": options.out, "knots": options.knots, "page": page},
         lambda: feel_json(fit, options.units),
         lambda terminal: _show(terminal, fit, options.units),
         as_json=options.json,

@@ -21,6 +21,8 @@ EXAMPLE = "position (deg),force (lb)"
 
 _CONDITIONS = {"dynamic_pressure": ("Pa",), "airspeed": ("m/s",), "mach": ("",), "flap": ("rad",), "trim": ("rad",)}
 """Columns that state a flight condition, with their SI units."""
+_SHOWN = {"Pa": "lb/ft^2", "m/s": "knot", "rad": "deg", "": ""}
+"""Units in which conditions are shown, by SI unit."""
 _ACCEPTED = {
     "position": ("rad", "m"),
     "force": ("N",),
@@ -147,6 +149,15 @@ class ForcePoints:
         texts = [", ".join(parts) for parts in zip(*labels, strict=True)] if labels else [""] * len(self.position)
         return {text: np.array([other == text for other in texts]) for text in dict.fromkeys(texts)}
 
+    def axes(self) -> dict[str, tuple[str, float]]:
+        """Title with unit, and its number of one SI unit, of each condition that has several values."""
+        several = (name for name, values in self.conditions.items() if len(set(_labels(name, values))) > 1)
+        units = {name: _SHOWN[_CONDITIONS[name][0]] for name in several}
+        return {
+            name: (f"{name.replace('_', ' ')} ({unit})" if unit else name, factor(_CONDITIONS[name][0], unit))
+            for name, unit in units.items()
+        }
+
     def of_condition(self, texts: tuple[str, ...] = ()) -> "ForcePoints":
         """The points of one flight condition.
 
@@ -259,7 +270,7 @@ def _from_order(position: _Array) -> _Array:
 def _labels(name: str, values: _Array) -> list[str]:
     """The condition of each point as text; values that are nearly equal are one."""
     (si,) = _CONDITIONS[name]
-    shown = {"Pa": "lb/ft^2", "m/s": "knot", "rad": "deg", "": ""}[si]
+    shown = _SHOWN[si]
     near = _SAME_CONDITION * float(np.abs(values).max())
     starts: list[float] = []
     for value in np.unique(values).tolist():
