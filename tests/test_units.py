@@ -89,6 +89,8 @@ SI_OF = {
     "lb in s^2/rad^2": POUND * INCH,
     "N m/A": 1.0,
     "lb in/A": POUND * INCH,
+    "rad/(s V)": 1.0,
+    "rpm/V": math.tau / 60,
     "kg m^2": 1.0,
     "kg cm^2": 1e-4,
     "lb in s^2": POUND * INCH,

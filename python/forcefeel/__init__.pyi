@@ -7,6 +7,7 @@ from forcefeel import commission as commission
 from forcefeel import design as design
 from forcefeel import envelope as envelope
 from forcefeel import export as export
+from forcefeel import feel as feel
 from forcefeel import flight_schedule as flight_schedule
 from forcefeel import frontier as frontier
 from forcefeel import laws as laws

@@ -50,6 +50,7 @@ __all__ = [
     "feel_frequency",
     "feel_from_frequencies",
     "feel_from_frequency",
+    "feel_held_along",
     "feel_held_between",
     "feel_steps",
     "feel_transitions",
@@ -469,6 +470,14 @@ def hinge_moment(values: _Array, flight: _Array) -> _Array:
 
     ``flight``: dynamic pressure, true airspeed, angle of attack, sideslip, rates of roll, pitch and yaw, load factor, Mach number,
     angle of the tab, angle of the control; (states, 11), SI units.
+    """
+
+def feel_held_along(
+    values: _Array, angles: _Array, directions: _Array, *, curve: tuple[_Array, _Array] | None = None
+) -> _Array:
+    """Force at the grip (angles,) that moves the programmed feel slowly along a path, eq. (11) at rest.
+
+    Dry friction acts against each angle's direction, +1 or -1; 0 is without it. The hysteresis begins at the first angle.
     """
 
 def column_grip_force(values: _Array, acceleration: _Array) -> _Array:

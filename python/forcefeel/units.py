@@ -50,6 +50,7 @@ _QUANTITIES = {
     "A": "a current",
     "V": "a voltage",
     "N m/A": "a torque per current",
+    "rad/(s V)": "a speed per voltage",
     "kg m^2": "a moment of inertia",
     "ohm": "a resistance",
     "H": "an inductance",

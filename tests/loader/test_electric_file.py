@@ -80,7 +80,10 @@ def of_other(key: str, which: str, this: str, tables: str) -> str:
     )
 
 
-KT_CHOICE = "give either torque_constant, or torque_constant_peak, or torque_constant_rms"
+KT_CHOICE = (
+    "give either torque_constant, or torque_constant_peak, or torque_constant_rms, or speed_constant, or speed_constant_peak, or "
+    "speed_constant_rms"
+)
 WINDING_CHOICE = "give either resistance and inductance, or resistance_line_to_line and inductance_line_to_line"
 BRUSHED = (
     "is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
@@ -270,7 +273,7 @@ def test_bad_value_of_electric_file_gives_one_line_error(
     if messages is None:
         known = "torque_constant, inertia, three_phase, viscous_friction"
         assert [line.split(known)[0] for line in said] == ["motor.kt: unknown key; known are "]
-        assert said[0].endswith("torque_constant_rms")
+        assert said[0].endswith("speed_constant_rms")
     else:
         assert said == messages
 
@@ -411,7 +414,8 @@ def test_unknown_built_in_loader_error_lists_valid_names() -> None:
 def test_motor_alternatives_are_all_tested() -> None:
     parts = {"motor", "winding", "transmission"}
     assert {row.name for row in ALTERNATIVES.values() if row.part in parts} == {
-        "torque_constant_peak", "torque_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
+        "torque_constant_peak", "torque_constant_rms", "speed_constant", "speed_constant_peak",
+        "speed_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
     }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ TAKE_A_LOADER = {
     "design": (),
     "export": ("--to", "matlab"),
     "excite": ("--experiment", "servo-closed", "--fit", "k"),
+    "feel": ("--from", "x.csv", "--out", "x.toml"),
     "frontier": (),
     "identify": ("--data", "x.csv", "--fit", "k"),
     "resonance": ("--data", "x.csv"),

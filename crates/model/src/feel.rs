@@ -205,17 +205,29 @@ impl<S: Scalar> FeelLaw<S> {
         delta: S,
         (neutral, stiffness_factor): (S, S),
     ) -> [S; 2] {
-        let (zero, one) = (delta.zero(), delta.constant(1.0));
         [-1.0, 1.0].map(|side| {
             let conditions = FeelConditions {
-                shaker: one.times(-side),
+                shaker: delta.constant(-side),
                 slider: delta - self.parts.hysteresis.travel.times(side),
                 ..FeelConditions::at_rest(neutral, stiffness_factor, delta)
             };
-            // T = mu R_p F = S + ... + friction                                                       eq. (11) at rest
-            let free = self.acceleration(effects, curve, (delta, zero), zero, &conditions);
-            (self.friction.breakaway.times(side) - free) / (self.per_torque * self.grip_force)
+            self.held(effects, curve, delta, side, &conditions)
         })
+    }
+
+    /// Force at the grip that holds it still at `delta`; dry friction is about to break away towards `side`, 0 for no friction.
+    #[inline(always)]
+    pub fn held(
+        &self,
+        effects: &Effects,
+        curve: Option<&Curve>,
+        delta: S,
+        side: f64,
+        conditions: &FeelConditions<S>,
+    ) -> S {
+        // T = mu R_p F = S + ... + friction                                                           eq. (11) at rest
+        let free = self.acceleration(effects, curve, (delta, delta.zero()), delta.zero(), conditions);
+        (self.friction.breakaway.times(side) - free) / (self.per_torque * self.grip_force)
     }
 
     /// Torque of the spring: straight, or a curve, beyond the deadband.

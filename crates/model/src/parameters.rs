@@ -201,6 +201,9 @@ parameter_table! {
     alternative to [torque_constant] {
         torque_constant_peak: "K_t,peak", "torque per peak ampere of a phase of three", TORQUE_PER_CURRENT, 3.0667, 1e-3..1e4, "servo motor";
         torque_constant_rms: "K_t,rms", "torque per r.m.s. ampere of a phase of three", TORQUE_PER_CURRENT, 4.337, 1e-3..1e4, "servo motor";
+        speed_constant: "K_v", "speed without load per volt at the terminals of a brushed or block-commutated motor", SPEED_PER_VOLTAGE, 27.56, 1e-2..1e5, "servo motor";
+        speed_constant_peak: "K_v,peak", "speed without load per peak volt between two of three phases", SPEED_PER_VOLTAGE, 23.87, 1e-2..1e5, "servo motor";
+        speed_constant_rms: "K_v,rms", "speed without load per r.m.s. volt between two of three phases", SPEED_PER_VOLTAGE, 33.75, 1e-2..1e5, "servo motor";
     }
 
     /// Winding of the motor.

@@ -64,6 +64,8 @@ pub const POWER: Unit = unit("W", "W", "W", 1.0);
 pub const ENERGY: Unit = unit("J", "J", "J", 1.0);
 /// Torque of a motor per current.
 pub const TORQUE_PER_CURRENT: Unit = unit("N m/A", "N m/A", "lb in/A", LB * IN);
+/// Speed of a motor per voltage.
+pub const SPEED_PER_VOLTAGE: Unit = unit("rad/(s V)", "rpm/V", "rpm/V", core::f64::consts::TAU / 60.0);
 /// Electric current of a motor.
 pub const MOTOR_CURRENT: Unit = unit("A", "A", "A", 1.0);
 /// Torque of a motor.

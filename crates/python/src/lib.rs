@@ -85,6 +85,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;
     module.add_function(wrap_pyfunction!(statics::column_grip_force, module)?)?;
+    module.add_function(wrap_pyfunction!(statics::feel_held_along, module)?)?;
     module.add_function(wrap_pyfunction!(statics::feel_held_between, module)?)?;
     module.add_function(wrap_pyfunction!(statics::hinge_moment, module)?)?;
     module.add_class::<statics::ValveStatics>()?;

@@ -8,7 +8,7 @@ use forcefeel_model::drive::electric::statics::MotorStatics as OfMotor;
 use forcefeel_model::drive::hydraulic::statics::ValveStatics as OfValve;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::feel::FeelLaw;
+use forcefeel_model::feel::{FeelConditions, FeelLaw};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::surface::{Added, FlightState};
 use forcefeel_solve::linearize;
@@ -66,6 +66,31 @@ pub fn hinge_moment<'py>(
     Ok(PyArray2::from_vec2(py, &rows("flight", &flight)?.iter().map(added).collect::<Vec<_>>())?)
 }
 
+/// Force at the grip that moves the programmed feel slowly along a path, at each of its angles in the direction +1 or -1, 0 without
+/// friction; the hysteresis begins at the first angle.
+#[pyfunction]
+#[pyo3(signature = (values, angles, directions, *, curve = None))]
+pub fn feel_held_along<'py>(
+    py: Python<'py>,
+    values: Values<'py>,
+    angles: Values<'py>,
+    directions: Values<'py>,
+    curve: Option<(Values<'py>, PyReadonlyArray2<'py, f64>)>,
+) -> PyResult<Row<'py>> {
+    let values = vector::<COUNT>("values", &values)?;
+    let (parameters, effects) = (Parameters::from_values(&values), Effects::of(&values));
+    let curve = curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?;
+    let feel = FeelLaw::new(&parameters, &Compensator::state_feedback(&parameters, [0.0; 7]));
+    let mut slider = None;
+    let [forces] = pairs(py, "angles and directions", (&angles, &directions), |angle, direction| {
+        let at = feel.dragged(*slider.get_or_insert(angle), angle);
+        slider = Some(at);
+        let conditions = FeelConditions { slider: at, ..FeelConditions::at_rest(0.0, 1.0, angle) };
+        [feel.held(&effects, curve.as_ref(), angle, direction, &conditions)]
+    })?;
+    Ok(forces)
+}
+
 /// Force at the grip in N that by itself turns the column with each angular acceleration in rad/s^2.
 #[pyfunction]
 pub fn column_grip_force<'py>(py: Python<'py>, values: Values<'py>, acceleration: Values<'py>) -> PyResult<Row<'py>> {
@@ -78,7 +103,7 @@ fn pairs<'py, const N: usize>(
     py: Python<'py>,
     names: &str,
     (a, b): (&Values<'_>, &Values<'_>),
-    of: impl Fn(f64, f64) -> [f64; N],
+    mut of: impl FnMut(f64, f64) -> [f64; N],
 ) -> PyResult<[Row<'py>; N]> {
     let (a, b) = (a.as_array(), b.as_array());
     if a.len() != b.len() {

@@ -24,6 +24,7 @@ from forcefeel.errors import InputError, suggestion
 _LOADER = "[LOADER]"
 _COMMANDS = {
     "new": "FILE",
+    "feel": "[LOADER] --from FILE --out FILE",
     "size": _LOADER,
     "design": _LOADER,
     "analyze": _LOADER,

@@ -171,6 +171,16 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             metavar="[STEM=]TIME",
         ),
     ] = ()
+    conditions: Annotated[
+        tuple[str, ...],
+        option(
+            "Flight condition of points given by --reference, such as 'dynamic pressure=60 lb/ft^2'. Repeatable.",
+            RECORDS,
+            "--condition",
+            default="the only one",
+            metavar="NAME=VALUE",
+        ),
+    ] = ()
     law: Annotated[
         tuple[str, ...],
         option(

@@ -74,10 +74,7 @@ class Curve:
     @cached_property
     def coefficients(self) -> NDArray[np.float64]:
         """Rows ``c`` of the pieces between the points: y = ((c_0 u + c_1) u + c_2) u + c_3, u = x - x_j; read-only."""
-        from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  most loaders have no curve
-
-        with np.errstate(all="ignore"):
-            pieces: NDArray[np.float64] = np.ascontiguousarray(PchipInterpolator(self.x, self.y).c.T)
+        pieces = pieces_through(self.x, self.y)
         pieces.setflags(write=False)
         return pieces
 
@@ -105,6 +102,14 @@ class Curve:
         piece = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
         c, u = np.moveaxis(self.coefficients[piece], -1, 0), at - np.asarray(self.x)[piece]
         return np.asarray(np.clip(((c[0] * u + c[1]) * u + c[2]) * u + c[3], self.y[0], self.y[-1]))
+
+
+def pieces_through(x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    """Rows of coefficients of the pieces between points, unchecked; as ``Curve.coefficients``."""
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  most loaders have no curve
+
+    with np.errstate(all="ignore"):
+        return np.ascontiguousarray(PchipInterpolator(x, y).c.T)
 
 
 def _numbers(name: str, given: object) -> tuple[float, ...]:

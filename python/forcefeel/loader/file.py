@@ -9,7 +9,7 @@ part     given                                             instead of           
 valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``            eqs. (1), (2)
 linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
 feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
-motor    ``torque_constant_peak`` or ``torque_constant_rms``  ``K_t``                  ``K_t = K_peak = K_rms / sqrt(2)``
+motor    ``torque_constant_`` or ``speed_constant...``     ``K_t``                     ``_TORQUE_CONSTANT``
 winding  ``resistance_``, ``inductance_line_to_line``      ``R``, ``L``                a half: two phases in star
 =======  ================================================  ==========================  ===================
 
@@ -74,10 +74,21 @@ _QUOTED = re.compile(r"""\"(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)""")
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
 
+_BRUSHED = "speed_constant"
+_TORQUE_CONSTANT: Mapping[str, Callable[[float], float]] = {
+    "torque_constant_peak": lambda peak: peak,
+    "torque_constant_rms": lambda rms: rms / sqrt(2),
+    # Power in equals power out: K_t = U / omega, and of three phases 3/2 times the peak voltage of a phase.
+    _BRUSHED: lambda speed: 1 / speed,
+    "speed_constant_peak": lambda speed: sqrt(3) / 2 / speed,
+    "speed_constant_rms": lambda speed: sqrt(1.5) / speed,
+}
+"""Torque constant from what a data sheet states; of a brushed motor, or per peak ampere of a phase of three."""
+
 _DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, ...]]] = {
     "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
     "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
-    "motor": lambda _, a: (a["torque_constant_peak"] if _PEAK in a else a["torque_constant_rms"] / sqrt(2),),
+    "motor": lambda _, a: (next(_TORQUE_CONSTANT[name](value) for name, value in a.items()),),
     "winding": lambda _, a: (a["resistance_line_to_line"] / 2, a["inductance_line_to_line"] / 2),
     "transmission": lambda _, a: (a["lead"] / tau,),
     "feel": lambda v, a: _core.feel_from_frequency(
@@ -92,7 +103,15 @@ def read(path: Path) -> Contents:
     Raises:
         InputError: With a line for each thing that is wrong.
     """
-    given = document(path)
+    return checked_contents(path, document(path))
+
+
+def checked_contents(path: Path, given: Mapping[str, Any]) -> Contents:
+    """The contents of a loader file from its document; ``path`` is for messages.
+
+    Raises:
+        InputError: As ``read``.
+    """
     if "axes" in given:
         raise InputError(
             f"{path}: is a project, which names the loader of each axis; expected one of those loaders; {PROJECT_COMMANDS} take "
@@ -256,16 +275,24 @@ def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[
 def _phases(checked: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A line for each value of a motor that goes with another number of phases."""
     if checked["motor"]["three_phase"]:
-        plain = checked["motor"]["torque_constant"] is not None
-        return [f"motor.torque_constant: {_KIND}"] if plain else []
-    of_three = [f"{part}.{name}" for part in ("motor", "winding") for name in alternatives(part) if checked[part][name]]
+        kinds = {"torque_constant": _KIND, _BRUSHED: _KIND_OF_SPEED}
+        return [f"motor.{name}: {kind}" for name, kind in kinds.items() if checked["motor"][name] is not None]
+    of_three = [
+        f"{part}.{name}"
+        for part in ("motor", "winding")
+        for name in alternatives(part)
+        if checked[part][name] and name != _BRUSHED
+    ]
     return [
         f"{key}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
         for key in of_three
     ]
 
 
-_PEAK = "torque_constant_peak"
+_KIND_OF_SPEED = (
+    "of a motor with three phases a data sheet gives it per peak or per r.m.s. volt between two of them; expected "
+    "speed_constant_peak or speed_constant_rms; of a block-commutated motor, leave three_phase out"
+)
 _KIND = (
     "of a motor with three phases a data sheet gives it per peak or per r.m.s. ampere, 1.41 times as much; expected "
     "torque_constant_peak or torque_constant_rms"

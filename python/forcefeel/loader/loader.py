@@ -425,7 +425,11 @@ def load(path: str | Path) -> Loader:
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 
     expect("path", path, (str, Path), "the path of a loader file")
-    contents = read(Path(path))
+    return of_contents(read(Path(path)))
+
+
+def of_contents(contents: Contents) -> Loader:
+    """The loader with the contents of a loader file."""
     values = np.array([contents.values.get(key, absent(row)) for key, row in TABLE.items()])
     return Loader(contents.name, contents.source, values, **contents.curves, tolerances=contents.tolerances)
 

@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from forcefeel.qualification.force_points import ForcePoints, read_force_points
 from forcefeel.qualification.records import Record
 from forcefeel.tables.between import ALL, Times
 from forcefeel.tables.faults import check_step
+from forcefeel.tables.header import heading
 from forcefeel.tables.signals import Signals
 from forcefeel.tables.table_file import open_table
 
@@ -63,3 +65,27 @@ def read_record(
         name=name or table.path.stem,
         data_hash=table.data_hash,
     )
+
+
+def read_reference(
+    path: str | Path,
+    *,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    between_s: Times = ALL,
+    conditions: tuple[str, ...] = (),
+) -> Record | ForcePoints:
+    """A record as of ``read_record``; points of force over position from a file without a time.
+
+    Raises:
+        InputError: As ``read_record`` and ``read_force_points``, and if there are several flight conditions.
+    """
+    cells = {heading(cell, _SIGNALS.accepted).name for cell in open_table(path, _SIGNALS.example).header}
+    if "time" in cells or "time" in (columns or {}) or not cells & {"force", "pilot_force", *_own_force(columns)}:
+        return read_record(path, columns=columns, units=units, between_s=between_s)
+    return read_force_points(path, columns=columns, units=units).of_condition(conditions)
+
+
+def _own_force(columns: Mapping[str, str] | None) -> set[str]:
+    """The file's own names of the force."""
+    return {"_".join(name.lower().split()) for key, name in (columns or {}).items() if key in {"force", "pilot_force"}}

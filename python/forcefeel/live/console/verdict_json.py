@@ -66,7 +66,7 @@ def _release(result: Result, system: UnitSystem) -> Json:
     plot: dict[str, Json] = {"kind": "release", "x": plot_values(time), "band": reference.band * scale}
     for (name, side), side_features in zip(sides.items(), both, strict=True):
         position = side.record.position - side_features.steady.value
-        at = side.record.time_s - side_features.release_s.value
+        at = side.signals.time_s - side_features.release_s.value
         plot[name] = plot_values(np.interp(time, at, position) * scale)
     limits = {verdict.quantity: verdict.tolerance for verdict in result.verdicts if np.isfinite(verdict.tolerance)}
     sign = -1.0 if reference.displacement.value > 0 else 1.0

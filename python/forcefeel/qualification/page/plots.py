@@ -7,6 +7,7 @@ from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import add_curve, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, LineStyle
+from forcefeel.qualification import ForcePoints
 from forcefeel.qualification.page.release_plot import BAND, REFERENCE, release
 from forcefeel.qualification.plan.result import Qualification, Result, Side
 from forcefeel.qualification.plan.sentences import UNITS
@@ -55,6 +56,10 @@ def sweep(result: Result, qualification: Qualification, section: str) -> go.Figu
                 legendgroup=name,
                 showlegend=direction == "up",
             )
+    if isinstance(result.reference.record, ForcePoints):
+        picture.update_traces(
+            selector={"name": "reference"}, mode="markers", marker={"size": 9, "color": REFERENCE.color}
+        )
     frame(picture, 420, hover="closest")
     what = "Force" if result.measured.slow is None else "Above the slow sweep"
     picture.update_xaxes(title_text=f"Position from neutral, {unit.shown(system)}")
@@ -73,10 +78,10 @@ def small_inputs(result: Result, section: str) -> go.Figure:
         (result.reference, "reference", REFERENCE),
         (result.measured, "measured", LineStyle(color(section), "solid", 2.4)),
     ):
-        rate = side.record.body_rate_rad_per_s
+        rate = side.signals.body_rate_rad_per_s
         if rate is None:
             continue
-        time = side.record.time_s - side.record.time_s[0]
+        time = side.signals.time_s - side.signals.time_s[0]
         if side is result.reference:
             _band(picture, time, rate * degrees - limit, rate * degrees + limit, first=True)
         add_curve(picture, time, rate * degrees, name, look)

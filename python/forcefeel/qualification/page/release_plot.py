@@ -44,7 +44,7 @@ def release(result: Result, qualification: Qualification, color: str) -> go.Figu
         (result.reference, "reference", REFERENCE),
         (result.measured, "measured", LineStyle(color, "solid", 2.4)),
     ):
-        time = side.record.time_s - _features(side).release_s.value
+        time = side.signals.time_s - _features(side).release_s.value
         seen = np.flatnonzero((time >= -0.05 * end) & (time <= end))
         kept = seen[drawn(side.record.position[seen], _MOST_POINTS)]
         position = (side.record.position[kept] - _features(side).steady.value) * scale

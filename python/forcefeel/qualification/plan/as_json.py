@@ -5,7 +5,7 @@ from importlib.metadata import version
 from math import isfinite
 
 from forcefeel.json_values import json_value
-from forcefeel.qualification import Verdict
+from forcefeel.qualification import Record, Verdict
 from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.plan.cockpit import CockpitQualification, cockpit_conclusions
 from forcefeel.qualification.plan.result import Qualification, Result, Section, Side
@@ -124,11 +124,9 @@ def _side(side: Side | None, system: UnitSystem) -> Json:
     if side is None:
         return None
     record, features = side.record, side.features
-    about: dict[str, Json] = {
-        "name": record.name,
-        "samples": len(record.time_s),
-        "duration": json_quantity(record.duration_s, SECONDS, system),
-    }
+    about: dict[str, Json] = {"name": record.name, "samples": len(record.position)}
+    if isinstance(record, Record):
+        about["duration"] = json_quantity(record.duration_s, SECONDS, system)
     if isinstance(features, ReleaseFeatures):
         about |= {name.removesuffix("_s"): _figure(getattr(features, name), system) for name in _RELEASE}
         about |= {"cycles": _figures(features.cycles, system), "overshoots": _figures(features.overshoots, system)}

@@ -7,15 +7,16 @@ from typing import TypeVar
 
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import Outcome, Record, Rules, Verdict, measure_release
+from forcefeel.qualification import ForcePoints, Outcome, Record, Rules, Verdict, measure_release
 from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.plan.feel_alone import FeelAlone
-from forcefeel.qualification.plan.input_records import InputRecord, check_cover
-from forcefeel.qualification.plan.motions import LoopError, Motions, Moved, first_force, release_duration_s
+from forcefeel.qualification.plan.input_records import check_cover
+from forcefeel.qualification.plan.motions import SHORT, LoopError, Motions, Moved, first_force, release_duration_s
 from forcefeel.qualification.plan.plan import STATIC, SURFACE, RuleTestCase, SweepName, duration_s
 from forcefeel.qualification.plan.result import Result, Side
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.release_verdicts import Overdamped, judge_release
+from forcefeel.qualification.static_points import measure_points
 from forcefeel.qualification.sweep import SweepFeatures, measure_sweep
 from forcefeel.qualification.sweep_verdicts import judge_dynamic_sweep, judge_small_inputs, judge_sweep
 from forcefeel.qualification.throw import Throw
@@ -25,6 +26,9 @@ from forcefeel.units import UnitSystem
 
 PROGRAMMED = "programmed feel"
 """Name of the records of the programmed feel."""
+
+_REACH = 0.99 * SHORT
+"""Share of the throw at which the farthest points of a reference lie at most, so that a sweep covers them."""
 
 _LONGER = 4.0
 """Factor by which a simulated release is extended, once, if it has not come to rest."""
@@ -57,6 +61,7 @@ class Task:
         references: Recorded references by test; empty where the programmed feel is the reference.
         system: Unit system that selects the rule's rounding of forces.
         overdamped: Quantity compared where a response has no overshoot.
+        points: Points that are the reference of the static test; ``None`` without.
         programmed: Records of the programmed feel by input, shared by all laws.
     """
 
@@ -65,9 +70,10 @@ class Task:
     motions: Motions
     rules: Rules
     throw: Throw
-    references: Mapping[str, InputRecord]
+    references: Mapping[str, Record]
     system: UnitSystem
     overdamped: Overdamped
+    points: ForcePoints | None = None
     programmed: dict[object, Record] = field(default_factory=dict)
 
     def once(self, what: object, make: Callable[[], Record]) -> Record:
@@ -96,7 +102,7 @@ class TestBench:
 
     __test__ = False  # not a test for pytest to collect
 
-    def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, InputRecord]) -> None:
+    def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, Record]) -> None:
         self.task, self.name, self.moved, self.records = task, name, moved, records
         self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
 
@@ -177,6 +183,9 @@ class TestBench:
 
     def _static(self, trial: RuleTestCase) -> Result:
         measured, reference = self._slow(STATIC)
+        points = self.task.points
+        if points is not None:
+            reference = Side(points, measure_points(_in_unit(points, measured, self.task.loader["column.grip_arm"])))
         verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
         kept = tuple(verdict for verdict in verdicts if (verdict.rule.quantity == "surface") is (trial.key == SURFACE))
         if trial.key == SURFACE and all(verdict.outcome is Outcome.NOT_EVALUATED for verdict in kept):
@@ -203,16 +212,24 @@ class TestBench:
         return self._slow_sweeps[key]
 
     def _swept_slowly(self, key: str) -> tuple[Side, Side]:
-        record, recorded_reference = self._record(key), self._reference(key)
+        points = self.task.points if key == STATIC else None
+        record, recorded_reference = self._record(key), None if points else self._reference(key)
         measured = None if record is None else _side(record)
         reference = None if recorded_reference is None else _side(recorded_reference)
         like = measured if measured is not None else reference
         throw, lasts = self.task.throw, duration_s(self.task.rules, "slow")
         if like is not None and (measured is None or reference is None):
-            _angles_only(like.record)
+            _angles_only(like.signals)
             swept = _swept(like)
             throw = Throw(swept.stops[0] - swept.neutral, swept.stops[1] - swept.neutral, swept.name)
             lasts = swept.duration_s
+        elif points is not None:
+            low, high = (
+                end(_in_unit(points, None, self.task.loader["column.grip_arm"]).position) for end in (min, max)
+            )
+            stops = self.task.loader["column.stop_low"], self.task.loader["column.stop_high"]
+            low, high = min(throw.low_rad, low / _REACH), max(throw.high_rad, high / _REACH)
+            throw = Throw(max(low, stops[0]), min(high, stops[1]), throw.source)
         return measured or self._loader_slow(throw, lasts), reference or self._programmed_slow(throw, lasts)
 
     def _loader_slow(self, throw: Throw, lasts: float) -> Side:
@@ -266,7 +283,7 @@ class TestBench:
 
     def _quicker(self, slow: Side, name: SweepName) -> Recorded:
         """The force of a slow sweep, compressed to the duration of another."""
-        record, lasts = slow.record, duration_s(self.task.rules, name)
+        record, lasts = slow.signals, duration_s(self.task.rules, name)
         time = (record.time_s - record.time_s[0]) * (lasts / record.duration_s)
         assert record.force_n is not None  # it was swept
         return Recorded(time, record.force_n, name)
@@ -287,7 +304,7 @@ class TestBench:
             return None
         if key not in self.records:
             raise MissingError("no record")
-        return self.records[key].record
+        return self.records[key]
 
     def _reference(self, key: str) -> Record | None:
         """The recorded reference of a test; ``None`` where the programmed feel is the reference."""
@@ -295,7 +312,7 @@ class TestBench:
             return None
         if key not in self.task.references:
             raise MissingError("no reference")
-        return self.task.references[key].record
+        return self.task.references[key]
 
     def _simulated(self, make: Callable[[Moved], Record]) -> Record:
         assert self.moved is not None  # records are checked first
@@ -334,6 +351,15 @@ def _side(record: Record) -> Side:
 def _swept(side: Side) -> SweepFeatures:
     assert isinstance(side.features, SweepFeatures)  # a sweep's result
     return side.features
+
+
+def _in_unit(points: ForcePoints, measured: Side | None, grip_arm_m: float) -> ForcePoints:
+    """Points in the position's unit of the sweep that is judged; of a simulated loader, rad."""
+    unit = "rad" if measured is None else measured.record.position_unit
+    if points.position_unit == unit:
+        return points
+    scale = grip_arm_m if unit == "m" else 1 / grip_arm_m
+    return replace(points, position=points.position * scale, position_unit=unit)
 
 
 def _at_grip(swept: SweepFeatures, grip_arm_m: float) -> SweepFeatures:

@@ -8,8 +8,9 @@ import numpy as np
 
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, input_files, input_kind
-from forcefeel.qualification import Record, Rules, measure_release, read_record
+from forcefeel.qualification import ForcePoints, Record, Rules, measure_release, read_record
 from forcefeel.qualification.plan.plan import SIGNS, SMALL, STATIC, RuleTestCase
+from forcefeel.qualification.record_file import read_reference
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.throw import Throw
@@ -23,14 +24,14 @@ _BOTH_SIDES = 0.3
 
 @dataclass(frozen=True, eq=False)
 class InputRecord:
-    """An input record.
+    """An input record, or points of a static test.
 
     Attributes:
-        record: The record.
+        record: The record, or points of force over position.
         path: Its file; ``None`` for a record in memory.
     """
 
-    record: Record
+    record: Record | ForcePoints
     path: Path | None = None
 
     @property
@@ -63,11 +64,13 @@ class Recognition:
         planned: The tests.
         rules: The rule, with the durations of its sweeps.
         throw: Travel of the control; a release is recognized by its share of it.
+        conditions: Flight condition of points, as of ``ForcePoints.of_condition``.
     """
 
     planned: Sequence[RuleTestCase]
     rules: Rules
     throw: Throw
+    conditions: tuple[str, ...] = ()
 
     def read(
         self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames, times: Mapping[str, Times]
@@ -85,9 +88,16 @@ class Recognition:
         """
         records: dict[str, InputRecord] = {}
         for stated, path in files:
-            record = read_record(path, between_s=times.get(path.stem, ALL), **names.arguments(path.stem))
-            key = stated or self._test_of(record)
-            if any(trial.key == key and trial.test.kind == "release" for trial in self.planned):
+            between = times.get(path.stem, ALL)
+            record = (
+                read_reference(path, between_s=between, conditions=self.conditions, **names.arguments(path.stem))
+                if option == "--reference"
+                else read_record(path, between_s=between, **names.arguments(path.stem))
+            )
+            key = stated or (STATIC if isinstance(record, ForcePoints) else self._test_of(record))
+            if isinstance(record, ForcePoints):
+                check_static(record, key)
+            elif any(trial.key == key and trial.test.kind == "release" for trial in self.planned):
                 record = release_part(record)
             if key in records:
                 raise InputError(
@@ -123,6 +133,18 @@ class Recognition:
         if not same_side:
             raise InputError(f"{record.name}: is a {SIGNS[sign]} release; {self.rules.id} has none for this axis")
         return releases[min(same_side, key=lambda candidate: abs(candidate - share))].key
+
+
+def check_static(points: ForcePoints, key: str) -> None:
+    """Refuses points for a test other than the static one.
+
+    Raises:
+        InputError: If so.
+    """
+    if key != STATIC:
+        raise InputError(
+            f"{points.name}: has no column 'time', and {key} is a motion; expected a record over time; points are for {STATIC}"
+        )
 
 
 def check_cover(first: tuple[Record, ReleaseFeatures], other: tuple[Record, ReleaseFeatures]) -> None:

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from forcefeel.loader.loader import Loader
 from forcefeel.printable import table_html
-from forcefeel.qualification import Outcome, Record, Rules, Verdict
+from forcefeel.qualification import ForcePoints, Outcome, Record, Rules, Verdict
 from forcefeel.qualification.plan.input_records import InputRecord
 from forcefeel.qualification.plan.plan import RulePlan, RuleTestCase
 from forcefeel.qualification.release import ReleaseFeatures
@@ -40,14 +40,20 @@ class Side:
     """One of the two compared records.
 
     Attributes:
-        record: The recorded or simulated signals.
+        record: The recorded or simulated signals; points of force over position where they are the reference.
         features: Measured features; ``None`` for a record that is compared sample by sample.
         slow: Features of the slow sweep with which a medium or fast one is compared.
     """
 
-    record: Record
+    record: Record | ForcePoints
     features: Features | None = None
     slow: SweepFeatures | None = None
+
+    @property
+    def signals(self) -> Record:
+        """The record, where it is not of points."""
+        assert isinstance(self.record, Record)  # points are the reference of a static test alone
+        return self.record
 
 
 @dataclass(frozen=True, eq=False)

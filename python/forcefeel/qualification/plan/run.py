@@ -9,10 +9,10 @@ from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
-from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
+from forcefeel.qualification import DEFAULT_EDITION, ForcePoints, Record, load_rules
 from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.plan.feel_alone import FeelAlone
-from forcefeel.qualification.plan.input_records import InputRecord, Recognition, record_files
+from forcefeel.qualification.plan.input_records import InputRecord, Recognition, check_static, record_files
 from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
@@ -27,6 +27,9 @@ from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 Records = Sequence[str] | Mapping[str, Record]
 """Records as command-line arguments, ``NAME=FILE``, files or folders; or records in memory by test."""
 
+References = Records | Mapping[str, Record | ForcePoints]
+"""Likewise; the reference of the static test may be points of force over position."""
+
 
 @dataclass(frozen=True)
 class QualificationSetup:
@@ -38,11 +41,13 @@ class QualificationSetup:
         rule: Edition of the rule.
         axis: The control. Default: that of the built-in loader with this name, else pitch.
         throw_rad: Throw to either side, rad. Default: the stops of the loader or its feel, else ``throw.USUAL_RAD``.
-        references: Recorded references. Default: the programmed feel.
+        references: Recorded references. Default: the programmed feel. Points of force over position are one of the static test,
+            and leave the programmed feel as the reference of the others.
         records: Records of a simulator, used instead of the simulated loader; laws are then ignored.
         tests: Keys of the requested tests, such as ``release-25-positive``. Default: the whole test plan.
         columns: Column names of the files, as command-line arguments: ``[STEM:]position=NAME``.
         units: Units of columns without a unit in the header: ``[STEM:]NAME=deg``.
+        conditions: Flight condition of points among the references: ``NAME=VALUE``, such as ``q=60 lb/ft^2``.
         starts, ends: First and last time to read from the files: ``[STEM=]TIME``. Default: all.
         dynamic_pressure_pa: Dynamic pressure, for a feel whose stiffness depends on it.
         overdamped: Quantity compared where a response has no overshoot.
@@ -58,11 +63,12 @@ class QualificationSetup:
     rule: str = DEFAULT_EDITION
     axis: Axis | None = None
     throw_rad: Annotated[float, ANGLE] | None = None
-    references: Records = ()
+    references: References = ()
     records: Records = ()
     tests: Sequence[str] = ()
     columns: Sequence[str] = ()
     units: Sequence[str] = ()
+    conditions: Sequence[str] = ()
     starts: Sequence[str] = ()
     ends: Sequence[str] = ()
     dynamic_pressure_pa: Annotated[float, PRESSURE] | None = None
@@ -109,13 +115,16 @@ def qualify_loader(
     omitted = tuple(row for row in ARM_ROWS if loader[row] != 0)
     loader = loader.replace(dict.fromkeys(omitted))
     throw = Throw.of(loader, setup.throw_rad)
-    references, records = _references_and_records(setup, Recognition(planned, rules, throw))
+    references, records = _references_and_records(setup, Recognition(planned, rules, throw, tuple(setup.conditions)))
     feel = FeelAlone(loader)
     motions = Motions.of(loader, setup.dynamic_pressure_pa)
-    task = Task(loader, feel, motions, rules, throw, references, setup.system, setup.overdamped)
+    moving = {key: it.record for key, it in references.items() if isinstance(it.record, Record)}
+    points = next((it.record for it in references.values() if isinstance(it.record, ForcePoints)), None)
+    task = Task(loader, feel, motions, rules, throw, moving, setup.system, setup.overdamped, points)
     laws: Mapping[str, Law] = {} if records else _laws(loader, setup)
     if records:
-        benches = {"record": TestBench(task, "recorded simulator", None, records)}
+        moved = {key: it.record for key, it in records.items() if isinstance(it.record, Record)}
+        benches = {"record": TestBench(task, "recorded simulator", None, moved)}
     else:
         benches = {
             name: TestBench(task, law_text(name), SimulatedLoader(loader, law), {}) for name, law in laws.items()
@@ -140,13 +149,18 @@ def qualify_loader(
         axis,
         throw,
         setup.system,
-        "recorded aircraft" if references else feel.method,
+        _reference_text(moving, points, feel),
         test_plan,
         tuple(sections),
         files,
         setup.simulator,
         setup.operator,
     )
+
+
+def _reference_text(moving: Mapping[str, Record], points: ForcePoints | None, feel: FeelAlone) -> str:
+    others = "recorded aircraft" if moving else feel.method
+    return others if points is None else f"{len(points.force_n)} points of {points.name} at rest; in motion {others}"
 
 
 def law_text(name: str) -> str:
@@ -187,7 +201,12 @@ def _references_and_records(
     return references, records
 
 
-def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[RuleTestCase]) -> dict[str, InputRecord]:
+def _in_memory(
+    kind: str, those: Mapping[str, Record | ForcePoints], planned: Sequence[RuleTestCase]
+) -> dict[str, InputRecord]:
+    for key, record in those.items():
+        if isinstance(record, ForcePoints):
+            check_static(record, key)
     keys = [trial.key for trial in planned]
     if strangers := [key for key in those if key not in keys]:
         raise InputError(f"{kind}s: unknown test {show(strangers[0])}; expected some of {', '.join(keys)}")
