@@ -75,6 +75,26 @@ def test_outward_points_alone_program_the_sum_as_breakout_and_say_so():
     assert "their sum is programmed as breakout" in sentence
 
 
+def test_stated_breakout_leaves_the_rest_of_outward_points_to_friction():
+    fit = fitted(Control().points(OUT, np.sign(OUT), stated=False), breakout_n=8.0)
+    assert fit.loader["feel.breakout"] == 8.0
+    assert fit.loader["feel.coulomb_friction"] == pytest.approx(6.0, abs=EXACT)
+
+
+def test_recorded_sweep_of_thousands_of_points_gives_the_same_feel():
+    """With time the points are in order; hysteresis, which the aircraft has not, is not programmed."""
+    control = Control(progressive)
+    record = control.swept(14.0, 60.0, rate=20.0)
+    x, force = record.position[1:], record.force_n[1:]
+    moving = np.abs(np.gradient(x)) > 1e-6  # rad a sample; where it sticks the force is not that of motion
+    direction = np.sign(np.gradient(x))
+    points = ff.qualification.ForcePoints(x[moving], force[moving], direction[moving], in_order=True)
+    fit = fitted(points)
+    assert off_the_control(fit, control) < 1
+    assert fit.row("feel.hysteresis") is None
+    assert fit.loader["feel.coulomb_friction"] == pytest.approx(6.0, abs=NOISE_N)
+
+
 def test_intervals_hold_the_true_values():
     """Of 95 % intervals, 36 leave at most one in six out; by chance more is rarer than 1 in 500."""
     control, missed, count = Control(), 0, 0
@@ -120,7 +140,7 @@ def test_deadband_and_preload_show():
 def test_hysteresis_shows_in_the_order_of_time():
     """A play of 0.8 deg to either side, by an operator of the test's own, beside dry friction."""
     corners = [0, 12, -12, 12, 0]
-    angle = np.concatenate([np.linspace(a, b, 60, endpoint=False) for a, b in pairwise(corners)])
+    angle = np.concatenate([np.linspace(a, b, 40, endpoint=False) for a, b in pairwise(corners)])
     slider, forces, last = 0.0, [], 0.0
     for x in angle:
         slider = min(max(slider, x - 0.8), x + 0.8)

@@ -98,7 +98,7 @@ def _friction(fit: FeelFit) -> Iterator[str]:
             "'time (s)' would prove it."
         )
     if not both_ways(points.position, points.directions):
-        if stated is None or stated.source is not Source.STATED:
+        if not any(row and row.source is Source.STATED for row in (stated, fit.row("feel.breakout"))):
             yield (
                 "Friction and breakout cannot be told apart without points on the way back: their sum is programmed as breakout. "
                 "State --friction to divide it."

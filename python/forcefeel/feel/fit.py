@@ -113,6 +113,7 @@ def _checked(points: ForcePoints, loader: Loader) -> ForcePoints:
         )
     if not np.ptp(points.force_n) > 0:
         raise InputError(f"{points.name}: expected forces that differ, got {points.force_n[0]:g} N everywhere")
+    points = points.thinned()
     check_branches(points, points.directions)
     if points.position_unit == "rad":
         return points
@@ -161,7 +162,8 @@ def _allowed(points: ForcePoints, plan: FeelPlan, directions: _Array) -> list[st
     """The parts that the points may show."""
     x = points.position
     loops = both_ways(x, directions)
-    parts = ["friction"] if loops and plan.friction_n is None else []
+    divided = loops or plan.breakout_n is not None
+    parts = ["friction"] if divided and plan.friction_n is None else []
     if plan.breakout_n is None:
         parts.append("breakout")
     parts.append("deadband")

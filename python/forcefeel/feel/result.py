@@ -84,7 +84,7 @@ class FeelFit:
     Attributes:
         plan: The request.
         loader: The loader with the fitted feel.
-        points: The points, positions as angles of the column.
+        points: The points, positions as angles of the column; of a record, means.
         directions: How the directions of the points are known.
         shape: The chosen shape.
         rows: The rows of the feel with their intervals.

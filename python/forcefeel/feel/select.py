@@ -21,8 +21,8 @@ _KNOTS = (2, 3, 4, 6, 8)
 """Numbers of knots on a side that are tried, each from the one before or after it."""
 _TOLERANCE = 1e-6
 """Relative change of squares and unknowns at which a fit ends, far below any interval."""
-_EXACT = 1e-4
-"""Share of the largest force below which residuals are rounding of the file."""
+_EXACT = 1e-3
+"""Share of the largest force below which residuals are of no interest: the accuracy of a good force sensor."""
 _FEWEST_BEYOND = 2
 """Least number of points beyond a soft stop, and between a stop and neutral."""
 _EQUAL, _MORE = 0.01, 2

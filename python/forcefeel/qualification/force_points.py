@@ -42,6 +42,9 @@ _STILL = 1e-3
 _SAME_PLACE, _APART = 0.02, 0.05
 """Share of the travel within which positions are equal, and share of the largest force above which forces differ."""
 
+_MOST, _CELLS = 400, 100
+"""Points above which a record is thinned, and cells of its travel."""
+
 _Array = NDArray[np.float64]
 
 
@@ -142,6 +145,30 @@ class ForcePoints:
         """A position as text in the unit of its file."""
         unit = self.shown_unit or self.position_unit
         return f"{to_text(position * factor(self.position_unit, unit))} {unit}"
+
+    def thinned(self) -> "ForcePoints":
+        """The points of a record as means over short travels in one direction; a few points as they are.
+
+        Samples of a record at which the control stands still are left out: there friction takes any value.
+        """
+        moving = self.taken(self.directions != 0) if self.in_order and self.directions.any() else self
+        if len(moving.position) <= _MOST:
+            return moving
+        part = moving if self.in_order else moving.taken(np.lexsort((moving.position, moving.directions)))
+        cell = np.round(part.position / np.ptp(part.position) * _CELLS)
+        begins = np.concatenate(([True], (np.diff(cell) != 0) | (np.diff(part.directions) != 0)))
+        number = np.cumsum(begins) - 1
+        count = np.bincount(number)
+        known = np.ones(len(number)) if part.force_uncertainty_n is None else part.force_uncertainty_n
+        position, force, uncertainty = (np.bincount(number, of) / count for of in (part.position, part.force_n, known))
+        return replace(
+            part,
+            position=position,
+            force_n=force,
+            direction=part.directions[begins],
+            force_uncertainty_n=uncertainty / np.sqrt(count),
+            conditions={},
+        )
 
     def groups(self) -> dict[str, NDArray[np.bool_]]:
         """The points of each flight condition, by its text; a single one without text if none is stated."""
