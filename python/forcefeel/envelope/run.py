@@ -76,7 +76,7 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     return _compute(plan, list(_groups(plan)), threads, progress)
 
 
-_BATCH, _REFINED = 384, 8
+BATCH, _REFINED = 384, 8
 """Most releases in a batch of several whole cases, about a second of work, and most inferred cases that are refined together. Both
 keep lanes and cores busy.
 """
@@ -84,7 +84,7 @@ keep lanes and cores busy.
 
 def _groups(plan: Plan) -> Iterator[tuple[Case, ...]]:
     """Cases that run in one batch: all whole or all inferred, with an arm or without."""
-    most = max(1, _BATCH * len(plan.settings.frequency) // plan.settings.count)
+    most = max(1, BATCH * len(plan.settings.frequency) // plan.settings.count)
     cases = groupby((*plan.cases, *plan.machines), lambda case: (plan.infers(case), case.arm is None))
     for (inferred, _), group in cases:
         alike, size = tuple(group), _REFINED if inferred else most
