@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
-from forcefeel.envelope.refinement import PACE, SHARE, UNKNOWN, rounds
+from forcefeel.envelope.refinement import PACE, UNKNOWN, rounds
 from forcefeel.envelope.releases import (
     Record,
     carrying,
@@ -102,7 +102,7 @@ def _refined(
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
     run = ~stable
     shape = len(cases), *plan.settings.shape
-    counted, usual = 0, SHARE * outcome.size
+    counted, usual = 0, sum(map(plan.usual_runs, cases))
     # Of views, which share their memory.
     for index, wanted in enumerate(rounds(outcome.reshape(shape), margin.reshape(shape), UNSTABLE_LOOP)):
         settings = wanted.reshape(outcome.shape)
@@ -112,7 +112,7 @@ def _refined(
         now = round(PACE[min(index, len(PACE) - 1)] * usual)
         advance(now - counted)
         counted = now
-    advance(round(usual) - counted)
+    advance(usual - counted)
     return outcome, margin, ~run
 
 

@@ -134,7 +134,7 @@ def _touch(
     forces = np.zeros(swings.shape)
     for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
         swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
-        advance(len(feel))
+        advance(plan.contact_releases)
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
     data.coords["contact"] = [contact.name for contact in plan.contacts]
     data["swings_on"] = over, swings.reshape(shape)
