@@ -192,3 +192,15 @@ def test_progress_ends_at_its_constant_total() -> None:
     assert len({total for _, total in reports}) == 1
     assert all(later[0] >= earlier[0] for earlier, later in pairwise(reports))
     assert reports[-1][0] == reports[-1][1]
+
+
+def test_progress_counts_contacts_and_inferred_cases_by_their_time(maps: tuple[Envelope, Envelope]) -> None:
+    plan, full = maps[0].plan, maps[1].plan
+    count = plan.settings.count
+    assert full.releases == 7 * count  # nominal, four plants off their values, two drawn machines
+    nominal, plant, drawn = (plan.usual_runs(case) for case in (plan.cases[0], plan.cases[1], plan.machines[0]))
+    assert nominal == count > drawn > plant > 0
+    assert plan.releases == nominal + 4 * plant + 2 * drawn
+    contacts = plan.with_contacts()
+    assert contacts.releases - plan.releases == len(contacts.contacts) * plan.contact_releases
+    assert 0 < plan.contact_releases < count / 2

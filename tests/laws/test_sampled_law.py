@@ -124,6 +124,7 @@ def test_subset_of_laws_is_selected():
         chosen = laws.some(which)
         np.testing.assert_array_equal(chosen.rows(), laws.rows()[places])
         assert (chosen.period_s, chosen.delay_s) == (PERIOD, DELAY)
+        assert not any(array.flags.writeable for array in (chosen.transition, chosen.settled))
 
 
 def test_law_numbers_are_copied_and_read_only():

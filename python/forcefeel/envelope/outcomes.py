@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
-from forcefeel.envelope.refinement import PACE, SHARE, UNKNOWN, rounds
+from forcefeel.envelope.refinement import PACE, UNKNOWN, rounds
 from forcefeel.envelope.releases import (
     Record,
     carrying,
@@ -26,7 +26,7 @@ from forcefeel.qualification.batch_verdicts import NAMES, BatchVerdicts, judge_r
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.too_small import Beyond
 
-PASSED, _UNSTABLE, _FIRST = 0, 1, 2
+PASSED, UNSTABLE_LOOP, _FIRST = 0, 1, 2
 """Outcome codes; figures that can fail start at ``_FIRST``."""
 
 FIGURES = (*NAMES, NOT_HELD)
@@ -74,9 +74,13 @@ def find_outcomes(
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(group) * len(which))
     # A force that the motor cannot hold is wrong before the release, even if the release passes.
-    not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
-    outcome[(outcome == PASSED) & not_held] = _FIRST + len(NAMES)
+    outcome[(outcome == PASSED) & force_not_held(plan, feel)] = _FIRST + len(NAMES)
     return outcome, margin, inferred
+
+
+def force_not_held(plan: Plan, feel: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Settings whose force before the release is beyond the motor."""
+    return Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
 
 
 def _with_arm(group: Sequence[Case]) -> bool:
@@ -94,36 +98,52 @@ def _refined(
 ) -> Outcomes:
     """Outcomes of a law in hands-off cases, run where ``rounds`` asks for it."""
     stable = np.array([stable_settings(plan, case, feel, law, threads) for case in cases])
-    outcome = np.where(stable, UNKNOWN, _UNSTABLE).astype(np.int8)
+    outcome = np.where(stable, UNKNOWN, UNSTABLE_LOOP).astype(np.int8)
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
     run = ~stable
     shape = len(cases), *plan.settings.shape
-    counted, usual = 0, SHARE * outcome.size
+    counted, usual = 0, sum(map(plan.usual_runs, cases))
     # Of views, which share their memory.
-    for index, wanted in enumerate(rounds(outcome.reshape(shape), margin.reshape(shape), _UNSTABLE)):
+    for index, wanted in enumerate(rounds(outcome.reshape(shape), margin.reshape(shape), UNSTABLE_LOOP)):
         settings = wanted.reshape(outcome.shape)
-        for record, places, which in _batches(plan, settings):
-            grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
-            pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
-            good, angles = released_pairs(plan, pairs, feel, law, record, threads)
-            reference = measured(plan, record, _ideal(plan, cases[0], feel[which], record), threads)
-            measures = measured(plan, record, angles, threads)
-            verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
-            outcome[places, which], margin[places, which] = _judged(verdicts, good)
+        for places, which, codes, margins in run_settings(plan, cases, settings, feel, law, threads):
+            outcome[places, which], margin[places, which] = codes, margins
         run |= settings
         now = round(PACE[min(index, len(PACE) - 1)] * usual)
         advance(now - counted)
         counted = now
-    advance(round(usual) - counted)
+    advance(usual - counted)
     return outcome, margin, ~run
 
 
-def _batches(plan: Plan, wanted: NDArray[np.bool_]) -> Iterator[tuple[Record, NDArray[np.intp], NDArray[np.intp]]]:
-    """Cases and settings to run (cases, settings), by their record."""
-    for record, settings in records(plan, arm=False):
-        places, which = np.nonzero(wanted & settings)
-        for chunk in record.chunks(len(which)):
-            yield record, places[chunk], which[chunk]
+Ran = tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int8], NDArray[np.float32]]
+"""Case, setting, outcome and margin of each release."""
+
+
+def run_settings(
+    plan: Plan, cases: Sequence[Case], settings: NDArray[np.bool_], feel: NDArray[np.float64], law: Law, threads: int
+) -> Iterator[Ran]:
+    """Release some settings (cases, settings) whose loops are stable, in batches.
+
+    Args:
+        plan: The envelope of a simulated loader.
+        cases: All with an arm at the grip, or all hands off.
+        settings: The settings to run in each case.
+        feel: I, B, G of all settings, (settings, 3).
+        law: Law of each setting.
+        threads: Number of threads.
+    """
+    for record, alike in records(plan, arm=_with_arm(cases)):
+        all_places, all_which = np.nonzero(settings & alike)
+        for chunk in record.chunks(len(all_which)):
+            places, which = all_places[chunk], all_which[chunk]
+            grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
+            pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
+            good, angles = released_pairs(plan, pairs, feel, law, record, threads)
+            ideal = np.vstack([_ideal(plan, case, feel[some], record) for case, some in pairs])
+            reference, measures = (measured(plan, record, motion, threads) for motion in (ideal, angles))
+            verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
+            yield places, which, *_judged(verdicts, good)
 
 
 def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
@@ -134,5 +154,5 @@ def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) ->
 def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
     """Outcome and margin of each release."""
     failing = np.where(verdicts.passed, PASSED, verdicts.first_failing + _FIRST)
-    outcome = np.where(stable, failing, _UNSTABLE).astype(np.int8)
+    outcome = np.where(stable, failing, UNSTABLE_LOOP).astype(np.int8)
     return outcome, np.where(stable, verdicts.margin, np.nan).astype(np.float32)

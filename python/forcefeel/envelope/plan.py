@@ -7,11 +7,10 @@ from types import MappingProxyType
 from typing import Annotated, TypedDict, Unpack
 
 from forcefeel.envelope.cases import REFERENCE_ARMS, Case, Kind, PilotArm, make_cases
-from forcefeel.envelope.contact import CONTACTS, Contact
+from forcefeel.envelope.contact import CONTACT_TIME, CONTACTS, Contact
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
-from forcefeel.envelope.refinement import SHARE
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
@@ -26,6 +25,9 @@ _LARGEST_ANGLE = radians(90.0)
 
 SMALLER = tuple(map(radians, (10.0, 5.0, 2.0, 1.0, 0.5)))
 """Further release angles with a stated share."""
+
+_USUAL_SHARES = {Kind.PLANT: 0.25, Kind.DRAWN: 0.4}
+"""Usual share of the settings that are run in an inferred case; machines with all tolerances at once fail at more of them."""
 
 _BELOW = 0.99
 """Share of the release angle; larger angles count as the same."""
@@ -139,10 +141,19 @@ class Plan:
 
     @property
     def releases(self) -> int:
-        """Number of releases and of contacts; with inferred outcomes the usual number, for progress."""
-        cases = sum(SHARE if self.infers(case) else 1.0 for case in (*self.cases, *self.machines))
-        cases += len(self.smaller_rad) + len(self.contacts)
-        return round(len(self.laws) * cases * self.settings.count)
+        """Usual number of releases, for progress; contacts count by their time."""
+        each = sum(map(self.usual_runs, (*self.cases, *self.machines)))
+        each += len(self.smaller_rad) * self.settings.count + len(self.contacts) * self.contact_releases
+        return len(self.laws) * each
+
+    def usual_runs(self, case: Case) -> int:
+        """Usual number of settings of a case that are run."""
+        return round(self.settings.count * (_USUAL_SHARES[case.kind] if self.infers(case) else 1.0))
+
+    @property
+    def contact_releases(self) -> int:
+        """Number of releases that take as long as all settings in one contact."""
+        return round(self.settings.count * CONTACT_TIME)
 
     @property
     def linear(self) -> bool:

@@ -22,9 +22,6 @@ STRIDES = (4, 8), (2, 4), (1, 2)
 PACE = 0.17, 0.31, 0.61, 0.87, 1.0
 """Usual share of the runs by the end of each round, for progress."""
 
-SHARE = 0.25
-"""Usual share of the settings that are run, for progress."""
-
 FEWEST, LARGEST_RATIO = 9, 1.25
 """Fewest values, and largest ratio of neighboring values, of frequency and stiffness; a coarser grid is run whole."""
 

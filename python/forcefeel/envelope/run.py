@@ -76,16 +76,19 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     return _compute(plan, list(_groups(plan)), threads, progress)
 
 
-_BATCH = 384
-"""Most releases in a batch of several cases: a second of work, and lanes and cores are busy for few settings too."""
+BATCH, _REFINED = 384, 8
+"""Most releases in a batch of several whole cases, about a second of work, and most inferred cases that are refined together. Both
+keep lanes and cores busy.
+"""
 
 
 def _groups(plan: Plan) -> Iterator[tuple[Case, ...]]:
     """Cases that run in one batch: all whole or all inferred, with an arm or without."""
-    most = max(1, _BATCH * len(plan.settings.frequency) // plan.settings.count)
-    for _, group in groupby((*plan.cases, *plan.machines), lambda case: (plan.infers(case), case.arm is None)):
-        alike = tuple(group)
-        yield from (alike[first : first + most] for first in range(0, len(alike), most))
+    most = max(1, BATCH * len(plan.settings.frequency) // plan.settings.count)
+    cases = groupby((*plan.cases, *plan.machines), lambda case: (plan.infers(case), case.arm is None))
+    for (inferred, _), group in cases:
+        alike, size = tuple(group), _REFINED if inferred else most
+        yield from (alike[first : first + size] for first in range(0, len(alike), size))
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
@@ -131,7 +134,7 @@ def _touch(
     forces = np.zeros(swings.shape)
     for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
         swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
-        advance(len(feel))
+        advance(plan.contact_releases)
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
     data.coords["contact"] = [contact.name for contact in plan.contacts]
     data["swings_on"] = over, swings.reshape(shape)

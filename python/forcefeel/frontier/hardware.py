@@ -7,9 +7,9 @@ from typing import Annotated
 
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Shares
-from forcefeel.envelope.run import compute
+from forcefeel.envelope.worst_case import worst_case_shares
 from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
-from forcefeel.frontier.tolerance_levels import Progress, ToleranceLevels, onward
+from forcefeel.frontier.tolerance_levels import Progress, ToleranceLevels
 from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import Loader
@@ -142,7 +142,7 @@ class Gain:
 
 
 def hardware_releases(plan: Plan) -> int:
-    """Number of releases for all changes that apply."""
+    """Number of settings times cases of all changes that apply; some are decided without a run."""
     return sum(change.applies(plan.loader) for change in CHANGES) * plan.settings.count * len(plan.cases)
 
 
@@ -153,6 +153,13 @@ def hardware(
     plan, gains, done = levels.full.plan, [], 0
     before = levels.full.shares(levels.law)
     total = hardware_releases(plan)
+    hardest = [row.case for row in sorted(levels.full.case_shares(levels.law), key=lambda row: row.passes)]
+
+    def advance(some: int) -> None:
+        nonlocal done
+        done += some
+        progress(done, total)
+
     for change in CHANGES:
         if not change.applies(plan.loader):
             continue
@@ -166,9 +173,8 @@ def hardware(
             plan.arms,
             plan.release_rad,
         )
-        after = compute(changed, threads=threads, progress=onward(progress, done, total))
-        done += changed.settings.count * len(changed.cases)
-        gains.append(_gain(change.name, change.remark, after.shares(change.law or levels.law), before))
+        after = worst_case_shares(changed, hardest, threads=threads, advance=advance)
+        gains.append(_gain(change.name, change.remark, after, before))
     if levels.tolerances[INERTIA] > KNOWN_TO:
         gains += [_known(levels, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(gains, key=lambda gain: (-gain.worst_gain, -gain.nominal_gain)))

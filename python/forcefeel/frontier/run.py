@@ -29,7 +29,7 @@ DEFAULT_GRID: Mapping[str, str] = {
     "frequency": "0.616..3.25 Hz:5:log",
     "damping": "0.1, 0.4, 0.7, 1.5",
 }
-"""140 settings with some 550 releases each: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz. A coarse grid from edge to
+"""140 settings with 300 to 550 releases each: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz. A coarse grid from edge to
 edge would overweight the edges, where the inertia is smallest."""
 
 

@@ -14,6 +14,8 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
+from forcefeel.frontier.bisection import bisected
+from forcefeel.threads import threads_or_cores
 
 FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.025)
 """ToleranceLevels: factors on all tolerances of the plant."""
@@ -30,7 +32,8 @@ class ToleranceLevels:
         full: Envelope at the full tolerances.
         factors: The levels, falling from 1.
         cases: Cases of each level; arms only on the first.
-        passes: Passes in each case of each level, (cases, settings).
+        passes: Passes in each case of each level, (cases, settings); below the full tolerance of a simulated loader only of
+            settings that pass nominally and with every arm.
         stable: Stability in each case of each level, (cases, settings).
     """
 
@@ -61,7 +64,7 @@ class ToleranceLevels:
         Args:
             tight: Parameters on ``level``.
             level: Index in ``factors``; one beyond the last for exactly known parameters.
-            rest: Rung of all other parameters.
+            rest: Level of all other parameters.
             stable: Return stable settings instead of passes.
         """
         good = self.stable if stable else self.passes
@@ -80,9 +83,14 @@ def onward(progress: Progress, done: int, total: int) -> Progress:
     return lambda now, _: progress(done + now, total)
 
 
+_SMALLER = 0.5
+"""Usual releases of a simulated loader on all levels below the first, as a share of the first; for progress."""
+
+
 def level_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
-    """Number of releases on all levels."""
-    return plan.settings.count * (len(factors) * (len(plan.cases) - len(plan.arms)) + len(plan.arms))
+    """Number of releases on all levels; for a simulated loader the usual number."""
+    levels = len(factors) if plan.linear else 1 + _SMALLER
+    return round(plan.settings.count * (levels * (len(plan.cases) - len(plan.arms)) + len(plan.arms)))
 
 
 def run_levels(
@@ -102,17 +110,27 @@ def run_levels(
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected levels that fall from 1 and stay above 0, got {list(factors)}")
     total, done = level_releases(plan, factors), 0
+    plans = [
+        Plan(
+            plan.given,
+            plan.laws,
+            plan.settings,
+            plan.rule,
+            {key: deviation.scaled(factor) for key, deviation in plan.deviations.items()},
+            plan.arms if factor == 1.0 else (),
+            plan.angle_rad,
+        )
+        for factor in factors
+    ]
     envelopes: list[Envelope] = []
-    for factor in factors:
-        changes = {key: deviation.scaled(factor) for key, deviation in plan.deviations.items()}
-        arms = plan.arms if factor == 1.0 else ()
-        level = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
+    for level in plans if plan.linear else plans[:1]:
         envelopes.append(compute(level, threads=threads, progress=onward(progress, done, total)))
         done += level.settings.count * len(level.cases)
-    return ToleranceLevels(
-        envelopes[0],
-        factors,
-        cases=tuple(envelope.plan.cases for envelope in envelopes),
-        passes=tuple(envelope.passes(envelope.laws[0]) for envelope in envelopes),
-        stable=tuple(envelope.stable(envelope.laws[0]) for envelope in envelopes),
-    )
+    passes = [envelope.passes(envelope.laws[0]) for envelope in envelopes]
+    stable = [envelope.stable(envelope.laws[0]) for envelope in envelopes]
+    if not plan.linear:
+        for smaller in bisected(envelopes[0], plans[1:], threads_or_cores(threads)):
+            passes.append(smaller.passes)
+            stable.append(smaller.stable)
+        progress(total, total)
+    return ToleranceLevels(envelopes[0], factors, tuple(level.cases for level in plans), tuple(passes), tuple(stable))

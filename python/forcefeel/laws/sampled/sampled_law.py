@@ -14,6 +14,7 @@ and, where it knows the column's dry friction, torque and state as ``crates/mode
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
@@ -152,8 +153,12 @@ class SampledLaw:
     def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledLaw":
         """The laws of some settings: one index, or a slice, indices or a mask."""
         chosen = np.atleast_1d(np.arange(self.settings)[which])
-        numbers = (getattr(self, name)[chosen] for name in NUMBERS)
-        return SampledLaw(self.period_s, self.delay_s, *numbers)
+        law = copy(self)  # nothing to check or to settle again
+        for name in (*NUMBERS, "settled"):
+            part = getattr(self, name)[chosen]
+            part.setflags(write=False)
+            object.__setattr__(law, name, part)
+        return law
 
     def between(self, other: "SampledLaw", share: float) -> "SampledLaw":
         """The law whose every number is ``(1 - share) a + share b``: it says what lies between what the two say.
