@@ -9,6 +9,7 @@ from forcefeel import envelope as envelope
 from forcefeel import export as export
 from forcefeel import feel as feel
 from forcefeel import flight_schedule as flight_schedule
+from forcefeel import fly as fly
 from forcefeel import frontier as frontier
 from forcefeel import laws as laws
 from forcefeel import linear as linear
