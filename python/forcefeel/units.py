@@ -46,6 +46,7 @@ _QUANTITIES = {
     "N m s^2/rad^2": "a quadratic damping coefficient",
     "rad": "an angle",
     "1/s": "a rate",
+    "1/rad": "a share per angle",
     "rad/s": "a frequency",
     "A": "a current",
     "V": "a voltage",

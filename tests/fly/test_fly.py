@@ -34,7 +34,7 @@ def test_hand_carries_the_hinge_moment_of_the_flight(flown):
     trimmed = ff.fly.Aircraft("c172p", SPEED, ALTITUDE).state()
     # From 3 s on the short period has died; what is left is the slow loss of speed.
     forces = balance(flown.loader, flown.states, trimmed, flown.angle_rad)[375:575]
-    assert forces.mean() == pytest.approx(HAND_N, rel=0.01)
+    assert forces.mean() == pytest.approx(HAND_N, rel=0.01)  # of what is left of the swing
     assert flown.states["load_factor"].max() > 1.35
 
 
@@ -50,7 +50,9 @@ def test_force_per_g_is_that_of_trimmed_pull_ups(flown):
     zero = trims[1.0].trimmed_rad
     forces = [balance(flown.loader, states[n], states[1.0], trims[n].trimmed_rad - zero) for n in (1.2, 1.4)]
     expected = (forces[1] - forces[0]) / (states[1.4]["load_factor"] - states[1.2]["load_factor"])
-    assert ff.fly.force_per_g(flown.loader, "c172p", SPEED, ALTITUDE) == pytest.approx(expected, rel=1e-9)
+    assert ff.fly.force_per_g(flown.loader, "c172p", SPEED, ALTITUDE) == pytest.approx(
+        expected, rel=1e-9
+    )  # the tab, by rounding
     # JSBSim pulls up at the rate g (n - 1) / V.
     turn = 9.80665 * (1.4 - 1.0) / states[1.4]["true_airspeed"]
     assert states[1.4]["pitch_rate"] == pytest.approx(turn, rel=2e-3)  # its gravity is that of the altitude

@@ -75,7 +75,9 @@ def bridge(
         ended: Asked about 500 times a second.
 
     Example:
-        See ``Simulator``.
+        >>> simulator = ff.bridge.Text(("127.0.0.1", 0))
+        >>> ff.bridge.bridge(simulator, ("127.0.0.1", 9), ff.bridge.BridgeSettings(0.25), lambda: True).states
+        0
     """
     report, states, next_s, state = BridgeReport(), live_states(), 0.0, None
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:

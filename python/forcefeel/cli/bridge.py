@@ -73,7 +73,7 @@ class BridgeOptions(OutputOptions):
 
 
 def run(
-    simulator: Annotated[SimulatorKind, Parameter(show_choices=False)], /, *, options: BridgeOptions = BridgeOptions()
+    simulator: Annotated[str, Parameter(help="x-plane or text.")], /, *, options: BridgeOptions = BridgeOptions()
 ) -> None:
     """Connect an aircraft simulator to a running loader: the flight to the loader, the column's angle to the aircraft.
 
@@ -93,13 +93,20 @@ def run(
         jam_n=_positive("--jam-force", options.jam_force, "N", "400 N"),
     )
     loader = _address("--loader", options.loader)
-    speaks = _simulator(simulator, options)
+    kind = _kind(simulator)
+    speaks = _simulator(kind, options)
     with _stop_signals() as stopped:
         until = time.monotonic() + lasts
         report = bridge(speaks, loader, settings, lambda: stopped.is_set() or time.monotonic() >= until)
-    answer({}, lambda: asdict(report), lambda terminal: _show(terminal, report, simulator), as_json=options.json)
+    answer({}, lambda: asdict(report), lambda terminal: _show(terminal, report, kind), as_json=options.json)
     if not report.states or not report.answers or report.refused:
         raise SystemExit(BAD_ANSWER)
+
+
+def _kind(given: str) -> SimulatorKind:
+    if given not in set(SimulatorKind):
+        raise InputError(f"SIMULATOR: expected {' or '.join(SimulatorKind)}, got {show(given)}")
+    return SimulatorKind(given)
 
 
 def _simulator(kind: SimulatorKind, options: BridgeOptions) -> "Simulator":

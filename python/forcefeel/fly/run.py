@@ -43,8 +43,8 @@ class Flown:
     Example:
         >>> aircraft = ff.fly.Aircraft("c172p", 51.4, 900.0)
         >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(25), "robust")
-        >>> flown.time_s[-1]
-        0.192
+        >>> f"{flown.time_s[-1]:.3f} s"
+        '0.192 s'
     """
 
     time_s: NDArray[np.float64] = field(repr=False)
@@ -68,7 +68,9 @@ def fly(loader: Loader, aircraft: Aircraft, force_n: NDArray[np.float64], law: L
             aircraft leaves the range of its model.
 
     Example:
-        See ``Flown``.
+        >>> flown = ff.fly.fly(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0), np.zeros(5), "robust")
+        >>> len(flown.angle_rad)
+        5
     """
     loader = with_elevator(loader, aircraft)
     driven_by = live_law(law, loader)
