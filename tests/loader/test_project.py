@@ -17,6 +17,7 @@ TAKE_A_LOADER = {
     "export": ("--to", "matlab"),
     "excite": ("--experiment", "servo-closed", "--fit", "k"),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
+    "fly": (),
     "frontier": (),
     "identify": ("--data", "x.csv", "--fit", "k"),
     "resonance": ("--data", "x.csv"),
