@@ -82,6 +82,17 @@ def test_what_cannot_fly_is_named(forcefeel, monkeypatch):
         ff.fly.Aircraft("c172p", SPEED, ALTITUDE)
 
 
+def test_flight_that_the_loader_cannot_render_is_refused(monkeypatch):
+    """An overbalanced elevator: it must not be flown without its moment."""
+    whole = aircraft_module.with_elevator
+    monkeypatch.setattr(
+        "forcefeel.fly.run.with_elevator",
+        lambda *of: whole(*of).replace({"surface.per_deflection": 0.9}, si=True),
+    )
+    with pytest.raises(ff.InputError, match="cannot render the hinge moment at"):
+        ff.fly.fly(ff.digital_elevator(), ff.fly.Aircraft("c172p", SPEED, ALTITUDE), np.zeros(9), "robust")
+
+
 def test_command_prints_and_writes_the_flight(forcefeel, tmp_path):
     status, out, err = forcefeel("fly", "--duration", "2 s", "--out", str(tmp_path / "flight.csv"))
     assert (status, err) == (0, "")

@@ -1,7 +1,7 @@
 //! The packets between an aircraft simulator and a loader, for programs that speak for either.
 
 use crate::errors::refused;
-use forcefeel_model::host::packet::{FROM_HOST, HOST_NUMBERS};
+use forcefeel_model::host::packet::{FROM_HOST, HOST_NUMBERS, switches};
 use forcefeel_model::host::{FromHost, ToHost};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -10,6 +10,13 @@ use std::collections::BTreeMap;
 #[pyfunction]
 pub fn host_numbers() -> Vec<(&'static str, &'static str, f32, f32, f32)> {
     FROM_HOST.to_vec()
+}
+
+/// The switches of a host by name.
+#[pyfunction]
+pub fn host_switches() -> BTreeMap<&'static str, u32> {
+    use switches::{ACTIVE, FLIGHT, FREEZE, JAM};
+    [("active", ACTIVE), ("jam", JAM), ("freeze", FREEZE), ("flight", FLIGHT)].into()
 }
 
 /// A host's packet; of the numbers that are not given holds what does without a host.

@@ -96,6 +96,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<lockstep::LockStep>()?;
     module.add_function(wrap_pyfunction!(host::host_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(host::host_packet, module)?)?;
+    module.add_function(wrap_pyfunction!(host::host_switches, module)?)?;
     module.add_function(wrap_pyfunction!(host::host_answer, module)?)?;
     module.add_function(wrap_pyfunction!(host::host_request, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_columns, module)?)?;

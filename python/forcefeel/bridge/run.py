@@ -6,15 +6,16 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from forcefeel._core import host_answer, host_numbers, host_packet, live_states
+from forcefeel._core import host_answer, host_numbers, host_packet, host_switches, live_states
 from forcefeel.bridge.simulator import Simulator, SimulatorState
 
 RATE_HZ = 60.0
 """How often a packet is sent at most."""
 
-ACTIVE, JAM, FREEZE, FLIGHT = 1, 1 << 3, 1 << 7, 1 << 8
+REFUSED = 1 << 16
+"""Bit of the loader's status: it cannot render the spring or damping of the last packet."""
 
-_REFUSED = 1 << 16
+_SWITCHES = host_switches()
 _RANGES = {name: (low, high) for name, _, low, high, _ in host_numbers()}
 _LOOKS_S = 0.002
 
@@ -97,7 +98,7 @@ def bridge(
                     while (answer := host_answer(wire.recv(64))) is not None:
                         _, status, numbers = answer
                         report.answers += 1
-                        report.refused = bool(status & _REFUSED)
+                        report.refused = bool(status & REFUSED)
                         report.loader_state, report.angle_rad = states[status & 0xFF], numbers[0]
                         simulator.move(report.angle_rad / settings.travel_rad)
                 time.sleep(_LOOKS_S)
@@ -114,5 +115,5 @@ def packet_of(sequence: int, state: SimulatorState, settings: BridgeSettings) ->
     if state.jammed:
         numbers["jam_force"] = settings.jam_n
     within = {name: min(_RANGES[name][1], max(_RANGES[name][0], value)) for name, value in numbers.items()}
-    switches = ACTIVE | FLIGHT | FREEZE * state.frozen | JAM * state.jammed
-    return host_packet(sequence, switches, within)
+    on = ("active", "flight", *("freeze",) * state.frozen, *("jam",) * state.jammed)
+    return host_packet(sequence, sum(_SWITCHES[name] for name in on), within)

@@ -5,9 +5,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
 
-SEA_LEVEL_DENSITY = 1.225
-"""Density of the standard atmosphere at sea level, kg/m^3, by which an equivalent airspeed is a dynamic pressure."""
-
 
 class Axis(StrEnum):
     """The control that a loader is.
@@ -67,8 +64,3 @@ class Simulator(Protocol):
 
     def close(self) -> None:
         """Give the control back, and close the sockets."""
-
-
-def dynamic_pressure(speed_m_per_s: float, density: float = SEA_LEVEL_DENSITY) -> float:
-    """``q = rho V^2 / 2``, Pa, of a true airspeed in air of a density, or of an equivalent airspeed."""
-    return 0.5 * density * speed_m_per_s**2

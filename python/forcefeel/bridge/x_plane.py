@@ -14,7 +14,7 @@ import time
 from contextlib import suppress
 from math import radians
 
-from forcefeel.bridge.simulator import Axis, SimulatorState, dynamic_pressure
+from forcefeel.bridge.simulator import Axis, SimulatorState
 
 PORT = 49000
 RATE_HZ = 60
@@ -82,7 +82,7 @@ class XPlane:
             self._values[k] for k in range(len(self._datarefs))
         )
         numbers = {
-            "dynamic_pressure": dynamic_pressure(speed, density),
+            "dynamic_pressure": 0.5 * density * speed**2,
             "true_airspeed": speed,
             "angle_of_attack": radians(alpha),
             "sideslip": radians(beta),

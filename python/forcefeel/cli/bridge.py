@@ -1,10 +1,6 @@
 """``forcefeel bridge``."""
 
-import signal
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +11,7 @@ from forcefeel.bridge.simulator import Axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OutputOptions, option
 from forcefeel.cli.scenario_text import seconds, value
+from forcefeel.cli.stop_signals import stop_signals
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.units import show
@@ -95,7 +92,7 @@ def run(
     loader = _address("--loader", options.loader)
     kind = _kind(simulator)
     speaks = _simulator(kind, options)
-    with _stop_signals() as stopped:
+    with stop_signals() as stopped:
         until = time.monotonic() + lasts
         report = bridge(speaks, loader, settings, lambda: stopped.is_set() or time.monotonic() >= until)
     answer({}, lambda: asdict(report), lambda terminal: _show(terminal, report, kind), as_json=options.json)
@@ -137,18 +134,6 @@ def _positive(name: str, text: str, unit: str, example: str) -> float:
     if not number > 0:
         raise InputError(f"{name}: expected a value above 0, got {text}")
     return number
-
-
-@contextmanager
-def _stop_signals() -> Iterator[threading.Event]:
-    """Set by Ctrl-C or SIGTERM."""
-    stopped = threading.Event()
-    before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stopped
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _show(terminal: Terminal, report: "BridgeReport", simulator: SimulatorKind) -> None:

@@ -1,6 +1,5 @@
 """``forcefeel run``."""
 
-import signal
 import sys
 import threading
 import time
@@ -17,6 +16,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import chosen_law
 from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.scenario_text import seconds, size, value
+from forcefeel.cli.stop_signals import stop_signals
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
@@ -111,7 +111,7 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
             ring=options.max_size is not None,
             expected_s=lasts,
         ) as running,
-        _stop_signals() as ended,
+        stop_signals() as ended,
         _console(running, options),
     ):
         _wait(running, lasts, ended)
@@ -160,18 +160,6 @@ def _console(running: "LiveSession", options: RunOptions) -> Iterator[None]:
 def _tell(sentence: str) -> None:
     # Not to the output, which --json leaves to the result; at once, since whoever waits for it opens it.
     print(sentence, file=sys.stderr, flush=True)
-
-
-@contextmanager
-def _stop_signals() -> Iterator[threading.Event]:
-    """What Ctrl-C and SIGTERM set, at whatever moment they come: a loop is ended in its order, never in the middle of something."""
-    ended = threading.Event()
-    before = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield ended
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _wait(running: "LiveSession", lasts_s: float, end_event: threading.Event) -> None:

@@ -8,15 +8,20 @@ takes the force off there.
 import ctypes
 import os
 import re
-from collections.abc import Callable, Iterator
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
 from importlib.resources import files
 from io import StringIO
 from tempfile import TemporaryFile
 from typing import Any
 
+import numpy as np
+
+from forcefeel import _core
 from forcefeel.errors import InputError, suggestion
 from forcefeel.loader.loader import Loader
+from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
 
 FRAME_S = 0.008
 """Time between two states of the aircraft."""
@@ -96,7 +101,7 @@ class Aircraft:
         return numbers
 
     def fly(self, elevator_rad: float) -> None:
-        """A frame on, the elevator at an angle."""
+        """Advance by a frame with the elevator at an angle."""
         low, high = self._travel[-1.0], self._travel[1.0]
         share = elevator_rad / high if elevator_rad > 0 else -elevator_rad / low
         self._model[_COMMAND] = min(1.0, max(-1.0, share)) - self._model[_TRIM]
@@ -139,26 +144,26 @@ def with_elevator(loader: Loader, aircraft: Aircraft) -> Loader:
         >>> ff.fly.with_elevator(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0))["surface.per_deflection"]
         -0.3
     """
-    import tomllib  # noqa: PLC0415  for this alone
-    from math import sqrt  # noqa: PLC0415
-
-    data = tomllib.loads(
-        (files("forcefeel") / "data" / "aircraft" / f"{aircraft.name}.toml").read_text(encoding="utf-8")
-    )
-    changed = loader.replace({f"surface.{key}": value for key, value in data["surface"].items()})
-    changed = changed.replace({"feel.stiffness": data["feel"]["stiffness"]})
-    inertia, stiffness = changed["feel.inertia"], changed["feel.stiffness"]
+    path = files("forcefeel") / "data" / "aircraft" / f"{aircraft.name}.toml"
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    rows = {f"surface.{key}": value for key, value in data["surface"].items()}
+    changed = loader.replace({**rows, "feel.stiffness": data["feel"]["stiffness"]})
+    frequency, _ = _core.feel_frequency(changed.si_values)
+    _, damping = _core.feel_from_frequency(frequency, data["feel"]["damping_ratio"], changed["feel.stiffness"])
+    # The tab's share of the coefficient: the moment is linear in it.
     state = aircraft.state()
-    turning = changed["surface.pitch_arm"] * state["pitch_rate"] / state["true_airspeed"]
-    flow = changed["surface.flow_per_attack"] * state["angle_of_attack"] + turning
-    # A tab makes C_0 + C_alpha alpha_s zero at the trimmed position.
-    return changed.replace(
-        {
-            "feel.damping": 2 * data["feel"]["damping_ratio"] * sqrt(inertia * stiffness),
-            "surface.at_zero": -changed["surface.per_flow"] * flow,
-        },
-        si=True,
+    with_none, with_one = (
+        hinge_moment(changed.replace({"surface.at_zero": c}, si=True), state, 0.0)[0] for c in (0.0, 1.0)
     )
+    at_zero = -with_none / (with_one - with_none)
+    return changed.replace({"feel.damping": damping, "surface.at_zero": at_zero}, si=True)
+
+
+def hinge_moment(loader: Loader, state: Mapping[str, float], angle_rad: float) -> tuple[float, float, float]:
+    """Force at the grip, N, spring, N m/rad, and damping, N m s/rad, of the loader's surface in a flight state."""
+    row = [state.get(name, WITHOUT.get(name, 0.0)) for name in FLIGHT_UNITS]
+    ((force, stiffness, damping),) = _core.hinge_moment(loader.si_values, np.array([[*row, angle_rad]])).tolist()
+    return force, stiffness, damping
 
 
 def _loaded(name: str) -> Any:
@@ -176,7 +181,7 @@ def _loaded(name: str) -> Any:
 
 @contextmanager
 def _silent() -> Iterator[Callable[[], str]]:
-    """What JSBSim prints by itself, to the process's output and to Python's; the text, for who asks before the end."""
+    """Keep what JSBSim prints from standard output, the process's and Python's; the yielded function returns it."""
     flush, by_python = ctypes.CDLL(None).fflush, StringIO()
     flush(None)
     with TemporaryFile() as printed, redirect_stdout(by_python):

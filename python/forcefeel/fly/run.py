@@ -11,21 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.bridge.run import REFUSED
 from forcefeel.errors import InputError
-from forcefeel.fly.aircraft import FRAME_S, Aircraft, with_elevator
+from forcefeel.fly.aircraft import FRAME_S, Aircraft, hinge_moment, with_elevator
 from forcefeel.laws.law import LawLike
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.state import COLUMNS, STATES
 from forcefeel.loader.loader import Loader
-from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
+from forcefeel.simulation.inputs.flight import FLIGHT_UNITS
 
 SETTLES_S = 3.0
-"""Time on the ground of the frozen aircraft, in which the loader is switched on and the feel comes."""
+"""Time before the flight in which the loader is switched on and its feel fades in; the aircraft waits in its trimmed state."""
 
 SUFFIXES = {name: unit and f"_{unit.replace('/', '_per_').lower()}" for name, unit in FLIGHT_UNITS.items()}
 """Units of the states, as suffixes of their names."""
 
-_ACTIVE, _FLIGHT = 1, 1 << 8
+_SWITCHES = sum(_core.host_switches()[name] for name in ("active", "flight"))
 _ANGLE, _STATE = COLUMNS.index("column_angle_rad"), COLUMNS.index("state")
 
 
@@ -82,17 +83,15 @@ def fly(loader: Loader, aircraft: Aircraft, force_n: NDArray[np.float64], law: L
         )
     loop, cycles = _core.LockStep(setup), round(cycles)
     loop.request("on", [])
-    sequence, state = 0, aircraft.state()
-    for _ in range(round(SETTLES_S / FRAME_S)):
-        sequence += 1
-        loop.run(cycles, _core.host_packet(sequence, _ACTIVE | _FLIGHT, state))
+    settling, state = round(SETTLES_S / FRAME_S), aircraft.state()
+    for k in range(settling):
+        _frame(loop, k, cycles, state)
     rows: list[dict[str, float]] = []
     angles = np.empty(len(force_n))
     hand = np.array(force_n, dtype=np.float64)
     for k, force in enumerate(hand.tolist()):
-        sequence += 1
         loop.disturb("force", number=force)
-        last = loop.run(cycles, _core.host_packet(sequence, _ACTIVE | _FLIGHT, state))[-1]
+        last = _frame(loop, settling + k, cycles, state)
         if STATES[int(last[_STATE])] != "active":
             raise InputError(
                 f"loader: the supervisor stopped it after {k * FRAME_S:.2f} s of flight; give a smaller force"
@@ -109,6 +108,23 @@ def fly(loader: Loader, aircraft: Aircraft, force_n: NDArray[np.float64], law: L
 _ROUNDING = 1e-9
 
 
+def _frame(loop: _core.LockStep, sequence: int, cycles: int, state: dict[str, float]) -> NDArray[np.float64]:
+    """The last row of the cycles of a frame, in a flight state.
+
+    Raises:
+        InputError: If the loader refuses the state.
+    """
+    rows = loop.run(cycles, _core.host_packet(sequence, _SWITCHES, state))
+    answer = _core.host_answer(loop.answer or b"")
+    if answer is not None and answer[1] & REFUSED:
+        raise InputError(
+            f"loader: cannot render the hinge moment at {state['dynamic_pressure']:.4g} Pa and "
+            f"{state['true_airspeed']:.4g} m/s; take another loader, law or speed"
+        )
+    last: NDArray[np.float64] = rows[-1]
+    return last
+
+
 def held_force(loader: Loader, state: dict[str, float], angle_rad: float) -> float:
     """Force at the grip, N, that holds the column at an angle in a flight state: ``F = ((G + G_s) theta) / R_p - F_s``.
 
@@ -123,9 +139,8 @@ def held_force(loader: Loader, state: dict[str, float], angle_rad: float) -> flo
         >>> round(ff.fly.held_force(loader, aircraft.state(), 0.0), 6) + 0
         0.0
     """
-    row = [state.get(name, WITHOUT.get(name, 0.0)) for name in FLIGHT_UNITS]
-    ((force, stiffness, _),) = _core.hinge_moment(loader.si_values, np.array([[*row, angle_rad]])).tolist()
-    return float((loader["feel.stiffness"] + stiffness) * angle_rad / loader["column.grip_arm"] - force)
+    force, stiffness, _ = hinge_moment(loader, state, angle_rad)
+    return (loader["feel.stiffness"] + stiffness) * angle_rad / loader["column.grip_arm"] - force
 
 
 def force_per_g(loader: Loader, aircraft: str, speed_m_per_s: float, altitude_m: float) -> float:

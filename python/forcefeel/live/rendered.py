@@ -19,7 +19,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loops.sampled_loop import sampled_loops
 
 _SPRINGS = np.geomspace(1 / 256, 1024, 28)
-"""Spring rates that are tried, as multiples of the loader's own: three an octave and a half."""
+"""Spring rates that are tried, as multiples of the loader's own: three in two octaves."""
 
 _RATIOS = np.geomspace(0.02, 8.0, 12)
 """Damping ratios ``B / (2 sqrt(I K))`` that are tried at each."""

@@ -52,8 +52,8 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         supervised: Whether the supervisor is active. Without it the law drives from the first sample: only for comparison with a
             simulation, never with a machine.
         host: Port for an aircraft simulator, with the packets of ``docs/reference/host.md``: a UDP port for programs on this
-            machine, or ``"address:port"``; port 0 takes a free one, see ``running.host``. It sets trim, spring factor and shaker,
-            but does not start the feel.
+            machine, or ``"address:port"``; port 0 takes a free one, see ``running.host``. It sets trim, spring factor,
+            shaker and what acts beside the feel, but does not start the feel.
         record: File for all inputs and outputs, ``.mcap``. It is always readable and at most ``most_bytes`` long.
         record_rate_hz: Rows per second, the loop's rate over a whole number; default: every cycle. Trips and other events are
             recorded in any case, with all cycles of the second before and after a change of the trips.
