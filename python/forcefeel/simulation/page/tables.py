@@ -72,7 +72,9 @@ def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
     )
     rows += [(name, _over_time(schedule, unit, system)) for name, schedule, unit in schedules if schedule is not None]
     if run_scenario.flight is not None:
-        rows.append(("Flight", f"{run_scenario.flight.name}: {', '.join(run_scenario.flight.states)}"))
+        rows.append(
+            ("Flight", f"{run_scenario.flight.name}: {', '.join(run_scenario.flight.states).replace('_', ' ')}")
+        )
     for change in run_scenario.feel_changes:
         values = ", ".join(f"{key} = {_changed(value)}" for key, value in change.changes.items())
         rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.fade_s:g} s: {values}"))
