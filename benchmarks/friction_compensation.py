@@ -56,7 +56,7 @@ OFF = (-0.2, -0.1, 0.0, 0.1, 0.2)
 BREAKS_AWAY = 1.2
 SWINGS = 0.25
 DITHER_HZ, DITHER_V = 30.0, (0.02, 0.1, 0.5)
-LEVEL, MARGIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST = range(-OF_FRICTION, 0)
+LEVEL, UNCERTAIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST, REST = range(-OF_FRICTION, 0)
 HANDS, HERTZ = ("given back", "learnt at once", "learnt"), (0.2, 0.5)
 ROWS = ("column.coulomb_friction", "column.static_friction")
 LOADERS = {"elevator-2khz": (0.5, 1.0, 2.0), "elevator-electric": (0.5, 1.0)}
@@ -85,7 +85,7 @@ def unlearnt(numbers):
 
 def fed_forward(numbers):
     unlearnt(numbers)
-    numbers[:, MARGIN], numbers[:, LEAK] = 0.0, 1.0
+    numbers[:, [UNCERTAIN, REST]], numbers[:, LEAK] = 0.0, 1.0
 
 
 def lower(numbers):

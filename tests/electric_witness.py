@@ -176,11 +176,14 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             drive_rate = (sample[1] - last) / period
             more, last = 0.0 if added is None else added(sample[1], drive_rate), sample[1]
             memory, moved = hear(law.friction[0], known, torque, memory)
+            heard = memory[0]
             if touch is not None:
-                feels, own, memory[0] = touch.step(period, sample, drive_rate, feels, (own, memory[0]))
+                held = law.knows_friction and abs(g("feel.stiffness") * feels[0]) < law.friction[0, -10]
+                rests = law.friction[0, -1] if held else 0.0
+                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), rests)
             answered = min(max(own + more, -limit), limit) - more
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
-            feels = (step @ np.append(feels, memory[0]))[:2]
+            feels = (step @ np.append(feels, heard))[:2]
             if touch is not None:
                 feels = touch.damp(period, feels, g("feel.inertia"))
             excess, way = (own - answered) / law.command[0, -2], g("controller.antiwindup")
@@ -205,6 +208,7 @@ class Touch:
         self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
         self.place = self.extreme = (0.0, 0.0)  # angle, torque
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
+        self.acts = 0.0  # the share, or all of it at rest
 
     def notice(self, h, torque, column):
         """Whether there is contact at a sample."""
@@ -239,9 +243,9 @@ class Touch:
             self.extreme = (self.angle, self.torque)
         return self.swings >= 2 or struck or turned or (swing and self.share > 0)
 
-    def step(self, h, sample, drive_rate, feels, own):
+    def step(self, h, sample, feels, own, rests):
         """The feel, the command and its torque at a sample, from those of free motion."""
-        force, position, column = sample[:3]
+        (force, position, column), drive_rate = sample[:3], sample[-1]
         column_rate, self.column = (column - self.column) / h, column
         noticed, was = self.notice(h, own[1], column), self.share
         if noticed:
@@ -257,34 +261,34 @@ class Touch:
         command = self.k_x * (self.per_angle * feels[0] - position) + self.k_v * (
             self.per_angle * feels[1] - drive_rate
         )
-        return feels, *(a + self.share * (b - a) for a, b in zip(own, (command, -self.per_angle * force), strict=True))
+        self.acts = 1.0 if abs(self.rate) < rests else self.share
+        return feels, *(a + self.acts * (b - a) for a, b in zip(own, (command, -self.per_angle * force), strict=True))
 
     def damp(self, h, feels, inertia):
         """The feel after a period."""
-        if self.share == 0:
+        if self.acts == 0:
             return feels
-        most = self.fastest / self.share
-        rate = min(max(feels[1] / (1 + self.share * self.damping * h / inertia), -most), most)
+        most = self.fastest / self.acts
+        rate = min(max(feels[1] / (1 + self.acts * self.damping * h / inertia), -most), most)
         return np.array([feels[0] - (feels[1] - rate) * h / 2, rate])
 
 
 def hear(numbers, known, torque, memory):
     """What the feel hears of an estimated torque, first in the memory, and how the friction that is known moves the law's state."""
-    level, margin, slow, leak, low, high, gain, hand, blur, trust = numbers[-10:]
-    by_rate, enters = np.split(numbers[:-10], [len(known)])
+    level, uncertain, slow, leak, low, high, gain, hand, blur, trust, _ = numbers[-11:]
+    by_rate, enters = np.split(numbers[:-11], [len(known)])
     heard, learnt, trusted, push, way_before = memory
     if not level:
-        return np.array([torque, learnt, trusted, push, way_before]), 0.0
+        return np.array([torque, *memory[1:]]), 0.0
     rate = by_rate @ known
     way_now = rate / math.hypot(rate, slow)
     level += learnt
     friction = level * way_now
     # The torques of dry friction at this rate: all of them at rest, one in motion, in between within half a slow rate.
     least, most = (min(max(2 * (rate + way * slow) / slow, -1.0), 1.0) for way in (-1, 1))
-    band = level + margin * (most - least) / 2
     rest = torque - friction
-    heard += leak * (rest - heard)
-    heard = min(max(heard, rest + least * band), rest + most * band)
+    heard += leak * ((rest if abs(push) >= hand else 0.0) - heard)
+    heard = min(max(heard, rest + least * level - uncertain), rest + most * level + uncertain)
     if abs(push) >= hand:  # what was learnt of late was the hand's
         learnt += gain * (trusted - learnt)
     elif way_now * way_before > 0.8:

@@ -178,6 +178,7 @@ int main(void)
     wrong += pitch_law_step(&state, &in, &out) != pitch_NOT_READY || out.command != 0.0;
     wrong += pitch_law_reset(&state, &in) != pitch_OK;
     in.force = 5.0;
+    in.position = 1e-4;
     wrong += pitch_law_step(&state, &in, &out) != pitch_OK || out.command == 0.0;
     in.force = (double)NAN;
     wrong += pitch_law_step(&state, &in, &out) != pitch_BAD_INPUT || out.command != 0.0;

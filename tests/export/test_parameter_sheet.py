@@ -8,6 +8,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.export.parameter_sheet import COLUMNS, parameter_sheet
+from forcefeel.laws.sampled.sampled_law import OF_FRICTION
 from forcefeel.units import factor
 
 FEEL = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
@@ -43,7 +44,7 @@ def test_each_setting_lists_all_law_numbers_exactly(sampled):
                 [float(sheet[setting, f"law.{name}_{i + 1}_{j + 1}"][4]) for j in range(shape[1])] for i in range(n)
             ]
             assert np.array_equal(found, array[place])
-        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -10]
+        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -OF_FRICTION]
         assert [float(sheet[setting, f"feel.{row}"][4]) for row in ("inertia", "damping", "stiffness")] == list(
             FEEL[place]
         )

@@ -103,7 +103,7 @@ pub struct ContactState<S> {
     /// Angle smoothed likewise, in rad.
     angle: S,
     /// Rate of that angle in rad/s, smoothed once more.
-    rate: S,
+    pub rate: S,
     /// Peak of the torque of late in N m.
     peak: S,
     /// Side to which the torque pushed last, -1, 0 or 1.

@@ -162,21 +162,22 @@ impl<S: Scalar> Control<S> {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
             LawOutput::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
-        let output = if shared.effects.surroundings {
+        let (output, neutral) = if shared.effects.surroundings {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
             let beside = [inputs.added_force, inputs.added_stiffness, inputs.added_damping].map(|[now, _]| now);
             let alone = self.feel.pushed_to(feeling.neutral, feeling.motion.at, beside);
-            self.trimmed(output, alone, fade)
+            (self.trimmed(output, alone, fade), alone)
         } else {
-            output
+            (output, feeling.neutral)
         };
-        let output = if shared.effects.contact_law {
+        let (output, contact) = if shared.effects.contact_law {
             let column = [base, base_rate].map(|number| number * self.per_base);
             let inputs =
                 ContactInputs { force, position: [piston, piston_rate], angle: column, feel: feeling.motion.at };
-            self.in_contact(output, (feeling, &mut remembered.contact_state), inputs, period)
+            let neutral = known.map(|_| neutral);
+            self.in_contact(output, (feeling, &mut remembered.contact_state), (inputs, neutral), period)
         } else {
-            output
+            (output, period.zero())
         };
         let requested = added.map_or(output.command, |added| output.command + added);
         let allowed = allow(&ControlOutput { command: requested, torque: output.torque, base_rate });
@@ -199,7 +200,7 @@ impl<S: Scalar> Control<S> {
         let conditions = self.feel_conditions(&shared.effects, at, inputs, (StepFraction::Start, period));
         self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &conditions, period);
         if shared.effects.contact_law {
-            self.damp(&mut feeling.motion, remembered.contact_state.share, period);
+            self.damp(&mut feeling.motion, contact, period);
         }
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
         let gains = if shared.effects.observer {
@@ -214,15 +215,16 @@ impl<S: Scalar> Control<S> {
         self.converters.write(e)
     }
 
-    /// What the law says between free motion and contact; where contact begins, the feel stands where the drive stands.
+    /// What the law says between free motion and contact, and the share of the contact; where it begins, the feel stands where the
+    /// drive stands. A column that friction holds near the neutral is in contact too.
     #[inline(always)]
     fn in_contact(
         &self,
         output: LawOutput<S>,
         (feeling, state): (&mut FeelState<S>, &mut ContactState<S>),
-        inputs: ContactInputs<S>,
+        (inputs, neutral): (ContactInputs<S>, Option<S>),
         period: S,
-    ) -> LawOutput<S> {
+    ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
         let (now, begins) = law.noticed(output.torque, inputs.angle, *state, period);
         *state = now;
@@ -230,8 +232,12 @@ impl<S: Scalar> Control<S> {
         let stands = law.where_drive_stands(inputs.position[0]);
         feeling.motion.at = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
         let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
-        let [command, torque] = law.output(now.share, [output.command, output.torque], &inputs);
-        LawOutput { command, torque, ..output }
+        let share = neutral.map_or(now.share, |neutral| {
+            let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
+            S::select(self.observer.friction.rests(now.rate, spring), period.constant(1.0), now.share)
+        });
+        let [command, torque] = law.output(share, [output.command, output.torque], &inputs);
+        (LawOutput { command, torque, ..output }, share)
     }
 
     /// The feel after a period, damped by its share in a contact.

@@ -276,6 +276,12 @@ impl<S: Scalar> FeelLaw<S> {
         neutral + (self.grip_force * force - added) / self.stiffness
     }
 
+    /// Torque of a straight spring at `delta`.
+    #[inline(always)]
+    pub fn spring_torque(&self, neutral: S, delta: S) -> S {
+        self.stiffness * (delta - neutral)
+    }
+
     /// Where the hysteresis leaves its slider once `delta` has been reached.
     #[inline(always)]
     pub fn dragged(&self, slider: S, delta: S) -> S {

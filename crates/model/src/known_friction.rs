@@ -3,23 +3,25 @@
 //! To every sensor the friction between hand and load cell looks like a hand that pulls. What is known of it is given back:
 //!
 //! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
-//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds, `h` what is trusted of it · `M` margin · `v_s` slow · `l` leak ·
+//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds, `h` what is trusted of it · `U` what both may be off by · `v_s` slow · `l` leak ·
 //! `T_o` torque that the observer estimates · `T` torque that the feel computer hears · `a` gain · `q` torque of a hand · `c` blur · `d` trust
 //!
 //! | | |
 //! |---|---|
 //! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
 //! | `(F + g) [s-, s+]`, `s-+ = sat(2 (v -+ v_s) / v_s)` | torques of the friction that the rate allows: all at rest, one in motion |
-//! | `T' = T + l (T_o - f - T)` | what is heard drifts to what is measured |
-//! | `T+ = T'`, as near as `T_o - f + (F + g + M rest) [s-, s+]` lets it | a play: at rest the hand has done nothing until it must have |
+//! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is heard drifts to what is measured, with the hand off to nothing |
+//! | `T+ = T'`, as near as `T_o - f + (F + g) [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
 //! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
 //! | `h+ = h + d (g - h)` there | trusted once it has held for a while |
 //! | `g+ = g + a (h - g)` where `|T_b| >= q` | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
-//! `rest = (s+ - s-) / 2`, so that the margin, which keeps the sensors' noise from pushing at the edges of the play, is nothing in
-//! motion. A column that came to rest is let go of within `1 / l` samples: else whoever pushes at it would have to overcome the
-//! friction twice.
+//! `U` keeps noise and the level's own error from driving the feel with the hand off. A column that came to rest under a hand is let go
+//! of within `1 / l` samples: else whoever pushes at it would have to overcome the friction twice.
+//!
+//! A column that friction holds is a stiff contact, and the loop would shake it loose again and again. Where it rests and the feel's
+//! spring has less than `U`, which no compensation can render, the law of [`crate::contact_law`] holds it: `|theta'| < v_r`, smoothed as there, and `|G (delta - n)| < U`.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
 //! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
@@ -36,12 +38,12 @@ use crate::Scalar;
 use crate::law_vector::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
 use crate::memory::MemoryVisitor;
 
-/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
-/// `a`, `q` in N m, `c`, `d`.
+/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `U` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
+/// `a`, `q` in N m, `c`, `d`, `v_r` in rad/s.
 pub const FRICTION_NUMBERS: usize = KNOWN + MOST_STATES + LEVEL_FROM_END;
 
 /// Place of `F` among them, from the end.
-pub const LEVEL_FROM_END: usize = 10;
+pub const LEVEL_FROM_END: usize = 11;
 
 /// Least `v_s` in rad/s, so that nothing is divided by zero.
 const SLOWEST: f64 = 1e-9;
@@ -52,7 +54,7 @@ pub struct KnownFriction<S> {
     rate: [S; KNOWN],
     enters: [S; MOST_STATES],
     level: S,
-    margin: S,
+    uncertain: S,
     slow: S,
     leak: S,
     least: S,
@@ -61,6 +63,7 @@ pub struct KnownFriction<S> {
     hand: S,
     blur: S,
     trust: S,
+    rest: S,
 }
 
 /// `w w_b` from which on the column moves one way.
@@ -126,9 +129,10 @@ impl<S: Scalar> KnownFriction<S> {
     pub fn take(mut next: impl FnMut() -> S) -> Self {
         let rate = core::array::from_fn(|_| next());
         let enters = core::array::from_fn(|_| next());
-        let (level, margin, slow, leak) = (next(), next(), next(), next());
+        let (level, uncertain, slow, leak) = (next(), next(), next(), next());
         let (least, most, gain, hand, blur, trust) = (next(), next(), next(), next(), next(), next());
-        Self { rate, enters, level, margin, slow, leak, least, most, gain, hand, blur, trust }
+        let rest = next();
+        Self { rate, enters, level, uncertain, slow, leak, least, most, gain, hand, blur, trust, rest }
     }
 
     /// No friction.
@@ -153,6 +157,12 @@ impl<S: Scalar> KnownFriction<S> {
         (FrictionState { feel_torque, learnt, trusted, push, way }, friction)
     }
 
+    /// Whether a column rests that moves at a rate, smoothed, where the feel's spring has a torque.
+    #[inline(always)]
+    pub fn rests(&self, rate: S, spring: S) -> S::Mask {
+        rate.abs().less(self.rest) & spring.abs().less(self.uncertain)
+    }
+
     /// The next `T, g, h, T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.
     #[inline(always)]
     fn at_rate(&self, [estimated, v]: [S; 2], state: &FrictionState<S>) -> [S; 6] {
@@ -166,11 +176,11 @@ impl<S: Scalar> KnownFriction<S> {
         let two = v.constant(2.0);
         let per_slow = two / slow;
         let (low, high) = ((v * per_slow - two).within(one), (v * per_slow + two).within(one));
-        let band = level + self.margin.times(0.5) * (high - low);
-        // What drifted, less the total.
-        let apart = (state.feel_torque - total) * (one - self.leak);
-        let played = total + apart.clamp(low * band, high * band);
-        let feel_torque = S::select(v.zero().less(self.level), played, total);
+        let off = state.push.abs().less(self.hand);
+        let measured = S::select(off, v.zero(), total);
+        let drifted = measured + (state.feel_torque - measured) * (one - self.leak);
+        let [low, high] = [low * level - self.uncertain, high * level + self.uncertain];
+        let feel_torque = total + (drifted - total).clamp(low, high);
         let (learnt, trusted) = self.learnt(estimated, way, state);
         let push = state.push + (estimated - state.push) * self.blur;
         let way = state.way + (way - state.way) * self.blur;

@@ -45,7 +45,8 @@ pub struct Observer<S> {
     torque: [S; KNOWN],
     settled: [[S; SAMPLED + 1]; MOST_STATES],
     neutral: [S; 2],
-    friction: KnownFriction<S>,
+    /// The dry friction that it knows.
+    pub friction: KnownFriction<S>,
     /// What it does in contact.
     pub contact: ContactLaw<S>,
 }

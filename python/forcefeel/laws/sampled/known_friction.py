@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SAMPLED
 
-MARGIN = 0.5
-"""M, a share of the friction: room at the edges of the play for the noise of what is estimated. Shares rendered change by less than
-three in a hundred from 0.3 to 1."""
+UNCERTAIN = 0.1
+"""U, a share of the friction: what noise and learning leave of an error of the level. At 0.2 more settings come to rest and fewer
+pass."""
 
 SLOW_RAD_PER_S = 1.5e-3
 """v_s: a column that takes two minutes over 10 deg rests. From a fifth of it to twice, shares rendered change by less than three in
@@ -22,6 +22,10 @@ a hundred; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smoo
 
 LET_GO_S = 0.02
 """1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes."""
+
+REST_RAD_PER_S = SLOW_RAD_PER_S / 2
+"""v_r, the rate below which a column rests. From three quarters to one and a half times that, the shares that come to rest and that
+pass change by less than five in a hundred."""
 
 LEARNS_S = 0.05
 """1 / a in time: learnt within a swing. Twice as slow serves little friction better and much worse."""
@@ -41,7 +45,7 @@ _OTHERS = SAMPLED + 2 + OF_FRICTION
 
 
 def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of the friction, (settings, 2 m + 15) for an observer of m states; zeros without friction.
+    """The numbers of the friction, (settings, 2 m + 16) for an observer of m states; zeros without friction.
 
     Args:
         plant: The plant, with its friction.
@@ -54,7 +58,7 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     rate = np.concatenate([estimate[:, places.base_rate] / scale.time_s, of_feel], axis=1)
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
-    given = (friction, MARGIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    given = (friction, UNCERTAIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
     gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
-    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur, trust)
+    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur, trust, REST_RAD_PER_S)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

@@ -38,8 +38,8 @@ SAMPLED_AT_GRIP = SAMPLED + 1
 _FEEL = 2
 """delta, delta'."""
 
-OF_FRICTION = 10
-"""F, M, v_s, l, and of learning g_-, g_+, a, q, c."""
+OF_FRICTION = 11
+"""F, U, v_s, l, of learning g_-, g_+, a, q, c, d, and of rest v_r."""
 
 OF_CONTACT, _THRESHOLD = 10, 5
 """alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t; and the place of T_min from the end."""
