@@ -5,9 +5,8 @@
 Beside each time stand the processor time, the largest memory, and the time before (two idle cores, another machine). A command must
 end with the status of a good or bad answer. `commission` runs on a minute of the bench of `examples/bench-2khz`.
 
-Two cores, one run each, s (the last release on the same cores): envelope 57 (158), frontier 48 (88), law 17 (36), sweep 17 (17),
-commission 25, design 9.3 (9.6), qualify 2.5 (3.7), simulate 1.6 (1.8), export 2.0 (1.9).
-Since then, in processor time of the same hour: frontier 61 s in place of 91.
+Two idle cores, one run each, s (before, on the same cores): envelope 38.6 (47.2), law 12.8 (14.9), design 6.3 (7.9), sweep 16 (17),
+commission 25, qualify 2.1 (2.5), simulate 1.2 (1.6), export 2.0. Processor time: frontier 48 (61).
 """
 
 import os

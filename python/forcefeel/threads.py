@@ -1,8 +1,14 @@
 """How many threads work on what falls into pieces."""
 
 import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 from forcefeel.errors import InputError
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
 
 MOST_THREADS = 1024
 """Most threads that may be asked for; more than there are cores are never started."""
@@ -24,3 +30,15 @@ def threads_or_cores(threads: int | None) -> int:
     if not 1 <= threads <= MOST_THREADS:
         raise InputError(f"threads: expected 1 to {MOST_THREADS}, got {threads}; leave it out for all cores")
     return threads
+
+
+def side_by_side(run: Callable[[_Item], _Result], items: Iterable[_Item], threads: int) -> Iterator[_Result]:
+    """Results of ``run`` in order, of two items at a time: while the interpreter is at one, the engine's threads are at the other.
+
+    After an interruption no further item begins.
+    """
+    pool = ThreadPoolExecutor(min(2, threads))
+    try:
+        yield from pool.map(run, items)
+    finally:
+        pool.shutdown(cancel_futures=True)

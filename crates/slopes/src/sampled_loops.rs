@@ -7,6 +7,7 @@
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
+use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
@@ -16,9 +17,12 @@ use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
+use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
+use forcefeel_solve::return_on_vectors;
 use forcefeel_solve::smooth::without_steps;
 use forcefeel_solve::threads::{NoThreads, each};
+use forcefeel_solve::wide::Wide;
 
 /// Inputs of a period: signal on the command, pilot force.
 pub const INPUTS: usize = 2;
@@ -61,16 +65,44 @@ impl SampledLoops<'_> {
     /// If the system gives no threads.
     pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
         let mut whole = vec![[[0.0; COLUMNS]; PERIOD_STATES]; self.values.len()];
-        each(threads, whole.iter_mut().enumerate(), |(run, whole)| *whole = self.matrix(run))?;
+        let level = Level::new();
+        each(threads, whole.iter_mut().enumerate(), |(run, whole)| *whole = self.matrix(level, run))?;
         let states = kept(&whole, |_| false);
-        let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
-        let row = |matrix: &PeriodMatrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
-        let matrices = whole.iter().flat_map(|matrix| states.iter().flat_map(|&state| row(matrix, state))).collect();
+        let columns: Vec<usize> = states.iter().copied().chain(PERIOD_STATES..COLUMNS).collect();
+        let mut matrices = Vec::with_capacity(whole.len() * states.len() * columns.len());
+        for matrix in &whole {
+            for &state in &states {
+                matrices.extend(columns.iter().map(|&k| matrix[state][k]));
+            }
+        }
         Ok(Periods { states, matrices })
     }
 
-    fn matrix(&self, run: usize) -> PeriodMatrix {
+    fn matrix(&self, level: Level, run: usize) -> PeriodMatrix {
+        return_on_vectors!(level, simd => with_drive!(self.kind(run), K => self.vectorized::<_, K>(simd, run)));
         self.matrix_of(run, &Parameters::from_values(&self.values[run]))
+    }
+
+    /// The matrix of a run, its columns side by side.
+    #[inline(always)]
+    fn vectorized<S: Simd, K: Kind>(&self, simd: S, run: usize) -> PeriodMatrix {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let wide = |value: f64| Lanes::splat(simd, value);
+                let period = self.period::<Lanes<S>, K>(run, &Parameters::from_values(&self.values[run].map(wide)));
+                let mut matrix = [[0.0; COLUMNS]; PERIOD_STATES];
+                for first in (0..COLUMNS).step_by(LANES) {
+                    let slope = |k: usize| Lanes::gather(simd, |lane| f64::from(first + lane == k));
+                    let (state, drives) = along(|k| Dual { value: wide(0.0), slope: slope(k) });
+                    for (row, number) in matrix.iter_mut().zip(period.of().next(&state, &drives)) {
+                        let columns = row[first..].iter_mut();
+                        columns.zip(number.slope.values()).for_each(|(column, slope)| *column = slope);
+                    }
+                }
+                matrix
+            },
+        )
     }
 
     fn kind(&self, run: usize) -> DriveKind {
@@ -137,6 +169,7 @@ impl SampledLoops<'_> {
         rows
     }
 
+    #[inline(always)]
     fn period<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
         let zero = parameters.column.inertia.zero();
         let parameters = without_steps(parameters.map(Dual::constant));
@@ -155,6 +188,7 @@ struct Ready<'a, S: Scalar, D: Drive<S>> {
 }
 
 impl<S: Scalar, D: Drive<S>> Ready<'_, S, D> {
+    #[inline(always)]
     fn of(&self) -> Period<'_, S, D> {
         Period { machine: &self.machine, shared: self.shared, timing: self.timing }
     }
@@ -174,14 +208,15 @@ impl<S: Scalar, D: Drive<S>> Ready<'_, S, D> {
 
 /// State and drives at neutral, dual along a column.
 fn columnwise<T: Scalar>(zero: T, column: usize) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
-    let along = |k: usize| if k == column { Dual::variable(zero) } else { Dual::constant(zero) };
-    let drives = Drives {
-        command_signal: along(PERIOD_STATES),
-        force: along(PERIOD_STATES + 1),
-        force_before: along(PERIOD_STATES + 1),
-        test_signal: (Dual::constant(zero), 0),
-    };
-    (core::array::from_fn(along), drives)
+    along(|k| if k == column { Dual::variable(zero) } else { Dual::constant(zero) })
+}
+
+/// State and drives of which each is what `of` gives for its column.
+#[inline(always)]
+fn along<T: Scalar>(of: impl Fn(usize) -> Dual<T>) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
+    let [command_signal, force] = [of(PERIOD_STATES), of(PERIOD_STATES + 1)];
+    let drives = Drives { command_signal, force, force_before: force, test_signal: (force.zero(), 0) };
+    (core::array::from_fn(of), drives)
 }
 
 /// See [`SampledLoops::by_test_signal`].
@@ -195,10 +230,14 @@ pub struct ByTestSignal<T> {
 
 /// The states that any loop's next state depends on, of those that are left, and those that are seen.
 pub fn kept(matrices: &[PeriodMatrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut depends = [[false; COLUMNS]; PERIOD_STATES];
+    for matrix in matrices {
+        let numbers = depends.as_flattened_mut().iter_mut().zip(matrix.as_flattened());
+        numbers.for_each(|(depends, &number)| *depends |= number != 0.0);
+    }
     let mut states: Vec<usize> = (0..PERIOD_STATES).collect();
     loop {
-        let matters =
-            |column: usize| matrices.iter().any(|matrix| states.iter().any(|&row| matrix[row][column] != 0.0));
+        let matters = |column: usize| states.iter().any(|&row| depends[row][column]);
         // The youngest command is what a loop is opened at.
         let left: Vec<usize> =
             states.iter().copied().filter(|&state| state == YOUNGEST || seen(state) || matters(state)).collect();

@@ -1,6 +1,7 @@
 """Scores of laws on one loader: envelope, demand on the drive, noise and margins."""
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import product
 from types import MappingProxyType
@@ -180,12 +181,14 @@ def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None
     lost = max(envelope.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
+    with ThreadPoolExecutor(threads_or_cores(threads)) as pool:  # NumPy lets go of the interpreter
+        margins = [score.own.margins, *pool.map(loop_margins, loops)]
     over = OverEnvelope(
         shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
         quiet=_quiet(plan, laws, feel, threads) if plan.loader["controller.period"] else None,
         demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
-        margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
+        margins=minimum_margins(margins),
     )
     return replace(score, over=over)
 

@@ -1,6 +1,7 @@
 """The command line: ``app.py`` lists the commands, each has a file of its name."""
 
 import contextlib
+import gc
 import os
 import sys
 import traceback
@@ -16,6 +17,9 @@ TRACEBACK = "FORCEFEEL_TRACEBACK"
 _LONGEST = 300
 """Characters that are shown of what a library says."""
 
+_ALLOCATIONS = 100_000
+"""Between searches for cycles, which take a twentieth of a short command's time where the default searches while libraries load."""
+
 
 def main() -> None:
     """Runs the command line: exit status 0 fine, 1 the answer is bad, 2 the input is bad, else as ``exit_status`` has it."""
@@ -24,6 +28,7 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")
     # The engine has threads of its own; on matrices of ten rows those of BLAS wait for one another, turning.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(_ALLOCATIONS)
     try:
         from forcefeel.cli import app
 

@@ -25,6 +25,7 @@ from forcefeel.laws.law import Law
 from forcefeel.qualification.batch_verdicts import NAMES, BatchVerdicts, judge_releases
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.too_small import Beyond
+from forcefeel.threads import side_by_side
 
 PASSED, UNSTABLE_LOOP, _FIRST = 0, 1, 2
 """Outcome codes; figures that can fail start at ``_FIRST``."""
@@ -34,6 +35,9 @@ FIGURES = (*NAMES, NOT_HELD)
 
 Outcomes = tuple[NDArray[np.int8], NDArray[np.float32], NDArray[np.bool_]]
 """Outcome, margin, and whether both are inferred: (laws, cases, settings)."""
+
+Ran = tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int8], NDArray[np.float32]]
+"""Case, setting, outcome and margin of each release."""
 
 
 def find_outcomes(
@@ -52,30 +56,64 @@ def find_outcomes(
         arm: [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan, arm=arm)]
         for arm in {_with_arm(group) for group in groups if not plan.infers(group[0])}
     }
-    references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
+    references: _References = {}
     first = 0
     for group in groups:
-        places, arms = slice(first, first + len(group)), tuple(case.arm for case in group)
+        places = slice(first, first + len(group))
         first = places.stop
         if plan.infers(group[0]):
             for k, law in enumerate(laws.values()):
                 results = _refined(plan, feel, law, group, threads, advance)
                 outcome[k, places], margin[k, places], inferred[k, places] = results
             continue
-        for piece, (which, record, some) in enumerate(parts[_with_arm(group)]):
-            if (piece, arms) not in references:
-                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in group])
-                references[piece, arms] = measured(plan, record, ideal, threads)
-            for k, law in enumerate(some):
-                stable, angles = released(plan, group, feel[which], law, record, threads)
-                measures = measured(plan, record, angles, threads)
-                verdicts = judge_releases(measures, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
-                judged = (part.reshape(len(group), -1) for part in _judged(verdicts, stable))
-                outcome[k, places][:, which], margin[k, places][:, which] = judged
-                advance(len(group) * len(which))
+        for k, which, codes, margins in _whole(plan, group, feel, parts[_with_arm(group)], references, threads):
+            outcome[k, places][:, which] = codes.reshape(len(group), -1)
+            margin[k, places][:, which] = margins.reshape(len(group), -1)
+            advance(len(codes))
     # A force that the motor cannot hold is wrong before the release, even if the release passes.
     outcome[(outcome == PASSED) & force_not_held(plan, feel)] = _FIRST + len(NAMES)
     return outcome, margin, inferred
+
+
+_References = dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch]
+"""The ideal's releases of a piece of the settings with these arms."""
+
+_Part = tuple[NDArray[np.intp], Record, list[Law]]
+"""A piece of the settings: which, their record, and each law of them."""
+
+_Task = tuple[int, NDArray[np.intp], Record, Law, ReleaseBatch]
+"""Place of a law, settings, their record, the law of them, and the ideal's releases."""
+
+_Done = tuple[int, NDArray[np.intp], NDArray[np.int8], NDArray[np.float32]]
+"""Place of a law, settings, and outcome and margin of each release, case by case."""
+
+
+def _whole(
+    plan: Plan,
+    group: Sequence[Case],
+    feel: NDArray[np.float64],
+    parts: Sequence[_Part],
+    references: _References,
+    threads: int,
+) -> Iterator[_Done]:
+    """Release all settings in the cases of a group under each law."""
+    arms = tuple(case.arm for case in group)
+
+    def tasks() -> Iterator[_Task]:
+        for piece, (which, record, laws) in enumerate(parts):
+            if (piece, arms) not in references:
+                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in group])
+                references[piece, arms] = measured(plan, record, ideal, threads)
+            yield from ((k, which, record, law, references[piece, arms]) for k, law in enumerate(laws))
+
+    def run(task: _Task) -> _Done:
+        k, which, record, law, reference = task
+        stable, angles = released(plan, group, feel[which], law, record, threads)
+        measures = measured(plan, record, angles, threads)
+        verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
+        return k, which, *_judged(verdicts, stable)
+
+    return side_by_side(run, tasks(), threads)
 
 
 def force_not_held(plan: Plan, feel: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -97,7 +135,7 @@ def _refined(
     advance: Callable[[int], None],
 ) -> Outcomes:
     """Outcomes of a law in hands-off cases, run where ``rounds`` asks for it."""
-    stable = np.array([stable_settings(plan, case, feel, law, threads) for case in cases])
+    stable = stable_settings(plan, cases, feel, law, threads)
     outcome = np.where(stable, UNKNOWN, UNSTABLE_LOOP).astype(np.int8)
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
     run = ~stable
@@ -116,10 +154,6 @@ def _refined(
     return outcome, margin, ~run
 
 
-Ran = tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int8], NDArray[np.float32]]
-"""Case, setting, outcome and margin of each release."""
-
-
 def run_settings(
     plan: Plan, cases: Sequence[Case], settings: NDArray[np.bool_], feel: NDArray[np.float64], law: Law, threads: int
 ) -> Iterator[Ran]:
@@ -133,17 +167,23 @@ def run_settings(
         law: Law of each setting.
         threads: Number of threads.
     """
-    for record, alike in records(plan, arm=_with_arm(cases)):
-        all_places, all_which = np.nonzero(settings & alike)
-        for chunk in record.chunks(len(all_which)):
-            places, which = all_places[chunk], all_which[chunk]
-            grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
-            pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
-            good, angles = released_pairs(plan, pairs, feel, law, record, threads)
-            ideal = np.vstack([_ideal(plan, case, feel[some], record) for case, some in pairs])
-            reference, measures = (measured(plan, record, motion, threads) for motion in (ideal, angles))
-            verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
-            yield places, which, *_judged(verdicts, good)
+
+    def tasks() -> Iterator[tuple[Record, NDArray[np.intp], NDArray[np.intp]]]:
+        for record, alike in records(plan, arm=_with_arm(cases)):
+            places, which = np.nonzero(settings & alike)
+            yield from ((record, places[chunk], which[chunk]) for chunk in record.chunks(len(which)))
+
+    def run(task: tuple[Record, NDArray[np.intp], NDArray[np.intp]]) -> Ran:
+        record, places, which = task
+        grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
+        pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
+        good, angles = released_pairs(plan, pairs, feel, law, record, threads)
+        ideal = np.vstack([_ideal(plan, case, feel[some], record) for case, some in pairs])
+        reference, measures = (measured(plan, record, motion, threads) for motion in (ideal, angles))
+        verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
+        return places, which, *_judged(verdicts, good)
+
+    return side_by_side(run, tasks(), threads)
 
 
 def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:

@@ -25,6 +25,7 @@ from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
+from forcefeel.threads import side_by_side
 
 _FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 6
 """Periods of the programmed frequency in a record. Those after the sixth move the margin of a simulated release, whose sensors have
@@ -136,14 +137,20 @@ def released(
     return np.concatenate(stables), np.vstack(angles)
 
 
-def stable_settings(plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, threads: int) -> NDArray[np.bool_]:
-    """Stability of the loop of each setting in a case, for a simulated loader."""
-    if plan.loader["controller.period"]:
-        return sampled_loops(plan.loader, laws, full_rows(plan.loader, case, feel, laws), threads=threads).stable
-    columns_, values = [INDEX[key] for key in columns(case)], machines(plan.loader, case, feel, laws)
-    loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
-    code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
-    return np.asarray((code == _STABLE) | (code == _STABLE_BY_POLES))
+def stable_settings(
+    plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, threads: int
+) -> NDArray[np.bool_]:
+    """Stability of the loop of each setting in each case (cases, settings), for a simulated loader."""
+
+    def stable(case: Case) -> NDArray[np.bool_]:
+        if plan.loader["controller.period"]:
+            return sampled_loops(plan.loader, laws, full_rows(plan.loader, case, feel, laws), threads=threads).stable
+        columns_, values = [INDEX[key] for key in columns(case)], machines(plan.loader, case, feel, laws)
+        loops = _core.Loops(plan.loader.si_values, columns_, values, **laws.engine(plan.loader))
+        code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
+        return np.asarray((code == _STABLE) | (code == _STABLE_BY_POLES))
+
+    return np.array(list(side_by_side(stable, cases, threads)))
 
 
 def released_pairs(

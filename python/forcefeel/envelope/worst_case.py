@@ -37,7 +37,7 @@ def worst_case_shares(
     feel = plan.settings.feel(plan.loader)
     law = Law.of(spec, plan.loader, feel, name)
     cases = sorted(plan.cases, key=lambda case: _order(case, hardest))
-    stable = np.array([stable_settings(plan, case, feel, law, threads) for case in cases])
+    stable = stable_settings(plan, cases, feel, law, threads)
     held = ~force_not_held(plan, feel)
     nominal, worst = stable[0], stable.all(axis=0)
     first = 0

@@ -40,7 +40,7 @@ def bisected(full: Envelope, levels: Sequence[Plan], threads: int) -> Iterator[L
     law = Law.of(spec, plan.loader, feel, name)
     deviates = np.array([case.kind is Kind.PLANT for case in plan.cases])
     cases = [level.cases[1:] for level in levels]
-    stable = np.array([[stable_settings(plan, case, feel, law, threads) for case in level] for level in cases])
+    stable = np.array([stable_settings(plan, level, feel, law, threads) for level in cases])
     passes_full = full.passes(name)
     good = passes_full[~deviates].all(axis=0) & ~force_not_held(plan, feel)
     # Of each case and setting, the last level that fails and the first that passes; beyond the last is the nominal plant.

@@ -32,6 +32,9 @@ BANDS = {"lowest": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "highest": 1.0
 SAMPLE_RUNS = 100_000
 """Most runs in ``SweepResult.sample``: chance moves a rank correlation over them by 0.003."""
 
+_PIECE_RUNS = 2**20
+"""Runs whose values are read from a file at a time."""
+
 _ANGLE = "column_angle_rad"
 
 
@@ -75,6 +78,16 @@ class SweepResult:
             for place, status in enumerate(STATUSES):
                 places[runs.start : runs.stop][text == status] = place
         return places
+
+    def finite(self, measure: str) -> NDArray[np.float64]:
+        """A copy of the values of a measure that are numbers, without other copies of millions in memory."""
+        values, count = np.empty(self.sweep.total), 0
+        for first in range(0, self.sweep.total, _PIECE_RUNS):
+            piece = self.runs[measure][first : first + _PIECE_RUNS].values
+            piece = piece[np.isfinite(piece)]
+            values[count : count + len(piece)] = piece
+            count += len(piece)
+        return values[:count]
 
     @cached_property
     def sample(self) -> xr.Dataset:

@@ -120,7 +120,7 @@ def summarize(result: SweepResult) -> Summary:
     return Summary(
         shares=tuple(_share(status, count, result.sweep.total, random) for status, count in counts.items()),
         spreads={
-            name: _spread(name, result.runs[name].values, getattr(result.nominal, name), measure_unit(name, drive))
+            name: _spread(name, result.finite(name), getattr(result.nominal, name), measure_unit(name, drive))
             for name in measures
         },
         correlations=_correlations(result.sample, measures, (*sweep.axes, *sweep.varied)),
@@ -148,8 +148,7 @@ def _share(status: str, count: int, total: int, random: bool) -> Share:
     return Share(status, count, share, *wilson_interval(count, total))
 
 
-def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
-    finite = values[np.isfinite(values)]
+def _spread(name: str, finite: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
     if not len(finite):
         return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
     lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0), overwrite_input=True).tolist()

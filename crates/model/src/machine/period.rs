@@ -54,6 +54,7 @@ pub struct Period<'a, S: Scalar, D: Drive<S> = Hydraulic<S>> {
 
 impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
     /// The state a period later.
+    #[inline(always)]
     pub fn next(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
         let (zero, (test_signal, at)) = (drives.force.zero(), drives.test_signal);
         let (mut state, mut memory) = self.put(numbers, drives);
@@ -70,19 +71,20 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
     }
 
     /// What there is at the start of the period, its command on the way, under a test signal of its first step.
+    #[inline(always)]
     pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Snapshot<S, D> {
         let (mut state, mut memory) = self.put(numbers, drives);
         state.test_signal = drives.test_signal.0;
         self.begin(&mut state, &mut memory).now
     }
 
-    /// Compiled once for both of them.
-    #[inline(never)]
+    #[inline(always)]
     fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> StepStart<S, D> {
         let none = [memory.command_signal.zero(); SENSORS];
         self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
     }
 
+    #[inline(always)]
     fn put(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> (State<S, D>, Memory<S>) {
         let equilibrium = Equilibrium::neutral(numbers[0].zero());
         let (mut state, mut memory) =
@@ -94,6 +96,7 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         (state, memory)
     }
 
+    #[inline(always)]
     fn read(mut state: State<S, D>, mut memory: Memory<S>) -> [S; PERIOD_STATES] {
         let mut numbers = [state.held; PERIOD_STATES];
         visit::<S, D>((&mut state, &mut memory), FIRST_SAMPLE + 1, &mut Read(numbers.iter_mut()));

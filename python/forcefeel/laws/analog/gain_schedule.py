@@ -8,6 +8,7 @@ transition matrix.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
@@ -131,24 +132,21 @@ def _over_horizon(
 
 
 def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
-    import control  # noqa: PLC0415  a second that a law whose gains are known need not wait for
-
     problem = SampledProblem.of(loader, design)
     phi, h = problem.phi[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.h[DESIGN_PLANT]
     scale = problem.scale[DESIGN_PLANT]
-    k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.r)
+    cost = scipy.linalg.solve_discrete_are(phi, h, problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.r)
+    k = scipy.linalg.solve(h.T @ cost @ h + problem.r, h.T @ cost @ phi)
     row = h.T / (problem.r + h.T @ cost @ h)
     return _SolvedPlant(-k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale)
 
 
 def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
-    import control  # noqa: PLC0415  as above
-
     plant, scale = design_model(loader), state_scale(loader)[DESIGN_PLANT]
     a = plant.A[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * scale / scale[:, None]
     b = plant.B[DESIGN_PLANT] / scale[:, None]
     q = design.weight(loader)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * np.outer(scale, scale)
-    k, _, _ = control.lqr(a, b, q, [[design.r2]])
+    k = np.linalg.solve([[design.r2]], b.T @ scipy.linalg.solve_continuous_are(a, b, q, [[design.r2]]))
     return _SolvedPlant(-k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale)
 
 

@@ -98,8 +98,7 @@ def _distributions(
 ) -> tuple[Picture, ...]:
     pictures = []
     for name in measures:
-        values = result.runs[name].values
-        drawn, beyond = sweep_plots.histogram(values, summary.spreads[name], units, sweep_plots.color(law))
+        drawn, beyond = sweep_plots.histogram(result.finite(name), summary.spreads[name], units, sweep_plots.color(law))
         many = (
             f"{beyond:,} run{'s' if beyond > 1 else ''} farther out, up to the highest of the table" if beyond else ""
         )
