@@ -24,10 +24,10 @@ from forcefeel.fly.control_data import control_data
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
 
-FRAME_S = 0.008
-"""Time between two states of the aircraft."""
+FRAME_S = 0.002
+"""Time between two states of the aircraft; at 8 ms the short period of a light aircraft is 1 % off."""
 
-_FT, _KT, _PSF, _LB = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2, 4.4482216152605
+_FT, _KT, _PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 _SHARES = (-1.0, 1.0)
 _STILL = 1e-6
 _POSITION, _COMMAND, _TRIM = "fcs/elevator-pos-rad", "fcs/elevator-cmd-norm", "fcs/pitch-trim-cmd-norm"
@@ -71,6 +71,8 @@ class Aircraft:
         self._model["ic/gamma-deg"] = 0.0
         if load_factor != 1:
             self._model["ic/targetNlf"] = load_factor
+        # Modes and forces of one weight: no fuel is burnt.
+        self._model["propulsion/fuel_freeze"] = 1
         with silent() as printed:
             self._model.run_ic()
             self._model["propulsion/set-running"] = -1
@@ -86,29 +88,9 @@ class Aircraft:
                 ) from error
         self.trimmed: float = self._model[_POSITION] if reversible else self._model[_TRIM] + self._model[_COMMAND]
 
-    @property
-    def weight_n(self) -> float:
-        """Weight."""
-        weight: float = self._model["inertia/weight-lbs"] * _LB
-        return weight
-
     def angle_from(self, trim: "Aircraft") -> float:
         """Angle of the column in this trimmed flight, rad, from its position in another."""
         return (self.trimmed - trim.trimmed) / self.per_angle
-
-    def throttle(self) -> float:
-        """Share of full throttle of the first engine."""
-        share: float = self._model["fcs/throttle-cmd-norm[0]"]
-        return share
-
-    def set_throttle(self, share: float) -> None:
-        """Set the throttle of each engine."""
-        for engine in range(self._model.get_propulsion().get_num_engines()):
-            self._model[f"fcs/throttle-cmd-norm[{engine}]"] = share
-
-    def set_flaps(self, share: float) -> None:
-        """Set the flap lever, a share of its travel."""
-        self._model["fcs/flap-cmd-norm"] = share
 
     def state(self) -> dict[str, float]:
         """The flight state by the names of a host's packet, SI units.

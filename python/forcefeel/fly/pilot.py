@@ -19,7 +19,7 @@ from forcefeel.fly.aircraft import FRAME_S
 
 _DELAY_S = 0.2
 _ARM_RAD_PER_S, _ARM_DAMPING = 15.0, 0.7
-_PARTS = 8
+_PARTS = 2
 """Steps of the arm in a frame."""
 
 

@@ -7,6 +7,7 @@ delay; without a loader in between the hand is on the programmed feel itself.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -17,7 +18,7 @@ from forcefeel.bridge.run import REFUSED
 from forcefeel.errors import InputError
 from forcefeel.fly.aircraft import FRAME_S, Aircraft, flight_row, silent, with_elevator
 from forcefeel.fly.trims import held_force
-from forcefeel.laws.law import LawLike
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.state import COLUMNS, STATES
 from forcefeel.loader.loader import Loader
@@ -41,7 +42,7 @@ Pilot = Callable[[float, Mapping[str, float]], float]
 
 _SWITCHES = sum(_core.host_switches()[name] for name in ("active", "flight"))
 _ANGLE, _STATE = COLUMNS.index("column_angle_rad"), COLUMNS.index("state")
-_FEEL_STEPS = 16
+_FEEL_STEPS = 4
 """Steps of the programmed feel alone in a frame: 0.5 ms."""
 
 
@@ -53,7 +54,6 @@ class Way:
         law: The law, as in ``Law.of``.
         trim: The trimmed flight in which tab and column are zero; the flown aircraft's own unless given. It begins held by a hand.
         alone: Whether the hand is on the programmed feel itself, without a loader in between.
-        levers: Sets throttle and flaps at a time of the flight.
 
     Example:
         >>> ff.fly.Way(law="robust").alone
@@ -63,7 +63,6 @@ class Way:
     law: LawLike = None
     trim: Aircraft | None = None
     alone: bool = False
-    levers: Callable[[float, Aircraft], None] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +80,7 @@ class Flown:
         >>> aircraft = ff.fly.Aircraft("c172p", 51.4, 900.0)
         >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(25), ff.fly.Way(law="robust"))
         >>> f"{flown.time_s[-1]:.3f} s"
-        '0.192 s'
+        '0.048 s'
     """
 
     time_s: NDArray[np.float64] = field(repr=False)
@@ -104,7 +103,7 @@ def fly(
     Args:
         loader: The loader, with a digital controller; its feel and surface become the aircraft's.
         aircraft: The aircraft, trimmed; it is flown on from there.
-        hand: A force for each frame of 8 ms, N, or a pilot; positive towards positive angles of the column.
+        hand: A force for each frame of 2 ms, N, or a pilot; positive towards positive angles of the column.
         way: How it is flown.
         duration_s: Length of a pilot's flight.
 
@@ -137,8 +136,6 @@ def fly(
                 raise InputError(f"hand: expected a finite force, got {forces[k]} at {time:.2f} s")
             angles[k] = stick.frame(forces[k], state, time)
             rows.append(seen)
-            if way.levers is not None:
-                way.levers(time, aircraft)
             aircraft.fly(trim.trimmed + trim.per_angle * angles[k])
             state = aircraft.state()
     states = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
@@ -173,8 +170,7 @@ class _Loop:
     """
 
     def __init__(self, loader: Loader, law: LawLike) -> None:
-        driven_by = live_law(law, loader)
-        setup, _ = made_of(loader, driven_by, host=True)
+        setup = _setup(loader, live_law(law, loader))
         cycles = FRAME_S / loader["controller.period"]
         if abs(cycles - round(cycles)) > _ROUNDING:
             raise InputError(
@@ -217,3 +213,9 @@ class _Loop:
 
 
 _ROUNDING = 1e-9
+
+
+@lru_cache(maxsize=1)
+def _setup(loader: Loader, law: Law) -> _core.LiveSetup:
+    """Of several flights with one loader and law the table of rendered springs is worked out once."""
+    return made_of(loader, law, host=True)[0]
