@@ -23,6 +23,7 @@ __all__ = [
     "ArgumentError",
     "BoardAxis",
     "ExportedLaw",
+    "FlownFeel",
     "FmuVariable",
     "GainLaw",
     "LawSource",
@@ -52,6 +53,7 @@ __all__ = [
     "feel_from_frequency",
     "feel_held_along",
     "feel_held_between",
+    "feel_held_in_flight",
     "feel_steps",
     "feel_transitions",
     "fmu_variables",
@@ -472,6 +474,17 @@ def hinge_moment(values: _Array, flight: _Array) -> _Array:
     ``flight``: dynamic pressure, true airspeed, angle of attack, sideslip, rates of roll, pitch and yaw, load factor, Mach number,
     angle of the tab, angle of the control; (states, 11), SI units.
     """
+
+def feel_held_in_flight(values: _Array, flight: _Array) -> _Array:
+    """Force at the grip, N, (states,), that holds feel and hinge moment, without friction; ``flight`` as in ``hinge_moment``."""
+
+@final
+class FlownFeel:
+    """The programmed feel with its surface in flight, from rest at an angle; eq. (11) and ``surface.rs``."""
+
+    def __new__(cls, values: _Array, angle: float) -> FlownFeel: ...
+    def run(self, force: float, flight: _Array, steps: int, step_s: float) -> float:
+        """Angle, rad, after steps under a force at the grip in a flight state, which has no angle of the control."""
 
 def feel_held_along(
     values: _Array, angles: _Array, directions: _Array, *, curve: tuple[_Array, _Array] | None = None

@@ -6,6 +6,7 @@ mod errors;
 mod export;
 mod faults;
 mod firmware;
+mod flown_feel;
 mod fmu;
 mod host;
 mod laws;
@@ -88,6 +89,8 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(statics::feel_held_along, module)?)?;
     module.add_function(wrap_pyfunction!(statics::feel_held_between, module)?)?;
     module.add_function(wrap_pyfunction!(statics::hinge_moment, module)?)?;
+    module.add_function(wrap_pyfunction!(flown_feel::feel_held_in_flight, module)?)?;
+    module.add_class::<flown_feel::FlownFeel>()?;
     module.add_class::<statics::ValveStatics>()?;
     module.add_class::<statics::MotorStatics>()?;
     module.add_class::<live::LiveSetup>()?;

@@ -26,9 +26,19 @@ _SPEED = Unit("m/s", "m/s", "kt")
 class FlyOptions(LoaderOptions, OutputOptions):
     """The options of ``forcefeel fly``."""
 
-    aircraft: Annotated[str, option("Aircraft of JSBSim with data of its elevator.", FLIGHT, metavar="NAME")] = "c172p"
-    speed: Annotated[str, option("Calibrated airspeed of the trimmed flight.", FLIGHT, metavar="SPEED")] = "100 kt"
-    altitude: Annotated[str, option("Altitude.", FLIGHT, metavar="LENGTH")] = "3000 ft"
+    aircraft: Annotated[
+        str,
+        option(
+            "Aircraft of JSBSim: 737, T38, c172p, f16, or a TOML file with data of its pitch control.",
+            FLIGHT,
+            metavar="NAME|FILE",
+        ),
+    ] = "c172p"
+    speed: Annotated[
+        str | None,
+        option("Calibrated airspeed of the trimmed flight.", FLIGHT, default="the aircraft's", metavar="SPEED"),
+    ] = None
+    altitude: Annotated[str | None, option("Altitude.", FLIGHT, default="the aircraft's", metavar="LENGTH")] = None
     force: Annotated[
         str, option("Force of the hand, reached in a second and held; negative pulls.", FLIGHT, metavar="FORCE")
     ] = "-15 N"
@@ -42,19 +52,19 @@ def run(path: LoaderFile = None, /, *, options: FlyOptions = FlyOptions()) -> No
     """Fly an aircraft of JSBSim by the force of a hand on the loader: load factor, speed, stick force per g.
 
     Hand, loader and aircraft are in lock step. The loader is the supervised live loop on its simulated machine; its feel and
-    surface become the aircraft's. The hinge-moment coefficients of the aircraft are illustrative. Needs JSBSim: pip install
+    surface become the aircraft's. The numbers of the aircraft's pitch control are illustrative. Needs JSBSim: pip install
     forcefeel[fly].
 
     Example: forcefeel fly elevator-2khz --aircraft c172p --speed '100 kt' --force '-15 N'
     """
     import numpy as np
 
-    from forcefeel.fly import FRAME_S, Aircraft, fly, force_per_g
+    from forcefeel.fly import FRAME_S, Aircraft, Way, fly, force_per_g
+    from forcefeel.fly.control_data import control_data
 
-    speed, altitude = (
-        value("--speed", options.speed, "m/s", "100 kt"),
-        value("--altitude", options.altitude, "m", "3000 ft"),
-    )
+    data = control_data(options.aircraft)
+    speed = data.speed_m_per_s if options.speed is None else value("--speed", options.speed, "m/s", "100 kt")
+    altitude = data.altitude_m if options.altitude is None else value("--altitude", options.altitude, "m", "3000 ft")
     start, lasts = seconds("--start", options.start), seconds("--duration", options.duration)
     hand = value("--force", options.force, "N", "-15 N")
     if not speed > 0:
@@ -68,8 +78,8 @@ def run(path: LoaderFile = None, /, *, options: FlyOptions = FlyOptions()) -> No
     loader = options.loader(path)
     aircraft = Aircraft(options.aircraft, speed, altitude)
     time_s = np.arange(0.0, lasts, FRAME_S)
-    flown = fly(loader, aircraft, hand * np.clip((time_s - start) / _RAMP_S, 0, 1), options.law)
-    slope = force_per_g(flown.loader, options.aircraft, speed, altitude)
+    flown = fly(loader, aircraft, hand * np.clip((time_s - start) / _RAMP_S, 0, 1), Way(law=options.law))
+    slope = force_per_g(loader, options.aircraft, speed, altitude)
     if options.out is not None:
         write_whole(options.out, _csv(flown))
     results = _results(flown, slope)
@@ -105,7 +115,7 @@ def _csv(flown: "Flown") -> str:
 
 
 def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> None:
-    table = titled(f"{options.aircraft} at {options.speed}, {options.force} at the grip", "measure", numbers=("value",))
+    table = titled(f"{options.aircraft}, {options.force} at the grip", "measure", numbers=("value",))
 
     def row(name: str, key: str, unit: Unit | None = None) -> None:
         number = results[key]
@@ -122,4 +132,4 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> 
     row("smallest column angle", "column_angle_min_rad", ANGLE)
     row("largest column angle", "column_angle_max_rad", ANGLE)
     terminal.show(table)
-    terminal.print("The hinge-moment coefficients of the aircraft are illustrative.")
+    terminal.print("The numbers of the aircraft's pitch control are illustrative.")

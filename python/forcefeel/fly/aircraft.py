@@ -1,30 +1,31 @@
-"""An aircraft of JSBSim, moved by its elevator.
+"""An aircraft of JSBSim, moved by its pitch control.
 
-JSBSim counts the elevator in shares of its travel; the share is the command's and the pitch trim's together, and a share up is
-another angle than the same share down. The aircraft is trimmed by JSBSim; the column's zero is the trimmed position, and a tab
-takes the force off there.
+A reversible control moves the elevator itself; an irreversible one commands the actuators or the fly-by-wire system, in shares
+of their full command. JSBSim counts the elevator in shares of its travel too; the share is the command's and the pitch trim's
+together, and a share up is another angle than the same share down. The aircraft is trimmed by JSBSim; the column's zero is the
+trimmed position, and a tab takes the force off there.
 """
 
 import ctypes
 import os
 import re
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
-from importlib.resources import files
 from io import StringIO
+from math import isfinite
 from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.errors import InputError, suggestion
+from forcefeel.errors import InputError
+from forcefeel.fly.control_data import control_data
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
 
-FRAME_S = 0.008
-"""Time between two states of the aircraft."""
+FRAME_S = 0.002
+"""Time between two states of the aircraft; at 8 ms the short period of a light aircraft is 1 % off."""
 
 _FT, _KT, _PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 _SHARES = (-1.0, 1.0)
@@ -38,7 +39,7 @@ class Aircraft:
     """An aircraft in trimmed flight.
 
     Args:
-        name: One with data of its elevator: ``c172p``.
+        name: One with data of its pitch control: ``737``, ``T38``, ``c172p``, ``f16``; or the path of such a file.
         speed_m_per_s: Calibrated airspeed.
         altitude_m: Altitude above sea level.
         load_factor: Trimmed in a pull-up with this load factor; 1 for straight and level.
@@ -53,17 +54,26 @@ class Aircraft:
     """
 
     def __init__(self, name: str, speed_m_per_s: float, altitude_m: float, load_factor: float = 1.0) -> None:
-        if name not in known():
-            raise InputError(f"aircraft: expected one of {', '.join(known())}, got {name!r}{suggestion(name, known())}")
+        self.data = control_data(name)
         self.name = name
-        self._travel = {share: self._position_at(share) for share in _SHARES}
-        self._model = _loaded(name)
+        for what, number in (("speed", speed_m_per_s), ("altitude", altitude_m), ("load factor", load_factor)):
+            if not isfinite(number):
+                raise InputError(f"{what}: expected a finite number, got {number}")
+        full_travel = self.data.full_travel_rad
+        reversible = full_travel is None
+        # Only a surface has angles that are not JSBSim's shares.
+        self._travel = {share: self._position_at(share) for share in _SHARES} if reversible else {-1.0: -1.0, 1.0: 1.0}
+        self.per_angle: float = self.data.surface["gearing"] if full_travel is None else 1 / full_travel
+        self.speed_m_per_s, self.altitude_m = speed_m_per_s, altitude_m
+        self._model = _loaded(self.data.model)
         self._model["ic/vc-kts"] = speed_m_per_s / _KT
         self._model["ic/h-sl-ft"] = altitude_m / _FT
         self._model["ic/gamma-deg"] = 0.0
         if load_factor != 1:
             self._model["ic/targetNlf"] = load_factor
-        with _silent() as printed:
+        # Modes and forces of one weight: no fuel is burnt.
+        self._model["propulsion/fuel_freeze"] = 1
+        with silent() as printed:
             self._model.run_ic()
             self._model["propulsion/set-running"] = -1
             try:
@@ -71,11 +81,16 @@ class Aircraft:
             except RuntimeError as error:
                 failed = re.findall(r"Sorry, (\w+) doesn't", printed())
                 axes = " and ".join(_TRIMMED.get(axis, axis) for axis in failed) or "an axis that JSBSim does not name"
+                pulls = "" if load_factor == 1 else f" and {load_factor:.3g} g"
                 raise InputError(
-                    f"aircraft: {name} does not trim at {speed_m_per_s / _KT:.4g} kt: no balance of {axes}; take another speed "
-                    "or altitude"
+                    f"aircraft: {name} does not trim at {speed_m_per_s / _KT:.4g} kt{pulls}: no balance of {axes}; take "
+                    "another speed, altitude or load factor"
                 ) from error
-        self.trimmed_rad: float = self._model[_POSITION]
+        self.trimmed: float = self._model[_POSITION] if reversible else self._model[_TRIM] + self._model[_COMMAND]
+
+    def angle_from(self, trim: "Aircraft") -> float:
+        """Angle of the column in this trimmed flight, rad, from its position in another."""
+        return (self.trimmed - trim.trimmed) / self.per_angle
 
     def state(self) -> dict[str, float]:
         """The flight state by the names of a host's packet, SI units.
@@ -100,13 +115,23 @@ class Aircraft:
                 raise InputError(f"aircraft: {self.name} left the range of its model: {name} is {number}")
         return numbers
 
-    def fly(self, elevator_rad: float) -> None:
-        """Advance by a frame with the elevator at an angle."""
+    def attitude(self) -> dict[str, float]:
+        """What the pilot sees: pitch attitude, bank and climb angle, rad, calibrated airspeed, m/s, altitude, m."""
+        model = self._model
+        return {
+            "pitch_attitude": model["attitude/theta-rad"],
+            "bank": model["attitude/phi-rad"],
+            "climb_angle": model["flight-path/gamma-rad"],
+            "calibrated_airspeed": model["velocities/vc-kts"] * _KT,
+            "altitude": model["position/h-sl-ft"] * _FT,
+        }
+
+    def fly(self, position: float) -> None:
+        """Advance by a frame with the elevator at an angle, or the command at a share."""
         low, high = self._travel[-1.0], self._travel[1.0]
-        share = elevator_rad / high if elevator_rad > 0 else -elevator_rad / low
+        share = position / high if position > 0 else -position / low
         self._model[_COMMAND] = min(1.0, max(-1.0, share)) - self._model[_TRIM]
-        with _silent():
-            self._model.run()
+        self._model.run()
 
     def _position_at(self, share: float) -> float:
         """The elevator's angle at a share of its travel, at once.
@@ -114,8 +139,8 @@ class Aircraft:
         Raises:
             InputError: If it is not there at once: an actuator stands between.
         """
-        model = _loaded(self.name)
-        with _silent():
+        model = _loaded(self.data.model)
+        with silent():
             model.run_ic()
             model[_COMMAND] = share
             model.run()
@@ -123,18 +148,13 @@ class Aircraft:
             model.run()
         if abs(model[_POSITION] - first) > _STILL:
             raise InputError(
-                f"aircraft: {self.name} has an actuator between command and elevator; a reversible control moves the surface itself"
+                f"aircraft: {self.name} has an actuator between command and elevator; a reversible control moves the surface "
+                "itself; take control.moves = command"
             )
         return first
 
 
 _MOST = 1e6
-
-
-def known() -> list[str]:
-    """The aircraft with data of their elevator."""
-    folder = files("forcefeel") / "data" / "aircraft"
-    return sorted(path.name.removesuffix(".toml") for path in folder.iterdir() if path.name.endswith(".toml"))
 
 
 def with_elevator(loader: Loader, aircraft: Aircraft) -> Loader:
@@ -144,12 +164,11 @@ def with_elevator(loader: Loader, aircraft: Aircraft) -> Loader:
         >>> ff.fly.with_elevator(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0))["surface.per_deflection"]
         -0.3
     """
-    path = files("forcefeel") / "data" / "aircraft" / f"{aircraft.name}.toml"
-    data = tomllib.loads(path.read_text(encoding="utf-8"))
-    rows = {f"surface.{key}": value for key, value in data["surface"].items()}
-    changed = loader.replace({**rows, "feel.stiffness": data["feel"]["stiffness"]})
+    data = aircraft.data
+    rows = {f"surface.{key}": value for key, value in data.surface.items()}
+    changed = loader.replace({**rows, "feel.stiffness": data.stiffness})
     frequency, _ = _core.feel_frequency(changed.si_values)
-    _, damping = _core.feel_from_frequency(frequency, data["feel"]["damping_ratio"], changed["feel.stiffness"])
+    _, damping = _core.feel_from_frequency(frequency, data.damping_ratio, changed["feel.stiffness"])
     # The tab's share of the coefficient: the moment is linear in it.
     state = aircraft.state()
     with_none, with_one = (
@@ -159,10 +178,15 @@ def with_elevator(loader: Loader, aircraft: Aircraft) -> Loader:
     return changed.replace({"feel.damping": damping, "surface.at_zero": at_zero}, si=True)
 
 
+def flight_row(state: Mapping[str, float]) -> list[float]:
+    """A flight state as the engine takes it, in the order of ``FLIGHT_UNITS``."""
+    return [state.get(name, WITHOUT.get(name, 0.0)) for name in FLIGHT_UNITS]
+
+
 def hinge_moment(loader: Loader, state: Mapping[str, float], angle_rad: float) -> tuple[float, float, float]:
     """Force at the grip, N, spring, N m/rad, and damping, N m s/rad, of the loader's surface in a flight state."""
-    row = [state.get(name, WITHOUT.get(name, 0.0)) for name in FLIGHT_UNITS]
-    ((force, stiffness, damping),) = _core.hinge_moment(loader.si_values, np.array([[*row, angle_rad]])).tolist()
+    row = np.array([[*flight_row(state), angle_rad]])
+    ((force, stiffness, damping),) = _core.hinge_moment(loader.si_values, row).tolist()
     return force, stiffness, damping
 
 
@@ -171,16 +195,21 @@ def _loaded(name: str) -> Any:
         import jsbsim  # noqa: PLC0415  an extra
     except ImportError as error:
         raise InputError("JSBSim is not installed; install it with: pip install forcefeel[fly]") from error
-    with _silent():
+    with silent():
         model = jsbsim.FGFDMExec(None)
         model.set_debug_level(0)
-        model.load_model(name)
+        try:
+            there = model.load_model(name)
+        except RuntimeError:
+            there = False
         model.set_dt(FRAME_S)
+    if not there:
+        raise InputError(f"aircraft: JSBSim has no aircraft {name!r}; name one of its folder aircraft as model")
     return model
 
 
 @contextmanager
-def _silent() -> Iterator[Callable[[], str]]:
+def silent() -> Iterator[Callable[[], str]]:
     """Keep what JSBSim prints from standard output, the process's and Python's; the yielded function returns it."""
     flush, by_python = ctypes.CDLL(None).fflush, StringIO()
     flush(None)

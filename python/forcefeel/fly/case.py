@@ -1,0 +1,132 @@
+"""A loader, an aircraft and a trimmed flight, and the flights that a pilot holds from there."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from forcefeel.fly.aircraft import FRAME_S, Aircraft, with_elevator
+from forcefeel.fly.pilot import CrossoverPilot
+from forcefeel.fly.run import Flown, Pilot, Way, fly
+from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
+from forcefeel.laws.law import Law, LawLike
+from forcefeel.live.setup import live_law
+from forcefeel.loader.loader import Loader
+
+_CROSSOVER_RAD_PER_S = 0.5
+"""Of load factor: a pilot who is not in a hurry."""
+_INTEGRAL_S = 0.3
+_HELD_S = 0.75
+_WINDOW = slice(round(0.25 / FRAME_S), round(_HELD_S / FRAME_S))
+"""Before the path curves: a pull-up climbs and loses speed."""
+
+Level = Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class HeldFlight:
+    """A flight that a pilot holds in the state in which JSBSim trimmed it; means over 0.25 to 0.75 s.
+
+    Attributes:
+        speed_m_per_s: Calibrated airspeed.
+        load_factor: Load factor.
+        force_n: Force of the hand.
+        feel_n: Force of the programmed feel at rest in the same states and column positions.
+        trimmed_n: Force by JSBSim's trim, for the programmed feel.
+
+    Example:
+        >>> case = ff.fly.FlightCase(ff.digital_elevator(), "c172p", 51.4, 900.0, "robust")
+        >>> held = case.held(case.at(load_factor=1.4), alone=True)
+        >>> round(held.force_n), round(held.trimmed_n)
+        (-14, -14)
+    """
+
+    speed_m_per_s: float
+    load_factor: float
+    force_n: float
+    feel_n: float
+    trimmed_n: float
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCase:
+    """A loader, an aircraft and a trimmed flight.
+
+    Attributes:
+        loader: The loader.
+        aircraft: Name of the aircraft, or the path of its data.
+        speed_m_per_s: Calibrated airspeed.
+        altitude_m: Altitude.
+        law: The law.
+
+    Example:
+        >>> case = ff.fly.FlightCase(ff.digital_elevator(), "c172p", 51.4, 900.0, "robust")
+        >>> round(case.force_per_g_n)
+        -35
+    """
+
+    loader: Loader
+    aircraft: str
+    speed_m_per_s: float
+    altitude_m: float
+    law: LawLike = None
+
+    @cached_property
+    def trim(self) -> Aircraft:
+        """The trimmed flight, which is not flown on."""
+        return self.at()
+
+    @cached_property
+    def feel(self) -> Loader:
+        """The loader with the aircraft's surface and feel."""
+        return with_elevator(self.loader, self.trim)
+
+    @cached_property
+    def designed(self) -> Law:
+        """The law, designed for the aircraft's feel: one for another feel gives less load factor."""
+        return live_law(self.law, self.feel)
+
+    @cached_property
+    def force_per_g_n(self) -> float:
+        """Force per load factor in pull-ups that JSBSim trims, N."""
+        return force_per_g(self.loader, self.aircraft, self.speed_m_per_s, self.altitude_m)
+
+    def at(self, speed_m_per_s: float | None = None, load_factor: float = 1.0) -> Aircraft:
+        """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given."""
+        speed = self.speed_m_per_s if speed_m_per_s is None else speed_m_per_s
+        return Aircraft(self.aircraft, speed, self.altitude_m, load_factor)
+
+    def load_factor_pilot(self, target: Level, begins_n: float = 0.0) -> CrossoverPilot:
+        """A pilot who holds a load factor over time, and knows the force at the start and that per load factor."""
+        still, known = target(0.0), self.force_per_g_n
+        return CrossoverPilot(
+            lambda time, seen: target(time) - seen["load_factor"],
+            _CROSSOVER_RAD_PER_S * known * _INTEGRAL_S,
+            0.0,
+            _INTEGRAL_S,
+            lambda time: begins_n + known * (target(time) - still),
+        )
+
+    def flown(self, pilot: Pilot, duration_s: float, way: Way, begins: Aircraft | None = None) -> Flown:
+        """A flight from a trimmed state, the case's unless another is given, with the case's tab."""
+        way = Way(law=self.designed, trim=self.trim, alone=way.alone)
+        return fly(self.loader, begins or self.at(), pilot, way, duration_s=duration_s)
+
+    def held(self, begins: Aircraft, *, alone: bool = False) -> HeldFlight:
+        """A pilot holds the load factor of a flight that JSBSim trimmed."""
+        force, load_factor = trimmed_force(self.feel, self.trim, begins), begins.state()["load_factor"]
+        pilot = self.load_factor_pilot(lambda _: load_factor, force)
+        flown = self.flown(pilot, _HELD_S, Way(alone=alone), begins)
+        rows = {name: row[_WINDOW] for name, row in flown.states.items()}
+        angles = flown.angle_rad[_WINDOW].tolist()
+        states = [dict(zip(rows, values, strict=True)) for values in zip(*rows.values(), strict=True)]
+        feel = [held_force(self.feel, state, angle) for state, angle in zip(states, angles, strict=True)]
+        mean = {name: float(np.mean(row)) for name, row in rows.items()}
+        return HeldFlight(
+            mean["calibrated_airspeed"],
+            mean["load_factor"],
+            float(flown.force_n[_WINDOW].mean()),
+            float(np.mean(feel)),
+            force,
+        )
