@@ -19,6 +19,9 @@ still swing so far that the feel's spring has more than ``SWINGS`` of the fricti
 * learnt at once: the same, and trusted as soon as it is learnt.
 * learnt, from the lower end: the same, begun there.
 
+Then the share of released settings that hands off come to rest within ``RESTS_DEG`` over the last third of ``RELEASED_S``, and the
+mean distance from the neutral; "restless" is "learnt" without its part for a column that friction holds.
+
 Behind them, on elevator-2khz, what learning costs a hand, the friction exactly as told: the share of it that a sinusoidal push of
 20 N feels beside the programmed feel, and the shares of settings with each pilot's arm.
 
@@ -33,6 +36,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import sys
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -57,6 +61,9 @@ BREAKS_AWAY = 1.2
 SWINGS = 0.25
 DITHER_HZ, DITHER_V = 30.0, (0.02, 0.1, 0.5)
 LEVEL, UNCERTAIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST, REST = range(-OF_FRICTION, 0)
+RESTS_DEG, RELEASED_DEG, RELEASED_S = 0.02, 3.0, 14.0
+# Share of the file's G, Hz, damping ratio.
+RELEASED = list(product((0.05, 0.1, 0.2, 0.4, 0.8), (0.7, 1.5, 2.5), (0.15, 0.3, 0.7)))
 HANDS, HERTZ = ("given back", "learnt at once", "learnt"), (0.2, 0.5)
 ROWS = ("column.coulomb_friction", "column.static_friction")
 LOADERS = {"elevator-2khz": (0.5, 1.0, 2.0), "elevator-electric": (0.5, 1.0)}
@@ -109,6 +116,10 @@ def from_nothing(numbers):
     numbers[:, LEVEL], numbers[:, LEAST], numbers[:, MOST] = 1e-6 * level, 0.0, 2 * level
 
 
+def restless(numbers):
+    numbers[:, REST] = 0.0
+
+
 WAYS = {
     "none": law(known=False),
     "servo": law(name="load-cell", known=False),
@@ -117,6 +128,7 @@ WAYS = {
     "given back": law(unlearnt),
     "lower end": law(fixed_lower),
     "learnt": law(),
+    "restless": law(restless),
     "learnt at once": law(at_once),
     "learnt, from the lower end": law(lower),
 }
@@ -182,6 +194,20 @@ def with_arms(loader, design):
     return {case.name: passes[k].mean() for k, case in enumerate(cases)}
 
 
+def at_rest(loader, design, off):
+    """Share of ``RELEASED`` that comes to rest, and how far from the neutral in deg, the machine's friction off by a share."""
+    settings = [(loader["feel.stiffness"] * g, 2 * np.pi * hertz, zeta) for g, hertz, zeta in RELEASED]
+    feel = np.array([(g / w**2, 2 * zeta * g / w, g) for g, w, zeta in settings])
+    made = replace(Law.of(design(loader, feel), loader, name="way"), feel=feel)
+    step = loader["controller.period"]
+    scenario = Scenario(Release(np.radians(RELEASED_DEG)), RELEASED_S, step, 4 * step)
+    rows = full_rows(loader, case(off), feel, made)
+    runs = simulate_batch(loader, scenario, rows, made, keep=["column_angle_rad"])
+    angle = np.degrees(runs["column_angle_rad"].values)
+    end = angle[:, -angle.shape[1] // 3 :]
+    return np.mean(np.ptp(end, axis=1) < RESTS_DEG), np.abs(end[:, -1]).mean()
+
+
 def felt_by_hand(loader, design, newtons=20.0, hertz=0.2):
     """Share of the friction that a sinusoidal push feels of it where the column moves."""
     feel = np.array([[0.5, 3.0, 20.0]])
@@ -222,6 +248,9 @@ def main():
                 f"dither, {volts:g} {'V' if rubbed.drive == HYDRAULIC else 'A'}",
                 *tried(rubbed, WAYS["none"], shaken(volts)),
             )
+        for design_name in ("restless", "learnt"):
+            ends = [at_rest(rubbed, WAYS[design_name], off) for off in OFF]
+            print(f"{design_name:<28}" + "".join(f"{f'{100 * share:.0f} %, {far:.2f}':>12}" for share, far in ends))
         for design_name in HANDS if name == "elevator-2khz" else ():
             felt = ", ".join(
                 f"{hertz:g} Hz {felt_by_hand(rubbed, WAYS[design_name], hertz=hertz):.0%}" for hertz in HERTZ
