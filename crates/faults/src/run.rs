@@ -8,7 +8,7 @@ use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Shared};
-use forcefeel_model::observer::{NUMBERS, Observer};
+use forcefeel_model::observer::{NUMBERS, Observer, knows_contact, knows_friction};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
 use forcefeel_model::supervisor::{
@@ -58,7 +58,14 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     let step_s = period / steps as f64;
     let delay = whole((parameters.controller.delay / step_s).round());
     let timing = Timing { period: steps, delay };
-    let effects = Effects { observer: law.is_some(), sampled: true, surroundings: true, ..Effects::of(&case.values) };
+    let effects = Effects {
+        observer: law.is_some(),
+        known_friction: law.is_some_and(knows_friction),
+        contact_law: law.is_some_and(knows_contact),
+        sampled: true,
+        surroundings: true,
+        ..Effects::of(&case.values)
+    };
     let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
     let compensator = if law.is_some() {
         Compensator::state_feedback(&parameters, [0.0; 7])
