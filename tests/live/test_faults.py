@@ -15,9 +15,13 @@ KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
 
 @pytest.fixture(scope="module")
 def loaders() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A hydraulic loader, the same with dry friction that its law knows, an electric one and a light one, under their law."""
+    """A hydraulic loader, the same with a light feel and dry friction that its law knows, an electric one and a light one, each
+    under its law."""
     of = [open_loader(name) for name in ("elevator-2khz", "elevator-2khz", "elevator-electric", "sidestick-pitch")]
-    of[1] = of[1].replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2.4 lb"})
+    light = {key: 0.3 * of[1][key] for key in ("feel.inertia", "feel.damping", "feel.stiffness")}
+    of[1] = (
+        of[1].replace(light, si=True).replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2.4 lb"})
+    )
     made = [ff.Law.of("robust", loader).sampled for loader in of]
     return np.array([loader.si_values for loader in of]), np.array([law.rows()[0] for law in made if law is not None])
 

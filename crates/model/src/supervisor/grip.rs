@@ -7,7 +7,8 @@
 //! |---|---|
 //! | `F_g = alpha R_b F / R_p` | force of the drive at the grip, eq. (6) without motion |
 //! | `tau = w_o (J v - int (alpha R_b F + tau) dt)` | hand's torque, a lag of what is missing in eq. (6) |
-//! | `P = alpha R_b F v` | power that the drive gives to the column |
+//! | `f = F_f v / (|v| + v_s)` | dry friction of the loader file against the motion |
+//! | `P = (alpha R_b F - f) v` | power that the drive gives to the column beyond the friction |
 //! | `P_f = J a_f v` | the same of a free column that follows its feel, eqs. (6), (11) |
 //!
 //! What a hand is given by a column that moves otherwise than its feel, `E' = P_g - max(0, -tau v_f) - E / 1 s` with `P_g = -tau v`, no less than
@@ -19,8 +20,9 @@
 //! good: a hand that kept it swinging would have a tenth of the drive's torque.
 //!
 //! With no hand on it a column gains speed only where its feel drives it. Where the feel brakes it, `P_f < 0`, and the drive does not
-//! take half of that, `P > P_f / 2`, the column runs away: `|tau|` small for as long as the table has it. A valve stuck open is of
-//! this kind, at constant speed too, where `P` is zero. What the dry friction or the weight of the column does looks like a hand.
+//! take half of that, `P > P_f / 2`, the column runs away: `|tau + f|` small for as long as the table has it. A valve stuck open is of
+//! this kind, at constant speed too, where `P` is zero. What an error of the friction
+//! or the weight of the column does looks like a hand.
 //!
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
@@ -125,7 +127,9 @@ impl<S: Scalar> GripMonitor<S> {
             .with(Function::ForceRate, fast(changed, last_changed, limits.force_step));
         let lasts = self.force.holds(above(grip_force, limits.force_limit), limits.force);
         // The sensors' noise may look like a hand for a sample, once in a hundred thousand; a hand stays for two.
-        let hand = self.hand.holds(!below(self.torque.abs(), limits.hand_torque), CONFIRMED);
+        // What the column's inertia shows is the hand's torque less the friction's.
+        let hand = self.torque + self.friction(limits);
+        let hand = self.hand.holds(!below(hand.abs(), limits.hand_torque), CONFIRMED);
         let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
         let swings = self.swing.goes_on(limits, (angle, self.lagged[0]), [self.torque, self.lagged[1]]);
         let too_much = below(limits.energy[0], energy) || (follows && self.thrown(limits));
@@ -148,10 +152,18 @@ impl<S: Scalar> GripMonitor<S> {
         self.torque = (rate * limits.inertia - self.impulse) * (share / time);
     }
 
+    /// Torque of dry friction against the motion, which the drive has to give as well.
+    #[inline(always)]
+    fn friction(&self, limits: &Limits<S>) -> S {
+        let [rate, ..] = self.lagged;
+        limits.friction * rate / (rate.abs() + rate.constant(SLOW_RAD_PER_S))
+    }
+
     #[inline(always)]
     fn runs_away(&self, limits: &Limits<S>) -> bool {
         let [rate, drive_torque, feel_acceleration, _] = self.lagged;
-        let (power, of_feel) = (drive_torque * rate, (feel_acceleration * rate) * limits.inertia);
+        let power = (drive_torque - self.friction(limits)) * rate;
+        let of_feel = feel_acceleration * rate * limits.inertia;
         below(of_feel, -limits.runaway_power) && below(of_feel.times(0.5), power)
     }
 
@@ -187,6 +199,8 @@ struct Swing<S> {
     undamped: u32,
 }
 
+/// `v_s`: a column that runs away is faster.
+const SLOW_RAD_PER_S: f64 = 0.01;
 /// Share of a swing by which the next is undamped, of a damping ratio below 0.034; and how many such are no accident.
 const UNDAMPED: f64 = 0.9;
 const SWINGS: u32 = 3;

@@ -140,6 +140,8 @@ limits! {
     runaway: u32,
     /// Samples of the condition alone.
     runaway_condition: u32,
+    /// Dry friction of the moving column in N m.
+    friction: S,
     /// Torque of the force at the grip below which there is no hand on it, in N m.
     hand_torque: S,
     /// In W.
@@ -259,6 +261,7 @@ impl Limits {
             force: within(safety.force_time),
             runaway: runaway_condition + whole(FILTER_SETTLES / (ESTIMATE_BANDWIDTH * period)) + 1,
             runaway_condition,
+            friction: column.coulomb_friction * column.grip_arm,
             hand_torque: safety.hand_force * column.grip_arm,
             runaway_power: safety.runaway_power,
             energy: [safety.energy_limit, (period / FORGETS_S).min(1.0), 0.5 * f64::from(stop) * period],
