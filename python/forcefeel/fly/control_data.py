@@ -13,7 +13,6 @@ from forcefeel.units import parse
 _FOLDER = files("forcefeel") / "data" / "aircraft"
 _MOVES = ("surface", "command")
 _KEYS = {"model", "control", "flight", "surface", "feel"}
-_KINDS = ("wheel", "stick")
 
 
 @dataclass(frozen=True)
@@ -27,8 +26,6 @@ class ControlData:
         damping_ratio: Its damping ratio with the loader's inertia of the feel.
         speed_m_per_s: Calibrated airspeed unless another is given.
         altitude_m: Altitude unless another is given.
-        limit_load_factor: Limit maneuvering load factor.
-        kind: ``wheel`` or ``stick``.
         full_travel_rad: Angle of the column at JSBSim's full command; none where the column moves the surface itself.
     """
 
@@ -38,8 +35,6 @@ class ControlData:
     damping_ratio: float
     speed_m_per_s: float
     altitude_m: float
-    limit_load_factor: float
-    kind: str
     full_travel_rad: float | None
 
 
@@ -65,10 +60,9 @@ def control_data(name: str) -> ControlData:
         raise InputError(f"aircraft: cannot read {name} ({error})") from error
     if unknown := sorted(set(data) - _KEYS):
         raise InputError(f"{name}: {unknown[0]}: expected only {', '.join(sorted(_KEYS))}")
-    moves, kind = _row(data, name, "control", "moves"), _row(data, name, "flight", "control")
-    for key, word, words in (("control.moves", moves, _MOVES), ("flight.control", kind, _KINDS)):
-        if word not in words:
-            raise InputError(f"{name}: {key}: expected {' or '.join(words)}, got {word!r}")
+    moves = _row(data, name, "control", "moves")
+    if moves not in _MOVES:
+        raise InputError(f"{name}: control.moves: expected {' or '.join(_MOVES)}, got {moves!r}")
     gearing = _row(data, name, "surface", "gearing")
     if not isinstance(gearing, int | float) or not isfinite(gearing) or not gearing:
         raise InputError(f"{name}: surface.gearing: expected a number other than 0, got {gearing!r}")
@@ -79,8 +73,6 @@ def control_data(name: str) -> ControlData:
         damping_ratio=_number(data, name, "feel", "damping_ratio", "", "0.5"),
         speed_m_per_s=_number(data, name, "flight", "speed", "m/s", "100 kt"),
         altitude_m=_number(data, name, "flight", "altitude", "m", "3000 ft"),
-        limit_load_factor=_number(data, name, "flight", "limit_load_factor", "", "3.8"),
-        kind=kind,
         full_travel_rad=_number(data, name, "control", "full_travel", "rad", "10 deg") if moves == "command" else None,
     )
 
