@@ -325,9 +325,8 @@ fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN])
     });
     // Under a law with an observer the feel's displacement is an angle.
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    let angle = base * control.per_base();
     let friction_state = FrictionState::initial(feel_torque);
-    let contact_state = ContactState::free(feel_torque, angle);
+    let contact_state = ContactState::free(feel_torque, base * control.per_base());
     (feeling, LawState { base, position, estimate, friction_state, contact_state })
 }
 

@@ -21,7 +21,8 @@
 //! of within `1 / l` samples: else whoever pushes at it would have to overcome the friction twice.
 //!
 //! A column that friction holds is a stiff contact, and the loop would shake it loose again and again. Where it rests and the feel's
-//! spring has less than `U`, which no compensation can render, the law of [`crate::contact_law`] holds it: `|theta'| < v_r`, smoothed as there, and `|G (delta - n)| < U`.
+//! spring has less than `U`, which no compensation can render, the law of [`crate::contact_law`] holds it: `|theta'| < v_r`, smoothed
+//! as there, and `|G (delta - n)| < U`.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
 //! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
@@ -181,7 +182,7 @@ impl<S: Scalar> KnownFriction<S> {
         let drifted = measured + (state.feel_torque - measured) * (one - self.leak);
         let [low, high] = [low * level - self.uncertain, high * level + self.uncertain];
         let feel_torque = total + (drifted - total).clamp(low, high);
-        let (learnt, trusted) = self.learnt(estimated, way, state);
+        let (learnt, trusted) = self.learnt((estimated, off), way, state);
         let push = state.push + (estimated - state.push) * self.blur;
         let way = state.way + (way - state.way) * self.blur;
         [feel_torque, learnt, trusted, push, way, friction]
@@ -189,8 +190,7 @@ impl<S: Scalar> KnownFriction<S> {
 
     /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
     #[inline(always)]
-    fn learnt(&self, estimated: S, way: S, state: &FrictionState<S>) -> (S, S) {
-        let off = state.push.abs().less(self.hand);
+    fn learnt(&self, (estimated, off): (S, S::Mask), way: S, state: &FrictionState<S>) -> (S, S) {
         let free = off & way.constant(ONE_WAY).less(way * state.way);
         let learnt = (state.learnt - estimated * way * self.gain).clamp(self.least, self.most);
         let back = state.learnt + (state.trusted - state.learnt) * self.gain;
