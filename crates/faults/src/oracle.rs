@@ -268,7 +268,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
             runs(k)
                 && allowed.follows
                 && hand == 0.0
-                && feel < -1.5 * limits.runaway_power
+                && limits.light_feel * feel < -1.5 * limits.runaway_power
                 && power > 0.25 * feel
                 && (rows[k].input.sensed[0] - force).abs() < limits.hand_torque / limits.lever * 0.1
                 && steady(limits, rows, k)

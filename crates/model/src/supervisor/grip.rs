@@ -9,7 +9,8 @@
 //! | `tau = w_o (J v - int (alpha R_b F + tau) dt)` | hand's torque, a lag of what is missing in eq. (6) |
 //! | `f = F_f v / (|v| + v_s)` | dry friction of the loader file against the motion |
 //! | `P = (alpha R_b F - f) v` | power that the drive gives to the column beyond the friction |
-//! | `P_f = J a_f v` | the same of a free column that follows its feel, eqs. (6), (11) |
+//! | `s = min(1, I / J)` | share of a feel that is lighter than the column |
+//! | `P_f = s J a_f v` | power that the feel gives to a free column, eqs. (6), (11) |
 //!
 //! What a hand is given by a column that moves otherwise than its feel, `E' = P_g - max(0, -tau v_f) - E / 1 s` with `P_g = -tau v`, no less than
 //! zero, is a fault's: a law or a drive that pushes against it. A feel that is followed gives back what it was given. What the hand will be
@@ -163,8 +164,9 @@ impl<S: Scalar> GripMonitor<S> {
     fn runs_away(&self, limits: &Limits<S>) -> bool {
         let [rate, drive_torque, feel_acceleration, _] = self.lagged;
         let power = (drive_torque - self.friction(limits)) * rate;
-        let of_feel = feel_acceleration * rate * limits.inertia;
-        below(of_feel, -limits.runaway_power) && below(of_feel.times(0.5), power)
+        let of_feel = feel_acceleration * rate * limits.inertia * limits.light_feel;
+        let of_hand = (self.torque * rate).max(rate.zero()) * (rate.constant(1.0) - limits.light_feel);
+        below(of_feel, -limits.runaway_power) && below((of_feel + of_hand).times(0.5), power * limits.light_feel)
     }
 
     /// Whether the column is faster than its feel by too much.

@@ -170,6 +170,8 @@ limits! {
     lever: S,
     /// `J` in N m s²/rad.
     inertia: S,
+    /// `I / J` of a feel lighter than the column, or one.
+    light_feel: S,
     /// `R_b` in m.
     base_arm: S,
     /// Length in m that link and transmission give per N, their half play in m, and `c / k` in s.
@@ -277,6 +279,7 @@ impl Limits {
             grip_arm: column.grip_arm,
             lever,
             inertia: column.inertia,
+            light_feel: (values.feel.inertia / column.inertia).min(1.0),
             base_arm: column.base_arm,
             link: [per_stiffness, half_play, linkage.damping / linkage.stiffness],
             travel_search: safety.travel_search != 0.0,

@@ -1,6 +1,6 @@
 //! The supervisor's functions, states and limits, a sample at a time.
 
-use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::parameters::{DriveKind, Feel, Parameters};
 use forcefeel_model::supervisor::limits::ESTIMATE_BANDWIDTH;
 use forcefeel_model::supervisor::{
     Action, Function, Functions, Limits, Refusal, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput,
@@ -270,6 +270,29 @@ fn a_column_that_leaves_its_feel_with_no_hand_on_it_is_stopped_in_time() {
         now
     });
     assert!(stopped <= of.runaway + 25, "{stopped} of {}", of.runaway);
+}
+
+#[test]
+fn a_hand_too_light_to_be_seen_moves_a_light_feel_and_no_hand_is_stopped() {
+    let plain = Parameters::elevator();
+    let parameters = Parameters { feel: Feel { inertia: 0.1 * plain.column.inertia, ..plain.feel }, ..plain };
+    let of = Limits::new(&parameters, DriveKind::Hydraulic, PERIOD).expect("limits");
+    let (rate, hand) = (2.0, 0.7 * of.hand_torque);
+    // The feel balances the hand at a constant speed: the link carries the hand's torque, or nothing where the column runs away.
+    for (torque, stops) in [(hand, false), (0.0, true)] {
+        let (mut supervisor, mut input) = active_under(&of);
+        input.feel_acceleration = -hand / parameters.feel.inertia;
+        let force = -torque / of.lever;
+        let stopped = (0..400).any(|k: u32| {
+            let time = f64::from(k) * PERIOD;
+            let rise = 0.1;
+            let angle = rate * if time < rise { 0.5 * time * time / rise } else { time - 0.5 * rise };
+            let driven = force + if time < rise { of.inertia * rate / rise / of.lever } else { 0.0 };
+            let sensed = [driven, angle * of.lever + driven * of.link[0], angle * of.base_arm, 0.0];
+            supervisor.step(&SupervisorInput { sensed, feel_rate: rate, ..input }).acting.has(Function::Runaway)
+        });
+        assert_eq!(stopped, stops, "under a torque of {torque}");
+    }
 }
 
 #[test]
