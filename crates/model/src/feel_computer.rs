@@ -143,26 +143,35 @@ impl<S: Scalar> FeelComputer<'_, S> {
         }
         let start = (motion.at[0], motion.at[1]);
         let half = h.times(0.5);
-        let mut slopes = [[h.zero(); 2]; 4];
-        for stage in 0..4 {
-            let by = if stage == 3 { h } else { half };
-            let at = if stage == 0 {
-                start
-            } else {
-                (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
-            };
-            let mut acceleration = self.acceleration(at, torque, &conditions);
-            if stage == 0
-                && let Some((rests, free)) = known
-            {
-                acceleration = S::select(rests, free, acceleration);
+        let moved = |[rate, acceleration]: [S; 2], by: S| (start.0 + by * rate, start.1 + by * acceleration);
+        let parts = effects.feel_friction | effects.feel_spring | effects.feel_damping_and_stops;
+        let [k_1, k_2, k_3, k_4] = if !parts && self.curve.is_none() && self.fade == 0.0 {
+            // Of a feel of inertia, damping and stiffness alone the stages are so small that they stay in registers.
+            let effects = &Effects { feel_spring: false, feel_damping_and_stops: false, ..*effects };
+            let plain = FeelComputer { feel: self.feel, next: self.next, fade: 0.0, effects, curve: None };
+            let slope = |at: (S, S)| [at.1, plain.acceleration(at, torque, &conditions)];
+            let k_1 = slope(start);
+            let k_2 = slope(moved(k_1, half));
+            let k_3 = slope(moved(k_2, half));
+            [k_1, k_2, k_3, slope(moved(k_3, h))]
+        } else {
+            let mut slopes = [[h.zero(); 2]; 4];
+            for stage in 0..4 {
+                let by = if stage == 3 { h } else { half };
+                let at = if stage == 0 { start } else { moved(slopes[stage - 1], by) };
+                let mut acceleration = self.acceleration(at, torque, &conditions);
+                if stage == 0
+                    && let Some((rests, free)) = known
+                {
+                    acceleration = S::select(rests, free, acceleration);
+                }
+                if effects.feel_friction {
+                    acceleration = acceleration + motion.grip.drag;
+                }
+                slopes[stage] = [at.1, acceleration];
             }
-            if effects.feel_friction {
-                acceleration = acceleration + motion.grip.drag;
-            }
-            slopes[stage] = [at.1, acceleration];
-        }
-        let [k_1, k_2, k_3, k_4] = slopes;
+            slopes
+        };
         let sixth = h.times(1.0 / 6.0);
         let mut end = [start.0, start.1];
         for k in 0..2 {

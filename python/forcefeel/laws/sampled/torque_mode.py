@@ -38,6 +38,7 @@ from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, link_stiffness, period_and_delay
 from forcefeel.laws.sampled.sampled_law import SampledLaw
+from forcefeel.linear.unit_circle import inside_unit_circle
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_electric
 from forcefeel.loader.sensors import SENSORS, current_lag_s, sample_variance
 from forcefeel.loader.timing import controller_steps
@@ -167,7 +168,7 @@ def _stable(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw) -> NDAr
         there = np.column_stack([feel[:, :2], stiffness, np.zeros((len(feel), len(_ARM)))])
         values = loader.rows((*FEEL_SETTING, *_ARM), there)
         states, matrices = _core.sampled_loops(values, step_s, timing, observers=laws.rows(), threads=cores())
-        stable &= np.abs(np.linalg.eigvals(matrices[:, :, : len(states)])).max(axis=1) < 1
+        stable &= inside_unit_circle(matrices[:, :, : len(states)], cores())
     return stable
 
 
