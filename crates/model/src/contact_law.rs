@@ -84,6 +84,8 @@ pub struct ContactLaw<S> {
     threshold: S,
     environment: S,
     quick: S,
+    /// One over the time constant of the peak, in 1/s.
+    per_peak: S,
     near: S,
     travel: S,
 }
@@ -188,7 +190,8 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn take(mut next: impl FnMut() -> S) -> Self {
         let (per_angle, stiffness, rate, damping, speed) = (next(), next(), next(), next(), next());
         let (threshold, environment, quick, near, travel) = (next(), next(), next(), next(), next());
-        Self { per_angle, stiffness, rate, damping, speed, threshold, environment, quick, near, travel }
+        let per_peak = quotient(quick.constant(1.0 / PEAK_LASTS), quick);
+        Self { per_angle, stiffness, rate, damping, speed, threshold, environment, quick, per_peak, near, travel }
     }
 
     /// A law that knows of no contact.
@@ -204,15 +207,15 @@ impl<S: Scalar> ContactLaw<S> {
         torque: S,
         [column, column_rate]: [S; 2],
         was: ContactState<S>,
-        h: S,
+        [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
         let (zero, one) = (torque.zero(), torque.constant(1.0));
         let smoothing = h.times(1.0 / SMOOTHING_S).min(one);
         let (torque, angle) =
             (was.torque + (torque - was.torque) * smoothing, was.angle + (column - was.angle) * smoothing);
-        let now_rate = (angle - was.angle) / h;
+        let now_rate = (angle - was.angle) * per_h;
         let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
-        let peak = torque.abs().max(was.peak - was.peak * quotient(h, self.quick).times(1.0 / PEAK_LASTS));
+        let peak = torque.abs().max(was.peak - was.peak * (h * self.per_peak));
 
         let least = self.threshold.max(peak.times(OF_PEAK));
         let pushes = least.less(torque.abs()) & zero.less(self.threshold);
@@ -250,10 +253,14 @@ impl<S: Scalar> ContactLaw<S> {
         let since = S::select(begins, zero, (was.since + h).min(one));
 
         let from = column - place;
-        let held = ((torque - place_torque) * from).less(-(self.environment * from * from).times(HELD));
-        let away = self.near.less(from.abs()) & zero.less(column_rate * from);
-        let leaves = away & !held & !since.less(one.times(SETTLED_S));
-        let gone = S::select(leaves, quotient((column_rate * h).abs(), self.travel), zero);
+        let gone = if S::any(touches) {
+            let held = ((torque - place_torque) * from).less(-(self.environment * from * from).times(HELD));
+            let away = self.near.less(from.abs()) & zero.less(column_rate * from);
+            let leaves = away & !held & !since.less(one.times(SETTLED_S));
+            S::select(leaves, quotient((column_rate * h).abs(), self.travel), zero)
+        } else {
+            zero
+        };
         let whole = noticed | (touches & from.abs().less(self.near));
         let state = ContactState {
             share: S::select(whole, one, (was.share - gone).max(zero)),
@@ -294,7 +301,12 @@ impl<S: Scalar> ContactLaw<S> {
     #[inline(always)]
     pub fn damped(&self, share: S, rate: S, per_torque: S, h: S) -> S {
         let one = rate.constant(1.0);
-        let fastest = self.speed / share.max(one.times(1e-6));
-        (rate / (one + share * self.damping * per_torque * h)).min(fastest).max(-fastest)
+        let touches = rate.zero().less(share);
+        if !S::any(touches) {
+            return rate;
+        }
+        let fastest = self.speed / share;
+        let damped = (rate / (one + share * self.damping * per_torque * h)).min(fastest).max(-fastest);
+        S::select(touches, damped, rate)
     }
 }

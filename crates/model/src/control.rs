@@ -139,14 +139,14 @@ impl<S: Scalar> Control<S> {
         allow: impl FnOnce(&ControlOutput<S>) -> Option<S>,
     ) -> S {
         let [force, piston, base, grip] = sample.sensors;
-        let period = self.period(shared);
+        let [period, per_period] = [shared.period_s(), 1.0 / shared.period_s()].map(|number| force.constant(number));
         let (force, piston) = self.converters.read(force, piston);
         // There is no tachometer: the velocity is the last period's difference.
-        let base_rate = (base - remembered.base) / period;
+        let base_rate = (base - remembered.base) * per_period;
         remembered.base = base;
         let y = self.sampled(&[force, piston, base, grip]);
         let [delta, delta_rate] = feeling.motion.at;
-        let piston_rate = (piston - remembered.position) / period;
+        let piston_rate = (piston - remembered.position) * per_period;
         let added = shared.cancellation.map(|known| known.command(piston, piston_rate, delta_rate));
         remembered.position = piston;
         let fade = inputs.fade[0];
@@ -175,7 +175,7 @@ impl<S: Scalar> Control<S> {
             let inputs =
                 ContactInputs { force, position: [piston, piston_rate], angle: column, feel: feeling.motion.at };
             let neutral = known.map(|_| neutral);
-            self.in_contact(output, (feeling, &mut remembered.contact_state), (inputs, neutral), period)
+            self.in_contact(output, (feeling, &mut remembered.contact_state), (inputs, neutral), [period, per_period])
         } else {
             (output, period.zero())
         };
@@ -223,7 +223,7 @@ impl<S: Scalar> Control<S> {
         output: LawOutput<S>,
         (feeling, state): (&mut FeelState<S>, &mut ContactState<S>),
         (inputs, neutral): (ContactInputs<S>, Option<S>),
-        period: S,
+        period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
         let (now, begins) = law.noticed(output.torque, inputs.angle, *state, period);
@@ -234,7 +234,7 @@ impl<S: Scalar> Control<S> {
         let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
         let share = neutral.map_or(now.share, |neutral| {
             let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
-            S::select(self.observer.friction.rests(now.rate, spring), period.constant(1.0), now.share)
+            S::select(self.observer.friction.rests(now.rate, spring), spring.constant(1.0), now.share)
         });
         let [command, torque] = law.output(share, [output.command, output.torque], &inputs);
         (LawOutput { command, torque, ..output }, share)
@@ -266,6 +266,9 @@ impl<S: Scalar> Control<S> {
         ([per_delta, per_rate], beyond): ([S; 2], S),
         period: S,
     ) {
+        if !S::any(beyond.zero().less(beyond.abs())) {
+            return;
+        }
         let [further, faster] = self.given_way([per_delta, per_rate], period);
         let excess = quotient(beyond, per_delta);
         let slower = faster * excess;
@@ -287,12 +290,6 @@ impl<S: Scalar> Control<S> {
         let back = given[0] + given[1] * quotient(per_rate, per_delta).max(per_delta.zero());
         let over = back.max(back.constant(1.0));
         given.map(|given| given / over)
-    }
-
-    /// Length of a period in s.
-    #[inline(always)]
-    pub(crate) fn period(&self, shared: &Shared) -> S {
-        self.per_base.constant(shared.step_s).times(count(shared.timing.map_or(1, |timing| timing.period)))
     }
 
     /// The observer's state at the next sample; while the feel changes, between the two laws'.
@@ -451,10 +448,4 @@ impl<S: Scalar> Control<S> {
             start,
         }
     }
-}
-
-#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
-#[inline(always)]
-fn count(steps: usize) -> f64 {
-    steps as f64
 }

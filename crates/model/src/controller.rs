@@ -38,16 +38,34 @@ impl Timing {
 /// Converters and limits of the controller.
 #[derive(Debug, Clone, Copy)]
 pub struct Converters<S> {
-    load_cell_gain: S,
-    potentiometer_gain: S,
-    input_range: S,
-    input_step: S,
-    output_range: S,
-    output_step: S,
+    /// Of the load cell, in N.
+    force: Converter<S>,
+    /// Of the potentiometer, in m.
+    piston: Converter<S>,
+    output: Converter<S>,
     /// Largest command that the amplifier answers.
     current_range: S,
     /// `a_w` in 1/s.
     pub antiwindup: S,
+}
+
+/// Range of a converter; its step, and one over it.
+#[derive(Debug, Clone, Copy)]
+struct Converter<S> {
+    range: S,
+    step: [S; 2],
+}
+
+impl<S: Scalar> Converter<S> {
+    #[inline(always)]
+    fn new(range: S, step: S) -> Self {
+        Self { range, step: [step, step.constant(1.0) / step] }
+    }
+
+    #[inline(always)]
+    fn converted(&self, value: S) -> S {
+        value.within(self.range).quantized(self.step)
+    }
 }
 
 impl<S: Scalar> Converters<S> {
@@ -55,13 +73,13 @@ impl<S: Scalar> Converters<S> {
     #[inline(always)]
     pub fn new(parameters: &Parameters<S>) -> Self {
         let Parameters { controller, load_cell, potentiometer, amplifier, .. } = parameters;
+        let input_step = step(controller.input_range, controller.input_bits);
+        // A converter takes `gain` volts per unit.
+        let input = |gain: S| Converter::new(controller.input_range / gain, input_step / gain);
         Self {
-            load_cell_gain: load_cell.gain,
-            potentiometer_gain: potentiometer.gain,
-            input_range: controller.input_range,
-            input_step: step(controller.input_range, controller.input_bits),
-            output_range: controller.output_range,
-            output_step: step(controller.output_range, controller.output_bits),
+            force: input(load_cell.gain),
+            piston: input(potentiometer.gain),
+            output: Converter::new(controller.output_range, step(controller.output_range, controller.output_bits)),
             current_range: amplifier.current_limit / amplifier.admittance,
             antiwindup: controller.antiwindup,
         }
@@ -71,41 +89,26 @@ impl<S: Scalar> Converters<S> {
     #[inline(always)]
     pub fn of_numbers(range: S, antiwindup: S) -> Self {
         let one = range.constant(1.0);
-        let none = one / one.zero();
-        Self {
-            load_cell_gain: one,
-            potentiometer_gain: one,
-            input_range: none,
-            input_step: one.zero(),
-            output_range: none,
-            output_step: one.zero(),
-            current_range: range,
-            antiwindup,
-        }
+        let none = Converter::new(one / one.zero(), one.zero());
+        Self { force: none, piston: none, output: none, current_range: range, antiwindup }
     }
 
     /// Load cell force and piston displacement as the controller reads their voltages.
     #[inline(always)]
     pub fn read(&self, force: S, piston: S) -> (S, S) {
-        (self.converted(force, self.load_cell_gain), self.converted(piston, self.potentiometer_gain))
-    }
-
-    /// A value through a converter of the inputs, which takes `gain` volts per unit of it.
-    #[inline(always)]
-    fn converted(&self, value: S, gain: S) -> S {
-        value.within(self.input_range / gain).quantized(self.input_step / gain)
+        (self.force.converted(force), self.piston.converted(piston))
     }
 
     /// The voltage that the controller gives for a command.
     #[inline(always)]
     pub fn write(&self, e: S) -> S {
-        e.within(self.output_range).quantized(self.output_step)
+        self.output.converted(e)
     }
 
     /// What the amplifier answers of a command.
     #[inline(always)]
     pub fn within_range(&self, e: S) -> S {
-        e.within(self.output_range.min(self.current_range))
+        e.within(self.output.range.min(self.current_range))
     }
 }
 

@@ -115,7 +115,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
     }
 
     /// A period under a torque that stays: a Runge-Kutta step of its own. Its four stages are a loop round one piece of code, which is
-    /// so small enough to go whole into every vector's loop: a closure of its own would be called there, number by number.
+    /// so small enough to go whole into every vector's loop: a function of its own would be called there, number by number.
     #[inline(always)]
     pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, conditions: &FeelConditions<S>, h: S) {
         let effects = self.effects;
@@ -143,30 +143,45 @@ impl<S: Scalar> FeelComputer<'_, S> {
         }
         let start = (motion.at[0], motion.at[1]);
         let half = h.times(0.5);
-        let mut slopes = [[h.zero(); 2]; 4];
-        for stage in 0..4 {
-            let by = if stage == 3 { h } else { half };
-            let at = if stage == 0 {
-                start
-            } else {
-                (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
-            };
-            let mut acceleration = self.acceleration(at, torque, &conditions);
-            if stage == 0
-                && let Some((rests, free)) = known
-            {
-                acceleration = S::select(rests, free, acceleration);
+        let moved = |[rate, acceleration]: [S; 2], by: S| (start.0 + by * rate, start.1 + by * acceleration);
+        let sum = |a: [S; 2], b: [S; 2]| [a[0] + b[0], a[1] + b[1]];
+        let parts = effects.feel_friction | effects.feel_spring | effects.feel_damping_and_stops;
+        let (outer, inner) = if !parts && self.curve.is_none() && self.fade == 0.0 {
+            // Of a feel of inertia, damping and stiffness alone the stages are so small that they need no loop.
+            let effects = &Effects { feel_spring: false, feel_damping_and_stops: false, ..*effects };
+            let plain = FeelComputer { feel: self.feel, next: self.next, fade: 0.0, effects, curve: None };
+            let slope = |at: (S, S)| [at.1, plain.acceleration(at, torque, &conditions)];
+            let k_1 = slope(start);
+            let k_2 = slope(moved(k_1, half));
+            let k_3 = slope(moved(k_2, half));
+            (sum(k_1, slope(moved(k_3, h))), sum(k_2, k_3))
+        } else {
+            // From one stage to the next in registers: an array of slopes would go through memory.
+            let (mut at, mut outer, mut inner) = (start, [h.zero(); 2], [h.zero(); 2]);
+            for stage in 0..4 {
+                let mut acceleration = self.acceleration(at, torque, &conditions);
+                if stage == 0
+                    && let Some((rests, free)) = known
+                {
+                    acceleration = S::select(rests, free, acceleration);
+                }
+                if effects.feel_friction {
+                    acceleration = acceleration + motion.grip.drag;
+                }
+                let slope = [at.1, acceleration];
+                if stage == 0 || stage == 3 {
+                    outer = sum(outer, slope);
+                } else {
+                    inner = sum(inner, slope);
+                }
+                at = moved(slope, if stage == 2 { h } else { half });
             }
-            if effects.feel_friction {
-                acceleration = acceleration + motion.grip.drag;
-            }
-            slopes[stage] = [at.1, acceleration];
-        }
-        let [k_1, k_2, k_3, k_4] = slopes;
+            (outer, inner)
+        };
         let sixth = h.times(1.0 / 6.0);
         let mut end = [start.0, start.1];
         for k in 0..2 {
-            end[k] = end[k] + sixth * ((k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0));
+            end[k] = end[k] + sixth * (outer[k] + inner[k].times(2.0));
         }
         if effects.feel_friction {
             // What sticks has no velocity.

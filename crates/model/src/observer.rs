@@ -41,6 +41,8 @@ pub fn knows_contact(numbers: &[f64; NUMBERS]) -> bool {
 pub struct Observer<S> {
     transition: [[S; MOST_STATES]; MOST_STATES],
     input: [[S; SAMPLED + 1]; MOST_STATES],
+    /// Which of `[xi; y; e]` the next state depends on.
+    matters: [bool; MOST_STATES + SAMPLED + 1],
     command: [S; KNOWN],
     torque: [S; KNOWN],
     settled: [[S; SAMPLED + 1]; MOST_STATES],
@@ -97,6 +99,11 @@ impl<S: Scalar> Observer<S> {
                 *entry = take();
             }
         }
+        law.matters = core::array::from_fn(|k| {
+            let of =
+                |row: usize| if k < MOST_STATES { law.transition[row][k] } else { law.input[row][k - MOST_STATES] };
+            (0..MOST_STATES).any(|row| S::any(zero.less(of(row).abs())))
+        });
         law.neutral = [take(), take()];
         law.friction = KnownFriction::take(&mut take);
         law.contact = ContactLaw::take(take);
@@ -110,6 +117,7 @@ impl<S: Scalar> Observer<S> {
         Self {
             transition: [[zero; MOST_STATES]; MOST_STATES],
             input: [[zero; SAMPLED + 1]; MOST_STATES],
+            matters: [false; MOST_STATES + SAMPLED + 1],
             command: [zero; KNOWN],
             torque: [zero; KNOWN],
             settled: [[zero; SAMPLED + 1]; MOST_STATES],
@@ -140,17 +148,31 @@ impl<S: Scalar> Observer<S> {
     #[expect(clippy::needless_range_loop, reason = "iterators are not sure to be compiled into the lanes' loop")]
     #[inline(always)]
     pub fn next(&self, xi: &Estimate<S>, y: &[S; SAMPLED], e: S, friction: Option<S>) -> Estimate<S> {
-        let mut next = *xi;
-        for row in 0..MOST_STATES {
-            let (a, b) = (&self.transition[row], &self.input[row]);
-            let mut sum = b[SAMPLED] * e;
-            for k in 0..SAMPLED {
-                sum = sum + b[k] * y[k];
+        let mut next = [e.zero(); MOST_STATES];
+        // Column by column: the sums stay in registers, and what nothing depends on costs nothing.
+        if self.matters[MOST_STATES + SAMPLED] {
+            for row in 0..MOST_STATES {
+                next[row] = next[row] + self.input[row][SAMPLED] * e;
             }
-            for k in 0..MOST_STATES {
-                sum = sum + a[k] * xi[k];
+        }
+        for k in 0..SAMPLED {
+            if self.matters[MOST_STATES + k] {
+                for row in 0..MOST_STATES {
+                    next[row] = next[row] + self.input[row][k] * y[k];
+                }
             }
-            next[row] = friction.map_or(sum, |friction| sum + self.friction.moves(row, friction));
+        }
+        for k in 0..MOST_STATES {
+            if self.matters[k] {
+                for row in 0..MOST_STATES {
+                    next[row] = next[row] + self.transition[row][k] * xi[k];
+                }
+            }
+        }
+        if let Some(friction) = friction {
+            for row in 0..MOST_STATES {
+                next[row] = next[row] + self.friction.moves(row, friction);
+            }
         }
         next
     }

@@ -30,5 +30,14 @@ pub struct Shared {
     pub cancellation: Option<Cancellation>,
 }
 
+impl Shared {
+    /// Length of a controller's period in s; of a step without one.
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
+    pub fn period_s(&self) -> f64 {
+        self.step_s * self.timing.map_or(1, |timing| timing.period) as f64
+    }
+}
+
 /// Angle to either side within which an equilibrium is looked for.
 pub const SEARCH_RAD: f64 = 1.5;

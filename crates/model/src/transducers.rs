@@ -18,7 +18,8 @@ pub struct Transducers<S> {
     pub offset: [S; SENSORS],
     /// Noise of a sample, r.m.s.
     pub noise: [S; SENSORS],
-    resolution: [S; SENSORS],
+    /// Resolution, and one over it.
+    resolution: [[S; 2]; SENSORS],
     /// Of the load cell, in rad/s.
     load_cell_bandwidth: S,
     /// Of the column's sensor, in rad/s.
@@ -71,7 +72,8 @@ impl<S: Scalar> Transducers<S> {
         Self {
             offset: [f.offset, x.offset, c.offset * arm, g.offset],
             noise: [f.noise, x.noise, c.noise * arm, g.noise],
-            resolution: [f.resolution, x.resolution, c.resolution * arm, g.resolution],
+            resolution: [f.resolution, x.resolution, c.resolution * arm, g.resolution]
+                .map(|step| [step, step.constant(1.0) / step]),
             load_cell_bandwidth: f.bandwidth,
             column_bandwidth: c.bandwidth,
             half: bandwidths.map(|bandwidth| Lag::new(bandwidth, step.times(0.5))),

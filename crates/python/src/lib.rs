@@ -49,6 +49,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fmu::fmu_variables, module)?)?;
     module.add("BOUND_RAD", forcefeel_simulate::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::inside_unit_circle, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
     module.add("CONTACT_SMOOTHING_S", forcefeel_model::contact_law::SMOOTHING_S)?;
     module.add("MOST_RECURSION_STEPS", solve::MOST_STEPS)?;

@@ -1,7 +1,7 @@
 //! The solvers.
 
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
-use crate::errors::refused;
+use crate::errors::{refused, threads as answered};
 use crate::limits::at_most;
 use crate::model::Columns;
 use forcefeel_model::parameters::{Feel, Parameters};
@@ -9,9 +9,10 @@ use forcefeel_solve::feel_transition::{feel_step, feel_transition};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use forcefeel_solve::stationary::{Stationary, stationary as stand_still};
+use forcefeel_solve::unit_circle::inside;
 use nalgebra::{Matrix4, Matrix4x2, RowVector4};
 use numpy::ndarray::ArrayView1;
-use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 /// Most steps of a recursion: some two seconds of computing for the design plant.
@@ -187,4 +188,21 @@ pub fn feel_steps<'py>(
     let numbers: Vec<f64> =
         feels.iter().flat_map(|feel| feel_step(feel, period).transpose().as_slice().to_vec()).collect();
     PyArray1::from_vec(py, numbers).reshape([feels.len(), 2, 3])
+}
+
+/// For each of `matrices` (count, n, n) 1 if all its eigenvalues are inside the unit circle, 0 if not, -1 where its powers do not tell.
+#[pyfunction]
+pub fn inside_unit_circle<'py>(
+    py: Python<'py>,
+    matrices: PyReadonlyArray3<'py, f64>,
+    threads: usize,
+) -> PyResult<Bound<'py, PyArray1<i8>>> {
+    let view = matrices.as_array();
+    let (_, n, columns) = view.dim();
+    if n != columns {
+        return Err(refused(format!("matrices: expected as many columns as rows, got {:?}", view.dim())));
+    }
+    let numbers: Vec<f64> = view.iter().copied().collect();
+    let verdicts = answered(py.detach(|| inside(&numbers, n, threads)))?;
+    Ok(PyArray1::from_iter(py, verdicts.into_iter().map(|verdict| verdict.map_or(-1, i8::from))))
 }

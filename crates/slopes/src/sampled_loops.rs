@@ -7,6 +7,7 @@
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
+use core::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
@@ -64,13 +65,26 @@ impl SampledLoops<'_> {
     /// # Errors
     /// If the system gives no threads.
     pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
-        let mut whole = vec![[[0.0; COLUMNS]; PERIOD_STATES]; self.values.len()];
-        let level = Level::new();
-        each(threads, whole.iter_mut().enumerate(), |(run, whole)| *whole = self.matrix(level, run))?;
-        let states = kept(&whole, |_| false);
+        let (level, all) = (Level::new(), Evaluated::new((0..PERIOD_STATES).collect()));
+        let runs = self.values.len();
+        if runs > 2 * LANES {
+            // On most states nothing depends, in some of the loops and so in all.
+            let mut some = vec![[[0.0; COLUMNS]; PERIOD_STATES]; 2 * LANES];
+            for (blocks, first) in some.chunks_mut(LANES).zip([0, runs - LANES]) {
+                self.group(level, first, &all, blocks.as_flattened_mut().as_flattened_mut());
+            }
+            let evaluated = Evaluated::new(kept(&some, |_| false));
+            let (matrices, depends) = self.blocks(level, threads, &evaluated)?;
+            if !depends {
+                return Ok(Periods { states: evaluated.states, matrices });
+            }
+        }
+        let (whole, _) = self.blocks(level, threads, &all)?;
+        let whole = whole.as_chunks::<COLUMNS>().0.as_chunks::<PERIOD_STATES>().0;
+        let states = kept(whole, |_| false);
         let columns: Vec<usize> = states.iter().copied().chain(PERIOD_STATES..COLUMNS).collect();
         let mut matrices = Vec::with_capacity(whole.len() * states.len() * columns.len());
-        for matrix in &whole {
+        for matrix in whole {
             for &state in &states {
                 matrices.extend(columns.iter().map(|&k| matrix[state][k]));
             }
@@ -78,29 +92,70 @@ impl SampledLoops<'_> {
         Ok(Periods { states, matrices })
     }
 
-    fn matrix(&self, level: Level, run: usize) -> PeriodMatrix {
-        return_on_vectors!(level, simd => with_drive!(self.kind(run), K => self.vectorized::<_, K>(simd, run)));
-        self.matrix_of(run, &Parameters::from_values(&self.values[run]))
+    /// The matrices of all loops on the states that are evaluated, and whether one of these depends on another state.
+    fn blocks(&self, level: Level, threads: usize, evaluated: &Evaluated) -> Result<(Vec<f64>, bool), NoThreads> {
+        let mut blocks = vec![0.0; self.values.len() * evaluated.size()];
+        let depends = AtomicBool::new(false);
+        each(threads, blocks.chunks_mut(LANES * evaluated.size()).enumerate(), |(group, blocks)| {
+            if self.group(level, group * LANES, evaluated, blocks) {
+                depends.store(true, Ordering::Relaxed);
+            }
+        })?;
+        Ok((blocks, depends.into_inner()))
     }
 
-    /// The matrix of a run, its columns side by side.
+    /// The matrices of a group of runs, and whether a state depends on one that is not evaluated.
+    fn group(&self, level: Level, first: usize, evaluated: &Evaluated, blocks: &mut [f64]) -> bool {
+        let runs = first..(first + LANES).min(self.values.len());
+        if runs.clone().all(|run| self.kind(run) == self.kind(first)) {
+            return_on_vectors!(level, simd => with_drive!(self.kind(first), K => {
+                self.vectorized::<_, K>(simd, first, evaluated, blocks)
+            }));
+        }
+        let mut depends = false;
+        for (run, block) in runs.zip(blocks.chunks_mut(evaluated.size())) {
+            let matrix = self.matrix_of(run, &Parameters::from_values(&self.values[run]));
+            for (&state, row) in evaluated.states.iter().zip(block.chunks_mut(evaluated.width())) {
+                for (value, &place) in matrix[state].iter().zip(&evaluated.places) {
+                    match row.get_mut(place) {
+                        Some(entry) => *entry = *value,
+                        None => depends |= *value != 0.0,
+                    }
+                }
+            }
+        }
+        depends
+    }
+
+    /// The same with the runs side by side, column by column.
     #[inline(always)]
-    fn vectorized<S: Simd, K: Kind>(&self, simd: S, run: usize) -> PeriodMatrix {
+    fn vectorized<S: Simd, K: Kind>(&self, simd: S, first: usize, evaluated: &Evaluated, blocks: &mut [f64]) -> bool {
         simd.vectorize(
             #[inline(always)]
             || {
-                let wide = |value: f64| Lanes::splat(simd, value);
-                let period = self.period::<Lanes<S>, K>(run, &Parameters::from_values(&self.values[run].map(wide)));
-                let mut matrix = [[0.0; COLUMNS]; PERIOD_STATES];
-                for first in (0..COLUMNS).step_by(LANES) {
-                    let slope = |k: usize| Lanes::gather(simd, |lane| f64::from(first + lane == k));
-                    let (state, drives) = along(|k| Dual { value: wide(0.0), slope: slope(k) });
-                    for (row, number) in matrix.iter_mut().zip(period.of().next(&state, &drives)) {
-                        let columns = row[first..].iter_mut();
-                        columns.zip(number.slope.values()).for_each(|(column, slope)| *column = slope);
+                let last = self.values.len() - 1;
+                let wide = |of: &dyn Fn(usize) -> f64| Lanes::gather(simd, |lane| of((first + lane).min(last)));
+                let values = core::array::from_fn(|k| wide(&|run| self.values[run][k]));
+                let period = self.ready::<Lanes<S>, K>(&Parameters::from_values(&values), wide);
+                let (width, size, zero) = (evaluated.width(), evaluated.size(), Lanes::splat(simd, 0.0));
+                let mut depends = false;
+                // All others are evaluated as one, their sum, after the last column.
+                for place in 0..=width {
+                    let slope = |k: usize| Lanes::splat(simd, f64::from(evaluated.places[k] == place));
+                    let (state, drives) = along(|k| Dual { value: zero, slope: slope(k) });
+                    let next = period.of().next(&state, &drives);
+                    for (row, &state) in evaluated.states.iter().enumerate() {
+                        let slopes = next[state].slope.values();
+                        if place == width {
+                            depends |= slopes.iter().any(|&slope| slope != 0.0);
+                            continue;
+                        }
+                        for (block, slope) in blocks.chunks_mut(size).zip(slopes) {
+                            block[row * width + place] = slope;
+                        }
                     }
                 }
-                matrix
+                depends
             },
         )
     }
@@ -169,14 +224,47 @@ impl SampledLoops<'_> {
         rows
     }
 
-    #[inline(always)]
     fn period<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
         let zero = parameters.column.inertia.zero();
+        self.ready::<T, K>(parameters, |of: &dyn Fn(usize) -> f64| zero.constant(of(run)))
+    }
+
+    #[inline(always)]
+    fn ready<T: Scalar, K: Kind>(
+        &self,
+        parameters: &Parameters<T>,
+        wide: impl Fn(&dyn Fn(usize) -> f64) -> T,
+    ) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
         let parameters = without_steps(parameters.map(Dual::constant));
-        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(zero.constant(of(run)));
+        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(wide(of));
         let machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
         let machine = self.law.observer(wide).map_or(machine, |observer| machine.with_observer(observer));
         Ready { machine, shared: &self.shared, timing: self.timing }
+    }
+}
+
+/// Which states of a matrix are evaluated, and for each state and input its column; of those that are not, none.
+struct Evaluated {
+    states: Vec<usize>,
+    places: [usize; COLUMNS],
+}
+
+impl Evaluated {
+    fn new(states: Vec<usize>) -> Self {
+        let others = states.len() + INPUTS;
+        let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
+        let places = core::array::from_fn(|k| columns().position(|column| column == k).unwrap_or(others));
+        Self { states, places }
+    }
+
+    /// Columns of a matrix.
+    fn width(&self) -> usize {
+        self.states.len() + INPUTS
+    }
+
+    /// Numbers of a matrix.
+    fn size(&self) -> usize {
+        self.states.len() * self.width()
     }
 }
 

@@ -12,6 +12,7 @@
 //! | laws of many, where a run begins and would rest, what it gives | [`law`], [`start`], [`rest`], [`outputs`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
+//! | whether the poles of many matrices are inside the unit circle | [`unit_circle`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
 //! | a loader that has slopes | [`smooth`] |
 //! | features of a control that is let go | [`release`], [`local_fit`] |
@@ -42,6 +43,7 @@ pub mod start;
 pub mod stationary;
 pub mod threads;
 pub mod transition;
+pub mod unit_circle;
 pub mod wide;
 
 pub use discretize::discretize;

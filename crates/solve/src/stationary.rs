@@ -16,6 +16,8 @@ const MOST_DOUBLINGS: usize = 44;
 const DECAYED: f64 = 1e-8;
 /// Relative change of the cost at which it stands still.
 const STILL: f64 = 1e-15;
+/// Residual of a cost that is exact but for rounding.
+const EXACT: f64 = 1e-12;
 
 /// A stationary cost, and how well it solves its equation.
 #[derive(Debug, Clone)]
@@ -47,19 +49,41 @@ pub fn stationary(problem: &Problem) -> Option<Stationary> {
     None
 }
 
-/// A cost with the residual of its equation, if every state decays under its gains.
-fn proved(Problem { phi, h, q, r }: &Problem, cost: DMatrix<f64>) -> Option<Stationary> {
-    let ht_e = h.transpose() * &cost;
-    let gains = (r + &ht_e * h).lu().solve(&(ht_e * phi))?;
-    let mut closed = phi - h * gains;
-    let residual = (phi.transpose() * &cost * &closed + q - &cost).amax() / cost.amax();
+/// A cost with the residual of its equation, if every state decays under its gains; one that solves it less well than [`EXACT`] after a
+/// step of Newton's: `E + X`, `X = C' X C + left`, `C` the closed loop.
+fn proved(problem: &Problem, cost: DMatrix<f64>) -> Option<Stationary> {
+    let (mut closed, left) = left_over(problem, &cost)?;
+    let rough = Stationary { residual: left.amax() / cost.amax(), cost };
+    let refines = rough.residual > EXACT;
+    let mut correction = left;
     for _ in 0..MOST_DOUBLINGS {
+        if refines {
+            correction += closed.transpose() * &correction * &closed;
+        }
         closed = &closed * &closed;
         if closed.amax() <= DECAYED {
-            return Some(Stationary { cost, residual });
+            return Some(if refines { better(problem, rough, &correction) } else { rough });
         }
     }
     None
+}
+
+/// The cost with the correction, where it solves the equation better.
+fn better(problem: &Problem, rough: Stationary, correction: &DMatrix<f64>) -> Stationary {
+    let cost = symmetric(&(&rough.cost + correction));
+    match left_over(problem, &cost).map(|(_, left)| left.amax() / cost.amax()) {
+        Some(residual) if residual < rough.residual => Stationary { cost, residual },
+        _ => rough,
+    }
+}
+
+/// The closed loop under the gains of a cost, and what is left over of its equation.
+fn left_over(Problem { phi, h, q, r }: &Problem, cost: &DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let ht_e = h.transpose() * cost;
+    let gains = (r + &ht_e * h).lu().solve(&(ht_e * phi))?;
+    let closed = phi - h * gains;
+    let left = phi.transpose() * cost * &closed + q - cost;
+    Some((closed, left))
 }
 
 fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {

@@ -1,6 +1,7 @@
 """Outcomes of an envelope's releases: of whole cases, and of cases whose settings are mostly inferred from their neighbors."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
@@ -23,6 +24,7 @@ from forcefeel.envelope.releases import (
 from forcefeel.envelope.result import NOT_HELD
 from forcefeel.laws.law import Law
 from forcefeel.qualification.batch_verdicts import NAMES, BatchVerdicts, judge_releases
+from forcefeel.qualification.release import COLUMNS
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.too_small import Beyond
 from forcefeel.threads import side_by_side
@@ -102,7 +104,7 @@ def _whole(
     def tasks() -> Iterator[_Task]:
         for piece, (which, record, laws) in enumerate(parts):
             if (piece, arms) not in references:
-                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in group])
+                ideal = np.vstack([_ideal(plan, arm, feel[which], record) for arm in arms])
                 references[piece, arms] = measured(plan, record, ideal, threads)
             yield from ((k, which, record, law, references[piece, arms]) for k, law in enumerate(laws))
 
@@ -167,28 +169,45 @@ def run_settings(
         law: Law of each setting.
         threads: Number of threads.
     """
+    arms = list(dict.fromkeys(case.arm for case in cases))
+    of_arm = np.array([arms.index(case.arm) for case in cases])
 
-    def tasks() -> Iterator[tuple[Record, NDArray[np.intp], NDArray[np.intp]]]:
+    def tasks() -> Iterator[tuple[Record, NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]]:
         for record, alike in records(plan, arm=_with_arm(cases)):
-            places, which = np.nonzero(settings & alike)
-            yield from ((record, places[chunk], which[chunk]) for chunk in record.chunks(len(which)))
+            all_alike = np.flatnonzero(alike)
+            wanted = settings[:, all_alike]
+            places, columns = np.nonzero(wanted)
+            # The feel alone is the same for all machines.
+            features = np.full((len(arms), len(all_alike), _FEATURES), np.nan)
+            for arm, table in enumerate(features):
+                some = np.flatnonzero(wanted[of_arm == arm].any(axis=0))
+                for chunk in record.chunks(len(some)):
+                    ideal = _ideal(plan, arms[arm], feel[all_alike[some[chunk]]], record)
+                    table[some[chunk]] = measured(plan, record, ideal, threads).values
+            for chunk in record.chunks(len(columns)):
+                reference = features[of_arm[places[chunk]], columns[chunk]]
+                yield record, reference, places[chunk], all_alike[columns[chunk]]
 
-    def run(task: tuple[Record, NDArray[np.intp], NDArray[np.intp]]) -> Ran:
-        record, places, which = task
+    def run(task: tuple[Record, NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]) -> Ran:
+        record, reference, places, which = task
         grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
         pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
         good, angles = released_pairs(plan, pairs, feel, law, record, threads)
-        ideal = np.vstack([_ideal(plan, case, feel[some], record) for case, some in pairs])
-        reference, measures = (measured(plan, record, motion, threads) for motion in (ideal, angles))
-        verdicts = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
+        measures = measured(plan, record, angles, threads)
+        ideal = replace(measures, values=reference)
+        verdicts = judge_releases(measures, ideal, plan.test, travel=plan.throw.travel_rad)
         return places, which, *_judged(verdicts, good)
 
     return side_by_side(run, tasks(), threads)
 
 
-def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
-    """Releases of I, B and G alone, with the case's arm."""
-    return ideal_releases(carrying(plan.loader, feel, case.arm), plan.release_rad, record.step_s, record.samples)
+_FEATURES = max(columns.stop for columns in COLUMNS.values())
+"""Features of a release."""
+
+
+def _ideal(plan: Plan, arm: PilotArm | None, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
+    """Releases of I, B and G alone, with an arm if there is one."""
+    return ideal_releases(carrying(plan.loader, feel, arm), plan.release_rad, record.step_s, record.samples)
 
 
 def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray[np.int8], NDArray[np.float32]]:

@@ -194,16 +194,18 @@ def _stepped(
     stable: NDArray[np.bool_],
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """The same with simulation, for optional rows. A run that diverges counts as unstable."""
-    angles = np.full((len(rows), record.samples), np.nan)
     which = np.flatnonzero(stable)
     if not len(which):
-        return stable, angles
+        return stable, np.full((len(rows), record.samples), np.nan)
     step = min(record.step_s, LONGEST_STEP_S)
     scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
     law = laws.some(which)
     keep = ["column_angle_rad"]
     runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=keep, first_run=None, threads=threads)
-    angles[which] = runs["column_angle_rad"].values
+    angles = runs["column_angle_rad"].values
+    if len(which) < len(rows):
+        angles = np.full((len(rows), record.samples), np.nan)
+        angles[which] = runs["column_angle_rad"].values
     stable = stable.copy()
     stable[which[runs["status"].values == RunStatus.DIVERGED]] = False
     angles[~stable] = np.nan

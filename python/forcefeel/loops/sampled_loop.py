@@ -4,7 +4,6 @@
 the very step that runs them (``crates/model/src/machine/period.rs``). ``e_T`` is a test signal on the command.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
+from forcefeel.linear.unit_circle import inside_unit_circle, sampled_poles
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import controller_steps
 from forcefeel.threads import threads_or_cores
@@ -44,17 +44,12 @@ class SampledLoops:
     @cached_property
     def poles(self) -> NDArray[np.complex128]:
         """Poles of each loop, (loops, states); not numbers where the matrix is not made of numbers."""
-        good = np.isfinite(self.matrix).all(axis=(1, 2))
-        poles = np.full(self.matrix.shape[:2], complex(np.nan, np.nan))
-        with ThreadPoolExecutor(self.threads) as pool:  # NumPy lets go of the interpreter meanwhile
-            parts = np.array_split(self.matrix[good], self.threads)
-            poles[good] = np.concatenate(list(pool.map(np.linalg.eigvals, parts)))
-        return poles
+        return sampled_poles(self.matrix, self.threads)
 
-    @property
+    @cached_property
     def stable(self) -> NDArray[np.bool_]:
         """Whether all poles of each loop are inside the unit circle."""
-        return np.asarray(np.abs(self.poles).max(axis=1) < 1)
+        return inside_unit_circle(self.matrix, self.threads)
 
 
 def sampled_loops(

@@ -202,25 +202,32 @@ class Folder:
         Raises:
             InputError: If there is no room for them, or a chunk was removed.
         """
-        import h5netcdf  # noqa: PLC0415  only here
+        import h5py  # noqa: PLC0415  only here
 
         self._check_room()
         with written_whole(self.path / RUNS) as aside:
-            for index, runs in enumerate(self.sweep.chunks):
-                measured = self._stored(index)
-                if measured is None:
-                    raise InputError(f"{self._chunk(index)}: was removed or damaged; --resume to compute it again")
-                data = as_dataset(self.sweep, runs, measured)
-                data["status"] = "run", data["status"].values.astype(_STATUS), {"_Encoding": "utf-8"}
-                if not index:
-                    data.to_netcdf(aside, engine="h5netcdf", unlimited_dims=["run"])
-                    continue
-                with h5netcdf.File(aside, "a") as file:
-                    file.resize_dimension("run", runs.stop)
-                    for name, variable in data.variables.items():
-                        file.variables[name][runs.start : runs.stop] = _letters(variable.values)
+            self._chunk_data(0).to_netcdf(aside, engine="h5netcdf", unlimited_dims=["run"])
+            # Not through h5netcdf, which asks for the length of the dimension again and again.
+            with h5py.File(aside, "a") as file:
+                for index, runs in enumerate(self.sweep.chunks[1:], 1):
+                    for name, variable in self._chunk_data(index).variables.items():
+                        file[name].resize(runs.stop, axis=0)
+                        file[name][runs.start : runs.stop] = _letters(variable.values)
         with contextlib.suppress(OSError):  # the results exist
             self._drop_chunks()
+
+    def _chunk_data(self, index: int) -> xr.Dataset:
+        """The runs of a chunk.
+
+        Raises:
+            InputError: If it was removed.
+        """
+        measured = self._stored(index)
+        if measured is None:
+            raise InputError(f"{self._chunk(index)}: was removed or damaged; --resume to compute it again")
+        data = as_dataset(self.sweep, self.sweep.chunks[index], measured)
+        data["status"] = "run", data["status"].values.astype(_STATUS), {"_Encoding": "utf-8"}
+        return data
 
     def _check_room(self) -> None:
         """Refuse a disk without room for the results: HDF5 notices that only as it closes the file, and then crashes."""

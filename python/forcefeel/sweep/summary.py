@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.special import ndtri
-from scipy.stats import rankdata
 
 from forcefeel.simulation.outcome import KINDS, measures_of
 from forcefeel.simulation.tables import NAMES
@@ -167,9 +166,19 @@ def _correlations(runs: xr.Dataset, measures: Sequence[str], parameters: Sequenc
             continue
         same = np.packbits(finite).tobytes()
         if same not in ranks:
-            ranks[same] = _standard(rankdata(columns[:, finite], axis=1))
-        row[:] = ranks[same] @ _standard(rankdata(values[finite]))
+            ranks[same] = _standard(np.array([_ranks(column) for column in columns[:, finite]]))
+        row[:] = ranks[same] @ _standard(_ranks(values[finite]))
     return xr.DataArray(table, {"measure": list(measures), "parameter": list(parameters)}, ("measure", "parameter"))
+
+
+def _ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rank of each value; equal ones share the mean of theirs. SciPy's takes half a second to import."""
+    order = np.argsort(values)
+    rises = np.append(True, np.diff(values[order]) > 0)
+    bounds = np.append(np.flatnonzero(rises), len(values))
+    ranks = np.empty(len(values))
+    ranks[order] = (0.5 * (bounds[:-1] + bounds[1:] + 1))[np.cumsum(rises) - 1]
+    return ranks
 
 
 def _standard(ranks: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -48,7 +48,14 @@ impl Part for Operations {
         let comparisons =
             [number(a.less(b), a), number(!a.less(b) | b.less(a), a), number(a.less(b) & a.less(a.zero()), a)];
         let chosen = [a.min(b), a.max(b), a.times_sign(b), a.within(b.abs()), S::select(a.less(b), a, b), -a];
-        let functions = [a.abs().sqrt(), a.times(7.0).round(), a.sin(), a.abs().decay(), a.quantized(b), a / b];
+        let functions = [
+            a.abs().sqrt(),
+            a.times(7.0).round(),
+            a.sin(),
+            a.abs().decay(),
+            a.quantized([b, b.constant(1.0) / b]),
+            a / b,
+        ];
         [comparisons.as_slice(), &chosen, &functions].concat()
     }
 }

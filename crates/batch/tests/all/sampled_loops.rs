@@ -320,7 +320,7 @@ fn what_holds_touches_or_rounds_leaves_the_matrices_as_they_are() {
 
 #[test]
 fn many_loops_are_the_loops_one_by_one() {
-    let mut loaders = vec![Parameters::elevator(); 5];
+    let mut loaders = vec![Parameters::elevator(); 21];
     for (k, p) in (0_u8..).zip(&mut loaders) {
         p.linkage.stiffness *= 1.0 + 0.1 * f64::from(k);
     }
@@ -356,4 +356,20 @@ fn state_that_matters_to_one_loop_is_kept_for_all() {
     let (one, other, together) = (states(&both[..1]), states(&both[1..]), states(&both));
     assert!(one.len() < other.len(), "{one:?} {other:?}");
     assert_eq!(together, other);
+}
+
+#[test]
+fn state_that_matters_to_one_loop_among_many_is_kept_for_all() {
+    let timing = Timing { period: 2, delay: 1 };
+    let (values, middle) = (vec![Parameters::elevator().values(); 40], 20);
+    let mut without_rate = GAINS;
+    without_rate[5] = 0.0;
+    let mut gains = [without_rate; 40];
+    gains[middle] = GAINS;
+    let all = periods(&values, Law::Gains(&gains), timing);
+    let alone = periods(&values[..1], Law::Gains(&gains[middle..=middle]), timing);
+    assert!(periods(&values[..1], Law::Gains(&gains[..1]), timing).states.len() < alone.states.len());
+    assert_eq!(all.states, alone.states);
+    let size = alone.matrices.len();
+    assert_eq!(all.matrices[middle * size..][..size], alone.matrices[..]);
 }

@@ -50,7 +50,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             if effects.surroundings { self.control.trimmed(output, neutral, 0.0) } else { output }
         };
         let feel = &self.control.feel;
-        let period = self.control.period(shared);
+        let period = self.step.constant(shared.period_s());
         let [further, faster] = self.control.given_way([law.per_delta(), law.per_rate()], period);
         // Where the command is the limit and no more.
         let asks_for_all = quotient(e - added - output([zero, zero]).command, law.per_delta());

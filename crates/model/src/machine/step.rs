@@ -49,7 +49,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         }
         if effects.lags || shared.timing.is_some() {
             let measured = self.measured_at_grip(effects, state, &now);
-            let shown = self.transducers.after_whole(&state.seen, measured, state.late);
+            let lags = |before| self.transducers.after_whole(before, measured, state.late);
+            let shown = if effects.lags { lags(&state.seen) } else { measured };
             state.seen = SensorReading { measured, shown };
         }
         SamplingPoint { now, side }

@@ -14,3 +14,4 @@ mod release;
 mod rows;
 mod schedule;
 mod stability;
+mod unit_circle;

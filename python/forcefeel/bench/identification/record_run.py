@@ -47,6 +47,9 @@ _STAND_IN = {"potentiometer": "piston_position", "load_cell": "load_cell_force",
 _EVEN = 1e-6
 """Tolerance of even times, as a share of a step, for times read from a file."""
 
+_AT_ONCE = 2
+"""Parameters of a core in one call of the engine, some half a second for a minute of record: Ctrl-C waits for its end."""
+
 _TAIL = 0.1
 """Final share of a release's record with the column at rest."""
 
@@ -164,11 +167,12 @@ class RecordRun:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Channels and their slopes, from a run on dual numbers for each parameter, at least one."""
         order = [list(outputs(self.loader.drive)).index(name) for name in self.channels]
-        columns = [INDEX[key] for key in keys]
-        value, slopes = self._engine.slopes(
-            values[np.newaxis], columns or [0], channels=order, **self._law, threads=cores()
-        )
-        return value[0], slopes[0, : len(columns)]
+        columns, size = [INDEX[key] for key in keys], _AT_ONCE * cores()
+        parts = [
+            self._engine.slopes(values[np.newaxis], some, channels=order, **self._law, threads=cores())
+            for some in (columns[first : first + size] or [0] for first in range(0, max(len(columns), 1), size))
+        ]
+        return parts[0][0][0], np.concatenate([slopes[0] for _, slopes in parts])[: len(columns)]
 
     def _alone(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The channels, from a run without slopes."""

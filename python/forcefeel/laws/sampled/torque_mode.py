@@ -38,6 +38,7 @@ from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, link_stiffness, period_and_delay
 from forcefeel.laws.sampled.sampled_law import SampledLaw
+from forcefeel.linear.unit_circle import inside_unit_circle
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_electric
 from forcefeel.loader.sensors import SENSORS, current_lag_s, sample_variance
 from forcefeel.loader.timing import controller_steps
@@ -162,12 +163,14 @@ def _velocity_noise(memory: float) -> float:
 def _stable(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw) -> NDArray[np.bool_]:
     """Whether each law's loop is stable, hands off, in the exact loop: with the spring G, and where the feel is steepest."""
     step_s, timing = controller_steps(loader, _STEP_S)
-    stable = np.ones(len(feel), dtype=bool)
-    for stiffness in (feel[:, 2], feel[:, 2] + _steepest(loader, feel[:, 0])):
-        there = np.column_stack([feel[:, :2], stiffness, np.zeros((len(feel), len(_ARM)))])
-        values = loader.rows((*FEEL_SETTING, *_ARM), there)
-        states, matrices = _core.sampled_loops(values, step_s, timing, observers=laws.rows(), threads=cores())
-        stable &= np.abs(np.linalg.eigvals(matrices[:, :, : len(states)])).max(axis=1) < 1
+    stable, numbers, steepest = np.ones(len(feel), dtype=bool), laws.rows(), _steepest(loader, feel[:, 0])
+    for added in (np.zeros(len(feel)), steepest) if steepest.any() else (steepest,):
+        which = np.flatnonzero(stable)
+        if len(which):
+            there = np.column_stack([feel[:, :2], feel[:, 2] + added, np.zeros((len(feel), len(_ARM)))])
+            values = loader.rows((*FEEL_SETTING, *_ARM), there[which])
+            states, matrices = _core.sampled_loops(values, step_s, timing, observers=numbers[which], threads=cores())
+            stable[which] = inside_unit_circle(matrices[:, :, : len(states)], cores())
     return stable
 
 
