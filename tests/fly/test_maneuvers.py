@@ -41,12 +41,15 @@ def test_release_flies_as_jsbsim_with_a_balanced_elevator(case):
     still, model = trimmed(SPEED), trimmed(0.85 * SPEED)
     at_zero, neutral, tab = flow(still), still["fcs/elevator-pos-rad"], model["fcs/pitch-trim-cmd-norm"]
     model["fcs/throttle-cmd-norm"] = still["fcs/throttle-cmd-norm"]
-    speeds = []
+    speeds, ailerons = [], model["fcs/aileron-cmd-norm"]
     for force in release.alone.force_n:
         speeds.append(model["velocities/vc-kts"] * KNOT)
         moment = model["aero/qbar-psf"] * 4.4482216152605 / FT**2 * AREA * CHORD
         arm = case.feel["column.grip_arm"]
         angle = neutral + (arm * force - 0.1 * moment * (flow(model) - at_zero)) / (30.0 + 0.3 * moment)
+        # The wings are held level.
+        level = model["attitude/phi-rad"] + 0.5 * model["velocities/p-rad_sec"]
+        model["fcs/aileron-cmd-norm"] = ailerons - level
         model["fcs/elevator-cmd-norm"] = (angle / 0.40135 if angle > 0 else angle / 0.48869) - tab
         model.run()
     for flown in (release.flown, release.alone):

@@ -1,6 +1,6 @@
 """Maneuvers, flown through the loader and on the programmed feel alone."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from math import acos, pi, sqrt
@@ -27,7 +27,9 @@ _FLAPS = 0.5
 _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
 """Periods of a phugoid, and of the swing to the speed at which a released aircraft returns."""
-_STALL_S, _PATH_RAD_PER_S, _PATH_LEAD_S, _PATH_INTEGRAL_S = 40.0, 0.4, 0.5, 3.0
+_STALL_PERIODS, _PATH_RAD_PER_S, _PATH_LEAD_S, _PATH_INTEGRAL_S = 1.8, 0.4, 0.5, 3.0
+_SINKS_RAD = 0.12
+"""Descent at which a stall ends: the pull no longer holds the path."""
 _LAST = slice(-round(0.5 / FRAME_S), None)
 _MOST_LOAD_FACTOR = 12.0
 
@@ -101,13 +103,15 @@ _Numbers = dict[str, tuple[Unit, float]]
 
 @dataclass(frozen=True)
 class _Plan:
-    """How a maneuver is flown: a new pilot for each flight, duration, levers, share of the trim speed at the start."""
+    """How a maneuver is flown: a new pilot for each flight, duration, levers, bank, share of the trim speed at the start."""
 
     hand: Callable[[], Pilot]
     lasts_s: float
     measured: Callable[[Flown], _Numbers]
-    levers: Callable[[float, Aircraft], None] | None = None
+    levers: Callable[[float, Aircraft], None] = lambda *_: None
     share: float = 1.0
+    bank_rad: Callable[[float], float] = lambda _: 0.0
+    ends: Callable[[Mapping[str, float]], bool] = lambda _: False
     label: str = ""
 
 
@@ -132,9 +136,13 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
         raise InputError(f"maneuver: expected one of {', '.join(MANEUVERS)}, got {name!r}{suggestion(name, MANEUVERS)}")
     plan = MANEUVERS[name](case, request)
 
+    def levers(time_s: float, aircraft: Aircraft) -> None:
+        plan.levers(time_s, aircraft)
+        aircraft.set_bank(plan.bank_rad(time_s))
+
     def flown(*, alone: bool) -> Flown:
         begins = case.at(plan.share * case.speed_m_per_s)
-        return case.flown(plan.hand(), plan.lasts_s, FlightOptions(alone=alone, levers=plan.levers), begins)
+        return case.flown(plan.hand(), plan.lasts_s, FlightOptions(alone=alone, levers=levers, ends=plan.ends), begins)
 
     with_loader, alone = flown(alone=False), flown(alone=True)
     loader_numbers, alone_numbers = plan.measured(with_loader), plan.measured(alone)
@@ -195,7 +203,7 @@ def _wind_up_turn(case: FlightCase, request: ManeuverRequest) -> _Plan:
         lambda: case.load_factor_pilot(lambda time: still + wound(time)),
         _BEGINS_S + _TURN_S + _RAMP_S,
         measured,
-        lambda time, aircraft: aircraft.set_bank(acos(1 / (1 + wound(time)))),
+        bank_rad=lambda time: acos(1 / (1 + wound(time))),
         label=f"wind-up turn to {request.load_factor:.3g} g",
     )
 
@@ -233,7 +241,7 @@ def _release(case: FlightCase, request: ManeuverRequest) -> _Plan:
         measured,
         lambda _, aircraft: aircraft.set_throttle(case.trim.throttle),
         request.off_trim,
-        f"release from {100 * request.off_trim:.3g} % of the trim speed",
+        label=f"release from {100 * request.off_trim:.3g} % of the trim speed",
     )
 
 
@@ -307,14 +315,16 @@ def _stall(case: FlightCase, request: ManeuverRequest) -> _Plan:
         return {
             "smallest calibrated airspeed": (AIRSPEED, float(flown.states["calibrated_airspeed"][slowest])),
             "largest pull": (FORCE, -float(flown.force_n.min())),
+            "largest column angle": (ANGLE, float(np.abs(flown.angle_rad).max())),
             "largest angle of attack": (ANGLE, float(flown.states["angle_of_attack"].max())),
         }
 
     return _Plan(
         lambda: CrossoverPilot(lambda _, seen: -seen["climb_angle"], gain, _PATH_LEAD_S, _PATH_INTEGRAL_S),
-        _STALL_S,
+        _STALL_PERIODS * _swing_s(case),
         measured,
         lambda time, aircraft: aircraft.set_throttle(case.trim.throttle * (1 - _ramp(time))),
+        ends=lambda seen: seen["climb_angle"] < -_SINKS_RAD,
         label="stall in level flight, power idle",
     )
 

@@ -55,6 +55,7 @@ class FlightOptions:
         trim: The trimmed flight in which tab and column are zero; the flown aircraft's own unless given. It begins held by a hand.
         alone: Whether the hand is on the programmed feel itself, without a loader in between.
         levers: Sets throttle, flaps or ailerons before each frame, from the time and the flown aircraft.
+        ends: Whether the flight ends, from what the pilot sees.
 
     Example:
         >>> ff.fly.FlightOptions(law="robust").alone
@@ -65,6 +66,7 @@ class FlightOptions:
     trim: Aircraft | None = None
     alone: bool = False
     levers: Callable[[float, Aircraft], None] | None = None
+    ends: Callable[[Mapping[str, float]], bool] = lambda _: False
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,8 @@ def fly(
         for k in range(frames):
             time = k * FRAME_S
             seen = state | aircraft.attitude()
+            if options.ends(seen):
+                break
             forces[k] = pilot(time, seen)
             if not np.isfinite(forces[k]):
                 raise InputError(f"hand: expected a finite force, got {forces[k]} at {time:.2f} s")
@@ -143,7 +147,8 @@ def fly(
             aircraft.fly(trim.trimmed + trim.per_angle * angles[k])
             state = aircraft.state()
     states = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
-    return Flown(np.arange(frames, dtype=np.float64) * FRAME_S, forces, angles, states, loader)
+    flown = len(rows)
+    return Flown(np.arange(flown, dtype=np.float64) * FRAME_S, forces[:flown], angles[:flown], states, loader)
 
 
 class _Stick(Protocol):
@@ -220,9 +225,13 @@ class _Loop:
         """The last row of the cycles of a frame, in a flight state.
 
         Raises:
-            InputError: If the loader refuses the state.
+            InputError: If the state is out of the range of a packet, or the loader refuses it.
         """
-        rows = self._loop.run(self._cycles, _core.host_packet(self._sequence, _SWITCHES, state))
+        try:
+            packet = _core.host_packet(self._sequence, _SWITCHES, state)
+        except _core.ArgumentError as error:
+            raise InputError(f"aircraft: its flight left the range of a host's packet ({error})") from error
+        rows = self._loop.run(self._cycles, packet)
         self._sequence += 1
         answer = _core.host_answer(self._loop.answer or b"")
         if answer is not None and answer[1] & REFUSED:
