@@ -254,7 +254,7 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> 
 
 
 def _text(number: float, unit: Unit, units: UnitSystem) -> str:
-    return f"{to_text(unit.from_si(number, units), 4)} {unit.shown(units)}".rstrip()
+    return f"{to_text(round(unit.from_si(number, units), 4), 4)} {unit.shown(units)}".rstrip()
 
 
 def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) -> None:

@@ -28,6 +28,8 @@ _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
 """Periods of a phugoid, and of the swing to the speed at which a released aircraft returns."""
 _STALL_PERIODS, _PATH_RAD_PER_S, _PATH_LEAD_S, _PATH_INTEGRAL_S = 1.8, 0.4, 0.5, 3.0
+_LEAST_GAINED = 0.05
+"""Load factor from which a force per g is stated."""
 _SINKS_RAD = 0.12
 """Descent at which a stall ends: the pull no longer holds the path."""
 _LAST = slice(-round(0.5 / FRAME_S), None)
@@ -130,7 +132,7 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
         >>> case = ff.fly.FlightCase(ff.digital_elevator(), "c172p", 51.4, 900.0, "robust")
         >>> pull = ff.fly.fly_maneuver(case, "pull-up").measures[0]
         >>> pull.name, round(pull.alone / pull.with_loader, 1)
-        ('force', 1.0)
+        ('force per g', 1.0)
     """
     if name not in MANEUVERS:
         raise InputError(f"maneuver: expected one of {', '.join(MANEUVERS)}, got {name!r}{suggestion(name, MANEUVERS)}")
@@ -212,11 +214,12 @@ def _held_load_factor(case: FlightCase, flown: Flown) -> _Numbers:
     """Means of the last half second."""
     load_factor = flown.states["load_factor"]
     force, held = float(flown.force_n[_LAST].mean()), float(load_factor[_LAST].mean())
-    return {
+    gained = held - float(load_factor[0])
+    per_g = {"force per g": (FORCE, -force / gained)} if gained > _LEAST_GAINED else {}
+    return per_g | {
         "force": (FORCE, force),
         "force of the programmed feel in the same states": (FORCE, case.feel_n(flown, _LAST)),
         "load factor": (RATIO, held),
-        "force per g": (FORCE, -force / (held - float(load_factor[0]))),
         "calibrated airspeed at the end": (AIRSPEED, float(flown.states["calibrated_airspeed"][-1])),
     }
 

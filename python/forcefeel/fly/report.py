@@ -130,7 +130,8 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
 def _point(case: FlightCase, target: float, trimmed: Callable[[], Aircraft]) -> Point:
     try:
         begins = trimmed()
-        held, load_factor = case.held(begins), begins.state()["load_factor"]
+        load_factor = begins.state()["load_factor"]
+        held = case.held(begins)
     except InputError as error:
         return Point(target, None, str(error))
     if abs(held.load_factor - load_factor) > _HELD_G:
@@ -175,7 +176,7 @@ def _of_speeds(case: FlightCase, speeds: list[Point]) -> dict[str, Quantity | st
     """Quantities over speed; a push above trim and a pull below count positive."""
     trim = case.speed_m_per_s
     flown = [point.held for point in speeds if point.held]
-    fault = "; ".join(point.fault for point in speeds if not point.held)
+    fault = next((point.fault for point in speeds if not point.held), "")
 
     def label(held: HeldFlight) -> str:
         return f"{100 * held.speed_m_per_s / trim:.0f} % of the trim speed"
@@ -210,7 +211,7 @@ def _slope(label: str, slow: HeldFlight, fast: HeldFlight) -> Compared:
 
 def _largest_force(points: tuple[Point, ...]) -> Quantity | str:
     """Of what a pilot holds for a short time; the limit load factor is not among it."""
-    if fault := "; ".join(point.fault for point in points if not point.held):
+    if fault := next((point.fault for point in points if not point.held), ""):
         return fault
     return Quantity(
         FORCE,

@@ -13,8 +13,8 @@ from forcefeel.page import machine
 from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Cell, Table, heads, number, words
-from forcefeel.page.typography import NONE, heading_text, quantity_text, unit_text, value_text
-from forcefeel.units import FORCE, RATIO, UnitSystem
+from forcefeel.page.typography import NONE, heading_text, number_text, quantity_text, unit_text
+from forcefeel.units import FORCE, RATIO, Unit, UnitSystem
 
 PAGE, RESULTS = "flight.html", "results.json"
 
@@ -48,7 +48,7 @@ def _verdicts(verdicts: tuple[FlightVerdict, ...], units: UnitSystem) -> Table:
 
     def cells(verdict: FlightVerdict) -> tuple[Cell, ...]:
         unit = verdict.unit
-        limit = f"{verdict.bound} {value_text(verdict.limit, unit, units)}" if unit else verdict.bound
+        limit = f"{verdict.bound} {_text(verdict.limit, unit, units)}" if unit else verdict.bound
         document = verdict.rule.document.removeprefix("14 CFR ")
         apart = abs(verdict.with_loader - verdict.feel)
         rule = f"{document}: {verdict.rule.number}" + ("" if verdict.rule.verified else " (unverified)")
@@ -56,9 +56,9 @@ def _verdicts(verdicts: tuple[FlightVerdict, ...], units: UnitSystem) -> Table:
             words(rule),
             words(capital(verdict.quantity)),
             words(str(verdict.outcome), bad=verdict.outcome is not Outcome.MET),
-            number(value_text(verdict.with_loader, unit, units) if unit else NONE),
-            number(value_text(verdict.feel, unit, units) if unit else NONE),
-            number(quantity_text(apart, unit, units, 2).partition(" ")[0] if unit else NONE),
+            number(_text(verdict.with_loader, unit, units) if unit else NONE),
+            number(_text(verdict.feel, unit, units) if unit else NONE),
+            number(_text(apart, unit, units) if unit else NONE),
             number(limit),
             Cell(unit_text(unit.shown(units)) if unit else ""),
             words(verdict.where),
@@ -73,17 +73,22 @@ def _verdicts(verdicts: tuple[FlightVerdict, ...], units: UnitSystem) -> Table:
     return Table((*head, Cell("Unit"), Cell("At")), tuple(map(cells, verdicts)))
 
 
+def _text(value: float, unit: Unit, units: UnitSystem) -> str:
+    """A number without its unit, to three digits and four decimals."""
+    return number_text(round(unit.from_si(value, units), 4), 3)
+
+
 def _points(points: tuple[Point, ...], units: UnitSystem, *, speed: bool) -> Table:
     unit = AIRSPEED if speed else RATIO
 
     def cells(point: Point) -> tuple[Cell, ...]:
-        target = number(value_text(point.target, unit, units))
+        target = number(_text(point.target, unit, units))
         held = point.held
         if held is None:
             return (target, number(NONE), number(NONE), number(NONE), words(point.fault, bad=True))
         flown = held.speed_m_per_s if speed else held.load_factor
-        forces = (number(value_text(force, FORCE, units)) for force in (held.force_n, held.feel_n))
-        return (target, number(value_text(flown, unit, units)), *forces, words(""))
+        forces = (number(_text(force, FORCE, units)) for force in (held.force_n, held.feel_n))
+        return (target, number(_text(flown, unit, units)), *forces, words(""))
 
     names = (heading_text("Airspeed", AIRSPEED, units) if speed else "Load factor, g", "Flown")
     forces = (heading_text(name, FORCE, units) for name in ("With the loader", "Feel alone"))
@@ -96,8 +101,8 @@ def _maneuver(maneuver: Maneuver, units: UnitSystem, k: int) -> dict[str, object
     rows = tuple(
         (
             words(measure.name),
-            number(value_text(measure.with_loader, measure.unit, units)),
-            number(value_text(measure.alone, measure.unit, units)),
+            number(_text(measure.with_loader, measure.unit, units)),
+            number(_text(measure.alone, measure.unit, units)),
             Cell(unit_text(measure.unit.shown(units))),
         )
         for measure in maneuver.measures
