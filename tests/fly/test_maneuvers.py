@@ -60,6 +60,19 @@ def test_release_flies_as_jsbsim_with_a_balanced_elevator(case):
     assert measures["off the trim speed"].with_loader == pytest.approx(returned.with_loader / SPEED - 1)
 
 
+def test_friction_keeps_a_released_column_off_and_a_pulse_from_moving_it():
+    """8 lb hold more than the air of 85 % of the speed; the hand has to overcome them before the flight begins."""
+    loader = ff.digital_elevator().replace({"column.coulomb_friction": "8 lb"})
+    case = ff.fly.FlightCase(loader, "c172p", SPEED, ALTITUDE, "robust")
+    release = ff.fly.fly_maneuver(case, "release", ff.fly.ManeuverRequest(off_trim=0.85))
+    assert release.flown.angle_rad[0] == pytest.approx(
+        release.alone.angle_rad[0], rel=0.06
+    )  # as near as a hand brings it
+    assert abs(release.flown.angle_rad[-1]) > 0.005 > 10 * abs(release.alone.angle_rad[-1])
+    pulse = ff.fly.fly_maneuver(case, "short-period")
+    assert abs(pulse.flown.angle_rad).max() < 0.05 * abs(pulse.alone.angle_rad).max()
+
+
 def test_phugoid_has_the_period_and_damping_of_a_linear_model(case):
     """Of JSBSim's derivatives, as ``test_modes`` has it with the column free: 0.2486 rad/s, damping ratio 0.109."""
     from tests.fly.test_modes import stick_free  # noqa: PLC0415

@@ -13,7 +13,7 @@ from forcefeel.cli.scenario_text import seconds, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import check_output_file, write_whole
-from forcefeel.units import ANGLE, FORCE, RATIO, Json, Unit, UnitSystem, to_text
+from forcefeel.units import AIRSPEED, ANGLE, FORCE, RATIO, Json, Unit, UnitSystem, to_text
 
 if TYPE_CHECKING:
     from forcefeel.fly import FlightCase, FlightReport, Flown, Maneuver
@@ -23,7 +23,6 @@ HAND = Group("Force of a hand", sort_key=20)
 MANEUVER = Group("Maneuvers and rules", sort_key=30)
 _RAMP_S = 1.0
 _LONGEST_S = 600.0
-_SPEED = Unit("m/s", "m/s", "kt")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -245,8 +244,8 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> 
     row("stick force per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE)
     row("smallest load factor", "load_factor_min")
     row("largest load factor", "load_factor_max")
-    row("true airspeed at the start", "true_airspeed_begin_m_per_s", _SPEED)
-    row("true airspeed at the end", "true_airspeed_end_m_per_s", _SPEED)
+    row("true airspeed at the start", "true_airspeed_begin_m_per_s", AIRSPEED)
+    row("true airspeed at the end", "true_airspeed_end_m_per_s", AIRSPEED)
     row("smallest column angle", "column_angle_min_rad", ANGLE)
     row("largest column angle", "column_angle_max_rad", ANGLE)
     terminal.show(table)

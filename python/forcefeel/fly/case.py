@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
 from forcefeel.loader.loader import Loader
+from forcefeel.units import AIRSPEED, FORCE, RATIO
 
 _CROSSOVER_RAD_PER_S = 0.5
 """Of load factor: a pilot who is not in a hurry."""
@@ -42,11 +44,11 @@ class HeldFlight:
         (-14, -14)
     """
 
-    speed_m_per_s: float
-    load_factor: float
-    force_n: float
-    feel_n: float
-    trimmed_n: float
+    speed_m_per_s: Annotated[float, AIRSPEED]
+    load_factor: Annotated[float, RATIO]
+    force_n: Annotated[float, FORCE]
+    feel_n: Annotated[float, FORCE]
+    trimmed_n: Annotated[float, FORCE]
 
 
 @dataclass(frozen=True, eq=False)

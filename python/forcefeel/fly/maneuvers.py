@@ -14,9 +14,20 @@ from forcefeel.fly.case import FlightCase
 from forcefeel.fly.modes import free_modes
 from forcefeel.fly.pilot import CrossoverPilot
 from forcefeel.fly.run import FlightOptions, Flown, Pilot
-from forcefeel.units import ANGLE, FORCE, RATIO, SECONDS, Unit
+from forcefeel.units import (
+    AIRSPEED,
+    ALTITUDE,
+    ANGLE,
+    ANGULAR_VELOCITY,
+    FORCE,
+    RATIO,
+    SECONDS,
+    Json,
+    Unit,
+    UnitSystem,
+    quantity,
+)
 
-AIRSPEED, ALTITUDE = Unit("m/s", "m/s", "kt", "m_per_s"), Unit("m", "m", "ft", "m")
 GRAVITY = 9.80665
 
 _BEGINS_S, _RAMP_S, _TURN_S = 1.0, 2.0, 6.0
@@ -74,6 +85,11 @@ class Measure:
     unit: Unit
     with_loader: float
     alone: float
+
+    def as_json(self, system: UnitSystem) -> dict[str, Json]:
+        """Both numbers with their unit."""
+        numbers = {"with_loader": self.with_loader, "feel_alone": self.alone}
+        return {"name": self.name, **{key: quantity(number, self.unit, system) for key, number in numbers.items()}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,7 +294,7 @@ def _short_period(case: FlightCase, request: ManeuverRequest) -> _Plan:
     def measured(flown: Flown) -> _Numbers:
         rows = flown.states
         return {
-            "largest pitch rate": (Unit("rad/s", "deg/s", "deg/s"), float(np.abs(rows["pitch_rate"]).max())),
+            "largest pitch rate": (ANGULAR_VELOCITY, float(np.abs(rows["pitch_rate"]).max())),
             "largest load factor": (RATIO, float(rows["load_factor"].max())),
             "smallest load factor": (RATIO, float(rows["load_factor"].min())),
         }

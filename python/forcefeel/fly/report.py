@@ -1,9 +1,8 @@
 """A loader's report in flight: held load factors and speeds, maneuvers, and the rules that apply to the aircraft."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -11,9 +10,9 @@ from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.errors import InputError
 from forcefeel.fly.aircraft import Aircraft
 from forcefeel.fly.case import FlightCase, HeldFlight
-from forcefeel.fly.maneuvers import AIRSPEED, ALTITUDE, Maneuver, ManeuverRequest, fly_maneuver
+from forcefeel.fly.maneuvers import Maneuver, ManeuverRequest, fly_maneuver
 from forcefeel.fly.rules import Compared, FlightVerdict, Outcome, Quantity, flight_rules, judge
-from forcefeel.units import ANGLE, FORCE, PERCENT, RATIO, Unit, UnitSystem, factor
+from forcefeel.units import AIRSPEED, ALTITUDE, ANGLE, FORCE, PERCENT, RATIO, Unit, factor
 
 FORCE_OVER_SPEED = Unit("N s/m", "N s/m", "lb/kt")
 
@@ -43,12 +42,12 @@ class Point:
     """A load factor or a speed that was to be held.
 
     Attributes:
-        target: Load factor, or calibrated airspeed, m/s.
+        label: Load factor, or share of the trim speed.
         held: The flight; none if it failed.
         fault: Why it failed.
     """
 
-    target: float
+    label: str
     held: HeldFlight | None
     fault: str = ""
 
@@ -75,7 +74,7 @@ class FlightReport:
     case: FlightCase = field(repr=False)
     pulls: tuple[Point, ...]
     speeds: tuple[Point, ...]
-    maneuvers: tuple[Maneuver, ...] = field(repr=False)
+    maneuvers: tuple[Maneuver, ...]
     faults: dict[str, str]
     verdicts: tuple[FlightVerdict, ...]
 
@@ -96,18 +95,25 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         InputError: If the trimmed flight itself fails; what fails later is named in its row.
 
     Example:
-        >>> case = ff.fly.FlightCase(ff.digital_elevator(), "T38", 154.0, 3048.0, "robust")
-        >>> ff.fly.fly_rules(case).pulls[0].held.load_factor > 1.5
-        True
+        >>> try:
+        ...     ff.fly.fly_rules(ff.fly.FlightCase(ff.elevator(), "c172p", 51.4, 900.0, "robust"))
+        ... except ff.InputError as error:
+        ...     print(str(error).partition(";")[0])
+        controller.period: a live loop requires 0.2 to 4 ms, got none: its controller is analog
     """
     data, beyond = case.trim.data, case.trim.data.limit_load_factor - 1
     progress("load factors")
-    pulls = [_point(case, n, partial(case.at, load_factor=n)) for n in (1 + share * beyond for share in _PULLS)]
+    case.held(case.at())  # what cannot fly at all is refused here
+    load_factors = [1 + share * beyond for share in _PULLS]
+    pulls = [_point(case, f"{n:.3g} g", partial(case.at, load_factor=n)) for n in load_factors]
     progress("speeds")
-    speeds = [_point(case, v, partial(case.at, v)) for v in (share * case.speed_m_per_s for share in _SPEEDS)]
+    speeds = [
+        _point(case, f"{100 * share:.4g} % of the trim speed", partial(case.at, share * case.speed_m_per_s))
+        for share in _SPEEDS
+    ]
     maneuvers: list[Maneuver] = []
     faults: dict[str, str] = {}
-    requests = [(name, ManeuverRequest()) for name in _HISTORIES]
+    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid")]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
     for name, request in requests:
@@ -118,7 +124,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
             faults[name] = str(error)
     flown: dict[str, Quantity | str] = {**_of_pulls(pulls, data.limit_load_factor), **_of_speeds(case, speeds)}
     flown |= {"largest force": _largest_force((*pulls[:_SMALL], *speeds))}
-    flown |= _of_maneuvers(case, maneuvers, faults)
+    flown |= _of_maneuvers(maneuvers, faults)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
     applying = [rule for rule in flight_rules() if rule.applies(data)]
     if data.category == "military" and not isinstance(flown["force per g"], str):
@@ -127,128 +133,111 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     return FlightReport(case, tuple(pulls), tuple(speeds), tuple(maneuvers), faults, verdicts)
 
 
-def _point(case: FlightCase, target: float, trimmed: Callable[[], Aircraft]) -> Point:
+def _point(case: FlightCase, label: str, trimmed: Callable[[], Aircraft]) -> Point:
     try:
         begins = trimmed()
         load_factor = begins.state()["load_factor"]
         held = case.held(begins)
     except InputError as error:
-        return Point(target, None, str(error))
+        return Point(label, None, str(error))
     if abs(held.load_factor - load_factor) > _HELD_G:
         fault = f"the pilot held {held.load_factor:.2f} g instead of {load_factor:.2f} g: the column does not follow the hand"
-        return Point(target, None, fault)
-    return Point(target, held)
+        return Point(label, None, fault)
+    return Point(label, held)
 
 
 def _of_pulls(pulls: list[Point], limit_load_factor: float) -> dict[str, Quantity | str]:
     """Quantities over load factor; a pull is counted positive."""
+    if fault := _first_fault(pulls[:_SMALL]):
+        return dict.fromkeys(("force over load factor", "force per g", "force at the limit load factor"), fault)
     flown = [point.held for point in pulls if point.held]
-    faults = [point.fault for point in pulls[:_SMALL] if not point.held]
-    if faults:
-        names = ("force over load factor", "force per g", "force at the limit load factor")
-        return dict.fromkeys(names, faults[0])
-    compared = tuple(Compared(f"{held.load_factor:.2f} g", held.force_n, held.feel_n) for held in flown)
-    first, second = flown[:_SMALL]
-    last = flown[-1]
-    per_g, at_end = _pull_per_g(first, second), _pull_per_g(flown[-2], last)
-    left = limit_load_factor - last.load_factor if pulls[-1].held is None else 0.0
-    label = (
-        f"extrapolated from {last.load_factor:.2f} g, the most that trims and is held"
-        if left
-        else f"{last.load_factor:.2f} g"
-    )
-    at_limit = Compared(label, -last.force_n + at_end[0] * left, -last.feel_n + at_end[1] * left)
-    label = f"{first.load_factor:.2f} to {second.load_factor:.2f} g"
+    last, label = flown[-1], f"{flown[-1].load_factor:.2f} g"
+    left = 0.0 if pulls[-1].held else limit_load_factor - last.load_factor
+    if left:
+        label = f"extrapolated from {label}, the most that trims and is held"
+    at_end = _slope("", "load_factor", *flown[-2:])
+    forces = (last.force_n + at_end.with_loader * left, last.feel_n + at_end.feel * left)
+    label_of_slope = f"{flown[0].load_factor:.2f} to {flown[1].load_factor:.2f} g"
+    per_g = _slope(label_of_slope, "load_factor", *flown[:_SMALL])
     return {
-        "force over load factor": Quantity(FORCE, compared),
-        "force per g": Quantity(FORCE, (Compared(label, *per_g),)),
-        "force at the limit load factor": Quantity(FORCE, (at_limit,)),
+        "force over load factor": Quantity(FORCE, tuple(_force(f"{held.load_factor:.2f} g", held) for held in flown)),
+        "force per g": Quantity(FORCE, (Compared(label_of_slope, -per_g.with_loader, -per_g.feel),)),
+        "force at the limit load factor": Quantity(FORCE, (Compared(label, -forces[0], -forces[1]),)),
     }
-
-
-def _pull_per_g(first: HeldFlight, second: HeldFlight) -> tuple[float, float]:
-    """With the loader, and of the feel."""
-    gained = second.load_factor - first.load_factor
-    return (first.force_n - second.force_n) / gained, (first.feel_n - second.feel_n) / gained
 
 
 def _of_speeds(case: FlightCase, speeds: list[Point]) -> dict[str, Quantity | str]:
     """Quantities over speed; a push above trim and a pull below count positive."""
-    trim = case.speed_m_per_s
-    flown = [point.held for point in speeds if point.held]
-    fault = next((point.fault for point in speeds if not point.held), "")
-
-    def label(held: HeldFlight) -> str:
-        return f"{100 * held.speed_m_per_s / trim:.0f} % of the trim speed"
-
-    sides = [sum(sign * (held.speed_m_per_s - trim) > 0 for held in flown) for sign in (1, -1)]
-    over = tuple(Compared(label(held), held.force_n, held.feel_n) for held in flown)
-    numbers: dict[str, Quantity | str] = {
-        "force over speed": Quantity(FORCE, over) if min(sides) >= _EACH_SIDE else fault
-    }
+    trim, fault = case.speed_m_per_s, _first_fault(speeds)
+    flown = [(point.label, point.held) for point in speeds if point.held]
+    sides = [sum(sign * (held.speed_m_per_s - trim) > 0 for _, held in flown) for sign in (1, -1)]
+    over = Quantity(FORCE, tuple(_force(label, held) for label, held in flown))
+    numbers = {"force over speed": over if min(sides) >= _EACH_SIDE else fault}
     names = ("smallest force towards the speed", "smallest force over speed", "average force over speed")
     if fault:
         return numbers | dict.fromkeys(names, fault)
-    towards = tuple(
-        Compared(label(held), *(np.sign(held.speed_m_per_s - trim) * force for force in (held.force_n, held.feel_n)))
-        for held in flown
-    )
+    towards = tuple(_force(label, held, float(np.sign(held.speed_m_per_s - trim))) for label, held in flown)
     # The trimmed flight itself has no force.
     still = HeldFlight(trim, 1.0, 0.0, 0.0, 0.0)
-    in_order = sorted((*flown, still), key=lambda held: held.speed_m_per_s)
-    slopes = tuple(
-        _slope(f"{label(a).removesuffix(' of the trim speed')} to {label(b)}", a, b) for a, b in pairwise(in_order)
-    )
-    average = _slope(f"{label(in_order[0])} to {label(in_order[-1])}", in_order[0], in_order[-1])
+    in_order = sorted((*(held for _, held in flown), still), key=lambda held: held.speed_m_per_s)
+    shares = [f"{100 * held.speed_m_per_s / trim:.0f}" for held in in_order]
+    parts = [(f"{shares[k]} to {shares[k + 1]} %", in_order[k], in_order[k + 1]) for k in range(len(flown))]
+    slopes = tuple(_slope(label, "speed_m_per_s", slow, fast) for label, slow, fast in parts)
+    average = _slope(f"{shares[0]} to {shares[-1]} % of the trim speed", "speed_m_per_s", in_order[0], in_order[-1])
     quantities = (Quantity(FORCE, towards), Quantity(FORCE_OVER_SPEED, slopes), Quantity(FORCE_OVER_SPEED, (average,)))
     return numbers | dict(zip(names, quantities, strict=True))
 
 
-def _slope(label: str, slow: HeldFlight, fast: HeldFlight) -> Compared:
-    gained = fast.speed_m_per_s - slow.speed_m_per_s
-    return Compared(label, (fast.force_n - slow.force_n) / gained, (fast.feel_n - slow.feel_n) / gained)
+def _first_fault(points: Iterable[Point]) -> str:
+    return next((point.fault for point in points if not point.held), "")
+
+
+def _force(label: str, held: HeldFlight, sign: float = 1.0) -> Compared:
+    return Compared(label, sign * held.force_n, sign * held.feel_n)
+
+
+def _slope(label: str, over: str, first: HeldFlight, second: HeldFlight) -> Compared:
+    gained = getattr(second, over) - getattr(first, over)
+    return Compared(label, (second.force_n - first.force_n) / gained, (second.feel_n - first.feel_n) / gained)
 
 
 def _largest_force(points: tuple[Point, ...]) -> Quantity | str:
-    """Of what a pilot holds for a short time; the limit load factor is not among it."""
-    if fault := next((point.fault for point in points if not point.held), ""):
-        return fault
-    return Quantity(
-        FORCE,
-        tuple(
-            Compared(
-                f"{held.load_factor:.2f} g, {AIRSPEED.from_si(held.speed_m_per_s, UnitSystem.US):.0f} kt",
-                abs(held.force_n),
-                abs(held.feel_n),
-            )
-            for held in (point.held for point in points)
-            if held
-        ),
-    )
+    """Of what a pilot holds for a short time; large load factors are not among it."""
+    forces = [_force(point.label, point.held) for point in points if point.held]
+    sizes = tuple(Compared(force.label, abs(force.with_loader), abs(force.feel)) for force in forces)
+    return _first_fault(points) or Quantity(FORCE, sizes)
 
 
-def _of_maneuvers(case: FlightCase, maneuvers: list[Maneuver], faults: dict[str, str]) -> dict[str, Quantity | str]:
+def _of_maneuvers(maneuvers: list[Maneuver], faults: dict[str, str]) -> dict[str, Quantity | str]:
+    """Largest differences of time histories, the free return, the phugoid."""
     numbers: dict[str, Quantity | str] = {}
-    for name, rows in _HISTORIES.items():
-        maneuver = next((maneuver for maneuver in maneuvers if maneuver.name == name), None)
-        for row, unit in rows.items():
-            key = f"{name}: {row.replace('_', ' ')}"
-            if maneuver is None:
-                numbers[key] = faults[name]
-                continue
-            with_loader, alone = maneuver.flown.states[row], maneuver.alone.states[row]
-            worst = int(np.argmax(np.abs(with_loader - alone)))
-            time = f"{maneuver.flown.time_s[worst]:.1f} s"
-            numbers[key] = Quantity(unit, (Compared(time, float(with_loader[worst]), float(alone[worst])),))
+    flown = {maneuver.name: maneuver for maneuver in maneuvers}
+    for name, row, unit in ((name, row, unit) for name, rows in _HISTORIES.items() for row, unit in rows.items()):
+        key = f"{name}: {row.replace('_', ' ')}"
+        if name in faults:
+            numbers[key] = faults[name]
+            continue
+        with_loader, alone = flown[name].flown.states[row], flown[name].alone.states[row]
+        worst = int(np.argmax(np.abs(with_loader - alone)))
+        time = f"{flown[name].flown.time_s[worst]:.1f} s"
+        numbers[key] = Quantity(unit, (Compared(time, float(with_loader[worst]), float(alone[worst])),))
+    for key in ("period", "damping ratio"):
+        numbers[f"phugoid: {key}"] = faults.get("phugoid") or _measured([flown["phugoid"]], key)
     releases = [maneuver for maneuver in maneuvers if maneuver.name == "release"]
-    returns = tuple(
-        Compared(maneuver.label, abs(measure.with_loader), abs(measure.alone))
-        for maneuver in releases
-        for measure in maneuver.measures
-        if measure.name == "off the trim speed"
-    )
-    numbers["free return"] = faults.get("release") or Quantity(PERCENT, returns)
+    numbers["free return"] = faults.get("release") or _measured(releases, "off the trim speed")
     return numbers
+
+
+def _measured(maneuvers: list[Maneuver], name: str) -> Quantity | str:
+    """The sizes of a measure."""
+    measures = [
+        (maneuver.label, measure) for maneuver in maneuvers for measure in maneuver.measures if measure.name == name
+    ]
+    if not measures:
+        return "no swing was excited: friction holds the column"
+    unit = PERCENT if name == "off the trim speed" else measures[0][1].unit
+    points = tuple(Compared(label, abs(measure.with_loader), abs(measure.alone)) for label, measure in measures)
+    return Quantity(unit, points)
 
 
 def _n_per_alpha(case: FlightCase) -> float:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from forcefeel.fly.control_data import ControlData
 from forcefeel.qualification.tolerance import STRICT
-from forcefeel.units import FORCE, Unit, factor, parse
+from forcefeel.units import FORCE, Json, Unit, UnitSystem, factor, parse, quantity
 
 
 class Term(BaseModel):
@@ -63,12 +63,13 @@ class FlightTolerance(BaseModel):
     model_config = STRICT
 
     quantity: str
-    absolute: str
+    absolute: str | None = None
     relative: float = 0.0
 
     def allowed(self, unit_si: str, reference: float) -> float:
         """The allowed difference in SI units."""
-        return max(parse(self.absolute, unit_si, "5 lb"), self.relative * abs(reference))
+        share = self.relative * abs(reference)
+        return share if self.absolute is None else max(parse(self.absolute, unit_si, "5 lb"), share)
 
 
 class FlightRule(BaseModel):
@@ -175,6 +176,15 @@ class FlightVerdict:
     feel: float = 0.0
     loose: bool = False
 
+    def as_json(self, system: UnitSystem) -> dict[str, Json]:
+        """The row, the outcome, the numbers with their unit."""
+        rule = self.rule.model_dump(include={"number", "name", "document", "source", "verified"})
+        words = {"quantity": self.quantity, "outcome": str(self.outcome), "where": self.where, "bound": self.bound}
+        numbers = {"limit": self.limit, "with_loader": self.with_loader, "feel_alone": self.feel}
+        return (
+            rule | words | {key: self.unit and quantity(number, self.unit, system) for key, number in numbers.items()}
+        )
+
 
 def judge(
     rule: FlightRule, flown: Mapping[str, Quantity | str], conditions: Mapping[str, float]
@@ -187,13 +197,13 @@ def judge(
         conditions: ``weight`` in lb, ``n / alpha`` in 1/rad, ``n_L - 1``.
     """
     for tolerance in rule.tolerances:
-        quantity = flown[tolerance.quantity]
-        if isinstance(quantity, str):
-            yield FlightVerdict(rule, tolerance.quantity, Outcome.NOT_FLOWN, quantity, "within")
+        measured = flown[tolerance.quantity]
+        if isinstance(measured, str):
+            yield FlightVerdict(rule, tolerance.quantity, Outcome.NOT_FLOWN, measured, "within")
             continue
-        unit = quantity.unit
-        allowed = {point: tolerance.allowed(unit.si, point.feel) for point in quantity.points}
-        worst = max(quantity.points, key=lambda point: abs(point.with_loader - point.feel) / allowed[point])
+        unit = measured.unit
+        allowed = {point: tolerance.allowed(unit.si, point.feel) for point in measured.points}
+        worst = max(measured.points, key=lambda point: abs(point.with_loader - point.feel) / allowed[point])
         met = abs(worst.with_loader - worst.feel) <= allowed[worst]
         outcome = Outcome.MET if met else Outcome.NOT_MET
         loose = unit is FORCE and all(abs(point.feel) <= allowed[point] for point in allowed)
@@ -203,13 +213,13 @@ def judge(
     if rule.quantity is None or limit is None:
         return
     bound, sign = ("at least", 1.0) if rule.at_least else ("at most", -1.0)
-    quantity = flown[rule.quantity]
-    if isinstance(quantity, str):
-        yield FlightVerdict(rule, rule.quantity, Outcome.NOT_FLOWN, quantity, bound)
+    measured = flown[rule.quantity]
+    if isinstance(measured, str):
+        yield FlightVerdict(rule, rule.quantity, Outcome.NOT_FLOWN, measured, bound)
         return
-    worst = min(quantity.points, key=lambda point: sign * point.with_loader)
-    number = limit.si(quantity.unit.si, conditions)
+    worst = min(measured.points, key=lambda point: sign * point.with_loader)
+    number = limit.si(measured.unit.si, conditions)
     outcome = Outcome.MET if sign * worst.with_loader >= sign * number else Outcome.NOT_MET
     yield FlightVerdict(
-        rule, rule.quantity, outcome, worst.label, bound, quantity.unit, number, worst.with_loader, worst.feel
+        rule, rule.quantity, outcome, worst.label, bound, measured.unit, number, worst.with_loader, worst.feel
     )

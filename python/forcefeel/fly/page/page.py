@@ -4,7 +4,7 @@ from pathlib import Path
 
 from forcefeel.conclusions import capital
 from forcefeel.fly.as_json import report_json
-from forcefeel.fly.maneuvers import AIRSPEED, ALTITUDE, Maneuver
+from forcefeel.fly.maneuvers import Maneuver
 from forcefeel.fly.page import plots
 from forcefeel.fly.report import FlightReport, Point, flight_conclusions
 from forcefeel.fly.rules import FlightVerdict, Outcome
@@ -14,7 +14,7 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, quantity_text, unit_text
-from forcefeel.units import FORCE, RATIO, Unit, UnitSystem
+from forcefeel.units import AIRSPEED, ALTITUDE, FORCE, RATIO, Unit, UnitSystem
 
 PAGE, RESULTS = "flight.html", "results.json"
 
@@ -34,9 +34,9 @@ def flight_page(report: FlightReport, units: UnitSystem, *, command: str = "") -
         conclusions=flight_conclusions(report) if report.verdicts else None,
         verdicts=_verdicts(report.verdicts, units),
         load_factor=report.pulls and drawing(plots.force_over_load_factor(report, units), "load-factor"),
-        pulls=_points(report.pulls, units, speed=False),
+        pulls=_points(report.pulls, units),
         speed=report.speeds and drawing(plots.force_over_speed(report, units), "speed"),
-        speeds=_points(report.speeds, units, speed=True),
+        speeds=_points(report.speeds, units),
         maneuvers=[_maneuver(maneuver, units, k) for k, maneuver in enumerate(report.maneuvers)],
         faults=report.faults,
         parameters=machine.parameters(case.feel, units),
@@ -78,23 +78,19 @@ def _text(value: float, unit: Unit, units: UnitSystem) -> str:
     return number_text(round(unit.from_si(value, units), 4), 3)
 
 
-def _points(points: tuple[Point, ...], units: UnitSystem, *, speed: bool) -> Table:
-    unit = AIRSPEED if speed else RATIO
+def _points(points: tuple[Point, ...], units: UnitSystem) -> Table:
+    """The held load factors or speeds."""
 
     def cells(point: Point) -> tuple[Cell, ...]:
-        target = number(_text(point.target, unit, units))
         held = point.held
         if held is None:
-            return (target, number(NONE), number(NONE), number(NONE), words(point.fault, bad=True))
-        flown = held.speed_m_per_s if speed else held.load_factor
-        forces = (number(_text(force, FORCE, units)) for force in (held.force_n, held.feel_n))
-        return (target, number(_text(flown, unit, units)), *forces, words(""))
+            return (words(point.label), *4 * (number(NONE),), words(point.fault, bad=True))
+        pairs = ((held.load_factor, RATIO), (held.speed_m_per_s, AIRSPEED), (held.force_n, FORCE), (held.feel_n, FORCE))
+        return (words(point.label), *(number(_text(value, unit, units)) for value, unit in pairs), Cell(""))
 
-    names = (heading_text("Airspeed", AIRSPEED, units) if speed else "Load factor, g", "Flown")
-    forces = (heading_text(name, FORCE, units) for name in ("With the loader", "Feel alone"))
-    return Table(
-        (Cell(names[0], "number"), *heads("", names[1], *forces)[1:], Cell("Remark")), tuple(map(cells, points))
-    )
+    quantities = (("Airspeed", AIRSPEED), ("With the loader", FORCE), ("Feel alone", FORCE))
+    names = (heading_text(name, unit, units) for name, unit in quantities)
+    return Table((*heads("To hold", "Load factor, g", *names), Cell("Remark")), tuple(map(cells, points)))
 
 
 def _maneuver(maneuver: Maneuver, units: UnitSystem, k: int) -> dict[str, object]:

@@ -5,13 +5,13 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.fly.maneuvers import AIRSPEED, Maneuver
+from forcefeel.fly.maneuvers import Maneuver
 from forcefeel.fly.report import FORCE_OVER_SPEED, FlightReport, Point
 from forcefeel.fly.rules import FlightVerdict
 from forcefeel.page.canvas import ZERO, add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, LineStyle
 from forcefeel.page.typography import heading_text
-from forcefeel.units import ANGLE, FORCE, RATIO, Unit, UnitSystem
+from forcefeel.units import AIRSPEED, ANGLE, FORCE, RATIO, Unit, UnitSystem
 
 _LOADER, _FEEL, _LIMIT = (
     LineStyle(COMPLIANT, "solid", 2.4),
