@@ -273,8 +273,13 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
         unit = verdict.unit
         numbers = (verdict.with_loader, verdict.feel, verdict.limit)
         texts = ["", "", ""] if unit is None else [_text(number, unit, units) for number in numbers]
-        rule = f"{verdict.rule.document.removeprefix('14 CFR ')}: {verdict.rule.number}"
-        table.add_row(rule, verdict.quantity, str(verdict.outcome), *texts[:2], f"{verdict.bound} {texts[2]}".rstrip())
+        table.add_row(
+            verdict.rule.label,
+            verdict.quantity,
+            str(verdict.outcome),
+            *texts[:2],
+            f"{verdict.bound} {texts[2]}".rstrip(),
+        )
     terminal.show(table)
     terminal.conclude(flight_conclusions(report))
 

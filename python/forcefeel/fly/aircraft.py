@@ -144,6 +144,14 @@ class Aircraft:
         """Move the flap lever."""
         self._model["fcs/flap-cmd-norm"] = share
 
+    def has_flaps(self) -> bool:
+        """Whether the lever moves flaps: it is pulled, and the aircraft flown for a second."""
+        self.set_flaps(1.0)
+        with silent():
+            for _ in range(round(1 / FRAME_S)):
+                self.fly(self.trimmed)
+        return any(self._model[f"fcs/flap-pos-{unit}"] for unit in ("norm", "deg", "rad"))
+
     def set_bank(self, bank_rad: float) -> None:
         """Roll towards a bank by the ailerons, with an autopilot's damping."""
         model = self._model

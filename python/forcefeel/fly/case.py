@@ -90,6 +90,11 @@ class FlightCase:
         return live_law(self.law, self.feel)
 
     @cached_property
+    def has_flaps(self) -> bool:
+        """Whether JSBSim's aircraft has flaps."""
+        return self.at().has_flaps()
+
+    @cached_property
     def force_per_g_n(self) -> float:
         """Force per load factor in pull-ups that JSBSim trims, N."""
         return force_per_g(self.loader, self.aircraft, self.speed_m_per_s, self.altitude_m)

@@ -303,7 +303,13 @@ def _short_period(case: FlightCase, request: ManeuverRequest) -> _Plan:
 
 
 def _lever(case: FlightCase, request: ManeuverRequest, *, flaps: bool) -> _Plan:
-    """Hands off while throttle or flaps move."""
+    """Hands off while throttle or flaps move.
+
+    Raises:
+        InputError: If there are no flaps.
+    """
+    if flaps and not case.has_flaps:
+        raise InputError(f"aircraft: JSBSim's {case.aircraft} has no flaps that a lever moves; take another maneuver")
     throttle = case.trim.throttle
 
     def levers(time_s: float, aircraft: Aircraft) -> None:

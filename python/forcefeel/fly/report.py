@@ -113,7 +113,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     ]
     maneuvers: list[Maneuver] = []
     faults: dict[str, str] = {}
-    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid")]
+    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name != "flaps" or case.has_flaps]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
     for name, request in requests:
@@ -126,7 +126,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     flown |= {"largest force": _largest_force((*pulls[:_SMALL], *speeds))}
     flown |= _of_maneuvers(maneuvers, faults)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
-    applying = [rule for rule in flight_rules() if rule.applies(data)]
+    applying = [rule for rule in flight_rules() if rule.applies(data) and (case.has_flaps or not rule.of_flaps)]
     if data.category == "military" and not isinstance(flown["force per g"], str):
         conditions["n / alpha"] = _n_per_alpha(case)
     verdicts = tuple(verdict for rule in applying for verdict in judge(rule, flown, conditions))
@@ -214,8 +214,8 @@ def _of_maneuvers(maneuvers: list[Maneuver], faults: dict[str, str]) -> dict[str
     flown = {maneuver.name: maneuver for maneuver in maneuvers}
     for name, row, unit in ((name, row, unit) for name, rows in _HISTORIES.items() for row, unit in rows.items()):
         key = f"{name}: {row.replace('_', ' ')}"
-        if name in faults:
-            numbers[key] = faults[name]
+        if name not in flown:
+            numbers[key] = faults.get(name, "")
             continue
         with_loader, alone = flown[name].flown.states[row], flown[name].alone.states[row]
         worst = int(np.argmax(np.abs(with_loader - alone)))
@@ -256,17 +256,19 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
     parts = [f"{number} {outcome}" for outcome, number in count.items() if number and outcome is not Outcome.MET]
     rows = f"all {len(verdicts)} rows met" if report.fulfilled else f"{', '.join(parts)} of {len(verdicts)} rows"
     findings = [
-        f"{verdict.rule.document} {verdict.rule.number}, {verdict.rule.name.lower()}: {verdict.outcome}, {verdict.where}."
+        f"{verdict.rule.label}, {verdict.rule.name.lower()}: {verdict.outcome}, {verdict.where}."
         for verdict in verdicts
         if verdict.outcome is not Outcome.MET
     ]
     findings += [
-        f"{verdict.rule.number} allows more than the force itself: it proves little of this control."
+        f"{verdict.rule.label} allows more than the force itself: it proves little of this control."
         for verdict in verdicts
         if verdict.loose
     ]
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
+    if not report.case.has_flaps:
+        findings.append(f"JSBSim's {report.case.aircraft} has no flaps: 2.c.2 does not apply.")
     findings.append("The numbers of the aircraft's pitch control are illustrative.")
     name = report.case.loader.name
     return Conclusions(report.fulfilled, f"{name} with {report.case.aircraft}: {rows}.", tuple(findings))

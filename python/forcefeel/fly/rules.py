@@ -106,6 +106,16 @@ class FlightRule(BaseModel):
             raise ValueError(f"{self.number}: expected a quantity with a limit, and only there")
         return self
 
+    @property
+    def label(self) -> str:
+        """Document and number."""
+        return f"{self.document} {self.number}"
+
+    @property
+    def of_flaps(self) -> bool:
+        """Whether it needs flaps."""
+        return any(tolerance.quantity.startswith("flaps:") for tolerance in self.tolerances)
+
     def applies(self, data: ControlData) -> bool:
         """Whether it is for an aircraft."""
         return self.category in (None, data.category) and self.grip in (None, data.grip)

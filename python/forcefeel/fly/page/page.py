@@ -49,9 +49,8 @@ def _verdicts(verdicts: tuple[FlightVerdict, ...], units: UnitSystem) -> Table:
     def cells(verdict: FlightVerdict) -> tuple[Cell, ...]:
         unit = verdict.unit
         limit = f"{verdict.bound} {_text(verdict.limit, unit, units)}" if unit else verdict.bound
-        document = verdict.rule.document.removeprefix("14 CFR ")
         apart = abs(verdict.with_loader - verdict.feel)
-        rule = f"{document}: {verdict.rule.number}" + ("" if verdict.rule.verified else " (unverified)")
+        rule = verdict.rule.label + ("" if verdict.rule.verified else " (unverified)")
         return (
             words(rule),
             words(capital(verdict.quantity)),
