@@ -3,6 +3,7 @@
 import jsbsim
 import numpy as np
 import pytest
+from tests.fly.test_modes import stick_free
 
 import forcefeel as ff
 
@@ -11,6 +12,9 @@ SPEED, ALTITUDE = 100 * KNOT, 900.0
 AREA, CHORD, TAIL = 14.5 * FT**2, 1.2 * FT, 15.7 * FT
 QUASI_STEADY = 0.005
 """Here the elevator has neither inertia nor damping."""
+
+CLOSE = 0.03
+"""A pulse of 0.1 g is not small; sensors and delay of a loader without friction."""
 
 
 @pytest.fixture(scope="module")
@@ -71,18 +75,24 @@ def test_friction_keeps_a_released_column_off_and_a_pulse_from_moving_it():
     assert abs(release.flown.angle_rad[-1]) > 0.005 > 10 * abs(release.alone.angle_rad[-1])
     pulse = ff.fly.fly_maneuver(case, "short-period")
     assert abs(pulse.flown.angle_rad).max() < 0.05 * abs(pulse.alone.angle_rad).max()
+    assert not any("mode" in measure.name for measure in pulse.measures)
 
 
-def test_phugoid_has_the_period_and_damping_of_a_linear_model(case):
-    """Of JSBSim's derivatives, as ``test_modes`` has it with the column free: 0.2486 rad/s, damping ratio 0.109."""
-    from tests.fly.test_modes import stick_free  # noqa: PLC0415
-
-    pole = stick_free("c172p", case.feel)[0]
+def test_stick_free_modes_are_those_of_a_linear_model(case):
+    """Of JSBSim's derivatives with the column free: phugoid, short period, column."""
+    phugoid, *quick = stick_free("c172p", case.feel)
     period, damping = ff.fly.fly_maneuver(case, "phugoid").measures
     for period_s in (period.with_loader, period.alone):
-        assert period_s == pytest.approx(2 * np.pi / pole.imag, rel=0.01)  # of the speed that the pulse left
-    assert damping.alone == pytest.approx(-pole.real / abs(pole), rel=0.02)  # as above
-    assert damping.with_loader == pytest.approx(damping.alone, rel=0.02)  # a loader without friction
+        assert period_s == pytest.approx(2 * np.pi / phugoid.imag, rel=0.01)  # of the speed that the pulse left
+    measures = {measure.name: measure for measure in ff.fly.fly_maneuver(case, "short-period").measures}
+    dampings = [damping, *(measures[f"damping ratio of mode {k}"] for k in (1, 2))]
+    for measure, pole in zip(dampings, (phugoid, *quick), strict=True):
+        assert measure.alone == pytest.approx(-pole.real / abs(pole), rel=CLOSE)
+        assert measure.with_loader == pytest.approx(measure.alone, rel=CLOSE)
+    for k, pole in enumerate(quick, 1):
+        frequency = measures[f"frequency of mode {k}"]
+        assert frequency.alone == pytest.approx(abs(pole), rel=CLOSE)
+        assert frequency.with_loader == pytest.approx(frequency.alone, rel=CLOSE)
 
 
 def test_wind_up_turn_banks_to_the_load_factor(case):

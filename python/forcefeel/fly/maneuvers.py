@@ -20,6 +20,7 @@ from forcefeel.units import (
     ANGLE,
     ANGULAR_VELOCITY,
     FORCE,
+    HERTZ,
     RATIO,
     SECONDS,
     Json,
@@ -36,6 +37,7 @@ _CALM_S, _CHANGE_S, _AFTER_S = 5.0, 1.0, 15.0
 """Of a change of power or flaps, as 14 CFR Part 60 records it."""
 _FLAPS = 0.5
 _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
+_QUICK_STEP_S, _QUICK_ORDER, _QUICK_RAD_PER_S, _STUCK_RAD = 0.016, 6, 1.0, 1e-3
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
 """Periods of a phugoid, and of the swing to the speed at which a released aircraft returns."""
 _STALL_PERIODS, _PATH_RAD_PER_S, _PATH_LEAD_S, _PATH_INTEGRAL_S = 1.8, 0.4, 0.5, 3.0
@@ -297,9 +299,24 @@ def _short_period(case: FlightCase, request: ManeuverRequest) -> _Plan:
             "largest pitch rate": (ANGULAR_VELOCITY, float(np.abs(rows["pitch_rate"]).max())),
             "largest load factor": (RATIO, float(rows["load_factor"].max())),
             "smallest load factor": (RATIO, float(rows["load_factor"].min())),
+            **_quick_modes(flown),
         }
 
     return _pulsed(case, _SHORT_S, measured)
+
+
+def _quick_modes(flown: Flown) -> _Numbers:
+    """Short period and column after the pulse, slower first; none where friction kept the column from moving."""
+    rows = [flown.angle_rad, *(flown.states[name] for name in ("pitch_rate", "load_factor", "angle_of_attack"))]
+    if np.ptp(flown.angle_rad) < _STUCK_RAD:
+        return {}
+    every, begin = round(_QUICK_STEP_S / FRAME_S), round((_PULSE_S + 10 * FRAME_S) / FRAME_S)
+    modes = free_modes(np.array([row - row[0] for row in rows])[:, begin::every], every * FRAME_S, _QUICK_ORDER)
+    numbers: _Numbers = {}
+    for k, mode in enumerate((mode for mode in modes if mode.frequency_rad_per_s > _QUICK_RAD_PER_S), 1):
+        numbers[f"frequency of mode {k}"] = (HERTZ, mode.frequency_rad_per_s)
+        numbers[f"damping ratio of mode {k}"] = (RATIO, mode.damping_ratio)
+    return numbers
 
 
 def _lever(case: FlightCase, request: ManeuverRequest, *, flaps: bool) -> _Plan:
