@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from tests.pages import EveryPage, views_of
 
 import forcefeel as ff
 from forcefeel.fly import report as report_module
@@ -11,6 +10,7 @@ from forcefeel.fly.control_data import control_data
 from forcefeel.fly.rules import Compared, Outcome, Quantity, flight_rules, judge
 from forcefeel.sizing.control_forces import control_forces
 from forcefeel.units import FORCE
+from tests.pages import EveryPage, views_of
 
 KNOT, LB = 1852 / 3600, 4.4482216152605
 LOADER = ff.loader.electric("elevator-electric")

@@ -3,9 +3,9 @@
 import jsbsim
 import numpy as np
 import pytest
-from tests.fly.test_modes import stick_free
 
 import forcefeel as ff
+from tests.fly.test_modes import stick_free
 
 FT, KNOT = 0.3048, 1852 / 3600
 SPEED, ALTITUDE = 100 * KNOT, 900.0
