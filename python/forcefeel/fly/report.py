@@ -234,7 +234,7 @@ def _measured(maneuvers: list[Maneuver], name: str) -> Quantity | str:
         (maneuver.label, measure) for maneuver in maneuvers for measure in maneuver.measures if measure.name == name
     ]
     if not measures:
-        return "no swing was excited: friction holds the column"
+        return "no swing was found in the free motion"
     unit = PERCENT if name == "off the trim speed" else measures[0][1].unit
     points = tuple(Compared(label, abs(measure.with_loader), abs(measure.alone)) for label, measure in measures)
     return Quantity(unit, points)
