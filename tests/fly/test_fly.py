@@ -18,7 +18,9 @@ HAND_N = -15.0
 @pytest.fixture(scope="module")
 def flown():
     hand = HAND_N * np.clip((np.arange(2500) * ff.fly.FRAME_S - 1.0) / 1.0, 0, 1)
-    return ff.fly.fly(ff.digital_elevator(), ff.fly.Aircraft("c172p", SPEED, ALTITUDE), hand, ff.fly.Way(law="robust"))
+    return ff.fly.fly(
+        ff.digital_elevator(), ff.fly.Aircraft("c172p", SPEED, ALTITUDE), hand, ff.fly.FlightOptions(law="robust")
+    )
 
 
 def flow(state):
@@ -91,7 +93,10 @@ def test_flight_that_the_loader_cannot_render_is_refused(monkeypatch):
     )
     with pytest.raises(ff.InputError, match="cannot render the hinge moment at"):
         ff.fly.fly(
-            ff.digital_elevator(), ff.fly.Aircraft("c172p", SPEED, ALTITUDE), np.zeros(9), ff.fly.Way(law="robust")
+            ff.digital_elevator(),
+            ff.fly.Aircraft("c172p", SPEED, ALTITUDE),
+            np.zeros(9),
+            ff.fly.FlightOptions(law="robust"),
         )
 
 
@@ -132,6 +137,22 @@ def test_bad_data_of_an_aircraft_is_named(forcefeel, tmp_path):
         ('speed = "300 kt"', "speed = 300", "flight.speed"),
         ("[control]", "[control", "cannot read"),
         ('"150 N m/rad"', '"150"', "feel.stiffness"),
+        (
+            "damping_ratio =",
+            "damping_ration =",
+            "feel.damping_ration: expected only damping_ratio, stiffness; did you mean",
+        ),
+        ("full_travel =", "full_traval =", "control.full_traval: expected only full_travel, grip, moves; did you mean"),
+        ("altitude =", "altitud =", "flight.altitud: expected only"),
+        ('grip = "stick"', 'grip = "yoke"', "control.grip: expected wheel or stick, got 'yoke'"),
+        ('category = "military"', 'category = "light"', "flight.maximum_weight: required"),
+        (
+            'category = "military"',
+            'category = "military"\nmaximum_weight = "2 lb"',
+            "expected only with category = light",
+        ),
+        ("limit_load_factor = 7.33", "limit_load_factor = 1", "flight.limit_load_factor: expected a number above 1"),
+        ("bobweight =", "bobwaight =", "bobwaight"),
     ):
         assert old in text
         own.write_text('model = "T38"\n' + text.replace(old, new), encoding="utf-8")

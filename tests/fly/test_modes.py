@@ -53,7 +53,9 @@ def test_free_modes_are_those_of_the_linear_model(name, pull_n, lasts_s):
     frame, speed = ff.fly.FRAME_S, CASES[name][0] * KNOT
     hand = np.zeros(round(lasts_s / frame))
     hand[: round(2 / frame)] = pull_n
-    flown = ff.fly.fly(ff.digital_elevator(), ff.fly.Aircraft(name, speed, 900.0), hand, ff.fly.Way(alone=True))
+    flown = ff.fly.fly(
+        ff.digital_elevator(), ff.fly.Aircraft(name, speed, 900.0), hand, ff.fly.FlightOptions(alone=True)
+    )
     rows = flown.states | {"column": flown.angle_rad}
     swings = np.array([rows["true_airspeed"] - rows["true_airspeed"][0]])[:, round(6 / frame) :: 200]
     (phugoid,) = (mode for mode in ff.fly.free_modes(swings, 200 * frame, 4) if mode.damping_ratio > 0.02)

@@ -31,6 +31,8 @@ _FT, _KT, _PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 _SHARES = (-1.0, 1.0)
 _STILL = 1e-6
 _POSITION, _COMMAND, _TRIM = "fcs/elevator-pos-rad", "fcs/elevator-cmd-norm", "fcs/pitch-trim-cmd-norm"
+_THROTTLE = "fcs/throttle-cmd-norm"
+_BANK_PER_RAD, _BANK_S = 1.0, 0.5
 _TRIMMED = {"udot": "thrust and drag", "wdot": "lift and weight", "qdot": "pitch"}
 """What JSBSim balances, by its name of the acceleration."""
 
@@ -86,6 +88,7 @@ class Aircraft:
                     f"aircraft: {name} does not trim at {speed_m_per_s / _KT:.4g} kt{pulls}: no balance of {axes}; take "
                     "another speed, altitude or load factor"
                 ) from error
+        self._ailerons: float = self._model["fcs/aileron-cmd-norm"]
         self.trimmed: float = self._model[_POSITION] if reversible else self._model[_TRIM] + self._model[_COMMAND]
 
     def angle_from(self, trim: "Aircraft") -> float:
@@ -125,6 +128,35 @@ class Aircraft:
             "calibrated_airspeed": model["velocities/vc-kts"] * _KT,
             "altitude": model["position/h-sl-ft"] * _FT,
         }
+
+    @property
+    def throttle(self) -> float:
+        """Setting of the first throttle, a share."""
+        setting: float = self._model[_THROTTLE]
+        return setting
+
+    def set_throttle(self, share: float) -> None:
+        """Set all throttles."""
+        for engine in range(self._model.get_propulsion().get_num_engines()):
+            self._model[f"{_THROTTLE}[{engine}]" if engine else _THROTTLE] = share
+
+    def set_flaps(self, share: float) -> None:
+        """Move the flap lever."""
+        self._model["fcs/flap-cmd-norm"] = share
+
+    def has_flaps(self) -> bool:
+        """Whether the lever moves flaps: it is pulled, and the aircraft flown for a second."""
+        self.set_flaps(1.0)
+        with silent():
+            for _ in range(round(1 / FRAME_S)):
+                self.fly(self.trimmed)
+        return any(self._model[f"fcs/flap-pos-{unit}"] for unit in ("norm", "deg", "rad"))
+
+    def set_bank(self, bank_rad: float) -> None:
+        """Roll towards a bank by the ailerons, with an autopilot's damping."""
+        model = self._model
+        command = _BANK_PER_RAD * (bank_rad - model["attitude/phi-rad"]) - _BANK_S * model["velocities/p-rad_sec"]
+        model["fcs/aileron-cmd-norm"] = self._ailerons + min(1.0, max(-1.0, command))
 
     def fly(self, position: float) -> None:
         """Advance by a frame with the elevator at an angle, or the command at a share."""

@@ -1,18 +1,20 @@
 """A loader, an aircraft and a trimmed flight, and the flights that a pilot holds from there."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
 from forcefeel.fly.aircraft import FRAME_S, Aircraft, with_elevator
 from forcefeel.fly.pilot import CrossoverPilot
-from forcefeel.fly.run import Flown, Pilot, Way, fly
+from forcefeel.fly.run import FlightOptions, Flown, Pilot, fly
 from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
 from forcefeel.loader.loader import Loader
+from forcefeel.units import AIRSPEED, FORCE, RATIO
 
 _CROSSOVER_RAD_PER_S = 0.5
 """Of load factor: a pilot who is not in a hurry."""
@@ -42,11 +44,11 @@ class HeldFlight:
         (-14, -14)
     """
 
-    speed_m_per_s: float
-    load_factor: float
-    force_n: float
-    feel_n: float
-    trimmed_n: float
+    speed_m_per_s: Annotated[float, AIRSPEED]
+    load_factor: Annotated[float, RATIO]
+    force_n: Annotated[float, FORCE]
+    feel_n: Annotated[float, FORCE]
+    trimmed_n: Annotated[float, FORCE]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +90,18 @@ class FlightCase:
         return live_law(self.law, self.feel)
 
     @cached_property
+    def has_flaps(self) -> bool:
+        """Whether JSBSim's aircraft has flaps."""
+        return self.at().has_flaps()
+
+    @cached_property
     def force_per_g_n(self) -> float:
         """Force per load factor in pull-ups that JSBSim trims, N."""
         return force_per_g(self.loader, self.aircraft, self.speed_m_per_s, self.altitude_m)
+
+    def trimmed_force_n(self, speed_m_per_s: float) -> float:
+        """Force that holds another speed which JSBSim trims, N."""
+        return trimmed_force(self.feel, self.trim, self.at(speed_m_per_s))
 
     def at(self, speed_m_per_s: float | None = None, load_factor: float = 1.0) -> Aircraft:
         """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given."""
@@ -108,25 +119,27 @@ class FlightCase:
             lambda time: begins_n + known * (target(time) - still),
         )
 
-    def flown(self, pilot: Pilot, duration_s: float, way: Way, begins: Aircraft | None = None) -> Flown:
-        """A flight from a trimmed state, the case's unless another is given, with the case's tab."""
-        way = Way(law=self.designed, trim=self.trim, alone=way.alone)
-        return fly(self.loader, begins or self.at(), pilot, way, duration_s=duration_s)
+    def flown(self, pilot: Pilot, duration_s: float, options: FlightOptions, begins: Aircraft | None = None) -> Flown:
+        """A flight from a trimmed state, the case's unless another is given, with the case's law and tab."""
+        options = replace(options, law=self.designed, trim=self.trim)
+        return fly(self.loader, begins or self.at(), pilot, options, duration_s=duration_s)
+
+    def feel_n(self, flown: Flown, window: slice) -> float:
+        """Mean force of the programmed feel at rest in the states and column positions of a flight, over frames."""
+        rows, angles = [row[window] for row in flown.states.values()], flown.angle_rad[window].tolist()
+        states = [dict(zip(flown.states, values, strict=True)) for values in zip(*rows, strict=True)]
+        return float(np.mean([held_force(self.feel, state, a) for state, a in zip(states, angles, strict=True)]))
 
     def held(self, begins: Aircraft, *, alone: bool = False) -> HeldFlight:
         """A pilot holds the load factor of a flight that JSBSim trimmed."""
         force, load_factor = trimmed_force(self.feel, self.trim, begins), begins.state()["load_factor"]
         pilot = self.load_factor_pilot(lambda _: load_factor, force)
-        flown = self.flown(pilot, _HELD_S, Way(alone=alone), begins)
-        rows = {name: row[_WINDOW] for name, row in flown.states.items()}
-        angles = flown.angle_rad[_WINDOW].tolist()
-        states = [dict(zip(rows, values, strict=True)) for values in zip(*rows.values(), strict=True)]
-        feel = [held_force(self.feel, state, angle) for state, angle in zip(states, angles, strict=True)]
-        mean = {name: float(np.mean(row)) for name, row in rows.items()}
+        flown = self.flown(pilot, _HELD_S, FlightOptions(alone=alone), begins)
+        mean = {name: float(np.mean(row[_WINDOW])) for name, row in flown.states.items()}
         return HeldFlight(
             mean["calibrated_airspeed"],
             mean["load_factor"],
             float(flown.force_n[_WINDOW].mean()),
-            float(np.mean(feel)),
+            self.feel_n(flown, _WINDOW),
             force,
         )

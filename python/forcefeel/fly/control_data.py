@@ -12,7 +12,15 @@ from forcefeel.units import parse
 
 _FOLDER = files("forcefeel") / "data" / "aircraft"
 _MOVES = ("surface", "command")
-_KEYS = {"model", "control", "flight", "surface", "feel"}
+_GRIPS = ("wheel", "stick")
+_CATEGORIES = ("light", "transport", "military")
+_KEYS = ("model", "control", "flight", "surface", "feel")
+_ROWS = {
+    "control": ("moves", "full_travel", "grip"),
+    "flight": ("speed", "altitude", "category", "limit_load_factor", "maximum_weight"),
+    "feel": ("stiffness", "damping_ratio"),
+}
+"""Rows of the parts; those of ``surface`` are a loader's."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +35,10 @@ class ControlData:
         speed_m_per_s: Calibrated airspeed unless another is given.
         altitude_m: Altitude unless another is given.
         full_travel_rad: Angle of the column at JSBSim's full command; none where the column moves the surface itself.
+        grip: ``wheel`` or ``stick``.
+        category: ``light``, ``transport`` or ``military``: it selects the designer's requirements.
+        limit_load_factor: Positive limit maneuvering load factor.
+        maximum_weight_n: Maximum weight of a light aircraft; none for others.
     """
 
     model: str
@@ -36,6 +48,10 @@ class ControlData:
     speed_m_per_s: float
     altitude_m: float
     full_travel_rad: float | None
+    grip: str
+    category: str
+    limit_load_factor: float
+    maximum_weight_n: float | None
 
 
 def known() -> list[str]:
@@ -58,11 +74,19 @@ def control_data(name: str) -> ControlData:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(f"aircraft: cannot read {name} ({error})") from error
-    if unknown := sorted(set(data) - _KEYS):
-        raise InputError(f"{name}: {unknown[0]}: expected only {', '.join(sorted(_KEYS))}")
-    moves = _row(data, name, "control", "moves")
-    if moves not in _MOVES:
-        raise InputError(f"{name}: control.moves: expected {' or '.join(_MOVES)}, got {moves!r}")
+    _check_rows(data, name)
+    moves = _word(data, name, ("control", "moves"), _MOVES)
+    category = _word(data, name, ("flight", "category"), _CATEGORIES)
+    for part, key, reads in (
+        ("control", "full_travel", moves == "command"),
+        ("flight", "maximum_weight", category == "light"),
+    ):
+        if key in data[part] and not reads:
+            other = "moves = command" if part == "control" else "category = light"
+            raise InputError(f"{name}: {part}.{key}: expected only with {other}; remove this row")
+    load_factor = _number(data, name, "flight", "limit_load_factor", "", "3.8")
+    if load_factor <= 1:
+        raise InputError(f"{name}: flight.limit_load_factor: expected a number above 1, got {load_factor:g}")
     gearing = _row(data, name, "surface", "gearing")
     if not isinstance(gearing, int | float) or not isfinite(gearing) or not gearing:
         raise InputError(f"{name}: surface.gearing: expected a number other than 0, got {gearing!r}")
@@ -74,7 +98,50 @@ def control_data(name: str) -> ControlData:
         speed_m_per_s=_number(data, name, "flight", "speed", "m/s", "100 kt"),
         altitude_m=_number(data, name, "flight", "altitude", "m", "3000 ft"),
         full_travel_rad=_number(data, name, "control", "full_travel", "rad", "10 deg") if moves == "command" else None,
+        grip=_word(data, name, ("control", "grip"), _GRIPS),
+        category=category,
+        limit_load_factor=load_factor,
+        maximum_weight_n=_number(data, name, "flight", "maximum_weight", "N", "2400 lb")
+        if category == "light"
+        else None,
     )
+
+
+def _check_rows(data: dict[str, Any], name: str) -> None:
+    """Refuses what nothing reads.
+
+    Raises:
+        InputError: If a part is missing, or a part or a row is unknown.
+    """
+    for part, rows in (("", _KEYS), *_ROWS.items()):
+        for key in _part(data, name, part) if part else data:
+            if key not in rows:
+                row = f"{part}.{key}".lstrip(".")
+                raise InputError(f"{name}: {row}: expected only {', '.join(sorted(rows))}{suggestion(key, rows)}")
+
+
+def _part(data: dict[str, Any], name: str, part: str) -> dict[str, Any]:
+    """A part of the file.
+
+    Raises:
+        InputError: If it is missing or no table.
+    """
+    rows = data.get(part)
+    if not isinstance(rows, dict):
+        raise InputError(f"{name}: {part}: required; add the table as in python/forcefeel/data/aircraft/c172p.toml")
+    return rows
+
+
+def _word(data: dict[str, Any], name: str, key: tuple[str, str], words: tuple[str, ...]) -> str:
+    """A row that is one of some words.
+
+    Raises:
+        InputError: If it is missing or another word.
+    """
+    word = _row(data, name, *key)
+    if word not in words:
+        raise InputError(f"{name}: {'.'.join(key)}: expected {' or '.join(words)}, got {word!r}")
+    return str(word)
 
 
 def _number(data: dict[str, Any], name: str, part: str, key: str, unit_si: str, example: str) -> float:
@@ -98,7 +165,7 @@ def _row(data: dict[str, Any], name: str, part: str, key: str) -> Any:
     Raises:
         InputError: If it is missing.
     """
-    rows = data.get(part)
-    if not isinstance(rows, dict) or key not in rows:
+    rows = _part(data, name, part)
+    if key not in rows:
         raise InputError(f"{name}: {part}.{key}: required; add it as in python/forcefeel/data/aircraft/c172p.toml")
     return rows[key]

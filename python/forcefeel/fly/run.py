@@ -47,22 +47,26 @@ _FEEL_STEPS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class FlightOptions:
     """How an aircraft is flown.
 
     Attributes:
         law: The law, as in ``Law.of``.
         trim: The trimmed flight in which tab and column are zero; the flown aircraft's own unless given. It begins held by a hand.
         alone: Whether the hand is on the programmed feel itself, without a loader in between.
+        levers: Sets throttle, flaps or ailerons before each frame, from the time and the flown aircraft.
+        ends: Whether the flight ends, from what the pilot sees.
 
     Example:
-        >>> ff.fly.Way(law="robust").alone
+        >>> ff.fly.FlightOptions(law="robust").alone
         False
     """
 
     law: LawLike = None
     trim: Aircraft | None = None
     alone: bool = False
+    levers: Callable[[float, Aircraft], None] | None = None
+    ends: Callable[[Mapping[str, float]], bool] = lambda _: False
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +82,7 @@ class Flown:
 
     Example:
         >>> aircraft = ff.fly.Aircraft("c172p", 51.4, 900.0)
-        >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(25), ff.fly.Way(law="robust"))
+        >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(25), ff.fly.FlightOptions(law="robust"))
         >>> f"{flown.time_s[-1]:.3f} s"
         '0.048 s'
     """
@@ -94,7 +98,7 @@ def fly(
     loader: Loader,
     aircraft: Aircraft,
     hand: NDArray[np.float64] | Pilot,
-    way: Way = Way(),
+    options: FlightOptions = FlightOptions(),
     *,
     duration_s: float | None = None,
 ) -> Flown:
@@ -104,7 +108,7 @@ def fly(
         loader: The loader, with a digital controller; its feel and surface become the aircraft's.
         aircraft: The aircraft, trimmed; it is flown on from there.
         hand: A force for each frame of 2 ms, N, or a pilot; positive towards positive angles of the column.
-        way: How it is flown.
+        options: How it is flown.
         duration_s: Length of a pilot's flight.
 
     Raises:
@@ -113,17 +117,17 @@ def fly(
 
     Example:
         >>> aircraft = ff.fly.Aircraft("c172p", 51.4, 900.0)
-        >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(5), ff.fly.Way(law="robust"))
+        >>> flown = ff.fly.fly(ff.digital_elevator(), aircraft, np.zeros(5), ff.fly.FlightOptions(law="robust"))
         >>> len(flown.angle_rad)
         5
     """
-    trim = way.trim or aircraft
+    trim = options.trim or aircraft
     loader = with_elevator(loader, trim)
     frames = len(hand) if isinstance(hand, np.ndarray) else round((duration_s or 0.0) / FRAME_S)
     pilot: Pilot = hand if callable(hand) else (lambda time, _: float(hand[round(time / FRAME_S)]))
     begins, state = aircraft.angle_from(trim), aircraft.state()
     held = held_force(loader, state, begins)
-    stick: _Stick = (_Feel if way.alone else _Loop)(loader, way.law)
+    stick: _Stick = (_Feel if options.alone else _Loop)(loader, options.law)
     stick.begin(state, held, begins)
     rows: list[dict[str, float]] = []
     forces, angles = np.empty(frames), np.empty(frames)
@@ -131,15 +135,20 @@ def fly(
         for k in range(frames):
             time = k * FRAME_S
             seen = state | aircraft.attitude()
+            if options.ends(seen):
+                break
             forces[k] = pilot(time, seen)
             if not np.isfinite(forces[k]):
                 raise InputError(f"hand: expected a finite force, got {forces[k]} at {time:.2f} s")
             angles[k] = stick.frame(forces[k], state, time)
             rows.append(seen)
+            if options.levers is not None:
+                options.levers(time, aircraft)
             aircraft.fly(trim.trimmed + trim.per_angle * angles[k])
             state = aircraft.state()
     states = {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
-    return Flown(np.arange(frames, dtype=np.float64) * FRAME_S, forces, angles, states, loader)
+    flown = len(rows)
+    return Flown(np.arange(flown, dtype=np.float64) * FRAME_S, forces[:flown], angles[:flown], states, loader)
 
 
 class _Stick(Protocol):
@@ -180,12 +189,30 @@ class _Loop:
         self._loop, self._cycles, self._sequence = _core.LockStep(setup), round(cycles), 0
 
     def begin(self, state: dict[str, float], held_n: float, angle_rad: float) -> None:
-        """Switched on, its feel faded in, the hand's force come in the second half of the time."""
+        """Switched on, its feel faded in, the hand's force come in the second half of the time.
+
+        Where friction holds the column back, the hand pushes on until the column is there.
+
+        Raises:
+            InputError: If the column does not come there.
+        """
         self._loop.request("on", [])
-        frames = round(SETTLES_S / FRAME_S)
-        for k in range(frames):
-            self._loop.disturb("force", number=held_n * min(1.0, max(0.0, 3 * k / frames - 1)))
-            self._frame(state)
+        frames, pushes, k = round(SETTLES_S / FRAME_S), 0.0, 0
+        close = _THERE * abs(angle_rad) + _LEAST_RAD
+        while True:
+            self._loop.disturb("force", number=pushes + held_n * min(1.0, max(0.0, 3 * k / frames - 1)))
+            off = angle_rad - float(self._frame(state)[_ANGLE])
+            k += 1
+            if k < frames:
+                continue
+            if abs(off) <= close:
+                return
+            pushes += np.copysign(_PUSH_N_PER_S * FRAME_S, off)
+            if k > _MOST_SETTLES * frames:
+                raise InputError(
+                    f"loader: the column stays {np.degrees(abs(off)):.2g} deg from where the flight begins, with "
+                    f"{abs(held_n + pushes):.3g} N at the grip; take another loader, law or flight"
+                )
 
     def frame(self, force_n: float, state: dict[str, float], time_s: float) -> float:
         self._loop.disturb("force", number=force_n)
@@ -198,9 +225,13 @@ class _Loop:
         """The last row of the cycles of a frame, in a flight state.
 
         Raises:
-            InputError: If the loader refuses the state.
+            InputError: If the state is out of the range of a packet, or the loader refuses it.
         """
-        rows = self._loop.run(self._cycles, _core.host_packet(self._sequence, _SWITCHES, state))
+        try:
+            packet = _core.host_packet(self._sequence, _SWITCHES, state)
+        except _core.ArgumentError as error:
+            raise InputError(f"aircraft: its flight left the range of a host's packet ({error})") from error
+        rows = self._loop.run(self._cycles, packet)
         self._sequence += 1
         answer = _core.host_answer(self._loop.answer or b"")
         if answer is not None and answer[1] & REFUSED:
@@ -213,6 +244,11 @@ class _Loop:
 
 
 _ROUNDING = 1e-9
+_THERE, _LEAST_RAD = 0.05, 1e-3
+"""Share of its angle, and angle, by which the column may begin elsewhere: compliance, noise of the sensors."""
+_PUSH_N_PER_S = 15.0
+_MOST_SETTLES = 6
+"""Times ``SETTLES_S``: the hand comes to 250 N more than the feel asks for."""
 
 
 @lru_cache(maxsize=1)

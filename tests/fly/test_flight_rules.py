@@ -1,0 +1,189 @@
+"""Rules in flight: each kind of verdict worked out by hand, the four aircraft, the command and its page."""
+
+import json
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.fly import report as report_module
+from forcefeel.fly.control_data import control_data
+from forcefeel.fly.rules import Compared, Outcome, Quantity, flight_rules, judge
+from forcefeel.sizing.control_forces import control_forces
+from forcefeel.units import FORCE
+from tests.pages import EveryPage, views_of
+
+KNOT, LB = 1852 / 3600, 4.4482216152605
+LOADER = ff.loader.electric("elevator-electric")
+EXACT = 1e-9
+"""Of units."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_releases():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("forcefeel.fly.maneuvers._RETURN_PERIODS", 0.1)
+        patch.setattr("forcefeel.fly.maneuvers._PERIODS", 0.8)
+        yield
+
+
+@pytest.fixture(scope="module")
+def report(short_releases):
+    return ff.fly.fly_rules(ff.fly.FlightCase(LOADER, "c172p", 100 * KNOT, 914.4, "robust"))
+
+
+@pytest.fixture(scope="module")
+def pages(report, tmp_path_factory):
+    return {"c172p": ff.fly.write_flight(report, tmp_path_factory.mktemp("flight"), ff.UnitSystem.US)}
+
+
+page = views_of(["c172p"])
+TestPage = EveryPage
+
+
+def rule(number):
+    return next(rule for rule in flight_rules() if rule.number == number)
+
+
+def verdict_of(number, value, **conditions):
+    quantity = Quantity(FORCE, (Compared("here", value, value),))
+    (verdict,) = judge(rule(number), {rule(number).quantity: quantity}, conditions)
+    return verdict
+
+
+@pytest.mark.parametrize(
+    ("number", "pull_lb", "conditions", "limit_lb", "met"),
+    [
+        ("23.155(a)(1)", 23.0, {"weight": 2400.0}, 24.0, False),
+        ("23.155(a)(1)", 21.0, {"weight": 1500.0}, 20.0, True),
+        ("23.155(a)(1)", 51.0, {"weight": 9000.0}, 50.0, True),
+        ("23.155(a)(2)", 16.0, {"weight": 1400.0}, 15.0, True),
+        ("23.155(a)(2)", 34.0, {"weight": 7000.0}, 35.0, False),
+        ("3.2.2.2.1 stick, most", 13.0, {"n / alpha": 20.0, "n_L - 1": 6.33}, 12.0, False),
+        ("3.2.2.2.1 stick, most", 13.0, {"n / alpha": 60.0, "n_L - 1": 4.0}, 14.0, True),
+        ("3.2.2.2.1 stick, most", 29.0, {"n / alpha": 5.0, "n_L - 1": 4.0}, 28.0, False),
+        ("3.2.2.2.1 stick, least", 3.1, {"n_L - 1": 8.0}, 3.0, True),
+        ("3.2.2.2.1 wheel, least", 13.9, {"n_L - 1": 2.5}, 14.0, False),
+        ("25.143(d)", 50.1, {}, 50.0, False),
+    ],
+)
+def test_limit_is_that_worked_out_by_hand(number, pull_lb, conditions, limit_lb, met):
+    verdict = verdict_of(number, pull_lb * LB, **conditions)
+    assert verdict.limit / LB == pytest.approx(limit_lb, rel=EXACT)
+    assert verdict.outcome == ("met" if met else "not met")
+
+
+def test_tolerance_is_the_larger_of_amount_and_share_at_the_worst_point():
+    points = (Compared("1.2 g", -70.0 - 21.0, -70.0), Compared("2 g", -300.0 - 29.0, -300.0))
+    (verdict,) = judge(rule("2.c.6"), {"force over load factor": Quantity(FORCE, points)}, {})
+    assert (verdict.outcome, verdict.where) == ("met", "2 g")  # 29 of 30 N is nearer than 21 of 22.2 N
+    assert verdict.limit == pytest.approx(30.0)
+    points = (Compared("1.2 g", -70.0 - 23.0, -70.0),)
+    (verdict,) = judge(rule("2.c.6"), {"force over load factor": Quantity(FORCE, points)}, {})
+    assert (verdict.outcome, verdict.limit) == ("not met", pytest.approx(5 * LB))
+    (verdict,) = judge(rule("2.c.6"), {"force over load factor": "it fell"}, {})
+    assert (verdict.outcome, verdict.where) == ("not flown", "it fell")
+
+
+def test_force_of_one_hand_is_that_of_the_table_of_forces():
+    limits = {row.name: row.force_n for row in control_forces() if row.axis == "pitch"}
+    assert limits["short term, one hand"] == pytest.approx(verdict_of("25.143(d)", 0.0).limit, rel=EXACT)
+
+
+def test_verdicts_of_a_flown_report_follow_from_its_points(report):
+    verdicts = {(verdict.rule.number, verdict.quantity): verdict for verdict in report.verdicts}
+    held = [point.held for point in report.pulls if point.held]
+    assert len(held) < len(report.pulls)
+    assert "does not trim" in report.pulls[-1].fault
+    per_g = (held[-2].force_n - held[-1].force_n) / (held[-1].load_factor - held[-2].load_factor)
+    at_limit = -held[-1].force_n + per_g * (3.8 - held[-1].load_factor)
+    verdict = verdicts["23.155(a)(1)", "force at the limit load factor"]
+    assert verdict.with_loader == pytest.approx(at_limit, rel=EXACT)
+    assert verdict.outcome == ("met" if at_limit >= 24 * LB else "not met") == "not met"
+    speeds = [point.held for point in report.speeds]
+    towards = [held.force_n * (1 if held.speed_m_per_s > 100 * KNOT else -1) for held in speeds]
+    assert verdicts["23.173(a)", "smallest force towards the speed"].with_loader == pytest.approx(
+        min(towards), rel=EXACT
+    )
+    off = max(abs(held.force_n - held.feel_n) for held in speeds)
+    verdict = verdicts["2.c.7", "force over speed"]
+    assert abs(verdict.with_loader - verdict.feel) == pytest.approx(off, rel=EXACT)
+    assert verdict.outcome == "met"
+    assert verdict.loose  # 5 lb beside 2 lb
+    power = next(maneuver for maneuver in report.maneuvers if maneuver.name == "power")
+    apart = abs(power.flown.states["altitude"] - power.alone.states["altitude"]).max()
+    verdict = verdicts["2.c.1", "power: altitude"]
+    assert abs(verdict.with_loader - verdict.feel) == pytest.approx(apart, rel=1e-6)  # of the altitudes themselves
+    assert not report.fulfilled
+
+
+def test_what_was_not_flown_is_not_met(monkeypatch):
+    """A pilot whose column does not follow, maneuvers that fail, a sweep with a speed that does not trim."""
+    case = ff.fly.FlightCase(LOADER, "c172p", 70 * KNOT, 914.4, "robust")
+
+    def fails(*_):
+        raise ff.InputError("the gear is locked")
+
+    monkeypatch.setattr(report_module, "fly_maneuver", fails)
+    monkeypatch.setattr(report_module, "_SPEEDS", (0.5, 0.95, 1.05, 1.1))
+    report = ff.fly.fly_rules(case)
+    verdicts = {(verdict.rule.number, verdict.quantity): verdict for verdict in report.verdicts}
+    assert verdicts["2.c.1", "power: altitude"].where == "the gear is locked"
+    assert "does not trim at 35 kt" in verdicts["2.c.7", "force over speed"].where
+    assert "does not trim at 35 kt" in verdicts["23.173(a)", "smallest force towards the speed"].where
+    assert verdicts["2.c.6", "force over load factor"].outcome == "met"
+    assert report_module.flight_conclusions(report).verdict.startswith("elevator-electric with c172p: 1 not met, ")
+    assert not report.fulfilled
+
+
+@pytest.mark.parametrize("name", ["737", "f16"])
+def test_aircraft_of_each_category_meet_their_rules(name, monkeypatch):
+    monkeypatch.setattr("forcefeel.fly.maneuvers._PERIODS", 0.1)
+    data = control_data(name)
+    report = ff.fly.fly_rules(ff.fly.FlightCase(LOADER, name, data.speed_m_per_s, data.altitude_m, "robust"))
+    assert {verdict.rule.category for verdict in report.verdicts} == {None, data.category}
+    assert ("flaps: altitude" in {verdict.quantity for verdict in report.verdicts}) == (name == "737")
+    outcomes = {verdict.quantity: verdict.outcome for verdict in report.verdicts}
+    for slow in ("free return", "phugoid: period", "phugoid: damping ratio"):  # flown for a moment only
+        outcomes.pop(slow, None)
+    assert set(outcomes.values()) == {Outcome.MET}
+
+
+def test_command_judges_and_writes_a_page(forcefeel, tmp_path):
+    words = ("fly", "elevator-electric", "--aircraft", "T38")
+    status, out, err = forcefeel(*words, "--rules", "--out-dir", str(tmp_path / "report"))
+    assert (status, err) == (0, "")
+    assert "3.2.2.2.1" in out
+    assert "proves little of this control" in out
+    text = (tmp_path / "report" / "flight.html").read_text(encoding="utf-8")
+    assert "unverified" in text
+    assert "aircraft T38 --rules" in text
+    results = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
+    assert results["verdicts"][0]["limit"] == {"value": pytest.approx(3.0), "unit": "kt"}
+    assert results["pulls"][0]["held"]["speed"]["unit"] == "kt"
+    assert "does not trim" in results["pulls"][-1]["fault"]
+    status, out, err = forcefeel(*words, "--maneuver", "short-period", "--out", "flight.csv", "--json")
+    assert (status, err) == (0, "")
+    maneuver = json.loads(out)["maneuvers"][0]
+    assert (maneuver["measures"][0]["name"], maneuver["measures"][0]["feel_alone"]["unit"]) == (
+        "largest pitch rate",
+        "deg/s",
+    )
+    assert (tmp_path / "flight.csv").read_text(encoding="utf-8").startswith("time_s,force_n")
+
+
+def test_options_that_do_not_go_together_are_refused(forcefeel):
+    for words, part in (
+        (("--rules", "--maneuver", "stall"), "--maneuver: --rules does not use it"),
+        (("--rules", "--out", "a.csv"), "--out: --rules does not use it"),
+        (("--maneuver", "stall", "--force", "-5 N"), "--force: --maneuver does not use it"),
+        (("--load-factor", "2"), "--load-factor: requires --maneuver"),
+        (("--out-dir", "a"), "--out-dir: requires --maneuver"),
+        (("--maneuver", "stal"), "did you mean stall?"),
+        (("--maneuver", "flaps", "--aircraft", "f16"), "f16 has no flaps that a lever moves"),
+        (("elevator-1974", "--rules"), "a live loop requires"),
+        (("--maneuver", "release", "--off-trim", "100 %"), "off trim: expected"),
+        (("--maneuver", "release", "--speed", "60 kt", "--off-trim", "50 %"), "does not trim at 30 kt"),
+    ):
+        status, out, err = forcefeel("fly", *words)
+        assert (status, out) == (2, ""), words
+        assert part in err, err
