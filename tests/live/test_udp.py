@@ -97,7 +97,7 @@ def test_invalid_packets_are_dropped():
                 machine.sendto(bad, loop)
             running.wait(int(loop_s / running.period_s))
             state = running.state
-            assert state.silent == state.cycle
+            assert abs(state.silent - state.cycle) <= 1  # both are read while the loop goes on
             machine.sendto(good, loop)
             machine.sendto(good, loop)
             running.wait(100)

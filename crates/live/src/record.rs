@@ -260,12 +260,16 @@ impl Record {
     /// Takes room for what comes; where there is none, the record ends within what it has.
     fn reserve_ahead(&mut self) {
         let ahead = (self.most - self.left + AHEAD).clamp(self.reserved, self.most.max(self.reserved));
-        if let Err(error) = reserve(&self.file, self.reserved, ahead) {
-            self.left = self.left.saturating_sub(self.most - self.reserved);
-            self.most = self.reserved;
-            self.disk_full = Some(error);
-        } else {
-            self.reserved = ahead;
+        // Step by step: of much that is refused at once there may be room for most.
+        while self.reserved < ahead {
+            let next = (self.reserved + STEP).min(ahead);
+            if let Err(error) = reserve(&self.file, self.reserved, next) {
+                self.left = self.left.saturating_sub(self.most - self.reserved);
+                self.most = self.reserved;
+                self.disk_full = Some(error);
+                return;
+            }
+            self.reserved = next;
         }
     }
 

@@ -118,7 +118,7 @@ pub trait Scalar:
         Self::select(self.less(self.constant(700.0)), sum, self.zero())
     }
     /// `self` rounded to a multiple of `step`; itself where the step is zero. `per_step` is one over it: a product takes a quarter of the
-    /// time of a quotient, and rounds to the same multiple.
+    /// time of a quotient, and rounds to the same multiple but for rounding at the middle between two.
     #[inline(always)]
     fn quantized(self, [step, per_step]: [Self; 2]) -> Self {
         let stepped = self.zero().less(step);
