@@ -131,7 +131,7 @@ def test_what_was_not_flown_is_not_met(monkeypatch):
     assert "does not trim at 35 kt" in verdicts["2.c.7", "force over speed"].where
     assert "does not trim at 35 kt" in verdicts["23.173(a)", "smallest force towards the speed"].where
     assert verdicts["2.c.6", "force over load factor"].outcome == "met"
-    assert report_module.flight_conclusions(report).verdict.startswith("elevator-electric with c172p: 1 not met, ")
+    assert ", 1 not met, " in report_module.flight_conclusions(report).verdict
     assert not report.fulfilled
 
 

@@ -254,7 +254,8 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
     verdicts = report.verdicts
     count = {outcome: sum(verdict.outcome is outcome for verdict in verdicts) for outcome in Outcome}
     parts = [f"{number} {outcome}" for outcome, number in count.items() if number and outcome is not Outcome.MET]
-    rows = f"all {len(verdicts)} rows met" if report.fulfilled else f"{', '.join(parts)} of {len(verdicts)} rows"
+    met = f"{count[Outcome.MET]} of {len(verdicts)} rows met"
+    rows = f"all {len(verdicts)} rows met" if report.fulfilled else ", ".join((met, *parts))
     findings = [
         f"{verdict.rule.label}, {verdict.rule.name.lower()}: {verdict.outcome}, {verdict.where}."
         for verdict in verdicts
