@@ -122,6 +122,15 @@ def test_reversible_control_behind_an_actuator_is_refused_and_an_irreversible_on
     assert forcefeel("fly", "--aircraft", str(own), "--duration", "1.5 s")[0] == 0
 
 
+def test_aircraft_writes_no_table_of_its_own(monkeypatch, tmp_path):
+    """JSBSim's global5000 has an output of that kind."""
+    monkeypatch.chdir(tmp_path)
+    data = (Path(aircraft_module.__file__).parents[1] / "data/aircraft/737.toml").read_text(encoding="utf-8")
+    (tmp_path / "my.toml").write_text(f'model = "global5000"\n{data}', encoding="utf-8")
+    ff.fly.Aircraft("my.toml", 128.6, 3000.0).fly(0.0)
+    assert [path.name for path in tmp_path.iterdir()] == ["my.toml"]
+
+
 def test_bad_data_of_an_aircraft_is_named(forcefeel, tmp_path):
     text = (ff_data() / "T38.toml").read_text(encoding="utf-8")
     own = tmp_path / "own.toml"

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
 from io import StringIO
+from itertools import count, takewhile
 from math import isfinite
 from tempfile import TemporaryFile
 from typing import Any
@@ -234,6 +235,9 @@ def _loaded(name: str) -> Any:
             there = model.load_model(name)
         except RuntimeError:
             there = False
+        # Some aircraft write tables of their own to where one stands.
+        for output in takewhile(model.get_output_filename, count()):
+            model.set_output_filename(output, os.devnull)
         model.set_dt(FRAME_S)
     if not there:
         raise InputError(f"aircraft: JSBSim has no aircraft {name!r}; name one of its folder aircraft as model")
