@@ -153,6 +153,7 @@ def test_command_judges_and_writes_a_page(forcefeel, tmp_path):
     status, out, err = forcefeel(*words, "--rules", "--out-dir", str(tmp_path / "report"))
     assert (status, err) == (0, "")
     assert "3.2.2.2.1" in out
+    assert "(unverified)" in out  # the marks that the conclusions speak of
     assert "proves little of this control" in out
     text = (tmp_path / "report" / "flight.html").read_text(encoding="utf-8")
     assert "unverified" in text

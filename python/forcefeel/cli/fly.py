@@ -274,7 +274,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
         numbers = (verdict.with_loader, verdict.feel, verdict.limit)
         texts = ["", "", ""] if unit is None else [_text(number, unit, units) for number in numbers]
         table.add_row(
-            verdict.rule.label,
+            verdict.rule.marked_label,
             verdict.quantity,
             str(verdict.outcome),
             *texts[:2],

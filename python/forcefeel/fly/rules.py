@@ -112,6 +112,11 @@ class FlightRule(BaseModel):
         return f"{self.document} {self.number}"
 
     @property
+    def marked_label(self) -> str:
+        """Document and number, marked if the row is not verified against the document."""
+        return self.label + ("" if self.verified else " (unverified)")
+
+    @property
     def of_flaps(self) -> bool:
         """Whether it needs flaps."""
         return any(tolerance.quantity.startswith("flaps:") for tolerance in self.tolerances)

@@ -50,9 +50,8 @@ def _verdicts(verdicts: tuple[FlightVerdict, ...], units: UnitSystem) -> Table:
         unit = verdict.unit
         limit = f"{verdict.bound} {_text(verdict.limit, unit, units)}" if unit else verdict.bound
         apart = abs(verdict.with_loader - verdict.feel)
-        rule = verdict.rule.label + ("" if verdict.rule.verified else " (unverified)")
         return (
-            words(rule),
+            words(verdict.rule.marked_label),
             words(capital(verdict.quantity)),
             words(str(verdict.outcome), bad=verdict.outcome is not Outcome.MET),
             number(_text(verdict.with_loader, unit, units) if unit else NONE),
