@@ -68,7 +68,7 @@ impl SampledLoops<'_> {
         let (level, all) = (Level::new(), Evaluated::new((0..PERIOD_STATES).collect()));
         let runs = self.values.len();
         if runs > 2 * LANES {
-            // On most states nothing depends, in some of the loops and so in all.
+            // States on which nothing depends in the first and last loops are left out; if one matters to another loop, all are evaluated below.
             let mut some = vec![[[0.0; COLUMNS]; PERIOD_STATES]; 2 * LANES];
             for (blocks, first) in some.chunks_mut(LANES).zip([0, runs - LANES]) {
                 self.group(level, first, &all, blocks.as_flattened_mut().as_flattened_mut());

@@ -36,6 +36,8 @@ _BEGINS_S, _RAMP_S, _TURN_S = 1.0, 2.0, 6.0
 _CALM_S, _CHANGE_S, _AFTER_S = 5.0, 1.0, 15.0
 """Of a change of power or flaps, as 14 CFR Part 60 records it."""
 _FLAPS = 0.5
+CHANGED = {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE}
+"""States in which a change of power or flaps is measured, and their units: 14 CFR Part 60 App. A 2.c.1, 2.c.2."""
 _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
 _QUICK_STEP_S, _QUICK_ORDER, _QUICK_RAD_PER_S, _STUCK_RAD = 0.016, 6, 1.0, 1e-3
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
@@ -337,11 +339,10 @@ def _lever(case: FlightCase, request: ManeuverRequest, *, flaps: bool) -> _Plan:
             aircraft.set_throttle(throttle + (1 - throttle) * moved)
 
     def measured(flown: Flown) -> _Numbers:
-        units = {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE}
-        changes = {name: flown.states[name] - flown.states[name][0] for name in units}
+        changes = {name: flown.states[name] - flown.states[name][0] for name in CHANGED}
         return {
             f"largest change of {name.replace('_', ' ')}": (unit, float(max(changes[name], key=abs)))
-            for name, unit in units.items()
+            for name, unit in CHANGED.items()
         }
 
     label = f"flaps to {100 * _FLAPS:g} %" if flaps else "full power"

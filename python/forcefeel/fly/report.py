@@ -10,9 +10,9 @@ from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.errors import InputError
 from forcefeel.fly.aircraft import Aircraft
 from forcefeel.fly.case import FlightCase, HeldFlight
-from forcefeel.fly.maneuvers import Maneuver, ManeuverRequest, fly_maneuver
+from forcefeel.fly.maneuvers import CHANGED, Maneuver, ManeuverRequest, fly_maneuver
 from forcefeel.fly.rules import Compared, FlightVerdict, Outcome, Quantity, flight_rules, judge
-from forcefeel.units import AIRSPEED, ALTITUDE, ANGLE, FORCE, PERCENT, RATIO, Unit, factor
+from forcefeel.units import ANGLE, FORCE, PERCENT, RATIO, Unit, factor
 
 FORCE_OVER_SPEED = Unit("N s/m", "N s/m", "lb/kt")
 
@@ -30,8 +30,8 @@ _FREE_RETURN = ("light", "transport")
 _EACH_SIDE = 2
 """Speeds above and below trim that 14 CFR Part 60 requires."""
 _HISTORIES = {
-    "power": {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE},
-    "flaps": {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE},
+    "power": CHANGED,
+    "flaps": CHANGED,
     "short-period": {"pitch_attitude": ANGLE, "load_factor": RATIO},
 }
 """Maneuvers whose time histories are compared."""

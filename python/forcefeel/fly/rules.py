@@ -99,7 +99,7 @@ class FlightRule(BaseModel):
     verified: bool
 
     @model_validator(mode="after")
-    def _laws(self) -> "FlightRule":
+    def _check(self) -> "FlightRule":
         if [bool(self.tolerances), bool(self.at_least), bool(self.at_most)].count(True) != 1:
             raise ValueError(f"{self.number}: expected one of tolerances, at_least, at_most")
         if (self.quantity is None) != bool(self.tolerances):
