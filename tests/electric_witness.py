@@ -207,6 +207,7 @@ class Touch:
         self.environment, self.quick, self.near, self.travel = more
         self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
         self.place = self.extreme = (0.0, 0.0)  # angle, torque
+        self.offset = 0.0
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
         self.acts = 0.0  # the share, or all of it at rest
 
@@ -225,15 +226,19 @@ class Touch:
         hard = abs(fell) > self.environment * abs(went)
         stiff, quick = hard and fell * went <= 0, self.since < self.quick
         swing = other and quick
+        slow, peak_before = self.since < 3 * self.quick, abs(self.extreme[1])
         if swing:
-            self.swings = self.swings + 1 if stiff or abs(self.extreme[1]) >= 1.2 * self.last else 0
-        elif other or not quick:
+            self.swings = self.swings + 1 if stiff or peak_before >= 1.2 * self.last else 0
+        elif other:
+            self.swings = self.swings + 0.25 if slow and stiff and peak_before > self.last else 0
+        elif not slow:
             self.swings = 0
         struck = over and quick and stiff and self.push > 0
         turned = self.before * self.side < -0.05 and turns * self.side > 0.05
         turned = turned and over and hard and self.since < self.quick / 3
+        self.struck_at = self.extreme[0]
         if other:
-            self.last = abs(self.extreme[1])
+            self.last = peak_before
         if begins:
             self.side, self.since, self.before = math.copysign(1.0, self.torque), 0.0, self.rate
             self.push = 1 if self.rate * self.side < -0.05 else -1
@@ -249,7 +254,7 @@ class Touch:
         column_rate, self.column = (column - self.column) / h, column
         noticed, was = self.notice(h, own[1], column), self.share
         if noticed:
-            self.place = (column, self.torque)
+            self.place = (self.struck_at, self.torque)
         away = column - self.place[0]
         held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
         if noticed or (was > 0 and abs(away) < self.near):
@@ -258,7 +263,8 @@ class Touch:
             self.share = max(was - abs(column_rate) * h / self.travel, 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])
-        command = self.k_x * (self.per_angle * feels[0] - position) + self.k_v * (
+        self.offset += (-self.offset if self.share < 1 else column - feels[0]) * h / 0.5
+        command = self.k_x * (self.per_angle * (feels[0] - self.offset) - position) + self.k_v * (
             self.per_angle * feels[1] - drive_rate
         )
         self.acts = 1.0 if abs(self.rate) < rests else self.share

@@ -53,6 +53,19 @@ def test_a_free_release_is_the_same_with_and_without_it() -> None:
     np.testing.assert_array_equal(*runs)
 
 
+@pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric", "rudder-pedals"])
+def test_a_column_that_struck_a_stop_rests_where_its_feel_balances_the_hand(name: str) -> None:
+    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    loader = loader.replace({"column.stop_high": "12.5 deg"})
+    angle = 0.95 * loader["column.stop_high"]
+    force = loader["feel.stiffness"] * angle / loader["column.grip_arm"]
+    run = ff.simulate(loader, ff.Scenario(ff.Step(force), duration_s=4.0), ff.Law.of("robust", loader)).history
+    column = run["column_angle_rad"].to_numpy()
+    assert column.max() > loader["column.stop_high"]
+    # Without its offset the contact's law leaves the link's stretch and the drive's droop, 0.5 deg or more.
+    assert abs(column[-200:].mean() - angle) < np.radians(0.05)
+
+
 def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> None:
     quiet = {
         f"{sensor}.{row}": 0.0

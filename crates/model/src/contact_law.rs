@@ -9,7 +9,8 @@
 //!
 //! | | |
 //! |---|---|
-//! | `e_c = k_x (alpha R_b delta - x) + k_v (alpha R_b delta' - x')` | command in contact |
+//! | `e_c = k_x (alpha R_b (delta - b) - x) + k_v (alpha R_b delta' - x')` | command in contact |
+//! | `b+ = b + (theta - delta) h / t_b`, with `m < 1` `b - b h / t_b` | stretch of the link and droop of the drive: a column that leaves the contact and stays near it rests where the feel does |
 //! | `T_c = -alpha R_b F_c` | torque in contact |
 //! | `e = e_o + m (e_c - e_o)`, `T = T_o + m (T_c - T_o)` | between free motion and contact |
 //! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
@@ -19,6 +20,7 @@
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
+//! - eight slower swings in a row, up to `3 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
 //! - a push against the motion that is as stiff and over within `t_q`, or within a third of that and has turned the motion: the column
 //!   struck a stop.
 //!
@@ -52,6 +54,10 @@ const GROWTH: f64 = 1.2;
 /// Swings in a row.
 const SWINGS: f64 = 2.0;
 
+/// Longest time between two sides of a slow swing, in `t_q`, and its share of a quick one: eight in a row, each harder than the last.
+const SLOW: f64 = 3.0;
+const SLOW_SWING: f64 = 0.25;
+
 /// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
@@ -69,6 +75,9 @@ const PEAK_LASTS: f64 = 5.0;
 
 /// Time in s without a new push, after which motion away gives the contact back.
 const SETTLED_S: f64 = 0.3;
+
+/// `t_b` in s: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
+const OFFSET_S: f64 = 0.5;
 
 /// Share of `K_e` by which the torque falls with the motion where the column is still held.
 const HELD: f64 = 0.25;
@@ -124,6 +133,8 @@ pub struct ContactState<S> {
     last: S,
     /// Swings in a row that count.
     swings: S,
+    /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
+    pub offset: S,
 }
 
 /// What the law is told at a sample.
@@ -160,6 +171,7 @@ impl<S: Scalar> ContactState<S> {
             extreme_angle: angle,
             last: zero,
             swings: zero,
+            offset: zero,
         }
     }
 
@@ -181,6 +193,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
         visitor.nonlinear("contact_last", &mut self.last);
         visitor.nonlinear("contact_swings", &mut self.swings);
+        visitor.nonlinear("contact_offset", &mut self.offset);
     }
 }
 
@@ -215,7 +228,7 @@ impl<S: Scalar> ContactLaw<S> {
             (was.torque + (torque - was.torque) * smoothing, was.angle + (column - was.angle) * smoothing);
         let now_rate = (angle - was.angle) * per_h;
         let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
-        let peak = torque.abs().max(was.peak - was.peak * (h * self.per_peak));
+        let peak = torque.abs().max(was.peak * (one - h * self.per_peak));
 
         let least = self.threshold.max(peak.times(OF_PEAK));
         let pushes = least.less(torque.abs()) & zero.less(self.threshold);
@@ -229,11 +242,19 @@ impl<S: Scalar> ContactLaw<S> {
         let hard = (self.environment * went.abs()).less(fell.abs());
         let stiff = hard & !zero.less(fell * went);
         let swing = to_other_side & quick;
-        let counts = stiff | !was.extreme.abs().less(was.last.times(GROWTH));
+        let peak_before = was.extreme.abs();
+        let counts = stiff | !peak_before.less(was.last.times(GROWTH));
+        // A heavy feel swings on a stiff spring as slowly as a hand can; a hand does not push harder each time.
+        let slow = was.since.less(self.quick.times(SLOW));
+        let slow_counts = stiff & was.last.less(peak_before) & slow;
         let swings = S::select(
-            swing,
-            S::select(counts, was.swings + one, zero),
-            S::select(to_other_side | !quick, zero, was.swings),
+            to_other_side,
+            S::select(
+                quick,
+                S::select(counts, was.swings + one, zero),
+                S::select(slow_counts, was.swings + one.times(SLOW_SWING), zero),
+            ),
+            S::select(slow, was.swings, zero),
         );
         let moves = one.times(MOVES_RAD_PER_S);
         let struck = over & quick & stiff & zero.less(was.push);
@@ -248,16 +269,17 @@ impl<S: Scalar> ContactLaw<S> {
         let side = S::select(begins, one.times_sign(torque), was.side);
         let larger = begins | (was.extreme * side).less(torque * side);
         let against = S::select((rate * side).less(-moves), one, -one);
-        let place = S::select(noticed, column, was.place);
+        // Where the push was largest: a column that is thrown back has left the place before the push is over.
+        let place = S::select(noticed, was.extreme_angle, was.place);
         let place_torque = S::select(noticed, torque, was.place_torque);
         let since = S::select(begins, zero, (was.since + h).min(one));
 
         let from = column - place;
         let gone = if S::any(touches) {
-            let held = ((torque - place_torque) * from).less(-(self.environment * from * from).times(HELD));
+            let held = ((torque - place_torque + self.environment.times(HELD) * from) * from).less(zero);
             let away = self.near.less(from.abs()) & zero.less(column_rate * from);
             let leaves = away & !held & !since.less(one.times(SETTLED_S));
-            S::select(leaves, quotient((column_rate * h).abs(), self.travel), zero)
+            S::select(leaves, column_rate.abs() * quotient(h, self.travel), zero)
         } else {
             zero
         };
@@ -276,8 +298,9 @@ impl<S: Scalar> ContactLaw<S> {
             before: S::select(begins, rate, was.before),
             extreme: S::select(larger, torque, was.extreme),
             extreme_angle: S::select(larger, angle, was.extreme_angle),
-            last: S::select(to_other_side, was.extreme.abs(), was.last),
+            last: S::select(to_other_side, peak_before, was.last),
             swings,
+            offset: was.offset,
         };
         (state, noticed & was.share.less(one.times(0.5)))
     }
@@ -288,11 +311,21 @@ impl<S: Scalar> ContactLaw<S> {
         quotient(position, self.per_angle)
     }
 
-    /// Command and torque at a sample, `free` those of free motion.
+    /// What the command allows for after a sample at which the feel stands at an angle and the column at another.
     #[inline(always)]
-    pub fn output(&self, share: S, free: [S; 2], inputs: &ContactInputs<S>) -> [S; 2] {
-        let apart = |k: usize| self.per_angle * inputs.feel[k] - inputs.position[k];
-        let command = self.stiffness * apart(0) + self.rate * apart(1);
+    pub fn next_offset(&self, state: &ContactState<S>, [delta, column]: [S; 2], h: S) -> S {
+        let slow = h.times(1.0 / OFFSET_S).min(h.constant(1.0));
+        let leaves = state.share.less(h.constant(1.0));
+        state.offset + S::select(leaves, -state.offset, column - delta) * slow
+    }
+
+    /// Command and torque at a sample, `free` those of free motion, where the column rests so far beyond the drive.
+    #[inline(always)]
+    pub fn output(&self, [share, offset]: [S; 2], free: [S; 2], inputs: &ContactInputs<S>) -> [S; 2] {
+        let [delta, rate] = inputs.feel;
+        let [position, speed] = inputs.position;
+        let command = self.stiffness * (self.per_angle * (delta - offset) - position)
+            + self.rate * (self.per_angle * rate - speed);
         let torque = -self.per_angle * inputs.force;
         [free[0] + share * (command - free[0]), free[1] + share * (torque - free[1])]
     }
@@ -306,7 +339,7 @@ impl<S: Scalar> ContactLaw<S> {
             return rate;
         }
         let fastest = self.speed / share;
-        let damped = (rate / (one + share * self.damping * per_torque * h)).min(fastest).max(-fastest);
+        let damped = (rate / (one + share * (self.damping * per_torque * h))).min(fastest).max(-fastest);
         S::select(touches, damped, rate)
     }
 }

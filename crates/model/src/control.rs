@@ -227,16 +227,17 @@ impl<S: Scalar> Control<S> {
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
         let (now, begins) = law.noticed(output.torque, inputs.angle, *state, period);
-        *state = now;
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
+        *state = now;
         feeling.motion.at = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
         let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
+        state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], period[0]);
         let share = neutral.map_or(now.share, |neutral| {
             let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
             S::select(self.observer.friction.rests(now.rate, spring), spring.constant(1.0), now.share)
         });
-        let [command, torque] = law.output(share, [output.command, output.torque], &inputs);
+        let [command, torque] = law.output([share, state.offset], [output.command, output.torque], &inputs);
         (LawOutput { command, torque, ..output }, share)
     }
 

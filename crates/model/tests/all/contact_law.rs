@@ -46,6 +46,16 @@ fn a_quick_swing_against_something_stiff_is_contact_and_a_hand_is_none() {
 }
 
 #[test]
+fn slow_swings_against_something_stiff_are_contact_where_they_grow_on_and_none_where_they_do_not() {
+    let torque = |growth: f64| move |time: f64| (growth * time).exp() * swing(3.0)(time);
+    assert_eq!(after(1.0, torque(0.5), still, free()).share, 0.0, "a hand may grow for a second");
+    assert_eq!(after(3.0, torque(0.5), still, free()).share, 1.0);
+    assert_eq!(after(6.0, torque(0.0), still, free()).share, 0.0);
+    let soft = |time: f64| [-torque(0.5)(time) / 500.0, 0.0];
+    assert_eq!(after(3.0, torque(0.5), soft, free()).share, 0.0, "an arm");
+}
+
+#[test]
 fn a_soft_swing_is_contact_where_it_grows_and_none_where_it_decays() {
     let (hertz, soft) = (12.0, 500.0);
     let torque = |growth: f64| move |time: f64| (growth * time).exp() * swing(hertz)(time);
