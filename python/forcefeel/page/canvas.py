@@ -45,6 +45,34 @@ _AXIS_STYLE = {
     "title": {"standoff": 8, "font": {"size": 13}},
 }
 
+# A template is checked once; as settings of each axis of each figure the same would be checked again and again.
+_TEMPLATE = go.layout.Template(
+    layout={
+        "autosize": True,
+        "font": {"family": _FONT, "size": 13, "color": _INK},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "#FFFFFF",
+        "hoverlabel": {"bgcolor": "#FFFFFF", "bordercolor": _AXIS},
+        "legend": {
+            "orientation": "h",
+            "x": 0,
+            "xanchor": "left",
+            "y": 1.01,
+            "yanchor": "bottom",
+            "font": {"size": 12.5},
+        },
+        "modebar": {
+            "orientation": "v",
+            "bgcolor": "rgba(255,255,255,0.85)",
+            "color": "#9AA3AD",
+            "activecolor": _INK,
+        },
+        "xaxis": _AXIS_STYLE,
+        # Long tick labels push the title away from the axis.
+        "yaxis": _AXIS_STYLE | {"automargin": True},
+    }
+)
+
 
 def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x unified") -> go.Figure:
     """Gives ``picture`` the shared look.
@@ -55,22 +83,8 @@ def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x uni
         top: Room for the legend in pixels; it takes more if it needs more.
         hover: Plotly's hover mode.
     """
-    picture.update_layout(
-        template="none",
-        height=height,
-        autosize=True,
-        font={"family": _FONT, "size": 13, "color": _INK},
-        margin={"l": 66, "r": _TOOLS_PX, "t": top, "b": 48},
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="#FFFFFF",
-        hovermode=hover,
-        hoverlabel={"bgcolor": "#FFFFFF", "bordercolor": _AXIS},
-        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1.01, "yanchor": "bottom", "font": {"size": 12.5}},
-        modebar={"orientation": "v", "bgcolor": "rgba(255,255,255,0.85)", "color": "#9AA3AD", "activecolor": _INK},
-    )
-    picture.update_xaxes(**_AXIS_STYLE)
-    picture.update_yaxes(**_AXIS_STYLE)
-    return picture
+    margin = {"l": 66, "r": _TOOLS_PX, "t": top, "b": 48}
+    return picture.update_layout(template=_TEMPLATE, height=height, margin=margin, hovermode=hover)
 
 
 def line(look: LineStyle) -> dict[str, Any]:

@@ -11,7 +11,7 @@ model with the smallest information criterion is used.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -76,7 +76,7 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
         if fits[-1].residual <= floor * len(d):
             break  # the residual is already negligible
     chosen = min(fits, key=lambda fit: fit.criterion(floor))
-    value, known = chosen.at_neutral()
+    value, known = chosen.at_neutral(points)
     return Figure(max(value, 0.0), combined(known, force_uncertainty_n / math.sqrt(len(distance))), "N")
 
 
@@ -114,8 +114,11 @@ def _downhill(points: _Points, knots: _Array) -> "_Lines":
 
 def _basis(d: _Array, knots: _Array) -> _Array:
     """Basis functions of the terms: (..., points, 2 + changes) for knots (..., changes)."""
-    hinges = np.maximum(d[:, np.newaxis] - knots[..., np.newaxis, :], 0.0)
-    return np.concatenate([np.broadcast_to(np.stack([np.ones_like(d), d], -1), (*hinges.shape[:-1], 2)), hinges], -1)
+    basis = np.empty((*knots.shape[:-1], len(d), 2 + knots.shape[-1]))
+    basis[..., 0], basis[..., 1] = 1.0, d
+    np.subtract(d[:, np.newaxis], knots[..., np.newaxis, :], out=basis[..., 2:])
+    np.maximum(basis[..., 2:], 0.0, out=basis[..., 2:])
+    return basis
 
 
 def _residual_squares(points: _Points, knots: _Array) -> _Array:
@@ -148,23 +151,19 @@ class _Lines:
     Attributes:
         knots: Distances at which the slope changes.
         terms: ``F_0, s, a_1, a_2``.
-        covariance: Covariance of the terms, then of the knots.
         points: Number of points of the fit.
         residual: Residual sum of squares.
     """
 
     knots: _Array
     terms: _Array
-    covariance: _Array
     points: int
     residual: float
 
     @staticmethod
     def through(points: _Points, knots: _Array) -> "_Lines":
-        basis = _basis(points.d, knots)
-        terms, residual = _fitted(points, basis)
-        lines = _Lines(knots, terms, np.empty(0), len(points.d), residual)
-        return replace(lines, covariance=_covariance(points, lines.slopes(points), residual))
+        terms, residual = _fitted(points, _basis(points.d, knots))
+        return _Lines(knots, terms, len(points.d), residual)
 
     def slopes(self, points: _Points) -> _Array:
         """Sensitivity of the lines to each term and each knot: (points, terms and knots)."""
@@ -175,7 +174,7 @@ class _Lines:
         """Schwarz's criterion; a knot adds two unknowns, its distance and its change of slope."""
         return _criterion(self.residual, self.points, 2 * len(self.knots), floor)
 
-    def at_neutral(self) -> tuple[float, float]:
+    def at_neutral(self, points: _Points) -> tuple[float, float]:
         """Built-up force, or intercept of the first line at neutral, and its standard uncertainty."""
         changes = self.terms[2:]
         beyond = int(np.argmin(changes)) + 1 if len(changes) else 0
@@ -190,7 +189,8 @@ class _Lines:
             part = np.where(np.arange(len(changes)) < beyond, -1.0, 0.0)
             slopes = np.concatenate([[1.0, 0.0], part * self.knots, part * changes])
         value = float(slopes[: len(self.terms)] @ self.terms)
-        return value, math.sqrt(max(float(slopes @ self.covariance @ slopes), 0.0))
+        covariance = _covariance(points, self.slopes(points), self.residual)
+        return value, math.sqrt(max(float(slopes @ covariance @ slopes), 0.0))
 
     def _above_last(self, beyond: int) -> _Array:
         """Derivatives, by terms and knots, of the force at a knee above the last line."""
@@ -217,28 +217,29 @@ class _Cubic:
 
     Attributes:
         terms: ``F_0, s, b, c``.
-        covariance: Covariance of the terms.
         points, residual: As of ``_Lines``.
     """
 
     terms: _Array
-    covariance: _Array
     points: int
     residual: float
 
     @staticmethod
     def through(points: _Points) -> "_Cubic":
-        powers = np.vander(points.d, 4, increasing=True)
-        terms, residual = _fitted(points, powers)
-        return _Cubic(terms, _covariance(points, powers, residual), len(points.d), residual)
+        terms, residual = _fitted(points, _powers(points))
+        return _Cubic(terms, len(points.d), residual)
 
     def criterion(self, floor: float) -> float:
         """Schwarz's criterion; a cubic has two terms more than a straight line."""
         return _criterion(self.residual, self.points, 2, floor)
 
-    def at_neutral(self) -> tuple[float, float]:
+    def at_neutral(self, points: _Points) -> tuple[float, float]:
         """``F_0`` and its standard uncertainty."""
-        return float(self.terms[0]), math.sqrt(float(self.covariance[0, 0]))
+        return float(self.terms[0]), math.sqrt(float(_covariance(points, _powers(points), self.residual)[0, 0]))
+
+
+def _powers(points: _Points) -> _Array:
+    return np.vander(points.d, 4, increasing=True)
 
 
 def _criterion(residual: float, points: int, unknowns: int, floor: float) -> float:

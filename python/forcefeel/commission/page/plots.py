@@ -38,7 +38,6 @@ def curve(data: Curve, units: UnitSystem) -> go.Figure:
         for row, numbers in enumerate(rows, 1):
             add_curve(picture, data.at, numbers, name, _STYLES[name], "%{y:.4~g}", showlegend=row == 1, row=row, col=1)
     frame(picture, 440 if data.response else 340, top=60)
-    picture.update_yaxes(automargin=True)
     if data.response:
         picture.update_yaxes(title_text="Gain, dB re 1 SI unit", row=1, col=1)
         picture.update_yaxes(title_text="Phase, deg", row=2, col=1)

@@ -4,10 +4,11 @@ import xarray as xr
 
 from forcefeel.design.figure import Figure
 from forcefeel.page.signals import signal
+from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import UnitSystem
 
 _PLAIN_AXES = ("time_s", "frequency_hz")
-_DIGITS = "%.9g"
+_DIGITS = ".9g"
 
 
 def table(figure: Figure, system: UnitSystem) -> xr.Dataset:
@@ -39,4 +40,6 @@ def table(figure: Figure, system: UnitSystem) -> xr.Dataset:
 
 def csv(data: xr.Dataset) -> str:
     """``data`` as comma-separated values with nine significant digits, its axis first."""
-    return str(data.to_dataframe().to_csv(float_format=_DIGITS, lineterminator="\n"))
+    columns = [*data.coords.values(), *data.data_vars.values()]
+    rows = zip(*(column.values.tolist() for column in columns), strict=True)
+    return csv_text((str(column.name) for column in columns), rows, _DIGITS)

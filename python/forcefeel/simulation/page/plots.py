@@ -245,6 +245,5 @@ def _view(picture: go.Figure, row: int, *curves: NDArray[np.float64]) -> None:
 def _time_axis(picture: go.Figure, run: Run, rows: int) -> None:
     diverged = run.status is RunStatus.DIVERGED
     end = run.measures.diverged_at_s if diverged else run.scenario.duration_s
-    picture.update_yaxes(automargin=True)  # a run that diverges has long numbers
     picture.update_xaxes(range=[0, end], unifiedhovertitle={"text": "%{x:.3f} s"})
     picture.update_xaxes(title_text="Time, s", row=rows, col=1)

@@ -109,7 +109,6 @@ def response(fitted: Fitted, data: Response, units: UnitSystem) -> go.Figure:
         _line(picture, 4, fitted.at, data.coherence, "coherence", LineStyle("#8A939E", "solid", 1.8))
         picture.update_yaxes(title_text="Coherence", range=[0, 1.05], dtick=0.5, row=4, col=1)
     frame(picture, 760 if coherent else 660, top=60)
-    picture.update_yaxes(automargin=True)
     picture.update_yaxes(title_text=f"Gain, dB re 1 {unit_text(written)}", row=1, col=1)
     picture.update_yaxes(title_text="Phase, deg", row=2, col=1)
     low, high = math.log10(float(fitted.at.min())), math.log10(float(fitted.at.max()))
@@ -148,7 +147,6 @@ def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
         hover,
     )
     frame(picture, 520, top=60)
-    picture.update_yaxes(automargin=True)  # small errors have long numbers
     picture.update_yaxes(title_text=f"{fitted.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
     picture.update_yaxes(title_text=f"Residual, {unit}", row=2, col=1, **ZERO)
     for row, at in ((1, fitted.at[displayed]), (2, fitted.at)):
