@@ -103,7 +103,7 @@ def test_flight_that_the_loader_cannot_render_is_refused(monkeypatch):
 def test_command_prints_and_writes_the_flight(forcefeel, tmp_path):
     status, out, err = forcefeel("fly", "--duration", "2 s", "--out", str(tmp_path / "flight.csv"))
     assert (status, err) == (0, "")
-    assert "stick force per g" in out
+    assert "pull per g" in out
     assert "illustrative" in out
     lines = (tmp_path / "flight.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("time_s,force_n,column_angle_rad,dynamic_pressure_pa,true_airspeed_m_per_s")

@@ -167,7 +167,7 @@ def _by_hand(case: "FlightCase", options: FlyOptions) -> None:
     answer(
         {} if options.out is None else {"flight": options.out},
         lambda: results,
-        lambda terminal: _show(terminal, results, options),
+        lambda terminal: _show(terminal, results, options, case.loader.name),
         as_json=options.json,
     )
 
@@ -233,15 +233,15 @@ def _csv(flown: "Flown") -> str:
     )
 
 
-def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> None:
+def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loader: str) -> None:
     table = titled(f"{options.aircraft}, {options.force or '-15 N'} at the grip", "measure", numbers=("value",))
 
-    def row(name: str, key: str, unit: Unit = RATIO) -> None:
+    def row(name: str, key: str, unit: Unit = RATIO, sign: float = 1.0) -> None:
         number = results[key]
         assert isinstance(number, float)
-        table.add_row(name, _text(number, unit, options.units))
+        table.add_row(name, _text(sign * number, unit, options.units))
 
-    row("stick force per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE)
+    row("pull per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE, -1.0)
     row("smallest load factor", "load_factor_min")
     row("largest load factor", "load_factor_max")
     row("true airspeed at the start", "true_airspeed_begin_m_per_s", AIRSPEED)
@@ -249,7 +249,12 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions) -> 
     row("smallest column angle", "column_angle_min_rad", ANGLE)
     row("largest column angle", "column_angle_max_rad", ANGLE)
     terminal.show(table)
-    terminal.print("The numbers of the aircraft's pitch control are illustrative.")
+    _say_what_flew(terminal, loader)
+
+
+def _say_what_flew(terminal: Terminal, loader: str) -> None:
+    # A loader file does not say which control it is.
+    terminal.print(f"{loader} is flown as the pitch control. The aircraft's numbers of this control are illustrative.")
 
 
 def _text(number: float, unit: Unit, units: UnitSystem) -> str:
@@ -262,7 +267,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
     if not report.verdicts:
         for maneuver in report.maneuvers:
             _show_maneuver(terminal, report.case.aircraft, maneuver, units)
-        terminal.print("The numbers of the aircraft's pitch control are illustrative.")
+        _say_what_flew(terminal, report.case.loader.name)
         return
     table = titled(
         f"{report.case.loader.name} with {report.case.aircraft}",
@@ -281,6 +286,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
             f"{verdict.bound} {texts[2]}".rstrip(),
         )
     terminal.show(table)
+    _say_what_flew(terminal, report.case.loader.name)
     terminal.conclude(flight_conclusions(report))
 
 

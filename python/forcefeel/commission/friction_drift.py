@@ -37,9 +37,7 @@ def with_drift(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
     if not narrow:
         return loader, ()
     symbols = ", ".join(TABLE[key].symbol for key in narrow)
-    source = (
-        f"{loader.source}; tolerance of {symbols} widened to {DRIFT:.0%} or more for drift with temperature and wear"
-    )
+    source = f"{loader.source}; tolerance of {symbols} widened to {100 * DRIFT:.0f} % or more for drift with temperature and wear"
     widened = {key: normal_about(key, loader[key], _LEAST[key] / ENDS_AT * loader[key]) for key in narrow}
     return replace(loader.with_tolerances(widened), source=source.lstrip("; ")), tuple(narrow)
 
@@ -50,8 +48,8 @@ def drift_sentence(keys: tuple[str, ...]) -> tuple[str, ...]:
         return ()
     named = f"{', '.join(keys[:-1])} and {keys[-1]}" if keys[1:] else keys[0]
     return (
-        f"The loader file has a tolerance of {DRIFT:.0%} or more for {named}: the record determines today's friction, which drifts "
-        "with temperature and wear. The law learns it within this tolerance.",
+        f"The loader file has a tolerance of {100 * DRIFT:.0f} % or more for {named}: the record determines today's friction, "
+        "which drifts with temperature and wear. The law learns it within this tolerance.",
     )
 
 

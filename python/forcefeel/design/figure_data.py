@@ -45,12 +45,12 @@ def _valve(loader: Loader) -> Figure:
     curves = {}
     for share in (0.2, 0.4, 0.6, 0.8, 1.0):
         flow = _core.orifice_flow(loader.si_values, np.full_like(pressure, share * rated), pressure)
-        curves[f"{share:.0%} of rated current"] = _valve_curve(pressure, flow)
+        curves[f"{100 * share:.0f} % of rated current"] = _valve_curve(pressure, flow)
     i_share, p_share = (ALTERNATIVES[f"valve.operating_{name}"].default_us for name in ("current", "pressure"))
     current, at = np.array([i_share * rated]), np.array([p_share * supply])
     _, slope = _core.valve_gains(loader.si_values, i_share, p_share)
     tangent = _core.orifice_flow(loader.si_values, current, at) - slope * (pressure - at)
-    curves[f"tangent at {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
+    curves[f"tangent at {100 * i_share:.0f} %, eq. (2)"] = _valve_curve(pressure, tangent)
     return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
 
 

@@ -190,7 +190,7 @@ def _sensitivity(design: Design) -> str:
         1 for deviation in design.deviations if deviation.assessment is not None and not deviation.assessment.stable
     )
     count = (
-        f"No single deviation up to {max(CHANGES):.0%} makes it unstable"
+        f"No single deviation up to {100 * max(CHANGES):.0f} % makes it unstable"
         if unstable == 0
         else f"{unstable} deviations make it unstable"
     )

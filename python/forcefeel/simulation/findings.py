@@ -235,6 +235,8 @@ def _saturation(run: Run, limits: LimitTimes, units: UnitSystem) -> str:
         at = f"the amplifier's limit of {_current_limit(run, units)}"
         spent = f"was at {at} for {_percent(limits.current)} of the time" if limits.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
+        if limits.voltage:
+            sentences.append(f"The voltage was at its limit for {_percent(limits.voltage)} of the time.")
         if of_motor and limits.current > _LITTLE:
             sentences.append("To check holding force, run forcefeel size.")
     beyond = (

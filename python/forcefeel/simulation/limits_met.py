@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
-from forcefeel.loader.parameters import HYDRAULIC
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.demanded import DEMANDED, Demanded
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
 from forcefeel.simulation.outcome import (
@@ -38,6 +38,7 @@ class LimitTimes:
 
     Attributes:
         current: Share of the time that the current was at the amplifier's limit.
+        voltage: Share of the time that a motor's voltage was at the amplifier's limit; zero for a valve.
         over_current: Share of the time that the current was above the valve's rating; zero for a motor, as the next two.
         over_flow: Share of the time that the flow was above the valve's rating.
         over_pressure: Share of the time that the load pressure was above the supply's.
@@ -50,6 +51,7 @@ class LimitTimes:
     """
 
     current: Annotated[float, PERCENT]
+    voltage: Annotated[float, PERCENT]
     over_current: Annotated[float, PERCENT]
     over_flow: Annotated[float, PERCENT]
     over_pressure: Annotated[float, PERCENT]
@@ -89,11 +91,14 @@ def limit_times(run: Run) -> LimitTimes:
     def over(row: Demanded) -> float:
         return share(np.abs(history[row.output].values[known]) > loader[row.whole] * (1 + AT))
 
-    first, *_ = rows = DEMANDED[loader.drive]
-    current = np.abs(history[first.output].values[known])
+    def at_limit(row: Demanded) -> float:
+        return share(np.abs(history[row.output].values[known]) >= loader[row.limit] * (1 - AT))
+
+    first, second, _ = rows = DEMANDED[loader.drive]
     over_current, over_flow, over_pressure = map(over, rows) if loader.drive == HYDRAULIC else (0.0, 0.0, 0.0)
     return LimitTimes(
-        current=share(current >= loader[first.limit] * (1 - AT)),
+        current=at_limit(first),
+        voltage=at_limit(second) if loader.drive == ELECTRIC else 0.0,
         over_current=over_current,
         over_flow=over_flow,
         over_pressure=over_pressure,

@@ -105,9 +105,11 @@ class _Words:
                 (spread.lowest, spread.highest) if self._grid else (spread.quantile(0.05), spread.quantile(0.95))
             )
             share = "" if self._grid else " (5th to 95th percentile)"
+            ends = self._ends(measures[0], low, high)
             parts.append(f"{measure_name(measures[0])} {self._range(measures[0], low, high)}{share}")
             ranking = self._summary.ranking(measures[0])
-            if ranking and not self._grid:
+            # What reads as one number has no cause to name.
+            if ranking and not self._grid and ends[0] != ends[1]:
                 parts.append(f"{ranking[0][0]} has the largest effect on it")
         return f"{'; '.join(parts)}."
 
@@ -207,10 +209,14 @@ class _Words:
         count = self._summary.share(IMPOSSIBLE).runs
         return f"{count:,} {self._noun} are impossible and were not run: {reasons}. To avoid this, use bounds that do not overlap."
 
-    def _range(self, name: str, low: float, high: float) -> str:
+    def _ends(self, name: str, low: float, high: float) -> tuple[str, str]:
         measured_in = self._summary.spreads[name].unit
-        ends = (number_of(measured_in, value, self._units) for value in (low, high))
-        return f"{' to '.join(ends)} {measured_in.shown(self._units)}".rstrip()
+        return number_of(measured_in, low, self._units), number_of(measured_in, high, self._units)
+
+    def _range(self, name: str, low: float, high: float) -> str:
+        low_text, high_text = self._ends(name, low, high)
+        text = low_text if low_text == high_text else f"{low_text} to {high_text}"
+        return f"{text} {self._summary.spreads[name].unit.shown(self._units)}".rstrip()
 
 
 def _setting(key: str, value: float, units: UnitSystem) -> str:
