@@ -29,7 +29,7 @@ def test_law_learns_drift_beyond_the_identified_tolerance(tmp_path):
         (-DRIFT * plant.friction_n_m, DRIFT * plant.friction_n_m), rel=TEN_DIGITS
     )
     assert "for drift" in loader.source
-    assert f"{DRIFT:.0%}" in drift_sentence(rows)[0]
+    assert f"{100 * DRIFT:.0f} %" in drift_sentence(rows)[0]
     assert DRY in drift_sentence(rows)[0]
 
 
