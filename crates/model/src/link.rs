@@ -68,7 +68,7 @@ const fn row(
 
 /// A link, SI units.
 #[derive(Debug, Clone, Copy)]
-pub struct Link<S> {
+pub struct PilotLink<S> {
     stiffness: S,
     damping: S,
     half_play: S,
@@ -78,7 +78,7 @@ pub struct Link<S> {
     injected_damping: S,
 }
 
-impl<S: Scalar> Link<S> {
+impl<S: Scalar> PilotLink<S> {
     /// From values in the order of [`LINK_TABLE`].
     #[inline(always)]
     pub fn from_values(
@@ -122,7 +122,7 @@ pub const MOST_DELAY: usize = 255;
 /// An electronic link: what each feel computer works out from its own control and from the other's of some periods before.
 #[derive(Debug, Clone, Copy)]
 pub struct ElectronicLink<S> {
-    link: Link<S>,
+    link: PilotLink<S>,
     delay: usize,
     /// Angle and rate of both controls at the last samples.
     past: [[[S; 2]; 2]; MOST_DELAY + 1],
@@ -131,7 +131,7 @@ pub struct ElectronicLink<S> {
 
 impl<S: Scalar> ElectronicLink<S> {
     /// A link with so many periods of delay, at most [`MOST_DELAY`], between controls that have rested so.
-    pub fn new(link: Link<S>, delay: usize, resting: [[S; 2]; 2]) -> Self {
+    pub fn new(link: PilotLink<S>, delay: usize, resting: [[S; 2]; 2]) -> Self {
         Self { link, delay: delay.min(MOST_DELAY), past: [resting; MOST_DELAY + 1], sample: 0 }
     }
 
@@ -147,7 +147,7 @@ impl<S: Scalar> ElectronicLink<S> {
     }
 
     /// The link.
-    pub fn link(&self) -> &Link<S> {
+    pub fn link(&self) -> &PilotLink<S> {
         &self.link
     }
 }

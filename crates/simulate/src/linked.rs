@@ -2,12 +2,13 @@
 //!
 //! The torque of a mechanical link changes evenly through a step, from its value at the start to that at the end. The end is found twice: first
 //! from the rates at the start, then from a step under that torque. So the pair is of the second order in the step, each loader by itself of
-//! the fourth. The torque of an electronic link is worked out at each sample and held for a period.
+//! the fourth. The torque of an electronic link is worked out at each sample from both programmed controls, which follow no sensor's
+//! noise, and held for a period.
 
 use crate::batch::Job;
 use crate::noise::Noise;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::link::{ElectronicLink, LINK_ROWS, Link};
+use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink};
 use forcefeel_model::machine::{Inputs, Machine, Memory, Shared, State, StepStart};
 use forcefeel_solve::outputs::Output;
 
@@ -158,7 +159,7 @@ pub fn run_pair(
     job: &Job<'_>,
     (steps, every): (usize, usize),
 ) -> Vec<f64> {
-    let (link, h) = (Link::from_values(&joint.values), job.shared.step_s);
+    let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
     let mut electronic =
         joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
     let beyond = |[first, second]: [[f64; 2]; 2]| [first[0] - second[0], first[1] - second[1]];

@@ -50,8 +50,8 @@ class LinkedOptions(ScenarioOptions):
         """The project of ``path``, with ``--set`` for each loader and each pilot's arm at its own; ``None`` for a loader.
 
         Raises:
-            InputError: As ``project``; if the project has no link, or several and none is named; or options of a link are given with a
-                loader.
+            InputError: As ``project``; if the project has no link, or several and none is named; or options of a link are given
+                with a loader.
         """
         project = replace(self, arm=None).project(path)
         if project is None:
@@ -69,13 +69,13 @@ class LinkedOptions(ScenarioOptions):
         """The link to simulate.
 
         Raises:
-            InputError: If there is none, or it is not clear which.
+            InputError: If the project has no link, or several and the option names none of them.
         """
         names = [*project.links]
         if not names:
             raise InputError(
-                f"{project.path}: has no table [links]; forcefeel simulate takes two linked axes, or the loader of one; add [links.NAME], "
-                f"or name a loader, such as that of {next(iter(project.loaders))}"
+                f"{project.path}: has no table [links]; forcefeel simulate takes two linked axes, or the loader of one; add "
+                f"[links.NAME], or name a loader, such as that of {next(iter(project.loaders))}"
             )
         if self.link is None and len(names) > 1:
             raise InputError(f"--link: expected one of {', '.join(names)}, got none; name the link to simulate")
@@ -95,7 +95,8 @@ class LinkedOptions(ScenarioOptions):
 
         first = self.scenario(project.loaders[project.links[self.link_name(project)].between[0]])
         opened = None if self.disconnect is None else seconds("--disconnect", self.disconnect)
-        for name, time in (("--disconnect", opened), ("--jam", (jam := self._jam()) and jam.at_s)):
+        jam = self._jam()
+        for name, time in (("--disconnect", opened), ("--jam", None if jam is None else jam.at_s)):
             if time is not None and not 0 < time <= first.duration_s:
                 raise InputError(f"{name}: expected a time within the run of {first.duration_s:g} s, got {time:g} s")
         if jam is not None and jam.axis not in (axes := project.links[self.link_name(project)].between):

@@ -29,8 +29,8 @@ class SimulateOptions(LinkedOptions, FolderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
     """Simulate the loader in time, with the nonlinear effects of its file.
 
-    For a project file with a table [links], simulate both linked loaders. Values are text with a unit, such as '20 lb'. Times without a unit
-    are in seconds. Exit status 1 if the run diverged.
+    For a project file with a table [links], simulate both linked loaders. Values are text with a unit, such as '20 lb'. Times
+    without a unit are in seconds. Exit status 1 if the run diverged.
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,6 +27,10 @@ MOST_SWING = 0.5
 _WHOLE = 1e-6
 """Of a period; a delay that differs by so little is whole periods."""
 
+_Numbers = NDArray[np.float64]
+_Side = tuple[_core.Simulation, _Numbers, Any, _Numbers | None, _Numbers | None]
+"""Simulation, values, and the law by name, as gains or as an observer."""
+
 
 def simulate_linked(project: Project, link: str, scenario: LinkedScenario, law: LawLike = None) -> LinkedRun:
     """Runs both loaders of a link through a scenario.
@@ -40,8 +45,8 @@ def simulate_linked(project: Project, link: str, scenario: LinkedScenario, law: 
         The run. A mechanical link is of the second order in the step; each loader is stepped as by ``simulate``.
 
     Raises:
-        InputError: If the project has no such link, the periods of both loaders differ, an electronic link has a loader without a
-            digital controller or a delay that is not whole periods, a mechanical link is too stiff for the step, or as ``simulate``.
+        InputError: If the project has no such link, or the periods of both loaders differ. An electronic link needs digital
+            controllers and a delay of whole periods, a mechanical link a step that is short enough; else as ``simulate``.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
@@ -58,29 +63,30 @@ def simulate_linked(project: Project, link: str, scenario: LinkedScenario, law: 
     loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
     laws = (Law.of(law, loaders[0]), Law.of(law, loaders[1]))
     step_s = _step(joint, loaders, scenario)
-    scenarios = [replace(one, step_s=step_s) for one in (scenario.first, scenario.second)]
+    scenarios = [replace(of_side, step_s=step_s) for of_side in (scenario.first, scenario.second)]
     units = [outputs(law.numbers.displacement_unit, loader.drive) for law, loader in zip(laws, loaders, strict=True)]
-    sides = [_side(*side) for side in zip(loaders, scenarios, units, laws, strict=True)]
-    side = scenario.jam_side(joint)
+    first, second = (_side(*side) for side in zip(loaders, scenarios, units, laws, strict=True))
+    jammed = scenario.jam_side(joint)
     rows = _core.simulate_linked(
-        *sides,
+        first,
+        second,
         joint.values,
         delay=_delay(joint, loaders),
         uncouples=joint.after_breakout is AfterBreakout.UNCOUPLE,
-        disconnect=on_step(scenario.disconnect_s, step_s),
-        jam=None if scenario.jam is None or side is None else (side, on_step(scenario.jam.at_s, step_s) or 1),
+        disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, step_s),
+        jam=None if scenario.jam is None or jammed is None else (jammed, on_step(scenario.jam.at_s, step_s)),
     )
     names = {f"{side}_{name}": unit for side, of in zip(SIDES, units, strict=True) for name, unit in of.items()}
     names |= {named(name, unit) if unit != "N m" else f"{name}_n_m": unit for name, unit in _core.linked_outputs()}
     time = np.arange(len(rows)) * scenario.first.sample_s
     data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows.T, strict=True)}
-    history = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
-    measures = _measures(history, loaders[0]["column.grip_arm"])
-    known = history.where(history["time_s"] < measures.diverged_at_s)
-    return LinkedRun(joint, loaders, (laws[0].name, laws[1].name), scenario, measures, known)
+    whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
+    measures = _measures(whole, loaders[0]["column.grip_arm"])
+    history = whole.where(whole["time_s"] < measures.diverged_at_s)
+    return LinkedRun(joint, loaders, (laws[0].name, laws[1].name), scenario, measures, history)
 
 
-def _side(loader: Loader, scenario: Scenario, units: dict[str, str], law: Law) -> tuple[object, ...]:
+def _side(loader: Loader, scenario: Scenario, units: dict[str, str], law: Law) -> _Side:
     kinds = law.engine(loader)
     simulation = prepared(loader, scenario, range(len(units)), law)
     return simulation, loader.si_values, kinds.get("law"), kinds.get("gains"), kinds.get("observers")
@@ -116,8 +122,8 @@ def _check_stiffness(link: Link, loaders: tuple[Loader, Loader], step_s: float) 
     rate = max(np.sqrt(steepest * per_inertia), link["damping"] * per_inertia)
     if rate * step_s > MOST_SWING:
         raise InputError(
-            f"links.{link.name}.stiffness: both columns swing on the link at {rate:.4g} rad/s, too fast for a step of {step_s:g} s; "
-            f"expected at most {MOST_SWING / step_s:.4g} rad/s; take a smaller --step, or less stiffness or damping"
+            f"links.{link.name}.stiffness: both columns swing on the link at {rate:.4g} rad/s, too fast for a step of "
+            f"{step_s:g} s; expected at most {MOST_SWING / step_s:.4g} rad/s; take a smaller --step, or less stiffness or damping"
         )
 
 

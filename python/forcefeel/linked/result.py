@@ -22,8 +22,8 @@ class LinkMeasures:
     Attributes:
         peak_link_torque_n_m: Largest torque of the link on a column or, of an electronic link, on a feel.
         peak_link_force_n: The same as a force at the first pilot's grip.
-        peak_force_fight_n: Largest force with which the hands push against each other: the smaller of two of opposite sign, each with
-            its arm's.
+        peak_force_fight_n: Largest force with which the hands push against each other: the smaller of two of opposite sign,
+            each with its arm's.
         largest_difference_rad: Largest angle of one column beyond the other.
         final_difference_rad: Angle of the first column beyond the second, mean over the last tenth of the run.
         first_final_angle_rad: Of the first column, likewise.

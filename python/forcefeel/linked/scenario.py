@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.loader.links import Link
 from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release
@@ -53,7 +51,10 @@ class LinkedScenario:
 
     def __post_init__(self) -> None:
         expect("first", self.first, Scenario, "a Scenario, such as Scenario(Step(100.0))")
-        for name, value in (("disconnect_s", self.disconnect_s), ("jam.at_s", self.jam and self.jam.at_s)):
+        for name, value in (
+            ("disconnect_s", self.disconnect_s),
+            ("jam.at_s", None if self.jam is None else self.jam.at_s),
+        ):
             if value is not None:
                 expect_number(name, value)
                 if not 0 < value <= self.first.duration_s:
@@ -90,6 +91,6 @@ class LinkedScenario:
         return link.between.index(self.jam.axis)
 
 
-def on_step(time_s: float | None, step_s: float) -> int | None:
+def on_step(time_s: float, step_s: float) -> int:
     """The engine's step nearest to a time, at least the first."""
-    return None if time_s is None else max(int(np.rint(time_s / step_s)), 1)
+    return max(round(time_s / step_s), 1)

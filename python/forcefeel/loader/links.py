@@ -52,15 +52,12 @@ class Link:
         name: Its name in the project file.
         between: The two axes, the first pilot's first.
         kind: A shaft between the columns, or a torque in both feel computers.
-        after_breakout: An override goes on along ``stiffness_after`` and takes hold again on its way back; a link that uncouples stays
-            open.
+        after_breakout: An override goes on along ``stiffness_after`` and takes hold again on its way back. A link that uncouples
+            stays open.
         values: SI values in the order of ``LINK_TABLE``.
 
     Example:
-        >>> text = '[axes]\\npitch = "elevator-2khz"\\npitch-first-officer = "elevator-2khz"\\n'
-        >>> text += '[links.pitch]\\nbetween = ["pitch", "pitch-first-officer"]\\nstiffness = "4000 lb in/rad"\\n'
-        >>> size = Path("pair.toml").write_text(text, encoding="utf-8")
-        >>> ff.loader.read_project("pair.toml").links["pitch"].kind.value
+        >>> ff.loader.read_project("examples/cockpit/transport-column.toml").links["pitch"].kind.value
         'mechanical'
     """
 

@@ -76,8 +76,8 @@ def read_project(path: str | Path) -> Project:
             table ``[links]`` as of ``links``, if any.
 
     Raises:
-        InputError: If it cannot be read, has another key than ``axes`` and ``links``, no axes, an unknown one, one without a loader's name, one
-            file for two axes, or a built-in loader of another axis; or a loader is bad.
+        InputError: If it cannot be read, has another key than ``axes`` and ``links``, no axes, an unknown one, one without a
+            loader's name, one file for two axes, or a built-in loader of another axis; or a loader is bad.
 
     Example:
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")

@@ -1,7 +1,7 @@
 //! The link: its torque by closed forms, and that it gives no energy.
 
 use crate::draws::Draws;
-use forcefeel_model::link::{ElectronicLink, LINK_ROWS, LINK_TABLE, Link};
+use forcefeel_model::link::{ElectronicLink, LINK_ROWS, LINK_TABLE, PilotLink};
 
 const RUNS: u64 = 10_000;
 const STEPS: usize = 1500;
@@ -12,14 +12,14 @@ const SUM_ERROR: f64 = 2e-3;
 #[test]
 fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
     // k, c, p, M_b, k_a
-    let link = Link::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0]);
+    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0]);
     let cases: [(f64, f64); 6] = [(0.009, 0.0), (0.03, 4.0), (-0.03, -4.0), (0.06, 10.0), (0.08, 11.0), (-0.08, -11.0)];
     for (phi, expected) in cases {
         assert!((link.torque([phi, 0.0]) - expected).abs() < 1e-12, "{phi}");
         assert!((link.torque([phi, 2.0]) - expected - 6.0).abs() < 1e-12, "{phi}");
         assert_eq!(link.gives_way(phi), phi.abs() > 0.0601, "{phi}");
     }
-    let stiff = Link::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0]);
+    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0]);
     assert!((stiff.torque([3.0, 0.0]) - 600.0).abs() < 1e-9);
     assert!(!stiff.gives_way(1e9));
 }
@@ -67,7 +67,7 @@ fn no_energy_comes_out_of_a_mechanical_link() {
     for run in 0..RUNS {
         let draws = &mut Draws::new(run);
         let (values, [first, second], disconnect) = drawn(draws);
-        let (link, uncouples) = (Link::from_values(&values), draws.uniform() > 0.0);
+        let (link, uncouples) = (PilotLink::from_values(&values), draws.uniform() > 0.0);
         let (mut out, mut through, mut open) = (0.0, 0.0, false);
         let phi: Vec<_> = first.iter().zip(&second).map(|(a, b)| a - b).collect();
         for k in 0..STEPS {
@@ -90,7 +90,7 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
     let delay_s = delay as f64 * STEP_S;
     // The bound is that of a spring: a damper over a delay is another's.
     (values[1], values[5], values[6]) = (0.0, delay_s, injected);
-    let mut link = ElectronicLink::new(Link::from_values(&values), delay, [[0.0; 2]; 2]);
+    let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay, [[0.0; 2]; 2]);
     let damping = link.link().injected(STEP_S);
     let (mut out, mut most, mut through) = (0.0, 0.0f64, 0.0);
     for k in 0..STEPS {
