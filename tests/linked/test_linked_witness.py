@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
 import forcefeel as ff
 from tests.linked.pairs import link_values, raw
@@ -153,8 +154,7 @@ def largest_stable(loader, periods, injected):
 
 def grows(loader, stiffness, periods, injected):
     """Whether the pair swings up by itself after a push."""
-    delay = 0.0 if periods == 1 else periods * PERIOD_S
-    values = link_values(stiffness=stiffness, delay=delay, injected_damping=injected)
+    values = link_values(stiffness=stiffness, injected_damping=injected)
     duration = {"duration_s": 6.0, "step_s": PERIOD_S, "sample_s": PERIOD_S}
     scenarios = [
         ff.Scenario(ff.simulation.Pulse(0.1, 0.01, 0.02), **duration),
@@ -173,3 +173,15 @@ def test_largest_stable_stiffness_of_an_electronic_link_is_that_of_the_eigenvalu
     stiffness = largest_stable(loader, periods, injected)
     assert not grows(loader, (1 - BOUND) * stiffness, periods, injected)
     assert grows(loader, (1 + BOUND) * stiffness, periods, injected)
+
+
+@pytest.mark.parametrize("periods", [1, 4, 20])
+def test_injected_damping_is_that_of_delay_and_period(periods):
+    """Beyond the largest stable stiffness without it: just stable with it, by the eigenvalues, and unstable with less of it."""
+    loader = digital()
+    stiffness = 4 * largest_stable(loader, periods, 0.0)
+    injected = stiffness * (periods + 1) * PERIOD_S
+    needed = brentq(lambda damping: radius(loader, stiffness, periods, damping) - 1, 0.0, injected)
+    assert not grows(loader, stiffness, periods, np.inf)
+    assert not grows(loader, stiffness, periods, (1 + BOUND) * needed)
+    assert grows(loader, stiffness, periods, (1 - BOUND) * needed)

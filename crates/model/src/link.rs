@@ -74,7 +74,6 @@ pub struct PilotLink<S> {
     half_play: S,
     breakout: S,
     stiffness_after: S,
-    delay: S,
     injected_damping: S,
 }
 
@@ -82,9 +81,9 @@ impl<S: Scalar> PilotLink<S> {
     /// From values in the order of [`LINK_TABLE`].
     #[inline(always)]
     pub fn from_values(
-        &[stiffness, damping, play, breakout, stiffness_after, delay, injected_damping]: &[S; LINK_ROWS],
+        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping]: &[S; LINK_ROWS],
     ) -> Self {
-        Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, delay, injected_damping }
+        Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping }
     }
 
     /// What the spring would give without a breakout.
@@ -106,13 +105,6 @@ impl<S: Scalar> PilotLink<S> {
     #[inline(always)]
     pub fn gives_way(&self, phi: S) -> S::Mask {
         self.breakout.less(self.elastic(phi).abs())
-    }
-
-    /// Damping in N m s/rad on each control against the delay of an electronic link and the period for which its torque is held.
-    #[inline(always)]
-    pub fn injected(&self, period: S) -> S {
-        // c = k (d + h) with the steeper k, at most c_i
-        (self.stiffness.max(self.stiffness_after) * (self.delay + period)).min(self.injected_damping)
     }
 }
 
@@ -144,6 +136,15 @@ impl<S: Scalar> ElectronicLink<S> {
         self.sample += 1;
         let beyond = |first: [S; 2], second: [S; 2]| [first[0] - second[0], first[1] - second[1]];
         [beyond(now[0], then[1]), beyond(then[0], now[1])]
+    }
+
+    /// Damping in N m s/rad on each control, against the delay and against the period `h` for which the torque is held.
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
+    pub fn injected(&self, h: S) -> S {
+        let PilotLink { stiffness, stiffness_after, injected_damping, .. } = self.link;
+        // c = k (d + h) with the steeper k, at most c_i
+        (stiffness.max(stiffness_after) * h.times((self.delay + 1) as f64)).min(injected_damping)
     }
 
     /// The link.

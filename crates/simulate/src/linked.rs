@@ -163,7 +163,7 @@ pub fn run_pair(
     let mut electronic =
         joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
     let beyond = |[first, second]: [[f64; 2]; 2]| [first[0] - second[0], first[1] - second[1]];
-    let injected = link.injected(job.shared.period_s());
+    let injected = electronic.as_ref().map_or(0.0, |electronic| electronic.injected(job.shared.period_s()));
     let mut open = false;
     let mut at = [sides[0].angle() - sides[1].angle(), 0.0];
     let mut on_feel = [[0.0; 2]; 2];
@@ -191,7 +191,9 @@ pub fn run_pair(
             rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
         }
         if joint.delay.is_some() {
-            sides.iter_mut().for_each(|side| _ = side.advance(0.0));
+            for side in &mut sides {
+                side.advance(0.0);
+            }
         } else {
             let mut end = torque([at[0] + h * at[1], at[1]]);
             for _ in 0..CORRECTIONS {
@@ -201,7 +203,9 @@ pub fn run_pair(
             }
             open = open || joint.uncouples && link.gives_way(at[0]);
         }
-        sides.iter_mut().for_each(|side| side.done(step));
+        for side in &mut sides {
+            side.done(step);
+        }
         if let Some((side, _)) = joint.jam.filter(|&(_, jam)| jam == step + 1) {
             sides[side].jam();
         }

@@ -86,12 +86,10 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
     let draws = &mut Draws::new(run);
     let (mut values, [first, second], disconnect) = drawn(draws);
     let delay = usize::try_from(draws.whole(1, 20)).expect("positive");
-    #[expect(clippy::cast_precision_loss, reason = "few periods")]
-    let delay_s = delay as f64 * STEP_S;
     // The bound is that of a spring: a damper over a delay is another's.
-    (values[1], values[5], values[6]) = (0.0, delay_s, injected);
+    (values[1], values[6]) = (0.0, injected);
     let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay, [[0.0; 2]; 2]);
-    let damping = link.link().injected(STEP_S);
+    let damping = link.injected(STEP_S);
     let (mut out, mut most, mut through) = (0.0, 0.0f64, 0.0);
     for k in 0..STEPS {
         let seen = link.sampled([[first[k], 0.0], [second[k], 0.0]]);

@@ -12,7 +12,7 @@ from forcefeel.linked.findings import hands_text, linked_conclusions
 from forcefeel.linked.result import SIDES, LinkedRun
 from forcefeel.linked.tables import columns, linked_json, measure_rows
 from forcefeel.loader.links import LINK_TABLE
-from forcefeel.loader.parameters import value_text
+from forcefeel.loader.parameters import with_unit
 from forcefeel.page.canvas import add_curve, drawn, frame
 from forcefeel.page.folder import OutputFolder
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, LineStyle
@@ -128,7 +128,8 @@ def _link(run: LinkedRun, units: UnitSystem) -> Table:
     link = run.link
     rows = [(words("Kind"), number(str(link.kind))), (words("After the breakout"), number(str(link.after_breakout)))]
     rows += [
-        (words(capital(row.meaning)), number("none" if link[name] == np.inf else value_text(row, link[name], 4)))
+        (words(capital(row.meaning)), number("none" if link[name] == np.inf else with_unit(row, link[name], units)))
         for name, row in LINK_TABLE.items()
+        if link[name] != 0
     ]
     return Table((Cell("Link"), Cell("Value", "number")), tuple(rows))
