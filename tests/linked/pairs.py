@@ -1,5 +1,7 @@
 """Linked loaders for the tests."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import forcefeel as ff
@@ -17,9 +19,11 @@ def project(name):
     return ff.loader.read_project(f"{EXAMPLES}/{name}.toml")
 
 
-def simulated(name, first, second=None, **more):
-    """A run of a ready project with two forces."""
+def simulated(name, first, second=None, kind=None, **more):
+    """A run of a ready project with two forces; of another kind of link if one is given."""
     axes = project(name)
+    if kind is not None:
+        axes = replace(axes, links={key: replace(link, kind=kind) for key, link in axes.links.items()})
     scenario = ff.linked.LinkedScenario(first, second_force=second or ff.simulation.HandsOff(), **more)
     return ff.linked.simulate_linked(axes, next(iter(axes.links)), scenario, "robust")
 

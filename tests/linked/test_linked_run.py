@@ -49,12 +49,13 @@ def test_link_without_stiffness_leaves_each_loader_alone():
         np.testing.assert_allclose(rows[3 * side], alone, rtol=0, atol=(1e-9, 2e-3)[side] * np.abs(alone).max())
 
 
+@pytest.mark.parametrize("kind", ff.linked.LinkKind)
 @pytest.mark.parametrize("sign", [1, -1])
-def test_breakout_force_and_re_engagement_without_a_step(sign):
+def test_breakout_force_and_re_engagement_without_a_step(sign, kind):
     """The second column is jammed, the first pushed slowly beyond the breakout and back."""
     ramp = ff.Recorded([0.0, 8.0, 16.0], [0.0, sign * 70 * LB, 0.0])
     jam = ff.linked.Jam("pitch-first-officer", 0.1)
-    run = simulated("transport-column", Scenario(ramp, 16.0), jam=jam)
+    run = simulated("transport-column", Scenario(ramp, 16.0), kind=kind, jam=jam)
     angle, torque, hand, beyond = values_of(
         run, "first_column_angle_rad", "first_link_torque_n_m", "first_hand_force_n", "link_gives_way"
     )

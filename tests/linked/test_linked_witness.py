@@ -7,9 +7,9 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import forcefeel as ff
-from tests.linked.pairs import link_values, raw
+from tests.linked.pairs import LB, link_values, raw, simulated
 
-STIFFNESS, DAMPING, PLAY, BREAKOUT = 2500.0, 8.0, 0.01, 80.0
+SHAFT = STIFFNESS, DAMPING, PLAY, BREAKOUT = 2500.0, 8.0, 0.01, 80.0
 """A shaft, SI."""
 
 ARM = {"pilot.arm_stiffness": 5000.0, "pilot.arm_damping": 60.0, "pilot.arm_mass": 0.0}
@@ -22,6 +22,9 @@ RISE_S = 0.3
 
 UNCOUPLING = 0.01
 """Of the largest angle: required of the transient at uncoupling."""
+
+UNCOUPLING_S = 2e-3
+"""Of its time, with whole loaders, whose columns follow their feels by some milliseconds."""
 
 
 LINKED = 1e-4
@@ -37,51 +40,62 @@ def columns():
     return first, first.replace({"column.inertia": 1.6 * first["column.inertia"]}, si=True)
 
 
-def two_masses(loaders, *, uncouples):
-    """Angles (2, samples) and when the shaft opened: each column on its arm and linkage, and the shaft between both."""
-    lever = [loader["column.grip_arm"] for loader in loaders]
-    springs = [
-        loader["pilot.arm_stiffness"] * r**2
-        + loader["linkage.stiffness"] * (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2
-        for loader, r in zip(loaders, lever, strict=True)
-    ]
-    dampers = [loader["pilot.arm_damping"] * r**2 for loader, r in zip(loaders, lever, strict=True)]
+def on_arms(loader):
+    """Inertia, damping, stiffness and lever of a column on its arm and linkage."""
+    lever, linkage = loader["column.grip_arm"], loader["linkage.ratio"] * loader["column.base_arm"]
+    spring = loader["pilot.arm_stiffness"] * lever**2 + loader["linkage.stiffness"] * linkage**2
+    return loader["column.inertia"], loader["pilot.arm_damping"] * lever**2, spring, lever
+
+
+def feel(loader):
+    """The same of the programmed control."""
+    return *(loader[f"feel.{name}"] for name in ("inertia", "damping", "stiffness")), loader["column.grip_arm"]
+
+
+def two_masses(masses, link, forces, *, uncouples=True):
+    """Angles (2, samples) of two masses on a shaft (k, c, p, M_b) under forces that rise to ``forces``; and when it opened."""
+    stiffness, damping, play, breakout = link
 
     def stretch(y):
         apart = y[0] - y[2]
-        return np.sign(apart) * max(abs(apart) - PLAY / 2, 0.0)
+        return np.sign(apart) * max(abs(apart) - play / 2, 0.0)
 
     def rates(t, y, coupled):
-        torque = coupled * (STIFFNESS * stretch(y) + DAMPING * (y[1] - y[3]))
-        pilots = [r * force * min(t / RISE_S, 1.0) for r, force in zip(lever, FORCES, strict=True)]
-        accelerations = [
-            (pilots[k] - springs[k] * y[2 * k] - dampers[k] * y[2 * k + 1] + sign * torque)
-            / loaders[k]["column.inertia"]
-            for k, sign in enumerate((-1.0, 1.0))
-        ]
-        return [y[1], accelerations[0], y[3], accelerations[1]]
+        torque = coupled * (stiffness * stretch(y) + damping * (y[1] - y[3]))
+        slopes = []
+        for k, sign in enumerate((-1.0, 1.0)):
+            inertia, damper, spring, lever = masses[k]
+            angle, rate = y[2 * k : 2 * k + 2]
+            pushed = lever * forces[k] * min(t / RISE_S, 1.0) + sign * torque
+            slopes += [rate, (pushed - spring * angle - damper * rate) / inertia]
+        return slopes
 
     def gives_way(_, y, __):
-        return STIFFNESS * abs(stretch(y)) - BREAKOUT
+        return stiffness * abs(stretch(y)) - breakout
 
-    gives_way.terminal = uncouples
+    gives_way.terminal = True
     time = np.arange(round(DURATION_S / STEP_S) + 1) * STEP_S
-    exact = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12, "max_step": 5e-3}
+    exact = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12, "max_step": 5e-3, "dense_output": True}
     events = [gives_way] if uncouples else None
-    run = solve_ivp(rates, (0, DURATION_S), np.zeros(4), dense_output=True, events=events, args=(1.0,), **exact)
+    run = solve_ivp(rates, (0, DURATION_S), np.zeros(4), events=events, args=(1.0,), **exact)
     if not uncouples:
         return run.sol(time)[[0, 2]], np.inf
     opened = run.t[-1]
-    after = solve_ivp(rates, (opened, DURATION_S), run.y[:, -1], dense_output=True, args=(0.0,), **exact)
+    after = solve_ivp(rates, (opened, DURATION_S), run.y[:, -1], args=(0.0,), **exact)
     return np.where(time < opened, run.sol(np.minimum(time, opened)), after.sol(np.maximum(time, opened)))[
         [0, 2]
     ], opened
 
 
+def ramp(force):
+    """A force that rises and stays."""
+    time = np.linspace(0.0, DURATION_S, 1 + round(DURATION_S / RISE_S))
+    return ff.Recorded(time, force * np.minimum(time / RISE_S, 1.0))
+
+
 def pair(loaders, step_s=STEP_S, play=PLAY, **joint):
     """The same by the engine, with a shaft that the witness has too."""
-    ramps = [ff.Recorded([0.0, RISE_S, DURATION_S], [0.0, force, force]) for force in FORCES]
-    scenarios = [ff.Scenario(ramp, DURATION_S, step_s, STEP_S) for ramp in ramps]
+    scenarios = [ff.Scenario(ramp(force), DURATION_S, step_s, STEP_S) for force in FORCES]
     breakout = {"breakout": BREAKOUT} if joint else {}
     values = link_values(stiffness=STIFFNESS, damping=DAMPING, play=play, **breakout)
     return raw(loaders, scenarios, values, "open", outputs=(0,), **joint).T
@@ -89,7 +103,7 @@ def pair(loaders, step_s=STEP_S, play=PLAY, **joint):
 
 def test_uncoupling_transient_matches_two_masses():
     loaders = columns()
-    witness, opened = two_masses(loaders, uncouples=True)
+    witness, opened = two_masses([*map(on_arms, loaders)], SHAFT, FORCES)
     rows = pair(loaders, uncouples=True)
     swing = np.abs(witness).max()
     assert 0.05 < opened < RISE_S
@@ -99,9 +113,23 @@ def test_uncoupling_transient_matches_two_masses():
     np.testing.assert_allclose(rows[:2], witness, rtol=0, atol=UNCOUPLING * swing)
 
 
+def test_uncoupling_transient_of_whole_loaders_matches_two_feels():
+    """Noise, limits and the orifice's flow are in play. Let go by the shaft, each column swings far beyond where it was held."""
+    force = 110 * LB
+    scenario = ff.Scenario(ramp(force), DURATION_S, STEP_S, STEP_S)
+    run = simulated("uncoupling", scenario, ramp(-force))
+    shaft = [run.link[name] for name in ("stiffness", "damping", "play", "breakout")]
+    witness, opened = two_masses([*map(feel, run.loaders)], shaft, (force, -force))
+    angles = [run.history[f"{side}_column_angle_rad"].to_numpy() for side in ("first", "second")]
+    assert run.measures.gave_way_at_s == pytest.approx(opened, abs=UNCOUPLING_S)
+    held = witness[0][round(opened / STEP_S)]
+    assert witness[0].max() > 3 * held
+    np.testing.assert_allclose(angles, witness, rtol=0, atol=UNCOUPLING * np.abs(witness).max())
+
+
 def test_linked_columns_match_two_masses():
     loaders = columns()
-    witness, _ = two_masses(loaders, uncouples=False)
+    witness, _ = two_masses([*map(on_arms, loaders)], SHAFT, FORCES, uncouples=False)
     np.testing.assert_allclose(pair(loaders)[:2], witness, rtol=0, atol=LINKED * np.abs(witness).max())
 
 
