@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from forcefeel.loader.project import Project
     from forcefeel.simulation.inputs import Force
 
-LINKED = Group("Second pilot and link, of a project with [links]", sort_key=30)
+LINKED = Group("Second pilot and link of a project", sort_key=30)
 
 
 @dataclass(frozen=True, kw_only=True)

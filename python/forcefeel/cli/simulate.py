@@ -71,7 +71,9 @@ def _run_linked(path: Path | None, project: "Project", options: SimulateOptions)
     from forcefeel.linked.tables import linked_json
 
     with all_or_nothing("simulate", silent=options.json):
-        run = simulate_linked(project, options.link_name(project), options.linked_scenario(project), options.law)
+        link, scenario = options.link_name(project), options.linked_scenario(project)
+        laws = [options.law_of(project.loaders[axis]) for axis in project.links[link].between]
+        run = simulate_linked(project, link, scenario, *laws)
         files = {}
         if options.out is not None:
             from forcefeel.linked import write_linked

@@ -32,14 +32,17 @@ _Side = tuple[_core.Simulation, _Numbers, Any, _Numbers | None, _Numbers | None]
 """Simulation, values, and the law by name, as gains or as an observer."""
 
 
-def simulate_linked(project: Project, link: str, scenario: LinkedScenario, law: LawLike = None) -> LinkedRun:
+def simulate_linked(
+    project: Project, link: str, scenario: LinkedScenario, law: LawLike = None, second_law: LawLike = None
+) -> LinkedRun:
     """Runs both loaders of a link through a scenario.
 
     Args:
         project: The project of both.
         link: Name of the link.
         scenario: The inputs. The run begins at rest, the link without torque.
-        law: The law of both, its name or its file, as for ``Law.of``; designed for each.
+        law: The law of the first loader, its name or its file, as for ``Law.of``.
+        second_law: The law of the second. Default: ``law``, designed for it.
 
     Returns:
         The run. A mechanical link is of the second order in the step; each loader is stepped as by ``simulate``.
@@ -61,7 +64,7 @@ def simulate_linked(project: Project, link: str, scenario: LinkedScenario, law: 
         raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, project.links)}")
     joint = project.links[link]
     loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
-    laws = (Law.of(law, loaders[0]), Law.of(law, loaders[1]))
+    laws = (Law.of(law, loaders[0]), Law.of(law if second_law is None else second_law, loaders[1]))
     step_s = _step(joint, loaders, scenario)
     scenarios = [replace(of_side, step_s=step_s) for of_side in (scenario.first, scenario.second)]
     units = [outputs(law.numbers.displacement_unit, loader.drive) for law, loader in zip(laws, loaders, strict=True)]

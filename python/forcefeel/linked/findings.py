@@ -52,7 +52,7 @@ def _after(run: LinkedRun) -> str:
         return ""
     if run.link.after_breakout is AfterBreakout.UNCOUPLE:
         return "The link uncoupled and stays open. Its stored energy is lost to both columns."
-    return "The override takes hold again, without a step, where it let go."
+    return "The override takes hold again, without a step, as the columns come back together."
 
 
 def _own_feel(run: LinkedRun) -> str:
