@@ -1,5 +1,7 @@
 """A linked pair as a user has it: statics, breakout, energy, jam, and one side alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -132,6 +134,21 @@ def test_electronic_link_acts_as_a_mechanical_one_where_it_is_soft():
     shaft, wire = (raw((loader, loader), scenarios, link, "robust", **joint).T for joint in ({}, {"delay": 1}))
     for side in (0, 3):
         np.testing.assert_allclose(wire[side], shaft[side], rtol=0, atol=ALIKE * np.abs(shaft[0]).max())
+
+
+def test_law_at_the_grip_holds_against_a_shaft_and_is_named():
+    axes = project("linked-sticks")
+    loaders = {axis: loader.replace({"grip_sensor.gain": 1.0}) for axis, loader in axes.loaders.items()}
+    pushed = ff.linked.LinkedScenario(Scenario(Step(4 * LB), 3.0))
+    second = {}
+    for kind in ff.linked.LinkKind:
+        links = {name: replace(link, kind=kind) for name, link in axes.links.items()}
+        run = ff.linked.simulate_linked(replace(axes, loaders=loaders, links=links), "stick-pitch", pushed, "grip")
+        warned = "feels the hand alone" in " ".join(ff.linked.linked_conclusions(run, ff.UnitSystem.US).findings)
+        second[kind] = run.measures.second_final_angle_rad, warned
+    assert second["mechanical"] == (pytest.approx(0.0, abs=1e-3 * DEG), True)  # at rest but for noise
+    assert second["electronic"][0] > 0.3 * DEG
+    assert not second["electronic"][1]
 
 
 @pytest.mark.parametrize(

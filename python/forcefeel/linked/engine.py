@@ -86,7 +86,7 @@ def simulate_linked(
     whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
     measures = _measures(whole, loaders[0]["column.grip_arm"])
     history = whole.where(whole["time_s"] < measures.diverged_at_s)
-    return LinkedRun(joint, loaders, (laws[0].name, laws[1].name), scenario, measures, history)
+    return LinkedRun(joint, loaders, laws, scenario, measures, history)
 
 
 def _side(loader: Loader, scenario: Scenario, units: dict[str, str], law: Law) -> _Side:

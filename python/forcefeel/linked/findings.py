@@ -3,6 +3,7 @@
 from math import inf
 
 from forcefeel.conclusions import Conclusions, capital, of_result
+from forcefeel.laws.sampled.sampled_law import SAMPLED_AT_GRIP
 from forcefeel.linked.result import LinkedRun
 from forcefeel.loader.links import AfterBreakout, LinkKind
 from forcefeel.simulation.findings import input_text
@@ -24,7 +25,7 @@ def linked_conclusions(run: LinkedRun, units: UnitSystem) -> Conclusions:
     apart = _quantity(run.measures.largest_difference_rad, ANGLE, units)
     numbers = "" if run.diverged else f": peak link force {force} at the grip, largest position difference {apart}"
     verdict = f"{capital(run.note)}{numbers}."
-    findings = tuple(filter(None, (_fight(run, units), _after(run), _own_feel(run))))
+    findings = tuple(filter(None, (_fight(run, units), _after(run), _own_feel(run), _deaf(run))))
     return Conclusions(not run.diverged, verdict, findings)
 
 
@@ -60,6 +61,14 @@ def _own_feel(run: LinkedRun) -> str:
     return (
         f"Each side keeps its own feel, and the link acts on both {kind}: one pilot alone moves the sum of both feels."
     )
+
+
+def _deaf(run: LinkedRun) -> str:
+    laws = [law.sampled for law in run.laws]
+    if run.link.kind is LinkKind.ELECTRONIC or not any(law and law.sampled == SAMPLED_AT_GRIP for law in laws):
+        return ""
+    text = "A law for the force sensor at the grip feels the hand alone: its drive holds the column against the shaft."
+    return f"{text} Use an electronic link."
 
 
 def _quantity(value: float, measured_in: Unit, units: UnitSystem) -> str:

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import xarray as xr
 
+from forcefeel.laws.law import Law
 from forcefeel.linked.scenario import LinkedScenario
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
@@ -57,7 +58,7 @@ class LinkedRun:
     Attributes:
         link: The link.
         loaders: Both loaders, the first pilot's first.
-        laws: Names of their laws.
+        laws: Their laws.
         scenario: The inputs.
         measures: The measures.
         history: Every output of both over ``time_s``, names with ``first_`` or ``second_``, and those of the link; SI units.
@@ -70,7 +71,7 @@ class LinkedRun:
 
     link: Link
     loaders: tuple[Loader, Loader]
-    laws: tuple[str, str]
+    laws: tuple[Law, Law]
     scenario: LinkedScenario
     measures: LinkMeasures
     history: xr.Dataset = field(repr=False)

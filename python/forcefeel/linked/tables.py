@@ -68,6 +68,6 @@ def linked_json(run: LinkedRun, units: UnitSystem) -> dict[str, Json]:
             "after_breakout": str(link.after_breakout),
             **rows,
         },
-        "laws": dict(zip(SIDES, run.laws, strict=True)),
+        "laws": {side: law.name for side, law in zip(SIDES, run.laws, strict=True)},
         "loaders": {side: json_value(loader, units) for side, loader in zip(SIDES, run.loaders, strict=True)},
     }
