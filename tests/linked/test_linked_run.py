@@ -71,6 +71,9 @@ def test_breakout_force_and_re_engagement_without_a_step(sign, kind):
         assert -sign * torque[k] == pytest.approx(1000 * LB_IN, rel=BREAKOUT)
         assert sign * hand[k] == pytest.approx(expected, rel=BREAKOUT)
         assert sign * angle[k] == pytest.approx(at_breakout, rel=BREAKOUT)
+    jammed = run.history["second_column_angle_rad"].to_numpy()
+    after = 1000 * LB_IN + 2000 * LB_IN * (sign * (angle - jammed) - at_breakout)
+    np.testing.assert_allclose(-sign * torque[out:back], after[out:back], rtol=BREAKOUT)
     assert np.abs(np.diff(torque)).max() / arm / LB < NO_STEP_LB
     assert run.measures.gave_way_at_s == pytest.approx(out * 1e-3)
 
