@@ -13,6 +13,7 @@ from forcefeel import fly as fly
 from forcefeel import frontier as frontier
 from forcefeel import laws as laws
 from forcefeel import linear as linear
+from forcefeel import linked as linked
 from forcefeel import live as live
 from forcefeel import loader as loader
 from forcefeel import loops as loops

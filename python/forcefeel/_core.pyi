@@ -15,6 +15,7 @@ __all__ = [
     "BOUND_RAD",
     "CONTACT_SMOOTHING_S",
     "FMU_CLOCK",
+    "MOST_LINK_DELAY",
     "MOST_RECURSION_STEPS",
     "OBSERVER_NUMBERS",
     "PERIOD_BASE",
@@ -67,7 +68,9 @@ __all__ = [
     "ideal_feel",
     "inside_unit_circle",
     "linear_slopes",
+    "link_parameters",
     "linkage_from_resonance",
+    "linked_outputs",
     "live_columns",
     "live_record",
     "live_replay",
@@ -84,6 +87,7 @@ __all__ = [
     "sampled_loops",
     "sampled_slopes",
     "schedule",
+    "simulate_linked",
     "simulation_measure",
     "simulation_measures",
     "simulation_outputs",
@@ -106,6 +110,8 @@ PERIOD_SHOWN: int
 """Place of the first of what the sensors showed."""
 MOST_RECURSION_STEPS: int
 """Longest recursion (22)."""
+MOST_LINK_DELAY: int
+"""Most periods of delay of an electronic link."""
 BOUND_RAD: float
 FMU_CLOCK: int
 """A column that turns so far has no model."""
@@ -442,6 +448,25 @@ def sampled_slopes(
     """
 
 def parameters() -> list[Parameter]: ...
+def link_parameters() -> list[Parameter]: ...
+def linked_outputs() -> list[tuple[str, str]]: ...
+def simulate_linked(
+    first: tuple[Simulation, _Array, _Law | None, _Array | None, _Array | None],
+    second: tuple[Simulation, _Array, _Law | None, _Array | None, _Array | None],
+    values: _Array,
+    *,
+    delay: int | None = None,
+    uncouples: bool = False,
+    disconnect: int | None = None,
+    jam: tuple[int, int] | None = None,
+) -> _Array:
+    """Outputs (samples, outputs) of two loaders joined by a link: those of the first, of the second, ``linked_outputs``.
+
+    A side is its simulation, its values, and its law by name, as gains or as an observer. Both have one step, one period and one
+    length. ``values``: of the link, in the order of ``link_parameters``; ``delay``: periods of an electronic link, a mechanical one
+    without; ``uncouples``: what has given way stays open; ``disconnect``: a step; ``jam``: side 0 or 1, and a step.
+    """
+
 def parts() -> list[tuple[str, str]]: ...
 def released(loops: Loops, angles: _Array, angle: float, step_s: float, threads: int) -> NDArray[np.uint8]:
     """Fills `angles` (loops, samples) with the column's angle from a release at `angle` on, the pilot's arm at the grip.

@@ -8,7 +8,7 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
 
-TAKE_A_PROJECT = ("qualify", "envelope", "size")
+TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate")
 TAKE_A_LOADER = {
     "analyze": (),
     "commission": ("--data", "x.csv"),
@@ -23,7 +23,6 @@ TAKE_A_LOADER = {
     "resonance": ("--data", "x.csv"),
     "run": (),
     "schedule": ("--knots", "x.csv"),
-    "simulate": (),
     "sweep": (),
 }
 
@@ -74,7 +73,10 @@ def test_byte_order_mark_of_project_is_ignored(cockpit):
             '[axes]\npitch = "own.toml"\nroll = "./own.toml"\n',
             "axes.roll: ./own.toml is the loader of pitch already; expected a file of its own for each axis",
         ),
-        ('name = "x"\n[axes]\npitch = "elevator-1974"\n', "name: a project file has a table [axes] and nothing else"),
+        (
+            'name = "x"\n[axes]\npitch = "elevator-1974"\n',
+            "name: a project file has tables [axes] and [links] and nothing else",
+        ),
     ],
 )
 def test_a_bad_project_is_named(cockpit, project, told):

@@ -4,6 +4,7 @@
 use fearless_simd::Level;
 use forcefeel_model::parameters::DriveKind;
 use forcefeel_simulate::batch::{Job, Values, WIDTH};
+use forcefeel_simulate::linked::{Joint, run_pair};
 use forcefeel_simulate::measures::MEASURES;
 use forcefeel_solve::threads::{NoThreads, each};
 
@@ -31,4 +32,14 @@ pub fn run(job: &Job<'_>, threads: usize, histories: &mut [f64]) -> Result<Vec<V
     });
     each(threads, groups, |(first, measures, histories)| group(job, level, first, measures, histories))?;
     Ok(measures)
+}
+
+/// Runs the first loaders of two jobs of one step and one period joined by a link, a sample every so many steps: sample by sample the outputs of
+/// the first, of the second and [`JOINT_OUTPUTS`](forcefeel_simulate::linked::JOINT_OUTPUTS).
+pub fn run_linked(jobs: [&Job<'_>; 2], joint: &Joint, every: usize) -> Vec<f64> {
+    let sides = jobs.map(|job| match job.values.first().map_or(DriveKind::Hydraulic, DriveKind::of) {
+        DriveKind::Hydraulic => forcefeel_batch_hydraulic::side(job),
+        DriveKind::Electric => forcefeel_batch_electric::side(job),
+    });
+    run_pair(sides, joint, jobs[0], (jobs[0].inputs.len(), every))
 }

@@ -59,6 +59,8 @@ pub struct ColumnMotion<S> {
     pub per_link_force: S,
     /// Per newton of pilot force.
     pub per_pilot_force: S,
+    /// Per newton meter about the pivot.
+    pub per_torque: S,
     /// Per velocity: viscous friction and the arm's damping.
     drag: S,
     /// Per displacement: the arm's spring.
@@ -97,6 +99,7 @@ impl<S: Scalar> ColumnMotion<S> {
         Self {
             per_link_force,
             per_pilot_force,
+            per_torque,
             drag: (column.viscous_friction + pilot.arm_damping * at_grip) * per_angle,
             spring: pilot.arm_stiffness * at_grip * per_angle,
             gravity: column.gravity_torque * per_torque,
@@ -112,6 +115,15 @@ impl<S: Scalar> ColumnMotion<S> {
             fall: kinetic - jump.kinetic,
             per_stribeck: S::select(falls, per_base / S::select(falls, column.stribeck_velocity, one), one.zero()),
         }
+    }
+
+    /// Holds the column from now on, whatever moves it: dry friction that stops the velocity `v`, and what pulls as much as `pull`, in two
+    /// steps of `h`, and that does not break away.
+    pub fn jam(&mut self, [v, pull]: [S; 2], h: S) {
+        let one = h.constant(1.0);
+        let kinetic = v.abs() / h.times(2.0) + pull.abs().times(2.0) + one;
+        self.friction = DryFriction { kinetic, breakaway: one / one.zero(), asymmetry: one.zero() };
+        (self.fall, self.per_stribeck) = (one.zero(), one.zero());
     }
 
     /// Acceleration of the base, dry friction left out, in a step that began at `start`; `by_link`: what the link gives of it.

@@ -103,6 +103,8 @@ effects! {
     surroundings = true;
     /// A test signal at the amplifier, or one on the command.
     test_signal = true;
+    /// A link to another column.
+    linked = false;
     /// Something that moves the column from neutral while nobody touches it.
     biased = any(&offsets(p)) || p.feel.has_biased_parts() || any(&[p.column.gravity_torque, p.feel.preload]);
     /// Dry friction of the drive, losses of its transmission.

@@ -39,6 +39,12 @@ impl<S: Scalar> GripForce<S> {
         }
     }
 
+    /// Force of the hand on the grip: the pilot's, and what the arm's damping and spring add.
+    #[inline(always)]
+    pub fn hand(&self, pilot_force: S, [x_b, v]: [S; 2]) -> S {
+        pilot_force - self.damping * v - self.spring * x_b
+    }
+
     /// What it shows of a pilot force while the base moves so: displacement, velocity, acceleration.
     #[inline(always)]
     pub fn shown(&self, pilot_force: S, [x_b, v, a]: [S; 3]) -> S {

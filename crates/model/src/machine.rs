@@ -14,6 +14,7 @@ mod equilibrium;
 mod feel;
 mod friction;
 mod limited;
+mod linked;
 mod look;
 mod middle;
 pub mod period;

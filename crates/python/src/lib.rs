@@ -11,6 +11,7 @@ mod fmu;
 mod host;
 mod laws;
 mod limits;
+mod linked;
 mod live;
 mod lockstep;
 mod loops;
@@ -38,6 +39,10 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<loops::Loops>()?;
     module.add_function(wrap_pyfunction!(releases::released, module)?)?;
     module.add_class::<simulate::Simulation>()?;
+    module.add_function(wrap_pyfunction!(linked::link_parameters, module)?)?;
+    module.add_function(wrap_pyfunction!(linked::simulate_linked, module)?)?;
+    module.add_function(wrap_pyfunction!(linked::linked_outputs, module)?)?;
+    module.add("MOST_LINK_DELAY", forcefeel_model::link::MOST_DELAY)?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
     module.add_class::<export::ExportedLaw>()?;

@@ -49,7 +49,7 @@ pub struct Parameter {
     drive: Option<&'static str>,
 }
 
-fn row(row: &Row) -> Parameter {
+pub fn row(row: &Row) -> Parameter {
     Parameter {
         part: row.part,
         name: row.name,

@@ -253,7 +253,19 @@ impl Simulation {
 const MOST_PARTS: f64 = 1e6;
 
 impl Simulation {
-    fn job<'a>(&'a self, values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
+    /// Steps between samples; a run beside this one has as many, of the same length.
+    pub fn every_beside(&self, other: &Self) -> PyResult<usize> {
+        let period = |timing: Timing| timing.period;
+        let pace = |run: &Self| (run.step_s, run.sampling, run.timing.map(period), run.inputs.len());
+        match self.sampling {
+            Sampling::Every(every) if pace(self) == pace(other) => Ok(every),
+            _ => Err(refused(
+                "second: expected step, period, samples and length of the first, and whole steps between samples",
+            )),
+        }
+    }
+
+    pub fn job<'a>(&'a self, values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
         let all = self.changes.iter().map(|change| &change.values).chain(values);
         let mut effects = effects_of(all, &law);
         (effects.surroundings, effects.test_signal) = (self.stirred, self.tested);

@@ -132,7 +132,7 @@ impl Job<'_> {
 
     /// The loaders of a group of runs, and their parameters.
     #[inline(always)]
-    fn machines<T: Scalar, K: Kind>(
+    pub(crate) fn machines<T: Scalar, K: Kind>(
         &self,
         wide: impl Fn(&dyn Fn(usize) -> f64) -> T + Copy,
     ) -> (Parameters<T>, Machine<T, K::Of<T>>) {
@@ -148,7 +148,7 @@ impl Job<'_> {
     }
 
     /// Where a run begins, found for it alone: a search in lanes would be compiled for each of the vector instructions.
-    fn beginning<K: Kind>(&self, run: usize) -> Beginning<f64> {
+    pub(crate) fn beginning<K: Kind>(&self, run: usize) -> Beginning<f64> {
         self.start.of(&self.machines::<f64, K>(|of| of(run)).1, &self.shared, self.inputs)
     }
 

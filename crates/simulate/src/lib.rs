@@ -7,10 +7,12 @@
 //! | a run | [`run`](mod@run) |
 //! | many runs, in vector lanes | [`batch`], [`pair`] |
 //! | what is asked of a run | [`measures`] |
+//! | two loaders joined by a link | [`linked`] |
 //! | noise of the sensors | [`noise`] |
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod linked;
 pub mod measures;
 pub mod noise;
 pub mod pair;

@@ -11,7 +11,7 @@ classes here, from which a command's own options are derived::
 import shlex
 import sys
 from collections.abc import Iterator
-from dataclasses import Field, dataclass, fields
+from dataclasses import Field, dataclass, fields, replace
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
@@ -198,7 +198,7 @@ class LoaderOptions:
         Raises:
             InputError: If the project, a change or one of its loaders is bad, or an option is for one loader.
         """
-        from forcefeel.loader.project import Project, is_project, read_project
+        from forcefeel.loader.project import is_project, read_project
 
         if path is None or not is_project(path):
             return None
@@ -208,7 +208,7 @@ class LoaderOptions:
                     f"--{name}: is for one loader, and {path} is a project; give it with one of its loaders"
                 )
         project = read_project(path)
-        return Project(path, project.each(lambda _, loader: self.changed(loader)))
+        return replace(project, loaders=project.each(lambda _, loader: self.changed(loader)))
 
     def changed(self, loader: "Loader") -> "Loader":
         """``loader`` with ``--set``.

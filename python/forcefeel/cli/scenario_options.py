@@ -202,14 +202,21 @@ class ScenarioOptions(LoaderOptions):
         Raises:
             InputError: If a value is bad.
         """
-        loader = super().changed(loader)
-        if self.arm is None:
+        return self.armed("--arm", super().changed(loader), self.arm)
+
+    def armed(self, option: str, loader: "Loader", arm: Arm | None) -> "Loader":
+        """``loader`` with an arm at its grip; as it is without one.
+
+        Raises:
+            InputError: If ``--set`` sets an arm's rows too.
+        """
+        if arm is None:
             return loader
         changes = assignments("--set", self.set_)
         for row in ARM_ROWS:
             if row in changes:
-                raise InputError(f"--arm: sets {row}, and so does --set; leave one out")
-        return loader.replace(dict(zip(ARM_ROWS, ARMS[self.arm], strict=True)), si=True)
+                raise InputError(f"{option}: sets {row}, and so does --set; leave one out")
+        return loader.replace(dict(zip(ARM_ROWS, ARMS[arm], strict=True)), si=True)
 
     def law_of(self, loader: "Loader") -> "Law":
         """The law, designed for ``loader`` or read from its file.

@@ -7,27 +7,30 @@ from typing import TYPE_CHECKING, Annotated
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
+from forcefeel.cli.linked_options import LinkedOptions
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, option
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
+    from forcefeel.linked import LinkedRun
+    from forcefeel.loader.project import Project
     from forcefeel.simulation import Run
 
 
 @dataclass(frozen=True, kw_only=True)
-class SimulateOptions(ScenarioOptions, FolderOptions, OutputOptions):
+class SimulateOptions(LinkedOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel simulate``."""
 
     out: Annotated[Path | None, option("Folder for simulation.html, history.csv and results.json.", OUTPUT)] = None
 
 
-def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
+def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
     """Simulate the loader in time, with the nonlinear effects of its file.
 
-    Values are text with a unit, such as '20 lb'. Times without a unit are in seconds. Exit status 1 if the run diverged.
+    For a project file with a table [links], simulate both linked loaders. Values are text with a unit, such as '20 lb'. Times
+    without a unit are in seconds. Exit status 1 if the run diverged.
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """
@@ -39,6 +42,9 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
         from forcefeel.simulation.page.page import FOLDER  # Plotly
 
         FOLDER.check(out, replace=options.replace)  # before the work, not after it
+    if (project := options.linked_project(path)) is not None:
+        _run_linked(path, project, options)
+        return
     loader = options.loader(path)
     with all_or_nothing("simulate", silent=options.json):
         scenario, driven_by = options.scenario(loader), options.law_of(loader)
@@ -58,6 +64,41 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
     )
     if run.status is RunStatus.DIVERGED:
         raise SystemExit(BAD_ANSWER)
+
+
+def _run_linked(path: Path | None, project: "Project", options: SimulateOptions) -> None:
+    from forcefeel.linked import simulate_linked
+    from forcefeel.linked.tables import linked_json
+
+    with all_or_nothing("simulate", silent=options.json):
+        link, scenario = options.link_name(project), options.linked_scenario(project)
+        laws = [options.law_of(project.loaders[axis]) for axis in project.links[link].between]
+        run = simulate_linked(project, link, scenario, *laws)
+        files = {}
+        if options.out is not None:
+            from forcefeel.linked import write_linked
+
+            files["page"] = write_linked(run, options.out, options.units, command=options.command_line(path))
+    answer(
+        files,
+        lambda: linked_json(run, options.units),
+        lambda terminal: _show_linked(terminal, run, options.units),
+        as_json=options.json,
+    )
+    if run.diverged:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _show_linked(console: Terminal, run: "LinkedRun", units: UnitSystem) -> None:
+    from forcefeel.linked.findings import hands_text, linked_conclusions
+    from forcefeel.linked.tables import measure_rows
+
+    console.print(hands_text(run, units), highlight=False)
+    table = titled(f"Link {run.link.name}", "measure", "value")
+    for name, value, unit in measure_rows(run, units):
+        table.add_row(name, f"{value} {unit}".rstrip())
+    console.show(table)
+    console.conclude(linked_conclusions(run, units))
 
 
 def _show(console: Terminal, run: "Run", units: UnitSystem) -> None:

@@ -11,8 +11,12 @@ RuleAxis = Literal["pitch", "roll", "yaw"]
 
 _STICK = "stick-"
 
-PROJECT_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll")
-"""Names of the axes: of wheel and pedals, and of a stick."""
+_SECOND = "-first-officer"
+
+_FIRST_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll")
+
+PROJECT_AXES = (*_FIRST_AXES, *(f"{axis}{_SECOND}" for axis in _FIRST_AXES))
+"""Names of the axes: of wheel and pedals, and of a stick; of a second pilot likewise."""
 
 HYDRAULIC_AXES: Mapping[str, str] = MappingProxyType({"elevator-2khz": "pitch", "elevator-1974": "pitch"})
 """The built-in loaders with a valve, and the axis of each."""
@@ -33,15 +37,20 @@ AXIS_OF: Mapping[str, str] = MappingProxyType({**HYDRAULIC_AXES, **ELECTRIC_AXES
 """All built-in loaders, and the axis of each."""
 
 
+def motion_axis(axis: str) -> str:
+    """The axis without the pilot: that of a first officer is that of the captain."""
+    return axis.removesuffix(_SECOND)
+
+
 def control_of(axis: str) -> str:
     """Which control an axis is of where sticks count as one: ``pitch``, ``roll``, ``yaw`` or ``stick``."""
-    return "stick" if axis.startswith(_STICK) else axis
+    return "stick" if axis.startswith(_STICK) else motion_axis(axis)
 
 
 def rule_axis(axis: str) -> RuleAxis:
     """The axis of a qualification rule, which has no rows of a stick's own."""
     of: dict[str, RuleAxis] = {"pitch": "pitch", "roll": "roll", "yaw": "yaw"}
-    return of[axis.removeprefix(_STICK)]
+    return of[motion_axis(axis).removeprefix(_STICK)]
 
 
 def usual_axis(name: str) -> str:

@@ -1,4 +1,4 @@
-"""A project file: the axes of a cockpit and the loader of each.
+"""A project file: the axes of a cockpit, the loader of each, and the links between two pilots' controls, see ``links``.
 
 [axes]
 pitch = "elevator.toml"     # a loader file, from the project's folder
@@ -13,9 +13,10 @@ from typing import TypeVar
 
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, input_kind
-from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES
+from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES, motion_axis
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.file import document
+from forcefeel.loader.links import Link, read_links
 from forcefeel.loader.loader import Loader, load
 from forcefeel.units import show
 
@@ -29,10 +30,12 @@ class Project:
     Attributes:
         path: The project file.
         loaders: By axis, in the file's order.
+        links: By name, in the file's order.
     """
 
     path: Path
     loaders: Mapping[str, Loader]
+    links: Mapping[str, Link]
 
     @property
     def name(self) -> str:
@@ -69,11 +72,12 @@ def read_project(path: str | Path) -> Project:
 
     Args:
         path: The file: a table ``[axes]`` with a loader file, by its path from the project's folder, or a built-in loader for
-            ``pitch``, ``roll``, ``yaw``, ``stick-pitch`` or ``stick-roll``.
+            ``pitch``, ``roll``, ``yaw``, ``stick-pitch`` or ``stick-roll``, or for one of these with ``-first-officer``; and a
+            table ``[links]`` as of ``links``, if any.
 
     Raises:
-        InputError: If it cannot be read, has another key than ``axes``, no axes, an unknown one, one without a loader's name, one
-            file for two axes, or a built-in loader of another axis; or a loader is bad.
+        InputError: If it cannot be read, has another key than ``axes`` and ``links``, no axes, an unknown one, one without a
+            loader's name, one file for two axes, or a built-in loader of another axis; or a loader is bad.
 
     Example:
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
@@ -82,8 +86,10 @@ def read_project(path: str | Path) -> Project:
     """
     path = Path(path)
     given = document(path, "a project file")
-    if strangers := [key for key in given if key != "axes"]:
-        raise InputError(f"{path}: {', '.join(strangers)}: a project file has a table [axes] and nothing else")
+    if strangers := [key for key in given if key not in ("axes", "links")]:
+        raise InputError(
+            f"{path}: {', '.join(strangers)}: a project file has tables [axes] and [links] and nothing else"
+        )
     axes = given.get("axes")
     if not isinstance(axes, dict) or not axes:
         raise InputError(f"{path}: axes: expected a table with a loader for at least one axis, such as {_EXAMPLE}")
@@ -93,7 +99,11 @@ def read_project(path: str | Path) -> Project:
             loaders[axis] = _loader(path.parent, axis, name, taken)
         except InputError as error:
             raise InputError(f"{path}: axes.{axis}: {error}") from error
-    return Project(path, MappingProxyType(loaders))
+    try:
+        links = read_links(given.get("links"), loaders)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    return Project(path, MappingProxyType(loaders), links)
 
 
 _EXAMPLE = 'pitch = "elevator.toml" or roll = "aileron-wheel"'
@@ -108,14 +118,14 @@ def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> L
     file = folder / given
     if input_kind(file) or given not in BUILT_IN:
         loader = load(file)
-        if other := taken.get(file.resolve()):
+        if (other := taken.get(file.resolve(), motion_axis(axis))) != motion_axis(axis):
             raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")
-        taken[file.resolve()] = axis
+        taken[file.resolve()] = motion_axis(axis)
     else:
         loader = BUILT_IN[given]()
-    own = AXIS_OF.get(loader.name, axis)
-    if own != axis:
-        others = ", ".join(name for name, of in AXIS_OF.items() if of == axis)
+    own = AXIS_OF.get(loader.name, motion_axis(axis))
+    if own != motion_axis(axis):
+        others = ", ".join(name for name, of in AXIS_OF.items() if of == motion_axis(axis))
         raise InputError(
             f"{loader.name} is the name of a built-in loader of {own}; expected one of {axis}, such as {others}; or, where its "
             f'numbers are meant for {axis}, a file of them (forcefeel new) with a name of its own (name = "..." in the file)'

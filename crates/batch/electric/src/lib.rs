@@ -5,8 +5,14 @@
 use fearless_simd::Level;
 use forcefeel_model::drive::OfElectric;
 use forcefeel_simulate::batch::{Job, Values};
+use forcefeel_simulate::linked::{self, Side};
 
 /// The group of runs from `first` on: the measures of each, and its histories where there is room for them.
 pub fn group(job: &Job<'_>, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
     job.group_on_vectors::<OfElectric>(level, first, measures, histories);
+}
+
+/// The first loader of a job as a side of a pair.
+pub fn side<'a>(job: &'a Job<'a>) -> Box<dyn Side + 'a> {
+    linked::side::<OfElectric>(job)
 }

@@ -5,7 +5,7 @@ use super::{Machine, Snapshot, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::run::StepFraction;
+use crate::run::{Inputs, StepFraction};
 use crate::transducers::SENSORS;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
@@ -20,6 +20,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         &self,
         effects: &Effects,
         state: &State<S, D>,
+        inputs: &Inputs,
         now: &Snapshot<S, D>,
     ) -> [S; SENSORS] {
         let mut measured = Self::measured(now);
@@ -27,6 +28,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let mut a = self.column.per_link_force * now.force
                 + self.column.per_pilot_force * now.pilot_force
                 + self.column.loads(effects, now.base, now.base, now.base_rate);
+            if effects.linked {
+                a = a + self.column.per_torque.times(inputs.link_torque[0]);
+            }
             if effects.column_friction {
                 // What it did in the last step, as this one's is not settled yet.
                 a = S::select(state.column.stuck, a.zero(), a + state.column.drag);

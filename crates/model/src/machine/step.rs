@@ -48,7 +48,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             self.drive.catch_up(&self.neighbors(), effects, &side, state, &mut now);
         }
         if effects.lags || shared.timing.is_some() {
-            let measured = self.measured_at_grip(effects, state, &now);
+            let measured = self.measured_at_grip(effects, state, inputs, &now);
             let lags = |before| self.transducers.after_whole(before, measured, state.late);
             let shown = if effects.lags { lags(&state.seen) } else { measured };
             state.seen = SensorReading { measured, shown };
@@ -156,7 +156,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let [first, second, third] = self.drive.rates(effects, &stage.state.drive, (&slow.plant, stage.moment), e, now);
         let by_link = self.drive.pull(self.column.per_link_force, &now.balance);
         let way = (stage.state.slow.plant[3], slow.plant[3]);
-        let pull = self.column.acceleration(effects, (by_link, now.pilot_force), way, now.base_rate);
+        let mut pull = self.column.acceleration(effects, (by_link, now.pilot_force), way, now.base_rate);
+        if effects.linked {
+            pull = pull + self.column.per_torque.times(stage.moment.of(stage.inputs.link_torque));
+        }
         Slow { plant: [first, second, third, now.base_rate, pull], feel }
     }
 }

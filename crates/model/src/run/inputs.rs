@@ -53,6 +53,8 @@ inputs! {
     test_signal: 0.0;
     /// What is added to the law's command in V: a digital controller adds what it finds at a sample, and sends it on with the command.
     command_signal: 0.0;
+    /// Torque in N m on the column beside the hand's, inboard of a sensor at the grip: of a link to another column.
+    link_torque: 0.0;
 }
 
 /// When within a step.

@@ -9,6 +9,7 @@ mod dual;
 mod grip_sensor;
 mod host;
 mod known_friction;
+mod link;
 mod loader;
 mod machine;
 mod mechanics;

@@ -1,0 +1,154 @@
+//! Link between two pilots' controls: a compliant shaft with play and a breakout, or its image in two feel computers.
+//!
+//! `phi = theta_1 - theta_2` angle of one control beyond the other · `k`, `c` stiffness and damping · `p` play, full width · `M_b` breakout
+//! torque · `k_a` stiffness after it · `T` torque of the first control on the second · `d` delay from one control's sample to the other's
+//! feel computer · `c_i` largest damping that is injected
+//!
+//! ```text
+//! s = k (phi - clamp(phi, -p/2, p/2))
+//! S = s                                          |s| <= M_b
+//! S = sgn(s) (M_b + k_a (|s| - M_b) / k)         beyond
+//! T = S + c phi'
+//! ```
+//!
+//! `S` depends on the angle alone, so it is the slope of a potential: what is put into the spring comes back and no more, and the damper only
+//! takes. It has no step, so none is felt where an override lets go or takes hold again, and both controls are aligned again when it has.
+//! A clutch that slips would leave them apart. A link that uncouples at `M_b` stays open; the energy of its spring is lost to both.
+//!
+//! An electronic link is the same torque with the other control's angle of `d` before, held for a period `h`. Delay and hold give energy; a
+//! damping of `k (d + h)` on each control takes it: the bound `k <= c / d` of E. Nuno, L. Basanez, R. Ortega, Automatica 47(3) (2011) 485-495,
+//! with the hold.
+
+use crate::Scalar;
+use crate::parameters::Parameter;
+use crate::units::{self, Unit};
+
+/// Rows of a link.
+pub const LINK_ROWS: usize = 7;
+
+/// The table of a link's parameters, in the order of its values; a row with `off_us` may be left out.
+pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
+    row("stiffness", ("k", "stiffness of the link"), units::ROTARY_STIFFNESS, (2000.0, None), (1e-2, 1e7)),
+    row("damping", ("c", "damping of the link"), units::ROTARY_DAMPING, (20.0, Some(0.0)), (0.0, 1e6)),
+    row("play", ("p", "free play between the controls, full width"), units::ANGLE, (0.2, Some(0.0)), (0.0, 90.0)),
+    row(
+        "breakout",
+        ("M_b", "torque above which the link gives way"),
+        units::TORQUE,
+        (1000.0, Some(f64::INFINITY)),
+        (1e-2, 1e7),
+    ),
+    row(
+        "stiffness_after",
+        ("k_a", "stiffness after the breakout"),
+        units::ROTARY_STIFFNESS,
+        (500.0, Some(0.0)),
+        (0.0, 1e7),
+    ),
+    row("delay", ("d", "delay of an electronic link, one way; 0: a period"), units::TIME, (1.0, Some(0.0)), (0.0, 1e3)),
+    row(
+        "injected_damping",
+        ("c_i", "largest damping injected against the delay"),
+        units::ROTARY_DAMPING,
+        (50.0, Some(0.0)),
+        (0.0, 1e6),
+    ),
+];
+
+const fn row(
+    name: &'static str,
+    (symbol, meaning): (&'static str, &'static str),
+    unit: Unit,
+    (default_us, off_us): (f64, Option<f64>),
+    (minimum_us, maximum_us): (f64, f64),
+) -> Parameter {
+    let (part, source, instead_of) = ("links", "illustrative", &[] as &[&str]);
+    Parameter { part, name, symbol, meaning, unit, default_us, off_us, minimum_us, maximum_us, source, instead_of }
+}
+
+/// A link, SI units.
+#[derive(Debug, Clone, Copy)]
+pub struct PilotLink<S> {
+    stiffness: S,
+    damping: S,
+    half_play: S,
+    breakout: S,
+    stiffness_after: S,
+    injected_damping: S,
+}
+
+impl<S: Scalar> PilotLink<S> {
+    /// From values in the order of [`LINK_TABLE`].
+    #[inline(always)]
+    pub fn from_values(
+        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping]: &[S; LINK_ROWS],
+    ) -> Self {
+        Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping }
+    }
+
+    /// What the spring would give without a breakout.
+    #[inline(always)]
+    fn elastic(&self, phi: S) -> S {
+        self.stiffness * (phi - phi.within(self.half_play))
+    }
+
+    /// Torque in N m of the first control on the second, from the angle and the rate of one beyond the other.
+    #[inline(always)]
+    pub fn torque(&self, [phi, rate]: [S; 2]) -> S {
+        let elastic = self.elastic(phi);
+        let held = elastic.within(self.breakout);
+        // Zero, too, where the breakout is infinite.
+        held + (elastic - held) * self.stiffness_after / self.stiffness + self.damping * rate
+    }
+
+    /// Whether the spring is beyond its breakout.
+    #[inline(always)]
+    pub fn gives_way(&self, phi: S) -> S::Mask {
+        self.breakout.less(self.elastic(phi).abs())
+    }
+}
+
+/// Most periods of delay of an electronic link.
+pub const MOST_DELAY: usize = 255;
+
+/// An electronic link: what each feel computer works out from its own control and from the other's of some periods before.
+#[derive(Debug, Clone, Copy)]
+pub struct ElectronicLink<S> {
+    link: PilotLink<S>,
+    delay: usize,
+    /// Angle and rate of both controls at the last samples.
+    past: [[[S; 2]; 2]; MOST_DELAY + 1],
+    sample: usize,
+}
+
+impl<S: Scalar> ElectronicLink<S> {
+    /// A link with so many periods of delay, at most [`MOST_DELAY`], between controls that have rested so.
+    pub fn new(link: PilotLink<S>, delay: usize, resting: [[S; 2]; 2]) -> Self {
+        Self { link, delay: delay.min(MOST_DELAY), past: [resting; MOST_DELAY + 1], sample: 0 }
+    }
+
+    /// At a sample, from angle and rate of both controls: of each feel computer angle and rate of the first control beyond the second.
+    #[inline(always)]
+    pub fn sampled(&mut self, now: [[S; 2]; 2]) -> [[S; 2]; 2] {
+        let length = self.past.len();
+        self.past[self.sample % length] = now;
+        let then = self.past[(self.sample + length - self.delay) % length];
+        self.sample += 1;
+        let beyond = |first: [S; 2], second: [S; 2]| [first[0] - second[0], first[1] - second[1]];
+        [beyond(now[0], then[1]), beyond(then[0], now[1])]
+    }
+
+    /// Damping in N m s/rad on each control, against the delay and against the period `h` for which the torque is held.
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
+    pub fn injected(&self, h: S) -> S {
+        let PilotLink { stiffness, stiffness_after, injected_damping, .. } = self.link;
+        // c = k (d + h) with the steeper k, at most c_i
+        (stiffness.max(stiffness_after) * h.times((self.delay + 1) as f64)).min(injected_damping)
+    }
+
+    /// The link.
+    pub fn link(&self) -> &PilotLink<S> {
+        &self.link
+    }
+}

@@ -1,0 +1,217 @@
+//! Two loaders of one period side by side, their columns or their feels joined by a link.
+//!
+//! The torque of a mechanical link changes evenly through a step, from its value at the start to that at the end. The end is found twice: first
+//! from the rates at the start, then from a step under that torque. So the pair is of the second order in the step, each loader by itself of
+//! the fourth. The torque of an electronic link is worked out at each sample from both programmed controls, which follow no sensor's
+//! noise, and held for a period.
+
+use crate::batch::Job;
+use crate::noise::Noise;
+use forcefeel_model::drive::{Drive, Kind};
+use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink};
+use forcefeel_model::machine::{Inputs, Machine, Memory, Shared, State, StepStart};
+use forcefeel_solve::outputs::Output;
+
+/// What joins two loaders, and what happens to it.
+#[derive(Debug, Clone, Copy)]
+pub struct Joint {
+    /// Values of the link, in the order of its table.
+    pub values: [f64; LINK_ROWS],
+    /// Periods of delay of an electronic link; none for a mechanical one.
+    pub delay: Option<usize>,
+    /// Whether it stays open once it has given way.
+    pub uncouples: bool,
+    /// Step at which it is opened.
+    pub disconnect: Option<usize>,
+    /// Which column jams, the first or the second, and at which step.
+    pub jam: Option<(usize, usize)>,
+}
+
+/// What there is of a pair at a sample, beside the outputs of each: torque of the link on each column or feel in N m, force of each hand in N, and 1
+/// where the link has given way or is open.
+pub const JOINT_OUTPUTS: [(&str, &str); 5] = [
+    ("first_link_torque", "N m"),
+    ("second_link_torque", "N m"),
+    ("first_hand_force", "N"),
+    ("second_hand_force", "N"),
+    ("link_gives_way", ""),
+];
+
+/// A loader of a pair, whatever its drive.
+pub trait Side {
+    /// Angle of the column.
+    fn angle(&self) -> f64;
+    /// Angle and rate of the programmed control.
+    fn programmed(&self) -> [f64; 2];
+    /// Begins a step, under a torque on the column, or under one in N m and a damping on the feel.
+    fn begin(&mut self, step: usize, on_column: f64, on_feel: [f64; 2]);
+    /// Takes the step that has begun, the torque on the column ending so: angle and rate of the column. May be taken again.
+    fn advance(&mut self, torque: f64) -> [f64; 2];
+    /// The step is done: a hand may let go.
+    fn done(&mut self, step: usize);
+    /// Adds the outputs at the start of the step that has begun; gives the force of the hand on the grip.
+    fn outputs(&self, to: &mut Vec<f64>) -> f64;
+    /// The column jams after the step that has begun.
+    fn jam(&mut self);
+}
+
+struct Loader<'a, D: Drive<f64>> {
+    job: &'a Job<'a>,
+    shared: Shared,
+    machine: Machine<f64, D>,
+    state: State<f64, D>,
+    memory: Memory<f64>,
+    held_until: usize,
+    noise: Noise,
+    step: Option<Step<D>>,
+    grip_arm: f64,
+}
+
+/// A step that has begun.
+struct Step<D: Drive<f64>> {
+    inputs: Inputs,
+    start: StepStart<f64, D>,
+    before: State<f64, D>,
+}
+
+/// The first loader of a job as a side of a pair; a jam of its column may come.
+pub fn side<'a, K: Kind>(job: &'a Job<'a>) -> Box<dyn Side + 'a>
+where
+    K::Of<f64>: 'a,
+{
+    let (parameters, machine) = job.machines::<f64, K>(|of| of(0));
+    let shared = job.shared.clone();
+    let beginning = job.beginning::<K>(0);
+    let equilibrium = &beginning.equilibrium;
+    let (mut state, memory) = (machine.start(&shared, equilibrium), machine.remember(&shared, equilibrium));
+    Machine::<f64, K::Of<f64>>::hold(&mut state, equilibrium);
+    if beginning.held_until == 0 {
+        Machine::<f64, K::Of<f64>>::let_go(&mut state);
+    }
+    let (seed, stream) = job.noise;
+    let noise = Noise::new(seed, &[stream.unwrap_or(0)], shared.effects.grip_sensor);
+    Box::new(Loader {
+        job,
+        shared,
+        machine,
+        state,
+        memory,
+        held_until: beginning.held_until,
+        noise,
+        step: None,
+        grip_arm: parameters.column.grip_arm,
+    })
+}
+
+impl<D: Drive<f64>> Side for Loader<'_, D> {
+    fn angle(&self) -> f64 {
+        self.machine.column_angle(&self.state)
+    }
+
+    fn programmed(&self) -> [f64; 2] {
+        self.machine.programmed_motion(&self.state)
+    }
+
+    fn begin(&mut self, step: usize, on_column: f64, [torque, damping]: [f64; 2]) {
+        let given = self.job.inputs;
+        let mut inputs = given.get(step).copied().unwrap_or_else(|| given[given.len() - 1].end());
+        inputs.link_torque = [on_column; 2];
+        inputs.added_force = inputs.added_force.map(|force| force + torque / self.grip_arm);
+        inputs.added_damping = inputs.added_damping.map(|other| other + damping);
+        let noise = &mut self.noise;
+        let start =
+            self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, || noise.next::<f64>(()));
+        self.step = Some(Step { inputs, start, before: self.state });
+    }
+
+    fn advance(&mut self, torque: f64) -> [f64; 2] {
+        let Some(Step { inputs, start, before }) = &mut self.step else { return [self.angle(), 0.0] };
+        inputs.link_torque[1] = torque;
+        self.state = *before;
+        self.machine.advance(&self.shared, &mut self.state, inputs, start);
+        self.machine.column_motion(&self.shared, &self.state, start)
+    }
+
+    fn done(&mut self, step: usize) {
+        if step + 1 == self.held_until {
+            Machine::<f64, D>::let_go(&mut self.state);
+        }
+    }
+
+    fn outputs(&self, to: &mut Vec<f64>) -> f64 {
+        let Some(Step { start, .. }) = &self.step else { return 0.0 };
+        let per_base = self.machine.per_base();
+        to.extend(self.job.outputs.iter().map(|&output| Output::at(output).of(&start.now, per_base)));
+        self.machine.hand_force(&start.now)
+    }
+
+    fn jam(&mut self) {
+        if let Some(Step { start, .. }) = &self.step {
+            self.machine.jam(start);
+        }
+    }
+}
+
+/// Runs a pair through `steps` steps, a sample every so many: sample by sample the outputs of the first, of the second and of the joint.
+pub fn run_pair(
+    mut sides: [Box<dyn Side + '_>; 2],
+    joint: &Joint,
+    job: &Job<'_>,
+    (steps, every): (usize, usize),
+) -> Vec<f64> {
+    let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
+    let mut electronic =
+        joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
+    let beyond = |[first, second]: [[f64; 2]; 2]| [first[0] - second[0], first[1] - second[1]];
+    let injected = electronic.as_ref().map_or(0.0, |electronic| electronic.injected(job.shared.period_s()));
+    let mut open = false;
+    let mut at = [sides[0].angle() - sides[1].angle(), 0.0];
+    let mut on_feel = [[0.0; 2]; 2];
+    let mut rows = Vec::new();
+    for step in 0..=steps {
+        open = open || joint.disconnect.is_some_and(|disconnect| step >= disconnect);
+        let coupled = !open && joint.delay.is_none();
+        let torque = |at: [f64; 2]| if coupled { link.torque(at) } else { 0.0 };
+        let start = torque(at);
+        let sampled = job.shared.timing.and_then(|timing| timing.sample_at(step));
+        if let (Some(electronic), Some(_)) = (&mut electronic, sampled) {
+            let seen = electronic.sampled([sides[0].programmed(), sides[1].programmed()]);
+            at = seen[0];
+            open = open || joint.uncouples && seen.iter().any(|&[phi, _]| link.gives_way(phi));
+            let on = |torque: f64| if open { [0.0; 2] } else { [torque, injected] };
+            on_feel = [on(-link.torque(seen[0])), on(link.torque(seen[1]))];
+        }
+        for (side, (sign, on_feel)) in sides.iter_mut().zip([-1.0, 1.0].into_iter().zip(on_feel)) {
+            side.begin(step, sign * start, on_feel);
+        }
+        if step % every == 0 {
+            let hands = [0, 1].map(|side: usize| sides[side].outputs(&mut rows));
+            rows.extend([on_feel[0][0] - start, on_feel[1][0] + start]);
+            rows.extend(hands);
+            rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
+        }
+        if joint.delay.is_some() {
+            for side in &mut sides {
+                side.advance(0.0);
+            }
+        } else {
+            let mut end = torque([at[0] + h * at[1], at[1]]);
+            for _ in 0..CORRECTIONS {
+                let [first, second] = &mut sides;
+                at = beyond([first.advance(-end), second.advance(end)]);
+                end = torque(at);
+            }
+            open = open || joint.uncouples && link.gives_way(at[0]);
+        }
+        for side in &mut sides {
+            side.done(step);
+        }
+        if let Some((side, _)) = joint.jam.filter(|&(_, jam)| jam == step + 1) {
+            sides[side].jam();
+        }
+    }
+    rows
+}
+
+/// Times that a step is taken under a torque that ends as the last one found it.
+const CORRECTIONS: usize = 2;

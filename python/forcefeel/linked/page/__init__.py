@@ -1,0 +1,1 @@
+"""The folder and the page of a run of two linked loaders."""
