@@ -110,6 +110,11 @@ def test_command_prints_and_writes_the_flight(forcefeel, tmp_path):
     assert len(lines) == 1001
 
 
+def test_control_of_another_axis_is_named(forcefeel):
+    _, out, _ = forcefeel("fly", "aileron-wheel", "--duration", "1.5 s")
+    assert "aileron-wheel is flown as the pitch control, though it is built for roll" in " ".join(out.split())
+
+
 def test_reversible_control_behind_an_actuator_is_refused_and_an_irreversible_one_flies(forcefeel, tmp_path):
     own = tmp_path / "own.toml"
     text = (ff_data() / "c172p.toml").read_text(encoding="utf-8")

@@ -143,6 +143,12 @@ def test_impossible_run_exits_with_2(forcefeel, tmp_path, project, options, told
     assert told in error
 
 
+def test_commands_that_judge_each_axis_alone_say_so(forcefeel, tmp_path):
+    for name, said in (("transport-column", True), ("cockpit", False)):
+        _, out, _ = forcefeel("size", f"{EXAMPLES}/{name}.toml", "--out", str(tmp_path / name))
+        assert ("judged by itself, without its link" in " ".join(out.split())) is said
+
+
 def test_link_options_are_refused_for_one_loader(forcefeel):
     status, out, error = forcefeel("simulate", "elevator-2khz", "--jam", "1 s: pitch")
     assert (status, out) == (2, "")

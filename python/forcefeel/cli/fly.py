@@ -253,8 +253,13 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loa
 
 
 def _say_what_flew(terminal: Terminal, loader: str) -> None:
-    # A loader file does not say which control it is.
-    terminal.print(f"{loader} is flown as the pitch control. The aircraft's numbers of this control are illustrative.")
+    from forcefeel.loader.axes import rule_axis, usual_axis
+
+    axis = rule_axis(usual_axis(loader))
+    built_for = "" if axis == "pitch" else f", though it is built for {axis}"
+    terminal.print(
+        f"{loader} is flown as the pitch control{built_for}. The aircraft's numbers of this control are illustrative."
+    )
 
 
 def _text(number: float, unit: Unit, units: UnitSystem) -> str:

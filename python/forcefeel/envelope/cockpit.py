@@ -11,7 +11,7 @@ from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, angle_text, 
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.run import Progress, compute
-from forcefeel.loader.axes import rule_axis
+from forcefeel.loader.axes import judged_alone, rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 from forcefeel.units import ANGLE, PERCENT, UnitSystem
@@ -138,7 +138,7 @@ def cockpit_conclusions(cockpit: CockpitEnvelope) -> Conclusions:
             f"{capital(axis)}, {envelope.plan.given.name}: {each} of {envelope.plan.settings.count:,} programmed feels, released "
             f"from {angle_text(envelope.plan.release_rad, UnitSystem.SI)}."
         )
-    return Conclusions(not short, verdict, tuple(lines))
+    return Conclusions(not short, verdict, (*lines, *judged_alone(cockpit.axes)))
 
 
 def _row(axis: str, envelope: Envelope, law: str) -> AxisRow:

@@ -3,7 +3,7 @@
 It imports nothing heavy, so that help, which names the loaders, waits for no numerical library.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Literal
 
@@ -40,6 +40,14 @@ AXIS_OF: Mapping[str, str] = MappingProxyType({**HYDRAULIC_AXES, **ELECTRIC_AXES
 def motion_axis(axis: str) -> str:
     """The axis without the pilot: that of a first officer is that of the captain."""
     return axis.removesuffix(_SECOND)
+
+
+def judged_alone(axes: Iterable[str]) -> tuple[str, ...]:
+    """What to say of axes that are judged one by one where some are a second pilot's: a sentence, or none."""
+    second = any(axis.endswith(_SECOND) for axis in axes)
+    return (
+        "Each axis is judged by itself, without its link. To run linked controls, use forcefeel simulate.",
+    ) * second
 
 
 def control_of(axis: str) -> str:

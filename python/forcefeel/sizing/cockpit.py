@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from forcefeel.conclusions import Conclusions, capital, of_result
-from forcefeel.loader.axes import control_of
+from forcefeel.loader.axes import control_of, judged_alone
 from forcefeel.loader.project import Project
 from forcefeel.sizing.findings import sizing_conclusions
 from forcefeel.sizing.result import Sizing
@@ -60,4 +60,4 @@ def cockpit_conclusions(cockpit: CockpitSizing, units: UnitSystem) -> Conclusion
     )
     lines = [f"{capital(axis)}: {sizing_conclusions(sizing, units).verdict}" for axis, sizing in cockpit.axes.items()]
     lines += [f"{capital(axis)}: {sizing_conclusions(cockpit.axes[axis], units).findings[0]}" for axis in lacking]
-    return Conclusions(cockpit.ok, verdict, tuple(lines))
+    return Conclusions(cockpit.ok, verdict, (*lines, *judged_alone(cockpit.axes)))

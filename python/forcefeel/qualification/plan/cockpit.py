@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.errors import InputError
-from forcefeel.loader.axes import rule_axis
+from forcefeel.loader.axes import judged_alone, rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 from forcefeel.qualification.plan.result import Qualification, QualificationStatus, worst_status
@@ -96,7 +96,9 @@ def cockpit_conclusions(cockpit: CockpitQualification) -> Conclusions:
             for text in (standing_text(section), *reasons(section, qualification)[:1])
         ]
         lines.append(f"{capital(axis)}, {qualification.loader.name}: {' '.join(texts)}")
-    return Conclusions(cockpit.fulfilled, f"By {rules} the cockpit {_standing(cockpit)}.", tuple(lines))
+    return Conclusions(
+        cockpit.fulfilled, f"By {rules} the cockpit {_standing(cockpit)}.", (*lines, *judged_alone(cockpit.axes))
+    )
 
 
 def _standing(cockpit: CockpitQualification) -> str:
