@@ -226,11 +226,11 @@ class Touch:
         hard = abs(fell) > self.environment * abs(went)
         stiff, quick = hard and fell * went <= 0, self.since < self.quick
         swing = other and quick
-        slow, peak_before = self.since < 3 * self.quick, abs(self.extreme[1])
+        slow, peak_before = self.since < 2 * self.quick, abs(self.extreme[1])
         if swing:
             self.swings = self.swings + 1 if stiff or peak_before >= 1.2 * self.last else 0
         elif other:
-            self.swings = self.swings + 0.25 if slow and stiff and peak_before > self.last else 0
+            self.swings = self.swings + 0.25 if slow and stiff and peak_before > 1.02 * self.last else 0
         elif not slow:
             self.swings = 0
         struck = over and quick and stiff and self.push > 0

@@ -20,7 +20,7 @@
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
-//! - eight slower swings in a row, up to `3 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
+//! - eight slower swings in a row, up to `2 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
 //! - a push against the motion that is as stiff and over within `t_q`, or within a third of that and has turned the motion: the column
 //!   struck a stop.
 //!
@@ -54,9 +54,11 @@ const GROWTH: f64 = 1.2;
 /// Swings in a row.
 const SWINGS: f64 = 2.0;
 
-/// Longest time between two sides of a slow swing, in `t_q`, and its share of a quick one: eight in a row, each harder than the last.
-const SLOW: f64 = 3.0;
+/// Longest time between two sides of a slow swing, in `t_q`, and its share of a quick one: eight in a row, each harder than the last by more
+/// than noise makes it.
+const SLOW: f64 = 2.0;
 const SLOW_SWING: f64 = 0.25;
+const SLOW_GROWTH: f64 = 1.02;
 
 /// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
 const MOVES_RAD_PER_S: f64 = 0.05;
@@ -246,7 +248,7 @@ impl<S: Scalar> ContactLaw<S> {
         let counts = stiff | !peak_before.less(was.last.times(GROWTH));
         // A heavy feel swings on a stiff spring as slowly as a hand can; a hand does not push harder each time.
         let slow = was.since.less(self.quick.times(SLOW));
-        let slow_counts = stiff & was.last.less(peak_before) & slow;
+        let slow_counts = stiff & was.last.times(SLOW_GROWTH).less(peak_before) & slow;
         let swings = S::select(
             to_other_side,
             S::select(
