@@ -345,20 +345,23 @@ def test_long_recording_is_identified_by_hash():
 
 def test_memory_stays_flat(tmp_path, monkeypatch):
     """A run of a sweep in a folder adds no more than the columns that its summary reads one by one; 400 bytes in memory."""
-    monkeypatch.setattr("forcefeel.sweep.plan._CHUNK_RUNS", 2000)
-    monkeypatch.setattr("forcefeel.sweep.result.SAMPLE_RUNS", 1000)
+    monkeypatch.setattr("forcefeel.sweep.plan._CHUNK_RUNS", 500)
+    monkeypatch.setattr("forcefeel.sweep.result.SAMPLE_RUNS", 250)
+
+    def summarized(runs: int) -> None:
+        sweep = Sweep(ff.elevator(), Scenario(Step(100.0), duration_s=0.02), runs=runs)
+        summarize(run_sweep(sweep, tmp_path / str(runs), threads=1))
 
     def peak(runs: int) -> int:
-        sweep = Sweep(ff.elevator(), Scenario(Step(100.0), duration_s=0.02), runs=runs)
         tracemalloc.start()
         try:
-            summarize(run_sweep(sweep, tmp_path / str(runs), threads=1))
+            summarized(runs)
             return tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()
 
-    peak(2000)  # what is imported on the way
-    few, many = 32_000, 64_000  # both of full chunks
+    summarized(1000)  # what is imported on the way
+    few, many = 8_000, 16_000  # both of full chunks
     assert (peak(many) - peak(few)) / (many - few) < 40
 
 
