@@ -17,6 +17,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "bench"
 FILE = ff.digital_elevator()
 LBF = 4.4482216152605  # N
 TIME = BenchTime(time_s=4.0, rate_hz=500.0)
+NOISE = 2e-3  # relative; what the noise of four seconds leaves of a value
 RUBS = {DRY: "1.5 lb", BREAKAWAY: "1.8 lb"}
 
 
@@ -91,8 +92,8 @@ def test_friction_in_the_file_does_not_mislead_the_search_and_a_carried_paramete
     found = identified.loader
     assert found is not None
     assert identified.outcome.ok, identified.outcome
-    assert found[DRY] == pytest.approx(1.5 * LBF, rel=2e-3)  # noise of the record
+    assert found[DRY] == pytest.approx(1.5 * LBF, rel=NOISE)
     assert found[BREAKAWAY] == 0.0  # four seconds do not tell it, and the file does not state it
-    assert found["column.inertia"] / FILE["column.inertia"] == pytest.approx(41 / 37.4, rel=2e-3)
+    assert found["column.inertia"] / FILE["column.inertia"] == pytest.approx(41 / 37.4, rel=NOISE)
     low, high = found.tolerances["column.base_arm"].ends
     assert high - low < 1e-5 * high

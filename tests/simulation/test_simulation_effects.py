@@ -139,7 +139,11 @@ ORIGINAL = (
 
 
 @pytest.mark.parametrize(
-    ("name", "gains"), [*((name, GAINS) for name in EFFECTS), *((name, None) for name in ORIGINAL)], ids=str
+    ("name", "gains"),
+    [
+        *(pytest.param(name, GAINS, id=f"{name}-feedback") for name in EFFECTS),
+        *(pytest.param(name, None, id=f"{name}-original") for name in ORIGINAL),
+    ],
 )
 def test_effect_matches_witness(name, gains, without):
     effect, events = EFFECTS[name], []
