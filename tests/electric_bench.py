@@ -34,6 +34,8 @@ OFF, PHASE_OFF = 0.25, 0.5
 
 LINES_HZ = np.array([0.5, 1, 1.5, 2.5, 3.5, 5, 7, 10, 14, 18, 25, 35, 50, 70, 100])
 RAMP_S = 0.5
+SETTLE_S = 1.5
+"""Before a record begins: under dry friction and cogging the witness first finds its rest."""
 
 
 def file_of(loader, rough=False, backlash_m=0.0):

@@ -36,6 +36,16 @@ NONLINEAR = {
 }
 SURFACE = {"surface.area": "1 m^2", "surface.chord": "0.4 m", "surface.gearing": 1.0, "surface.bobweight": "10 N"}
 """A loader with a surface takes what that adds as inputs; which coefficients it has is the aircraft's matter."""
+USUAL = {
+    key: NONLINEAR[key]
+    for key in (
+        "feel.breakout",
+        "feel.coulomb_friction",
+        "feel.static_friction",
+        "feel.soft_stop_high",
+        "feel.hard_stop_high",
+    )
+}
 CONVERTERS = {
     "controller.input_range": "10 V",
     "controller.input_bits": 16,
