@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def progressive(angle_deg):
 
 def stopped(angle_deg):
     """5 N/deg, and 20 N/deg more beyond 8 deg."""
-    return 5.0 * angle_deg + 20.0 * np.sign(angle_deg) * np.maximum(np.abs(angle_deg) - 8.0, 0.0)
+    return 25.0 * angle_deg + 10.0 * (abs(angle_deg - 8.0) - abs(angle_deg + 8.0))
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Control:
 
     def elastic(self, angle_rad):
         """Force without friction."""
-        built_up = np.clip(np.asarray(angle_rad) / BUILD_UP_RAD, -1, 1)
-        return self.spring(np.degrees(angle_rad)) + self.breakout_n * built_up
+        share = angle_rad / BUILD_UP_RAD
+        return self.spring(math.degrees(1) * angle_rad) + self.breakout_n * (abs(share + 1) - abs(share - 1)) / 2
 
     def static(self, angle_rad, direction):
         """Force that moves it slowly."""
@@ -62,9 +62,9 @@ class Control:
         """Angles under a force for each step, friction as a set; before the first step at rest."""
         angle, speed, drag = angle_rad, 0.0, STEP_S * self.friction_n * ARM_M / self.inertia
         angles = []
-        for force in forces_n:
+        for force in forces_n.tolist():
             angles.append(angle)
-            torque = ARM_M * (force - float(self.elastic(angle))) - self.damping * speed
+            torque = ARM_M * (force - self.elastic(angle)) - self.damping * speed
             speed += STEP_S * torque / self.inertia
             speed = math.copysign(max(abs(speed) - drag, 0.0), speed)
             angle += STEP_S * speed
@@ -91,7 +91,3 @@ class Control:
         return Record(
             np.arange(len(x)) / rate, x, force[::every], name=f"sweep of {duration_s:g} s", noise=0.0, force_noise_n=0.0
         )
-
-    def but(self, **changes):
-        """Another control."""
-        return replace(self, **changes)

@@ -1,6 +1,7 @@
 """Pages as their readers and their browser see them, and what is asked of every page."""
 
 import re
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from html.parser import HTMLParser
@@ -49,7 +50,7 @@ def words(page: Path) -> Words:
 def views_of(names: Iterable[str]):
     """The fixture ``page``: each of the module's ``pages`` at each width; ``called`` is its name.
 
-    All are loaded in one window: a new one would compile the script of the plots once more.
+    All are loaded in one window and from beside one script: another window or script would be compiled once more.
     """
     views = [
         pytest.param((name, width), marks=pytest.mark.browser, id=f"{name}-{width}")
@@ -60,7 +61,10 @@ def views_of(names: Iterable[str]):
     @pytest.fixture(scope="module", params=views)
     def page(request, window, pages):
         name, width = request.param
-        show(window, pages[name], width)
+        folder = pages[name].parent
+        if not (script := folder.parent / SCRIPT).exists():
+            shutil.copy(folder / SCRIPT, script)
+        show(window, Path(shutil.copy(pages[name], folder.parent / f"{name}.html")), width)
         window.called = name
         return window
 

@@ -63,10 +63,9 @@ def opened(fmus, name, kind, version, **how):
     return Imported(unzipped(fmus[name][0], f"pitch_{kind}_{version}"), **how)
 
 
-@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_fmpy_validation_finds_no_errors(fmus, name, kind):
-    assert validate_fmu(str(fmus[name][0] / f"pitch_{kind}_fmi3.fmu")) == []
+def test_fmpy_validation_finds_no_errors(fmus, kind):
+    assert validate_fmu(str(fmus["grip"][0] / f"pitch_{kind}_fmi3.fmu")) == []
 
 
 def test_law_variables_belong_to_its_clock(fmus):

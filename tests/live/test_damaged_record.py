@@ -48,8 +48,8 @@ def truncated(data):
 
 
 def flipped(data):
-    """A bit of every 61st byte, and every one of the first and last records."""
-    places = sorted({*range(0, len(data), 61), *range(300), *range(len(data) - 300, len(data))})
+    """A bit of every 241st byte, and every one of the first and last records."""
+    places = sorted({*range(0, len(data), 241), *range(300), *range(len(data) - 300, len(data))})
     return [data[:at] + bytes([data[at] ^ (1 << at % 8)]) + data[at + 1 :] for at in places]
 
 

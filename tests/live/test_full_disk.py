@@ -33,7 +33,7 @@ def limited(most_bytes, *words, cwd):
 
 
 def test_failed_write_is_reported_and_earlier_data_kept(tmp_path):
-    done = limited(500_000, *LIVE, "--duration", "3 s", cwd=tmp_path)
+    done = limited(500_000, *LIVE, "--duration", "1.5 s", cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     found = json.loads(done.stdout)
     assert "File too large" in found["record_ended"]

@@ -17,7 +17,7 @@ from forcefeel import _core
 HERE = Path(__file__).parent
 EXAMPLE = Path(__file__).parents[2] / "examples" / "live-udp"
 PERIOD = "2 ms"
-CUTS_MS = (50, 300, 3000)
+CUTS_MS = (50, 300, 1000)
 """Each longer than ``safety.silence_time``, 20 ms."""
 AFTER_S = 0.2
 """How long it is watched after the samples are back, and once more after it is acknowledged."""

@@ -23,7 +23,7 @@ FINE_N = 0.15  # what the means of neighboring samples round off a knee of 53 N 
 
 FEELS = [
     {"breakout": breakout, "friction": friction, "deadband": deadband, "preload": preload}
-    for breakout, friction, deadband, preload in product((0.0, 8.0, 53.0), (0.0, 5.0), (0.0, 0.5, 2.0), (0.0, 3.0))
+    for breakout, friction, deadband, preload in product((0.0, 8.0, 53.0), (0.0, 5.0), (0.0, 0.5), (0.0, 3.0))
     if preload <= breakout + friction and breakout >= friction * (breakout > 0)
 ]
 

@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -121,10 +122,13 @@ def batch_of(record, test, reference, overdamped="fall time"):
     return "" if found.passed[0] else found.names[found.first_failing[0]]
 
 
-@pytest.mark.parametrize("expected", JUST)
-@pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize(("edition", "number", "k"), rows("release"))
-def test_release_rows(edition, number, k, sign, expected):
+def test_release_rows(edition, number, k):
+    for sign, expected in product((-1, 1), JUST):
+        release_row(edition, number, k, sign, expected)
+
+
+def release_row(edition, number, k, sign, expected):
     test, rule = row(edition, number, k)
     reference, just = SWINGS.features, sign * JUST[expected]
     verified = test.is_verified(rule)
@@ -178,11 +182,13 @@ def test_release_rows(edition, number, k, sign, expected):
             assert by == ("" if expected == "passed" else rule.quantity)
 
 
-@pytest.mark.parametrize("expected", JUST)
-@pytest.mark.parametrize("sign", [-1, 1])
-@pytest.mark.parametrize("system", list(UnitSystem))
 @pytest.mark.parametrize(("edition", "number", "k"), [*rows("static"), *rows("freeplay")])
-def test_static_rows(edition, number, k, system, sign, expected):
+def test_static_rows(edition, number, k):
+    for system, sign, expected in product(UnitSystem, (-1, 1), JUST):
+        static_row(edition, number, k, system, sign, expected)
+
+
+def static_row(edition, number, k, system, sign, expected):
     test, rule = row(edition, number, k)
     just = sign * JUST[expected]
 

@@ -60,8 +60,7 @@ def held(loader, law, angle):
     return witness.Start(y, np.array([delta, rate]), xi, current + excess * asks_by[0])
 
 
-@pytest.mark.parametrize("antiwindup", [0.0, 100.0])
-@pytest.mark.parametrize("limit", [14.5, 10.0])
+@pytest.mark.parametrize(("limit", "antiwindup"), [(14.5, 0.0), (10.0, 100.0)])
 def test_release_beyond_holding_torque_matches_witness(limit, antiwindup):
     loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup}, si=True)
     law = ff.Law.of("robust", loader).numbers

@@ -164,8 +164,7 @@ def test_linear_additions_match_linear_witness_with_changed_column():
     np.testing.assert_allclose(run["delta"], expected[:, 4], rtol=0, atol=INTEGRATED_V)
 
 
-@pytest.mark.parametrize("gains", [None, GAINS])
-@pytest.mark.parametrize("delay", [0.0, 3e-4, 1.3e-3])
+@pytest.mark.parametrize(("gains", "delay"), [(None, 3e-4), (GAINS, 0.0), (GAINS, 1.3e-3)])
 def test_digital_controller_is_the_exact_recursion(gains, delay):
     period, count = 1e-3, 200
     m = Machine(gains=gains, period=period, delay=delay)

@@ -101,7 +101,7 @@ def test_all_effects_match_witness_at_every_step_size(case_of):
     scatter, at any step.
     """
     errors, events = [], []
-    for machine in machines(5):
+    for machine in machines(3):
         case = case_of(machine)
         reference = case.witness(Solver("LSODA", 1e-9, events))
         errors.append(case.errors(reference, 1e-3, 5e-4, 2.5e-4))

@@ -19,8 +19,7 @@ FLOOR = 1.5e-5
 """The slaving, and what the feel computer's one step per period leaves."""
 
 
-@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-@pytest.mark.parametrize("share", [0.0, 0.3, 1.0, 2.5])
+@pytest.mark.parametrize(("share", "gains"), [(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)])
 def test_delay_matches_witness(share, gains):
     case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
     assert max(case.errors(case.witness(), 1e-3, 2.5e-4)) < FLOOR
@@ -68,7 +67,8 @@ def test_antiwindup_matches_witness(gains):
     machine = Machine(gains=gains, period=1e-3, orifice=True, current_limit=0.3)
     case = Case(replace(machine, antiwindup=100.0), *FORCE[:2], 1.5)
     reference = case.witness()
-    assert np.abs(Case(machine, *FORCE[:2], 1.5).witness()["theta"] - reference["theta"]).max() > 1e-3
+    without = Case(machine, *FORCE[:2], 1.5).engine(1e-3).history.column_angle_rad.values
+    assert np.abs(without - reference["theta"]).max() > 1e-3
     # First order in the period (5.5e-4, 2.8e-4, 1.4e-4 at 1, 0.5, 0.25 ms, original loop): the witness lets delta drift through the
     # period, the engine moves it at the sample.
     assert max(case.errors(reference, 1e-3)) < 1e-3

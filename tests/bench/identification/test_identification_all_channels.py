@@ -23,10 +23,8 @@ ERRORS = 4  # standard errors
 SECONDS, RATE_HZ, PERIOD_S, NOISE, VOLTS = 15.0, 1000.0, 10.0, 0.01, 3.0
 
 SETS = (
-    "column_angle piston_position",
     "column_angle piston_position load_pressure",
     "column_angle load_cell_force",
-    "column_angle actuator_flow",
     "load_pressure",
     " ".join(bench_machine.SI),
 )

@@ -93,6 +93,7 @@ def push(page, axis):
     until(page, lambda: page.evaluate("window.looks") > 1)
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
     push(page, [0.0, -0.8])
     page.wait_for_timeout(200)
@@ -179,6 +180,7 @@ def test_stop_is_shown_cleared_and_followed_by_restart(page):
     page.locator("#state.active").wait_for()
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_stop_without_connection_is_sent_first_on_reconnect(page, running):
     """The page's socket is closed under it, which opens another a second later."""
     page.evaluate("() => { for (const one of window.sockets) one.close(); }")
