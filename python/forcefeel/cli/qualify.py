@@ -240,6 +240,7 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
 
     Example: forcefeel qualify my.toml --compare --pdf
     """
+    from forcefeel.linked import check_link
     from forcefeel.loader.project import Project
     from forcefeel.page.chromium import find_chromium
     from forcefeel.qualification.page.page import FOLDER, write_qualification
@@ -254,7 +255,7 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
     subject = options.project(path, **one_loader) or options.loader(path)
     with _progress(options) as (bar, show), options_named(), law_option_named():
         qualification: Qualification | CockpitQualification = (
-            qualify_cockpit(subject, options.setup, progress=show)
+            qualify_cockpit(subject, options.setup, check_link=check_link, progress=show)
             if isinstance(subject, Project)
             else qualify_loader(subject, options.setup(subject), progress=show)
         )
@@ -295,6 +296,11 @@ def _show_axes(console: Terminal, cockpit: "CockpitQualification") -> None:
                 table.add_row(axis, trial.key, str(result.outcome), section.title, trial.test.number)
         table.add_section()
     console.show(table)
+    for name, checks in cockpit.links.items():
+        table = titled(f"Link {name}: forcefeel's own checks", "check", "outcome", numbers=("value", "limit"))
+        for check in checks:
+            table.add_row(check.name, check.outcome, *check.texts(cockpit.system))
+        console.show(table)
     console.conclude(cockpit_conclusions(cockpit))
 
 

@@ -2,6 +2,7 @@
 
 from forcefeel.linked.engine import simulate_linked as simulate_linked
 from forcefeel.linked.findings import linked_conclusions as linked_conclusions
+from forcefeel.linked.link_checks import check_link as check_link
 from forcefeel.linked.page.page import write_linked as write_linked
 from forcefeel.linked.result import LinkedRun as LinkedRun
 from forcefeel.linked.result import LinkMeasures as LinkMeasures

@@ -3,6 +3,7 @@
 from forcefeel.qualification.batch_verdicts import judge_releases as judge_releases
 from forcefeel.qualification.force_points import ForcePoints as ForcePoints
 from forcefeel.qualification.force_points import read_force_points as read_force_points
+from forcefeel.qualification.own_checks import OwnCheck as OwnCheck
 from forcefeel.qualification.page.page import write_qualification as write_qualification
 from forcefeel.qualification.plan.cockpit import CockpitQualification as CockpitQualification
 from forcefeel.qualification.plan.cockpit import qualify_cockpit as qualify_cockpit

@@ -121,6 +121,7 @@ def _cockpit_page(cockpit: CockpitQualification, beside: tuple[str, ...], comman
         conclusions=cockpit_conclusions(cockpit),
         overview=qualification_tables.axes(cockpit),
         tests_of_all=qualification_tables.over_axes(cockpit),
+        link_checks=qualification_tables.link_checks(cockpit) if cockpit.links else None,
         axes=axes,
         provenance=qualification_tables.provenance(*cockpit.axes.values()),
         unverified=list(

@@ -98,6 +98,21 @@ def axes(cockpit: CockpitQualification) -> Table:
     return Table(head, rows, "outcomes")
 
 
+def link_checks(cockpit: CockpitQualification) -> Table:
+    """A row for each check of each link."""
+    rows = tuple(
+        (
+            words(name),
+            words(check.name),
+            words(check.outcome, bad=not check.passed),
+            *map(number, check.texts(cockpit.system)),
+        )
+        for name, checks in cockpit.links.items()
+        for check in checks
+    )
+    return Table((*map(Cell, ("Link", "Check", "Outcome")), Cell("Value", "number"), Cell("Limit", "number")), rows)
+
+
 def _linked(section: Section, result: Result | None, axis: str = "") -> Cell:
     if result is None:
         return Cell("not requested", "", _NONE)

@@ -39,6 +39,20 @@ def qualification_json(qualification: Qualification | CockpitQualification) -> d
             "status": str(qualification.status),
             "conclusions": json_value(cockpit_conclusions(qualification), system),
             "axes": {axis: qualification_json(one_axis) for axis, one_axis in qualification.axes.items()},
+            "links": {
+                name: [
+                    {
+                        "check": check.name,
+                        "outcome": check.outcome,
+                        **{
+                            key: json_quantity(getattr(check, key), check.unit, system)
+                            for key in ("value", "low", "high")
+                        },
+                    }
+                    for check in checks
+                ]
+                for name, checks in qualification.links.items()
+            },
         }
     rules = qualification.rules
     rule = {

@@ -1,13 +1,15 @@
 """The test guide of a cockpit: the tests of a rule on each axis of a project."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.errors import InputError
-from forcefeel.loader.axes import judged_alone, rule_axis
+from forcefeel.laws.law import LawLike
+from forcefeel.loader.axes import rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
+from forcefeel.qualification.own_checks import LinkChecks, OwnCheck, link_findings
 from forcefeel.qualification.plan.result import Qualification, QualificationStatus, worst_status
 from forcefeel.qualification.plan.run import Progress, QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.sentences import reasons, rule_text, standing_text
@@ -21,10 +23,12 @@ class CockpitQualification:
     Attributes:
         name: Name of the project's file.
         axes: Qualification by axis, in the file's order.
+        links: Checks of each link, forcefeel's own; none where only some tests were requested.
     """
 
     name: str
     axes: Mapping[str, Qualification]
+    links: LinkChecks = field(default_factory=dict)
 
     @property
     def system(self) -> UnitSystem:
@@ -43,14 +47,16 @@ class CockpitQualification:
 
     @property
     def fulfilled(self) -> bool:
-        """Whether every axis qualifies, or passed all requested tests where only some were requested."""
-        return all(qualification.fulfilled for qualification in self.axes.values())
+        """Whether every axis qualifies, or passed all requested tests where only some were requested, and every link its checks."""
+        links = all(check.passed for checks in self.links.values() for check in checks)
+        return links and all(qualification.fulfilled for qualification in self.axes.values())
 
 
 def qualify_cockpit(
     project: Project,
     setup: Callable[[Loader], QualificationSetup] = lambda _: QualificationSetup(),
     *,
+    check_link: Callable[[Project, str, LawLike], tuple[OwnCheck, ...]] | None = None,
     progress: Progress = lambda test, done, total: None,
 ) -> CockpitQualification:
     r"""Runs the tests of a rule on each axis of a project.
@@ -58,6 +64,7 @@ def qualify_cockpit(
     Args:
         project: The project.
         setup: Setup for a loader. The axis of the project overrides that of the setup; a stick is tested as pitch and roll.
+        check_link: Checks of a link under the first law of its first axis: ``linked.check_link``. Default: links are left out.
         progress: Called when a test of an axis begins.
 
     Raises:
@@ -81,7 +88,19 @@ def qualify_cockpit(
             progress=lambda test, done, total: progress(f"{axis}, {test}", done, total),
         )
 
-    return CockpitQualification(project.name, project.each(qualified))
+    axes = project.each(qualified)
+    links = {
+        name: check_link(project, name, _first_law(first))
+        for name, link in project.links.items()
+        if check_link and not (first := setup(project.loaders[link.between[0]])).tests
+    }
+    return CockpitQualification(project.name, axes, links)
+
+
+def _first_law(setup: QualificationSetup) -> LawLike:
+    if isinstance(setup.laws, Mapping):
+        return next(iter(setup.laws.values()))
+    return next(iter(setup.laws or (None,)))
 
 
 @of_result
@@ -97,7 +116,9 @@ def cockpit_conclusions(cockpit: CockpitQualification) -> Conclusions:
         ]
         lines.append(f"{capital(axis)}, {qualification.loader.name}: {' '.join(texts)}")
     return Conclusions(
-        cockpit.fulfilled, f"By {rules} the cockpit {_standing(cockpit)}.", (*lines, *judged_alone(cockpit.axes))
+        cockpit.fulfilled,
+        f"By {rules} the cockpit {_standing(cockpit)}.",
+        (*lines, *link_findings(cockpit.links, cockpit.system)),
     )
 
 

@@ -1,0 +1,153 @@
+"""Checks of the link between two pilots' controls. No qualification rule has a test of it: these are forcefeel's own.
+
+| check | what is done | limit |
+|---|---|---|
+| breakout | the second column is jammed, the first pushed slowly to a side and back | force beyond the feel's: 5 % of the row |
+| stiffness | likewise, below the breakout | torque beyond the feel's per angle: 10 % of the row |
+| re-engagement | likewise, on the way back | largest step of the link's force between two samples: 2 lb |
+| release | both columns are released from one angle | position difference: 0.5 deg |
+| uncoupling | opposite hands open the link and push on | none: how far a column swings beyond where it comes to rest |
+
+The force of a feel at rest is the model's (``_core.feel_held_along``).
+"""
+
+from math import isfinite, nan, radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.laws.law import LawLike
+from forcefeel.linked.engine import simulate_linked
+from forcefeel.linked.result import LinkedRun
+from forcefeel.linked.scenario import Jam, LinkedScenario
+from forcefeel.loader.links import AfterBreakout, Link
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.project import Project
+from forcefeel.qualification.own_checks import OwnCheck
+from forcefeel.simulation.inputs import Recorded, Release
+from forcefeel.simulation.scenario import Scenario
+from forcefeel.units import ANGLE, FORCE, ROTARY_STIFFNESS, Unit
+
+BREAKOUT, STIFFNESS = 0.05, 0.1
+"""Largest deviations from the rows of the link, as shares."""
+
+STEP_N, DIFFERENCE_RAD = 8.896, radians(0.5)
+"""Largest step of the force at re-engagement, 2 lb, and largest difference of two released columns."""
+
+_RAMP_S, _BEYOND = 8.0, 1.4
+"""Time of a slow push to its largest force, and that force as a share of what the breakout takes."""
+
+_LOW, _HIGH = 0.3, 0.8
+"""Part of the way to the breakout over which the stiffness is measured."""
+
+_RELEASE_RAD, _RELEASE_S = radians(5.0), 2.0
+
+_Array = NDArray[np.float64]
+
+
+def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnCheck, ...]:
+    """Checks a link of a project with both its loaders.
+
+    Args:
+        project: The project.
+        name: Name of the link.
+        law: Law of both loaders, as for ``simulate_linked``.
+
+    Raises:
+        InputError: As ``simulate_linked``.
+
+    Example:
+        >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
+        >>> [check.passed for check in ff.linked.check_link(project, "pitch", "robust")]
+        [True, True, True, True, True]
+    """
+    link = project.links[name]
+
+    def run(scenario: LinkedScenario) -> LinkedRun:
+        return simulate_linked(project, name, scenario, law)
+
+    first = project.loaders[link.between[0]]
+    checks = []
+    if isfinite(link["breakout"]):
+        for sign in (1.0, -1.0):
+            pushed = run(_pushed(link, first, sign))
+            checks += _pushed_checks(pushed, sign)
+    release = Release(_RELEASE_RAD)
+    released = run(LinkedScenario(Scenario(release, _RELEASE_S), second_force=release))
+    apart = released.measures.largest_difference_rad
+    checks.append(OwnCheck("position difference, both released", apart, 0.0, DIFFERENCE_RAD, ANGLE))
+    if isfinite(link["breakout"]) and link.after_breakout is AfterBreakout.UNCOUPLE:
+        opposed = run(_opposed(link, first))
+        checks.append(OwnCheck("swing beyond rest, uncoupling", _swing(opposed), nan, nan, ANGLE))
+    return tuple(checks)
+
+
+def _breakout_force(link: Link, loader: Loader) -> float:
+    """Force at the first grip that the breakout takes, with the feel's at the angle there."""
+    angle = link["breakout"] / link["stiffness"] + link["play"] / 2
+    return float(link["breakout"] / loader["column.grip_arm"] + _feel_force(loader, np.array([angle]), 1.0)[0])
+
+
+def _feel_force(loader: Loader, angle_rad: _Array, sign: float) -> _Array:
+    """Force at the grip of the programmed feel, moved slowly to a side."""
+    curve = loader.force_curve.arrays if loader.force_curve else None
+    return _core.feel_held_along(loader.si_values, angle_rad, np.full(len(angle_rad), sign), curve=curve)
+
+
+def _pushed(link: Link, loader: Loader, sign: float) -> LinkedScenario:
+    """The first column pushed slowly beyond the breakout and back, the second jammed."""
+    force = sign * _BEYOND * _breakout_force(link, loader)
+    ramp = Recorded(np.array([0.0, _RAMP_S, 2 * _RAMP_S]), np.array([0.0, force, 0.0]))
+    return LinkedScenario(Scenario(ramp, 2 * _RAMP_S), jam=Jam(link.between[1], 0.01))
+
+
+def _opposed(link: Link, loader: Loader) -> LinkedScenario:
+    """Opposite hands that open the link within a second and stay."""
+    force = _BEYOND * _breakout_force(link, loader)
+    hands = [Recorded(np.array([0.0, 1.0, 6.0]), np.array([0.0, sign * force, sign * force])) for sign in (1.0, -1.0)]
+    return LinkedScenario(Scenario(hands[0], 6.0), second_force=hands[1])
+
+
+def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
+    link, loader = run.link, run.loaders[0]
+    arm, side = loader["column.grip_arm"], "up" if sign > 0 else "down"
+    history = {str(name): run.history[name].to_numpy() for name in run.history.data_vars}
+    beyond = history["link_gives_way"] > 0
+    out = int(np.argmax(beyond)) if beyond.any() else None
+    angle = history["first_column_angle_rad"]
+    of_link = sign * (history["first_hand_force_n"] - _feel_force(loader, angle, sign))
+    row = link["breakout"] / arm
+    at_breakout = nan if out is None else float(of_link[out])
+    checks = [_within(f"breakout, {side}", at_breakout, row, BREAKOUT, FORCE)]
+    if sign > 0:
+        checks.append(
+            _within("stiffness", _slope(angle, of_link * arm, out), link["stiffness"], STIFFNESS, ROTARY_STIFFNESS)
+        )
+        if link.after_breakout is AfterBreakout.OVERRIDE:
+            back = history["first_link_torque_n_m"][len(angle) // 2 :]
+            step = float(np.abs(np.diff(back)).max()) / arm
+            checks.append(OwnCheck("largest step of force, re-engagement", step, 0.0, STEP_N, FORCE))
+    return checks
+
+
+def _slope(angle: _Array, torque: _Array, out: int | None) -> float:
+    """Torque of the link per angle on the way to where it gives way."""
+    if not out:
+        return nan
+    part = slice(int(_LOW * out), int(_HIGH * out))
+    return float(np.polyfit(angle[part], torque[part], 1)[0])
+
+
+def _within(name: str, value: float, row: float, share: float, unit: Unit) -> OwnCheck:
+    return OwnCheck(name, value, (1 - share) * row, (1 + share) * row, unit)
+
+
+def _swing(run: LinkedRun) -> float:
+    """Largest angle of a column beyond where it comes to rest."""
+    measures = run.measures
+    ends = {"first": measures.first_final_angle_rad, "second": measures.second_final_angle_rad}
+    return max(
+        float(np.max(np.sign(end) * run.history[f"{side}_column_angle_rad"].to_numpy()) - abs(end))
+        for side, end in ends.items()
+    )

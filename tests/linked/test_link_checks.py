@@ -1,0 +1,74 @@
+"""forcefeel's own checks of a link: right by hand, and able to fail."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from tests.linked.pairs import EXAMPLES, LB, LB_IN, project
+
+TRANSPORT = str(Path(EXAMPLES, "transport-column.toml").resolve())
+
+SLOW, RUBS = 0.01, 0.1
+"""Of a slow push against a link of known rows; of friction that is beyond the breakout where the hand moves on."""
+
+
+def changed(name, **rows):
+    """A ready project, both of its loaders changed."""
+    axes = project(name)
+    loaders = {axis: loader.replace(rows) for axis, loader in axes.loaders.items()}
+    return ff.loader.Project(axes.path, loaders, axes.links)
+
+
+def by_name(axes, link="pitch", law="robust"):
+    return {check.name: check for check in ff.linked.check_link(axes, link, law)}
+
+
+def test_breakout_and_stiffness_are_those_of_the_rows_by_hand():
+    checks = by_name(project("transport-column"))
+    for side in ("up", "down"):
+        assert checks[f"breakout, {side}"].value == pytest.approx(1000 / 31.375 * LB, rel=SLOW)
+    assert checks["stiffness"].value == pytest.approx(20000 * LB_IN, rel=SLOW)
+    assert all(check.passed for check in checks.values())
+
+
+def test_uncoupling_link_has_its_swing_measured_without_a_limit():
+    swing = by_name(project("uncoupling"))["swing beyond rest, uncoupling"]
+    assert swing.outcome == "measured"
+    # Feels of 2 Hz, damped by a fifth, overshoot a step by half at most.
+    assert 0 < swing.value < 0.5 * np.radians(21)
+
+
+def test_friction_that_the_law_does_not_know_fails_the_breakout():
+    checks = by_name(changed("transport-column", **{"column.coulomb_friction": "4 lb"}), law=law_without_friction())
+    assert not checks["breakout, up"].passed
+    assert checks["breakout, up"].value - 1000 / 31.375 * LB == pytest.approx(4 * LB, rel=RUBS)
+
+
+def law_without_friction():
+    return ff.Law.of("robust", project("transport-column").loaders["pitch"])
+
+
+def test_link_that_is_out_of_reach_is_told():
+    checks = by_name(changed("uncoupling", **{"column.stop_high": "5 deg", "column.stop_low": "-5 deg"}))
+    assert checks["breakout, up"].texts(ff.UnitSystem.US)[0] == "did not give way"
+    assert not checks["breakout, up"].passed
+
+
+def test_qualify_checks_the_links_of_a_project(forcefeel, tmp_path):
+    out = str(tmp_path / "out")
+    status, text, _ = forcefeel("qualify", TRANSPORT, "--law", "robust", "--out", out, "--json")
+    links = json.loads(text)["links"]["pitch"]
+    assert status == 0
+    assert [check["outcome"] for check in links] == ["passed"] * 5
+    assert links[0]["value"]["unit"] == "lb"
+    page = (tmp_path / "out" / "qualification.html").read_text(encoding="utf-8")
+    assert "position difference, both released" in page
+
+
+def test_qualify_with_some_tests_leaves_links_alone(forcefeel, tmp_path):
+    one = ("--test", "release-25-positive", "--out", str(tmp_path / "out"), "--law", "robust", "--json")
+    status, text, _ = forcefeel("qualify", TRANSPORT, *one)
+    assert (status, json.loads(text)["links"]) == (0, {})
