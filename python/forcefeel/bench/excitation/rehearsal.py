@@ -131,6 +131,7 @@ def fit_to_limits(
         worst = max(zip(peaks, limits, strict=True), key=lambda pair: pair[0] / pair[1].value)
         raise InputError(
             f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].text(worst[1].value, UnitSystem.US)} however "
-            f"small the excitation is ({worst[1].text(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
+            f"small the excitation is ({worst[1].text(worst[0], UnitSystem.US)}); raise the limit (--limit-{worst[1].name}) "
+            "or take another experiment (--experiment)"
         )
     return best
