@@ -62,7 +62,7 @@ from forcefeel.loader.text import toml_value
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
-PROJECT_COMMANDS = "forcefeel qualify, envelope and size"
+PROJECT_COMMANDS = "forcefeel qualify, envelope and size take a project, simulate one with links"
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
 _MOST_DOTS = 100
@@ -114,8 +114,8 @@ def checked_contents(path: Path, given: Mapping[str, Any]) -> Contents:
     """
     if "axes" in given:
         raise InputError(
-            f"{path}: is a project, which names the loader of each axis; expected one of those loaders; {PROJECT_COMMANDS} take "
-            "a project"
+            f"{path}: is a project, which names the loader of each axis; expected one of those loaders; "
+            f"{PROJECT_COMMANDS}"
         )
     drive = _drive(path, given)
     complaints = [complaint for part in parts(drive) if (complaint := _contradiction(part, given.get(part), drive))]
