@@ -1,6 +1,7 @@
 """forcefeel's own checks of a link: right by hand, and able to fail."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,12 +58,24 @@ def test_link_that_is_out_of_reach_is_told():
     assert not checks["breakout, up"].passed
 
 
+def test_link_that_swings_on_in_the_hand_of_the_second_pilot_fails():
+    axes = project("linked-sticks")
+    link = axes.links["stick-pitch"]
+    # Of 20 ms and without injected damping; stiff beyond k d = c of the sticks.
+    late = {"delay": 0.02, "injected_damping": 0.0, "stiffness": 2000.0, "breakout": 1e4}
+    values = [late.get(row, link[row]) for row in ff.loader.links.LINK_TABLE]
+    links = {"stick-pitch": replace(link, values=np.array(values))}
+    swings = by_name(replace(axes, links=links), "stick-pitch")
+    assert not swings["swing left, first released, second held: loose"].passed
+    assert by_name(axes, "stick-pitch")["swing left, first released, second held: loose"].passed
+
+
 def test_qualify_checks_the_links_of_a_project(forcefeel, tmp_path):
     out = str(tmp_path / "out")
     status, text, _ = forcefeel("qualify", TRANSPORT, "--law", "robust", "--out", out, "--json")
     links = json.loads(text)["links"]["pitch"]
     assert status == 0
-    assert [check["outcome"] for check in links] == ["passed"] * 5
+    assert [check["outcome"] for check in links] == ["passed"] * 7
     assert links[0]["value"]["unit"] == "lb"
     page = (tmp_path / "out" / "qualification.html").read_text(encoding="utf-8")
     assert "position difference, both released" in page

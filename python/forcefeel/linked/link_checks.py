@@ -6,12 +6,14 @@
 | stiffness | likewise, below the breakout | torque beyond the feel's per angle: 10 % of the row |
 | re-engagement | likewise, on the way back | largest step of the link's force between two samples: 2 lb |
 | release | both columns are released from one angle | position difference: 0.5 deg |
+| release of the first | an arm holds the second, loosely and firmly | swing of its fourth second: 0.9 of the third |
 | uncoupling | opposite hands open the link and push on | none: how far a column swings beyond where it comes to rest |
 
 The force of a feel at rest is the model's (``_core.feel_held_along``).
 """
 
-from math import isfinite, nan, radians
+from dataclasses import replace
+from math import inf, isfinite, nan, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,21 +21,25 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.laws.law import LawLike
 from forcefeel.linked.engine import simulate_linked
-from forcefeel.linked.result import LinkedRun
+from forcefeel.linked.result import SIDES, LinkedRun
 from forcefeel.linked.scenario import Jam, LinkedScenario
+from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.loader.links import AfterBreakout, Link
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 from forcefeel.qualification.own_checks import OwnCheck
 from forcefeel.simulation.inputs import Recorded, Release
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import ANGLE, FORCE, ROTARY_STIFFNESS, Unit
+from forcefeel.units import ANGLE, FORCE, RATIO, ROTARY_STIFFNESS, Unit
 
 BREAKOUT, STIFFNESS = 0.05, 0.1
 """Largest deviations from the rows of the link, as shares."""
 
 STEP_N, DIFFERENCE_RAD = 8.896, radians(0.5)
 """Largest step of the force at re-engagement, 2 lb, and largest difference of two released columns."""
+
+LEFT = 0.9
+"""Largest swing of the fourth second after a release, as a share of the third second's: what swings on has all of it."""
 
 _RAMP_S, _BEYOND = 8.0, 1.4
 """Time of a slow push to its largest force, and that force as a share of what the breakout takes."""
@@ -42,6 +48,12 @@ _LOW, _HIGH = 0.3, 0.8
 """Part of the way to the breakout over which the stiffness is measured."""
 
 _RELEASE_RAD, _RELEASE_S = radians(5.0), 2.0
+
+_LETS_GO_S, _LET_GO_S = 3.0, 7.0
+"""When the first hand lets go, and the end of that run."""
+
+_STILL_RAD = 1e-4
+"""A column that swings by less is at rest but for the sensors' noise."""
 
 _Array = NDArray[np.float64]
 
@@ -60,7 +72,7 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
         >>> [check.passed for check in ff.linked.check_link(project, "pitch", "robust")]
-        [True, True, True, True, True]
+        [True, True, True, True, True, True, True]
     """
     link = project.links[name]
 
@@ -77,6 +89,9 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
     released = run(LinkedScenario(Scenario(release, _RELEASE_S), second_force=release))
     apart = released.measures.largest_difference_rad
     checks.append(OwnCheck("position difference, both released", apart, 0.0, DIFFERENCE_RAD, ANGLE))
+    for arm in (Arm.LOOSE, Arm.FIRM):
+        left = _swing_left(simulate_linked(_second_held(project, link, arm), name, _let_go(first), law))
+        checks.append(OwnCheck(f"swing left, first released, second held: {arm}", left, 0.0, LEFT, RATIO))
     if isfinite(link["breakout"]) and link.after_breakout is AfterBreakout.UNCOUPLE:
         opposed = run(_opposed(link, first))
         checks.append(OwnCheck("swing beyond rest, uncoupling", _swing(opposed), nan, nan, ANGLE))
@@ -107,6 +122,31 @@ def _opposed(link: Link, loader: Loader) -> LinkedScenario:
     force = _BEYOND * _breakout_force(link, loader)
     hands = [Recorded(np.array([0.0, 1.0, 6.0]), np.array([0.0, sign * force, sign * force])) for sign in (1.0, -1.0)]
     return LinkedScenario(Scenario(hands[0], 6.0), second_force=hands[1])
+
+
+def _second_held(project: Project, link: Link, arm: Arm) -> Project:
+    """The project with an arm at the second grip."""
+    axis = link.between[1]
+    held = project.loaders[axis].replace(dict(zip(ARM_ROWS, ARMS[arm], strict=True)), si=True)
+    return replace(project, loaders={**project.loaders, axis: held})
+
+
+def _let_go(loader: Loader) -> LinkedScenario:
+    """A hand that pushes the first column as far as its feel alone goes to the angle of a release, and lets go."""
+    force = float(_feel_force(loader, np.array([_RELEASE_RAD]), 1.0)[0])
+    times = np.array([0.0, 2.0, _LETS_GO_S, _LETS_GO_S + 0.001, _LET_GO_S])
+    return LinkedScenario(Scenario(Recorded(times, np.array([0.0, force, force, 0.0, 0.0])), _LET_GO_S))
+
+
+def _swing_left(run: LinkedRun) -> float:
+    """Swing of both columns in the fourth second after the release, as a share of that in the third."""
+    time = run.history["time_s"].to_numpy()
+    angles = [run.history[f"{side}_column_angle_rad"].to_numpy() for side in SIDES]
+    third, fourth = (
+        max(float(np.ptp(angle[(time >= begin) & (time < begin + 1)])) for angle in angles)
+        for begin in (_LET_GO_S - 2, _LET_GO_S - 1)
+    )
+    return 0.0 if fourth < _STILL_RAD else fourth / third if isfinite(fourth) else inf
 
 
 def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:

@@ -47,9 +47,9 @@ class OwnCheck:
         def text(value: float) -> str:
             return to_text(self.unit.from_si(value, units), 4)
 
-        value = "did not give way" if isnan(self.value) else f"{text(self.value)} {shown}"
+        value = "did not give way" if isnan(self.value) else f"{text(self.value)} {shown}".rstrip()
         between = f"at most {text(self.high)}" if self.low == 0 else f"{text(self.low)} to {text(self.high)}"
-        return value, "none" if isnan(self.high) else f"{between} {shown}"
+        return value, "none" if isnan(self.high) else f"{between} {shown}".rstrip()
 
 
 LinkChecks = Mapping[str, tuple[OwnCheck, ...]]
