@@ -180,7 +180,7 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             if touch is not None:
                 held = law.knows_friction and abs(g("feel.stiffness") * feels[0]) < law.friction[0, -10]
                 rests = law.friction[0, -1] if held else 0.0
-                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), rests)
+                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), (rests, limit))
             answered = min(max(own + more, -limit), limit) - more
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, heard))[:2]
@@ -248,9 +248,9 @@ class Touch:
             self.extreme = (self.angle, self.torque)
         return self.swings >= 2 or struck or turned or (swing and self.share > 0)
 
-    def step(self, h, sample, feels, own, rests):
+    def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
-        (force, position, column), drive_rate = sample[:3], sample[-1]
+        (force, position, column), drive_rate, (rests, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
         noticed, was = self.notice(h, own[1], column), self.share
         if noticed:
@@ -263,12 +263,15 @@ class Touch:
             self.share = max(was - abs(column_rate) * h / self.travel, 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])
-        self.offset += (-self.offset if self.share < 1 else column - feels[0]) * h / 0.5
         command = self.k_x * (self.per_angle * (feels[0] - self.offset) - position) + self.k_v * (
             self.per_angle * feels[1] - drive_rate
         )
         self.acts = 1.0 if abs(self.rate) < rests else self.share
-        return feels, *(a + self.acts * (b - a) for a, b in zip(own, (command, -self.per_angle * force), strict=True))
+        contact = (command, -self.per_angle * force)
+        command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
+        leaves = self.share < 1 or abs(command) > limit
+        self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
+        return feels, command, torque
 
     def damp(self, h, feels, inertia):
         """The feel after a period."""

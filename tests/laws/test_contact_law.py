@@ -66,6 +66,18 @@ def test_a_column_that_struck_a_stop_rests_where_its_feel_balances_the_hand(name
     assert abs(column[-200:].mean() - angle) < np.radians(0.05)
 
 
+def test_a_hand_that_is_stronger_than_the_drive_lets_go_of_a_column_that_is_not_thrown() -> None:
+    stop = np.radians(12.5)
+    loader = ff.loader.electric("elevator-electric").replace({"current_loop.current_limit": "9 A"})
+    force = 1.6 * loader["feel.stiffness"] * stop / loader["column.grip_arm"]
+    pushed = ff.Scenario(ff.simulation.inputs.Pulse(force, 0.1, 6.0), duration_s=8.0)
+    run = ff.simulate(loader, pushed, ff.Law.of("robust", loader)).history
+    column, let_go = run["column_angle_rad"].to_numpy(), run["time_s"].to_numpy() > 6.1
+    assert column.max() > stop
+    # A feel of 2 Hz and a fifth of damping swings back by half; wound up, it was thrown into the other stop.
+    assert column[let_go].min() > -0.53 * stop
+
+
 def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> None:
     quiet = {
         f"{sensor}.{row}": 0.0

@@ -10,7 +10,7 @@
 //! | | |
 //! |---|---|
 //! | `e_c = k_x (alpha R_b (delta - b) - x) + k_v (alpha R_b delta' - x')` | command in contact |
-//! | `b+ = b + (theta - delta) h / t_b`, with `m < 1` `b - b h / t_b` | stretch of the link and droop of the drive: a column that leaves the contact and stays near it rests where the feel does |
+//! | `b+ = b + (theta - delta) h / t_b`, with `m < 1` or the drive at its limit `b - b h / t_b` | stretch of the link and droop of the drive: a column that leaves the contact and stays near it rests where the feel does |
 //! | `T_c = -alpha R_b F_c` | torque in contact |
 //! | `e = e_o + m (e_c - e_o)`, `T = T_o + m (T_c - T_o)` | between free motion and contact |
 //! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
@@ -313,11 +313,13 @@ impl<S: Scalar> ContactLaw<S> {
         quotient(position, self.per_angle)
     }
 
-    /// What the command allows for after a sample at which the feel stands at an angle and the column at another.
+    /// What the command allows for after a sample at which the feel stands at an angle and the column at another, the command `beyond` what the
+    /// drive can take.
     #[inline(always)]
-    pub fn next_offset(&self, state: &ContactState<S>, [delta, column]: [S; 2], h: S) -> S {
+    pub fn next_offset(&self, state: &ContactState<S>, [delta, column]: [S; 2], (beyond, h): (S, S)) -> S {
         let slow = h.times(1.0 / OFFSET_S).min(h.constant(1.0));
-        let leaves = state.share.less(h.constant(1.0));
+        // A hand stronger than the drive would wind the integral up, and the drive would throw the column as the hand lets go.
+        let leaves = state.share.less(h.constant(1.0)) | h.zero().less(beyond.abs());
         state.offset + S::select(leaves, -state.offset, column - delta) * slow
     }
 

@@ -232,12 +232,13 @@ impl<S: Scalar> Control<S> {
         *state = now;
         feeling.motion.at = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
         let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
-        state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], period[0]);
         let share = neutral.map_or(now.share, |neutral| {
             let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
             S::select(self.observer.friction.rests(now.rate, spring), spring.constant(1.0), now.share)
         });
-        let [command, torque] = law.output([share, state.offset], [output.command, output.torque], &inputs);
+        let [command, torque] = law.output([share, now.offset], [output.command, output.torque], &inputs);
+        let beyond = command - self.converters.within_range(command);
+        state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
         (LawOutput { command, torque, ..output }, share)
     }
 
