@@ -249,10 +249,10 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loa
     row("smallest column angle", "column_angle_min_rad", ANGLE)
     row("largest column angle", "column_angle_max_rad", ANGLE)
     terminal.show(table)
-    _say_what_flew(terminal, loader)
+    _print_control(terminal, loader)
 
 
-def _say_what_flew(terminal: Terminal, loader: str) -> None:
+def _print_control(terminal: Terminal, loader: str) -> None:
     from forcefeel.loader.axes import rule_axis, usual_axis
 
     axis = rule_axis(usual_axis(loader))
@@ -272,7 +272,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
     if not report.verdicts:
         for maneuver in report.maneuvers:
             _show_maneuver(terminal, report.case.aircraft, maneuver, units)
-        _say_what_flew(terminal, report.case.loader.name)
+        _print_control(terminal, report.case.loader.name)
         return
     table = titled(
         f"{report.case.loader.name} with {report.case.aircraft}",
@@ -291,7 +291,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
             f"{verdict.bound} {texts[2]}".rstrip(),
         )
     terminal.show(table)
-    _say_what_flew(terminal, report.case.loader.name)
+    _print_control(terminal, report.case.loader.name)
     terminal.conclude(flight_conclusions(report))
 
 

@@ -25,7 +25,7 @@ def linked_conclusions(run: LinkedRun, units: UnitSystem) -> Conclusions:
     apart = _quantity(run.measures.largest_difference_rad, ANGLE, units)
     numbers = "" if run.diverged else f": peak link force {force} at the grip, largest position difference {apart}"
     verdict = f"{capital(run.note)}{numbers}."
-    findings = tuple(filter(None, (_fight(run, units), _after(run), _own_feel(run), _deaf(run))))
+    findings = tuple(filter(None, (_fight(run, units), _after(run), _own_feel(run), _grip_law(run))))
     return Conclusions(not run.diverged, verdict, findings)
 
 
@@ -63,7 +63,7 @@ def _own_feel(run: LinkedRun) -> str:
     )
 
 
-def _deaf(run: LinkedRun) -> str:
+def _grip_law(run: LinkedRun) -> str:
     laws = [law.sampled for law in run.laws]
     if run.link.kind is LinkKind.ELECTRONIC or not any(law and law.sampled == SAMPLED_AT_GRIP for law in laws):
         return ""

@@ -43,7 +43,7 @@ def motion_axis(axis: str) -> str:
 
 
 def judged_alone(axes: Iterable[str]) -> tuple[str, ...]:
-    """What to say of axes that are judged one by one where some are a second pilot's: a sentence, or none."""
+    """The sentence for axes that are judged one by one if some are a second pilot's; none otherwise."""
     second = any(axis.endswith(_SECOND) for axis in axes)
     return (
         "Each axis is judged by itself, without its link. To run linked controls, use forcefeel simulate.",
