@@ -95,19 +95,20 @@ def push(page, axis):
 
 @pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
+    """No push is as strong as the grip's limit: a slow browser may hold it for longer than the 5 s that the limit allows."""
     push(page, [0.0, -0.8])
     page.wait_for_timeout(200)
     assert running.hand_force_n == 0  # it was pushed when it came
     push(page, [0.02, 0.05])
     page.locator("#pad", has_text="a game pad pulls too").wait_for()
-    push(page, [0.1, -0.5])  # the axis that is pushed further
+    push(page, [0.1, -0.2])  # the axis that is pushed further
     until(page, lambda: running.hand_force_n < -10)
     half = running.hand_force_n
-    push(page, [0.1, 1.0])
+    push(page, [0.1, 0.4])
     until(page, lambda: running.hand_force_n == pytest.approx(-2 * half, rel=1e-6))  # of doubles as JSON
     push(page, [0.0, 0.0])
     until(page, lambda: running.hand_force_n == 0)
-    push(page, [0.6, 0.0])
+    push(page, [0.4, 0.0])
     until(page, lambda: running.hand_force_n > 10)
     page.click("#take")
     page.locator("#holder", has_text="No client").wait_for()
@@ -120,10 +121,11 @@ def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
     assert running.hand_force_n == 0  # it has not been in its middle since
     push(page, [0.0, 0.0])
     page.wait_for_timeout(200)
-    push(page, [0.6, 0.0])
+    push(page, [0.4, 0.0])
     until(page, lambda: running.hand_force_n > 10)
     push(page, None)  # its plug is pulled
     until(page, lambda: running.hand_force_n == 0)
+    assert running.trips == ()
 
 
 def test_closed_browser_releases_hand_and_loop_continues(page, browser, console, running):
@@ -141,6 +143,7 @@ def test_closed_browser_releases_hand_and_loop_continues(page, browser, console,
     other.close()
     until(page, lambda: running.hand_force_n == 0)
     page.locator("#holder", has_text="No client").wait_for()
+    assert running.trips == ()
     assert running.state.name == "active"
     page.click("#take")
     page.locator("#holder", has_text="You have control.").wait_for()
