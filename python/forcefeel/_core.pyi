@@ -91,6 +91,7 @@ __all__ = [
     "simulation_measure",
     "simulation_measures",
     "simulation_outputs",
+    "start_loops",
     "stationary",
     "supervised_faults",
     "valve_gains",
@@ -623,21 +624,8 @@ _Requested: TypeAlias = tuple[int, str, list[float]]
 
 @final
 class LiveLoop:
-    """A loop under way: over UDP where there is an address, else with the machine simulated."""
+    """An axis of a loop under way."""
 
-    def __new__(
-        cls,
-        setup: LiveSetup,
-        *,
-        script: _Script | None = None,
-        address: str | None = None,
-        host: str | None = None,
-        real_time: bool = True,
-        cycles: int | None = None,
-        requests: Sequence[_Requested] = ...,
-        record: tuple[Path, tuple[int, bool], int, int, dict[str, str]] | None = None,
-        history: int = 120_000,
-    ) -> Self: ...
     def request(self, name: str, numbers: Sequence[float]) -> bool: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool: ...
     def status(self) -> tuple[int, int, int, int, int, int, int, bool]: ...
@@ -676,11 +664,34 @@ def host_request(packet: bytes) -> tuple[int, int, dict[str, float]] | None: ...
 def live_columns() -> list[str]: ...
 def live_states() -> list[str]: ...
 def live_trips() -> list[tuple[str, str]]: ...
+def start_loops(
+    axes: Sequence[
+        tuple[
+            LiveSetup,
+            _Script | None,
+            str | None,
+            Sequence[_Requested],
+            int,
+            Sequence[int],
+            tuple[str, Mapping[str, str]],
+        ]
+    ],
+    period_s: float,
+    *,
+    links: Sequence[tuple[tuple[int, int], Sequence[float], int | None, bool]] = ...,
+    host: str | None = None,
+    real_time: bool = True,
+    beats: int | None = None,
+    record: tuple[Path, tuple[int, bool], int, int] | None = None,
+    history: int = 120_000,
+) -> list[LiveLoop]: ...
 def live_record(
     data: bytes,
+    axis: str | None = None,
 ) -> tuple[dict[str, str], list[str], _Array, list[_Requested], str | None, str | None]: ...
 def live_replay(
     data: bytes,
+    axis: str | None = None,
 ) -> tuple[int, tuple[int, str, float, float] | None, int | None, str | None, str | None]: ...
 def safety_functions(
     values: NDArray[np.float64], drive: str, period_s: float

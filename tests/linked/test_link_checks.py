@@ -20,7 +20,7 @@ def changed(name, **rows):
     """A ready project, both of its loaders changed."""
     axes = project(name)
     loaders = {axis: loader.replace(rows) for axis, loader in axes.loaders.items()}
-    return ff.loader.Project(axes.path, loaders, axes.links)
+    return replace(axes, loaders=loaders)
 
 
 def by_name(axes, link="pitch", law="robust"):

@@ -18,14 +18,13 @@ def planned(loader, force_n, requests, *, law="robust", host=None, record=None):
     script = ({"force": np.repeat(np.column_stack([force_n, force_n]), period, axis=0)}, 0.0, None, 0)
     cycles = len(force_n)
     about = about_run(loader, driven_by.name, ff.live.Simulated())
-    loop = _core.LiveLoop(
-        setup,
-        script=script,
+    (loop,) = _core.start_loops(
+        [(setup, script, None, requests, 1, [], ("", about))],
+        loader["controller.period"],
         host=host,
         real_time=False,
-        cycles=cycles,
-        requests=requests,
-        record=record and (record, (MOST_RECORD_BYTES, False), cycles, 1, about),
+        beats=cycles,
+        record=record and (record, (MOST_RECORD_BYTES, False), cycles, 1),
         history=cycles,
     )
     while not loop.status()[-1]:

@@ -114,6 +114,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     feel_acceleration: control.free_acceleration(&shared, followed.feeling(), &inputs),
                     feel_rate: followed.feeling().motion.at[1] * control.per_delta(),
                     emergency_stop: false,
+                    other_axis: false,
                     drive_fault: false,
                     requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
                     acknowledge: false,

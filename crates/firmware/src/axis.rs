@@ -136,6 +136,7 @@ impl<S: Scalar> Axis<S> {
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
+            other_axis: false,
             drive_fault: given.flags & DRIVE_FAULT != 0,
             requested: match given.request {
                 1 => RequestedMode::Passive,

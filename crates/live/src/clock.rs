@@ -77,7 +77,7 @@ impl Clock for Monotonic {
 
 /// Nanoseconds of a period.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period of 1 us to 1 s")]
-fn nanoseconds(period_s: f64) -> u64 {
+pub fn nanoseconds(period_s: f64) -> u64 {
     ((period_s * 1e9).round() as u64).max(1)
 }
 

@@ -17,7 +17,7 @@ use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::supervised_law::SupervisedLaw;
-use forcefeel_model::supervisor::RequestedMode;
+use forcefeel_model::supervisor::{Functions, RequestedMode, SupervisorState};
 use forcefeel_model::transducers::SENSORS;
 
 /// Law, feel and supervisor of a running loop.
@@ -37,6 +37,10 @@ pub struct Controller {
     led: ModifierRamp<f64>,
     wanted: FeelModifiers,
     host: Option<HostControl>,
+    /// What an electronic link does to the feel: torque in N m, damping in N m s/rad.
+    link: [f64; 2],
+    /// Whether it was asked to hold or to open, and has not been yet.
+    link_asked: Option<bool>,
     change: Option<Change>,
     waiting: Option<FeelRequest>,
     cycle: u64,
@@ -77,11 +81,13 @@ impl Controller {
             sensors,
             pilot_force: 0.0,
             supervision: Supervision::new(setup)?,
-            asked: Asked { request: RequestedMode::Off, acknowledge: false, stop: false },
+            asked: Asked { request: RequestedMode::Off, acknowledge: false, stop: false, other_axis: false },
             after_off: Some(RequestedMode::Off),
             led: ModifierRamp::at(trim_rad),
             wanted: FeelModifiers { trim_rad, ..FeelModifiers::NONE },
             host: setup.host.then(|| HostControl::new(setup)),
+            link: [0.0; 2],
+            link_asked: None,
             change: None,
             waiting: None,
             cycle: 0,
@@ -92,6 +98,11 @@ impl Controller {
     /// Period of the loop in s.
     pub fn period_s(&self) -> f64 {
         self.period_s
+    }
+
+    /// Share of the feel that comes or goes in a period: `h / t_f`.
+    pub fn fade_share(&self) -> f64 {
+        (self.period_s / self.parameters.safety.fade_time).min(1.0)
     }
 
     /// The cycle that comes next.
@@ -109,6 +120,8 @@ impl Controller {
             LoopRequest::Off => self.request(RequestedMode::Off),
             LoopRequest::Acknowledge => self.asked.acknowledge = true,
             LoopRequest::Stop => self.asked.stop = true,
+            LoopRequest::OtherAxis => self.asked.other_axis = true,
+            LoopRequest::Link(holds) => self.link_asked = Some(*holds),
             LoopRequest::Host(packet) => {
                 if let Some(host) = &mut self.host {
                     let feel = &self.parameters.feel;
@@ -128,6 +141,32 @@ impl Controller {
         } else {
             self.asked.request = request;
         }
+    }
+
+    /// Angle and rate of the programmed control, in rad and rad/s.
+    pub fn programmed(&self) -> [f64; 2] {
+        self.followed.feeling().motion.at.map(|number| number * self.control.per_delta())
+    }
+
+    /// Share of the feel that is there, 0 to 1.
+    pub fn share(&self) -> f64 {
+        self.supervision.share()
+    }
+
+    /// The functions that stopped it; none of a loop that is not stopped.
+    pub fn stopped_by(&self) -> Functions {
+        let stopped = self.supervision.last().filter(|allowed| allowed.state == SupervisorState::Tripped);
+        stopped.map_or(Functions::NONE, |allowed| allowed.tripped)
+    }
+
+    /// Whether its electronic link was asked to hold, or to open, since this was called last.
+    pub fn link_asked(&mut self) -> Option<bool> {
+        self.link_asked.take()
+    }
+
+    /// What its electronic link does to the feel from the next cycle on: torque in N m and damping in N m s/rad.
+    pub fn link(&mut self, link: [f64; 2]) {
+        self.link = link;
     }
 
     /// What the host is told of a cycle, if it has sent something since it was told last.
@@ -158,7 +197,7 @@ impl Controller {
             host_age: of_host.age,
             asked,
         };
-        (self.asked.acknowledge, self.asked.stop) = (false, false);
+        (self.asked.acknowledge, self.asked.stop, self.asked.other_axis) = (false, false, false);
         self.asked.request = self.after_off.take().unwrap_or(self.asked.request);
         self.sensors = seen.sensors;
         let (supervision, mut verdict) = (&mut self.supervision, Verdict::NONE);
@@ -233,13 +272,14 @@ impl Controller {
         let trim_rad = around.trim_rad + of_host.neutral;
         let stiffness_factor = around.stiffness_factor * of_host.stiffness_factor;
         let swing = self.led.swing(around.shaker.max(of_host.shaker), pace);
+        let [torque, damping] = self.link;
         Inputs {
             trim: [self.supervision.neutral(trim_rad); 2],
             stiffness_factor: [stiffness_factor; 2],
             shaker: [swing; 2],
-            added_force: [of_host.added.force; 2],
+            added_force: [of_host.added.force + torque / self.parameters.column.grip_arm; 2],
             added_stiffness: [of_host.added.stiffness; 2],
-            added_damping: [of_host.added.damping; 2],
+            added_damping: [of_host.added.damping + damping; 2],
             fade: [fade; 2],
             ..Inputs::NONE
         }
@@ -269,6 +309,8 @@ impl Controller {
             added_force_n: inputs.added_force[0],
             added_stiffness_n_m_per_rad: inputs.added_stiffness[0],
             added_damping_n_m_s_per_rad: inputs.added_damping[0],
+            link_torque_n_m: self.link[0],
+            link_damping_n_m_s_per_rad: self.link[1],
             host_share: self.host.as_ref().map_or(0.0, HostControl::share),
             law_command: answer.command,
             command: verdict.command,

@@ -1,6 +1,6 @@
-//! The loop: wait, read, work, write. Nothing here allocates, locks, or calls the system but for the wait, the input and the output.
+//! A cycle of an axis: read, work, write. Nothing here allocates, locks, or calls the system but for the input and the output.
 
-use crate::clock::{Clock, Woken};
+use crate::clock::Woken;
 use crate::controller::Controller;
 use crate::host_link::HostRings;
 use crate::input_output::{Command, Disturbance, InputOutput};
@@ -39,15 +39,8 @@ pub struct Cycles {
 }
 
 impl Cycles {
-    /// Runs so many cycles, or until it is asked to end; then the drive is switched off.
-    pub fn run(&mut self, clock: &mut impl Clock, most: u64) {
-        for _ in 0..most {
-            if self.status.end.load(Relaxed) {
-                break;
-            }
-            let woken = clock.wait();
-            self.cycle(woken);
-        }
+    /// Ends it: the drive is switched off.
+    pub fn end(&mut self) {
         let cycle = self.controller.cycle();
         self.machine.write(&Command { cycle, command: 0.0, enable: false, state: 0 });
         self.status.ended.store(true, Relaxed);
@@ -90,7 +83,8 @@ impl Cycles {
         }
     }
 
-    fn take(&mut self, cycle: u64, request: &LoopRequest) {
+    /// Takes a request that counts from a cycle on, and tells it.
+    pub fn take(&mut self, cycle: u64, request: &LoopRequest) {
         self.controller.take(request);
         tell(&mut self.taken, (cycle, *request), &self.status, self.patient);
     }

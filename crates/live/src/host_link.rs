@@ -1,11 +1,13 @@
 //! The socket of an aircraft simulator, in a thread of its own: it receives, checks, and hands packets to the loop by a ring; what the
 //! loop has to tell comes back by another.
 //!
+//! Of several axes a datagram has a packet for each, one after the other in their order, and so has the answer.
+//!
 //! One host: who spoke first. Another one takes over once that is silent for a second and a person accepts it. What is damaged, of another
 //! version, out of order, out of range or of another sender is counted and left out.
 
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
-use forcefeel_model::host::packet::{FROM_HOST_BYTES, is_newer};
+use forcefeel_model::host::packet::{FROM_HOST_BYTES, TO_HOST_BYTES, is_newer};
 use forcefeel_model::host::{FromHost, ToHost};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::io;
@@ -80,22 +82,26 @@ impl HostStatus {
 /// The thread's side.
 pub struct Link {
     socket: UdpSocket,
-    packets: Producer<FromHost>,
-    answers: Consumer<ToHost>,
+    /// Of each axis.
+    rings: Vec<(Producer<FromHost>, Consumer<ToHost>)>,
     sequence: u32,
     /// What others see of it.
     pub host_status: Arc<HostStatus>,
 }
 
-/// A link over a socket, and the loop's ends of its rings.
+/// A link over a socket, and the loop's ends of its rings, of so many axes.
 ///
 /// # Errors
 /// If the socket is none that can be waited at.
-pub fn between(socket: UdpSocket) -> io::Result<(Link, HostRings)> {
+pub fn between(socket: UdpSocket, axes: usize) -> io::Result<(Link, Vec<HostRings>)> {
     socket.set_read_timeout(Some(LOOKS))?;
     let at = socket.local_addr()?;
-    let (packets, taken) = RingBuffer::new(ROOM);
-    let (replies, answers) = RingBuffer::new(ROOM);
+    let rings = (0..axes).map(|_| {
+        let (packets, taken) = RingBuffer::new(ROOM);
+        let (replies, answers) = RingBuffer::new(ROOM);
+        ((packets, answers), HostRings { packets: taken, answers: replies })
+    });
+    let (rings, of_loop) = rings.unzip();
     let host_status = Arc::new(HostStatus {
         at,
         packets: AtomicU64::new(0),
@@ -103,17 +109,19 @@ pub fn between(socket: UdpSocket) -> io::Result<(Link, HostRings)> {
         last: Mutex::default(),
         waiting: Mutex::default(),
     });
-    Ok((Link { socket, packets, answers, sequence: 0, host_status }, HostRings { packets: taken, answers: replies }))
+    Ok((Link { socket, rings, sequence: 0, host_status }, of_loop))
 }
 
 impl Link {
     /// Listens until the loop has ended.
     pub fn listen(mut self, ended: &AtomicBool) {
-        let mut bytes = [0; FROM_HOST_BYTES + 1];
+        let mut bytes = vec![0; FROM_HOST_BYTES * self.rings.len() + 1];
         while !ended.load(Relaxed) {
             // Nothing came in time, or an earlier answer found nobody: both leave nothing to do.
             let Ok((count, from)) = self.socket.recv_from(&mut bytes) else { continue };
-            let taken = FromHost::decode(&bytes[..count]).is_ok_and(|packet| self.take(&packet, from));
+            let packets: Option<Vec<_>> =
+                bytes[..count].chunks(FROM_HOST_BYTES).map(|packet| FromHost::decode(packet).ok()).collect();
+            let taken = packets.is_some_and(|packets| self.take(&packets, from));
             let counter = if taken { &self.host_status.packets } else { &self.host_status.refused };
             counter.fetch_add(1, Relaxed);
             if taken {
@@ -122,23 +130,33 @@ impl Link {
         }
     }
 
-    /// Hands a packet on, if it is the next of the one host.
-    fn take(&mut self, packet: &FromHost, from: SocketAddr) -> bool {
+    /// Hands packets on, one of each axis, if they are the next of the one host.
+    fn take(&mut self, packets: &[FromHost], from: SocketAddr) -> bool {
+        let Some(&FromHost { sequence, .. }) = packets.first() else { return false };
+        if packets.len() != self.rings.len() || packets.iter().any(|packet| packet.sequence != sequence) {
+            return false;
+        }
         if let Some((address, ago)) = self.host_status.last() {
             let speaks = ago.is_some_and(|ago| ago < GONE);
             if address != from && !speaks {
                 self.host_status.waits(Some(from));
             }
-            if address != from || (speaks && !is_newer(packet.sequence, self.sequence)) {
+            if address != from || (speaks && !is_newer(sequence, self.sequence)) {
                 return false;
             }
         }
         // An answer that came too late is no answer to this.
-        while self.answers.pop().is_ok() {}
-        if self.packets.push(*packet).is_err() {
+        for (_, answers) in &mut self.rings {
+            while answers.pop().is_ok() {}
+        }
+        if self.rings.iter().any(|(ring, _)| ring.is_full()) {
             return false;
         }
-        self.sequence = packet.sequence;
+        for ((ring, _), packet) in self.rings.iter_mut().zip(packets) {
+            // There is room: nobody else puts anything into it.
+            let _ = ring.push(*packet);
+        }
+        self.sequence = sequence;
         self.host_status.speaks(from);
         self.host_status.waits(None);
         true
@@ -147,13 +165,20 @@ impl Link {
     /// Sends the loop's answer when it is there; a loop that gives none in time is left alone.
     fn answer(&mut self, to: SocketAddr, ended: &AtomicBool) {
         let until = Instant::now() + ANSWERED;
-        while Instant::now() < until && !ended.load(Relaxed) {
-            if let Ok(answer) = self.answers.pop() {
-                // A host that cannot be reached misses it, and sends again.
-                let _ = self.socket.send_to(&answer.encode(), to);
-                return;
+        let mut answer = Vec::with_capacity(TO_HOST_BYTES * self.rings.len());
+        for (_, answers) in &mut self.rings {
+            loop {
+                if let Ok(of_axis) = answers.pop() {
+                    answer.extend(of_axis.encode());
+                    break;
+                }
+                if Instant::now() >= until || ended.load(Relaxed) {
+                    return;
+                }
+                thread::sleep(NAP);
             }
-            thread::sleep(NAP);
         }
+        // A host that cannot be reached misses it, and sends again.
+        let _ = self.socket.send_to(&answer, to);
     }
 }

@@ -52,6 +52,8 @@ pub enum Disturbance {
     Force(f64),
     /// The hand takes the grip to an angle in rad, as a spring with a damper; nothing lets go.
     HoldAt(Option<f64>),
+    /// The shaft to the other column is to hold, or to open.
+    Link(bool),
     /// Something breaks.
     Fault(Fault),
     /// All is well again.

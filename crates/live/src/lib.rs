@@ -2,11 +2,11 @@
 //!
 //! | question | file |
 //! |---|---|
-//! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`udp`] |
+//! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`guided`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
-//! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
+//! | the thread: waits, counts, never catches up; all axes of a cockpit, the electronic links between them | [`axes`], [`cycle`], [`clock`], [`priority`], [`feel_link`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
 //! | records that stay whole, the rows that they keep, room for them, the format of their files, their replay | [`record`], [`thinning`], [`whole_file`], [`room`], [`mcap`], [`mcap_writer`], [`mcap_reader`], [`replay`] |
 //!
@@ -15,9 +15,11 @@
 //! requests give the same bits.
 #![forbid(unsafe_code)]
 
+pub mod axes;
 pub mod clock;
 pub mod controller;
 pub mod cycle;
+pub mod feel_link;
 pub mod host_control;
 pub mod host_link;
 pub mod input_output;
@@ -33,6 +35,7 @@ pub mod row;
 pub mod running;
 pub mod setup;
 pub mod simulated;
+pub mod simulated_pair;
 pub mod status;
 pub mod supervision;
 pub mod thinning;

@@ -1,7 +1,7 @@
 //! A record on the disk: an MCAP file that is whole whenever the process ends, and bounded.
 //!
 //! Rows and requests are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
-//! numbers one after the other. What the file ends with stands behind each flush, and is overwritten by the next once that is there.
+//! numbers one after the other. Each axis of a cockpit has topics and metadata of its own. What the file ends with stands behind each flush, and is overwritten by the next once that is there.
 
 use crate::mcap_writer::Writer;
 use crate::request::LoopRequest;
@@ -42,6 +42,17 @@ pub struct Size {
     pub ring: bool,
 }
 
+/// What a record says of an axis.
+#[derive(Clone)]
+pub struct AxisOpening {
+    /// Before the names of its topics and metadata: nothing, or a name of an axis with a slash before it.
+    pub prefix: String,
+    /// What is written about it.
+    pub about: BTreeMap<String, String>,
+    /// What its loop is made of.
+    pub setup: Vec<(&'static str, Vec<f64>)>,
+}
+
 /// What a record begins with, and each part of a ring.
 #[derive(Clone)]
 pub struct Opening {
@@ -51,18 +62,22 @@ pub struct Opening {
     pub size: Size,
     /// Time of the first beat, in ns since 1970.
     pub start_ns: u64,
-    /// What is written about it.
-    pub about: BTreeMap<String, String>,
-    /// What the loop is made of.
-    pub setup: Vec<(&'static str, Vec<f64>)>,
+    /// Its axes, at least one.
+    pub axes: Vec<AxisOpening>,
+}
+
+/// Channels of an axis, and its newest request of each kind with its cycle, which the next part begins with.
+struct AxisTopics {
+    rows: u16,
+    lists: u16,
+    requests: BTreeMap<&'static str, (u64, LoopRequest)>,
 }
 
 /// A record under way.
 pub struct Record {
     opening: Opening,
     writer: Writer,
-    rows: u16,
-    lists: u16,
+    axes: Vec<AxisTopics>,
     sequence: u32,
     most: u64,
     left: u64,
@@ -76,8 +91,6 @@ pub struct Record {
     /// Rows that were taken, and those of them that were brought to the disk.
     taken: u64,
     kept: u64,
-    /// The newest request of each kind with its cycle, which the next part begins with.
-    requests: BTreeMap<&'static str, (u64, LoopRequest)>,
     time_s: f64,
 }
 
@@ -114,19 +127,22 @@ impl Record {
             io::Error::new(error.kind(), text)
         })?;
         let mut writer = Writer::begin(WholeFile::new(file.try_clone()?), "forcefeel")?;
-        writer.metadata(ABOUT, &opening.about)?;
         let columns: String = NAMES.iter().flat_map(|name| ["float64 ", name, "\n"]).collect();
-        let rows = writer.channel(ROWS, "forcefeel_msgs/msg/Cycle", &columns);
         let list = "string name\nuint64 cycle\nfloat64[] numbers\n";
-        let lists = writer.channel(LISTS, "forcefeel_msgs/msg/List", list);
-        let setup = opening.setup.clone();
+        let mut axes = Vec::with_capacity(opening.axes.len());
+        for AxisOpening { prefix, about, .. } in &opening.axes {
+            writer.metadata(&format!("{ABOUT}{prefix}"), about)?;
+            let rows = writer.channel(&format!("{prefix}{ROWS}"), "forcefeel_msgs/msg/Cycle", &columns);
+            let lists = writer.channel(&format!("{prefix}{LISTS}"), "forcefeel_msgs/msg/List", list);
+            axes.push(AxisTopics { rows, lists, requests: BTreeMap::new() });
+        }
+        let setups: Vec<_> = opening.axes.iter().map(|axis| axis.setup.clone()).collect();
         let (sequence, disk_full, left, before) = (0, None, most, 0);
-        let (taken, kept, requests) = (0, 0, BTreeMap::new());
+        let (taken, kept) = (0, 0);
         let mut record = Self {
             opening,
             writer,
-            rows,
-            lists,
+            axes,
             sequence,
             most,
             left,
@@ -136,11 +152,12 @@ impl Record {
             disk_full,
             taken,
             kept,
-            requests,
             time_s,
         };
-        for (name, numbers) in setup {
-            record.list(name, 0, &numbers);
+        for (axis, setup) in setups.into_iter().enumerate() {
+            for (name, numbers) in setup {
+                record.list(axis, name, 0, &numbers);
+            }
         }
         // Of its own: without it no row can be read.
         record.end_chunk()?;
@@ -158,21 +175,24 @@ impl Record {
     /// If a file cannot be written, with the rows that were taken and those of them that were brought to the disk.
     pub fn next_part(self) -> Result<Self, ((u64, u64), io::Error)> {
         let (taken, before, time_s) = (self.taken, self.most - self.left, self.time_s);
-        let (mut opening, requests) = (self.opening.clone(), self.requests.clone());
+        let mut opening = self.opening.clone();
+        let requests: Vec<_> = self.axes.iter().map(|axis| axis.requests.clone()).collect();
         opening.size.rows = 0;
         self.finish(CONTINUED).map_err(|(kept, error)| ((taken, kept), error))?;
         let begun = std::fs::rename(&opening.path, part_before(&opening.path));
         let begun = begun.and_then(|()| Self::create_part(opening, time_s));
         let mut next = begun.map_err(|error| ((taken, taken), error))?;
         (next.taken, next.kept, next.before) = (taken, taken, before);
-        for (cycle, request) in requests.values() {
-            next.request(*cycle, request);
+        for (axis, requests) in requests.iter().enumerate() {
+            for (cycle, request) in requests.values() {
+                next.request(axis, *cycle, request);
+            }
         }
         Ok(next)
     }
 
-    /// A row.
-    pub fn row(&mut self, row: &Row) {
+    /// A row of an axis.
+    pub fn row(&mut self, axis: usize, row: &Row) {
         let mut data = [0; 4 + 8 * COLUMNS];
         data[..4].copy_from_slice(&CDR);
         for (k, number) in row.numbers().into_iter().enumerate() {
@@ -184,18 +204,18 @@ impl Record {
             self.reserve_ahead();
         }
         self.time_s = row.time_s;
-        self.message(self.rows, &data);
+        self.message(self.axes[axis].rows, &data);
     }
 
-    /// A request, from a cycle on.
-    pub fn request(&mut self, cycle: u64, request: &LoopRequest) {
+    /// A request of an axis, from a cycle on.
+    pub fn request(&mut self, axis: usize, cycle: u64, request: &LoopRequest) {
         let (name, numbers) = request.numbers();
-        self.list(name, cycle, &numbers);
-        self.requests.insert(name, (cycle, *request));
+        self.list(axis, name, cycle, &numbers);
+        self.axes[axis].requests.insert(name, (cycle, *request));
     }
 
     /// A list of numbers with its name, from a cycle on.
-    fn list(&mut self, name: &str, cycle: u64, numbers: &[f64]) {
+    fn list(&mut self, axis: usize, name: &str, cycle: u64, numbers: &[f64]) {
         let mut data = CDR.to_vec();
         let length = |count: usize| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         data.extend(length(name.len() + 1));
@@ -206,7 +226,7 @@ impl Record {
         data.extend(length(numbers.len()));
         align(&mut data, 8);
         data.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-        self.message(self.lists, &data);
+        self.message(self.axes[axis].lists, &data);
     }
 
     fn message(&mut self, channel: u16, data: &[u8]) {

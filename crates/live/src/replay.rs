@@ -30,18 +30,20 @@ pub struct Contents {
     pub ended: Option<String>,
 }
 
-/// Reads a record; of a file that breaks off, all up to there.
+/// Reads the record of an axis, or of a loop that has but one; of a file that breaks off, all up to there.
 ///
 /// # Errors
-/// If it is none.
-pub fn read(file: &[u8]) -> Result<Contents, String> {
+/// If it is none, or has other axes.
+pub fn read(file: &[u8], axis: Option<&str>) -> Result<Contents, String> {
+    let prefix = axis.map_or(String::new(), |axis| format!("/{axis}"));
     // Memory that is never written to is never taken.
     let mut contents = Contents { rows: Vec::with_capacity(file.len() / 8), ..Contents::default() };
     let mut channels: BTreeMap<u16, (String, u16)> = BTreeMap::new();
     let mut schemas: BTreeMap<u16, &[u8]> = BTreeMap::new();
     for record in Records::of(file)? {
         let taken = record.and_then(|(code, body)| {
-            take(&mut contents, (&mut channels, &mut schemas), code, body).unwrap_or_else(|| Err(DAMAGED.to_string()))
+            take(&mut contents, &prefix, (&mut channels, &mut schemas), code, body)
+                .unwrap_or_else(|| Err(DAMAGED.to_string()))
         });
         if let Err(what) = taken {
             contents.broken = Some(what);
@@ -49,6 +51,16 @@ pub fn read(file: &[u8]) -> Result<Contents, String> {
         }
     }
     if contents.setup.is_empty() {
+        let axes: Vec<_> = channels.values().filter_map(|(topic, _)| topic.strip_suffix(LISTS)).collect();
+        if !axes.is_empty() {
+            let names: Vec<_> = axes.iter().map(|prefix| prefix.trim_start_matches('/')).collect();
+            let names = if axes == [""] {
+                "is of one loader: leave the axis out".to_string()
+            } else {
+                format!("has the axes {}: choose one", names.join(", "))
+            };
+            return Err(names);
+        }
         let why = contents.broken.map_or(String::new(), |what| format!(": {what}"));
         return Err(format!("has no topic {LISTS} of a loop{why}"));
     }
@@ -78,6 +90,7 @@ type Kinds<'a, 'b> = (&'b mut BTreeMap<u16, (String, u16)>, &'b mut BTreeMap<u16
 /// Takes what a record says; nothing where its content is not as long as it says.
 fn take<'a>(
     contents: &mut Contents,
+    prefix: &str,
     (channels, schemas): Kinds<'a, '_>,
     code: u8,
     body: &'a [u8],
@@ -85,7 +98,7 @@ fn take<'a>(
     let mut fields = Fields(body);
     match code {
         op::METADATA => match fields.text()? {
-            ABOUT => contents.about = fields.texts()?,
+            name if name.strip_prefix(ABOUT) == Some(prefix) => contents.about = fields.texts()?,
             END => contents.ended = fields.texts()?.remove(WHY),
             _ => {}
         },
@@ -102,6 +115,7 @@ fn take<'a>(
             let channel = fields.u16()?;
             let _sequence_and_times = fields.take(20)?;
             let Some((topic, schema)) = channels.get(&channel) else { return Some(Ok(())) };
+            let Some(topic) = topic.strip_prefix(prefix) else { return Some(Ok(())) };
             if topic == ROWS {
                 if contents.columns.is_empty() {
                     contents.columns = columns_of(schemas.get(schema).copied().unwrap_or_default());
@@ -193,6 +207,7 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of cycles")]
         let delay = row.delay as u32;
         let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop: row.emergency_stop != 0.0 };
+        controller.link([row.link_torque_n_m, row.link_damping_n_m_s_per_rad]);
         let (_, again) = controller.step((row.sampled != 0.0).then_some(&sampled), missed);
         replayed.cycles += 1;
         let pairs = NAMES.iter().zip(numbers.iter().zip(again.numbers()));

@@ -24,6 +24,10 @@ pub enum LoopRequest {
     Acknowledge,
     /// Stop, now.
     Stop,
+    /// Another axis of the cockpit stopped, and this one stops with it.
+    OtherAxis,
+    /// The electronic link of this axis is to hold, or to open.
+    Link(bool),
     /// What an aircraft simulator sent.
     Host(FromHost),
 }
@@ -55,6 +59,8 @@ impl LoopRequest {
             Self::Off => ("off", vec![]),
             Self::Acknowledge => ("acknowledge", vec![]),
             Self::Stop => ("stop", vec![]),
+            Self::OtherAxis => ("other_axis", vec![]),
+            Self::Link(holds) => ("link", vec![f64::from(u8::from(*holds))]),
             Self::Host(FromHost { sequence, switches, numbers }) => {
                 let head = [f64::from(*sequence), f64::from(*switches)];
                 ("host", head.into_iter().chain(numbers.map(f64::from)).collect())
@@ -80,6 +86,8 @@ impl LoopRequest {
             ("off", []) => Self::Off,
             ("acknowledge", []) => Self::Acknowledge,
             ("stop", []) => Self::Stop,
+            ("other_axis", []) => Self::OtherAxis,
+            ("link", &[holds]) => Self::Link(holds != 0.0),
             ("host", [sequence, switches, numbers @ ..]) => {
                 let numbers: &[f64; HOST_NUMBERS] = numbers.try_into().ok()?;
                 #[expect(

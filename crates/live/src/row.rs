@@ -59,12 +59,16 @@ columns! {
     fade;
     /// Factor on the spring, of person and host together.
     spring_factor;
-    /// Force at the grip that the host adds to the feel.
+    /// Force at the grip that host and electronic link add to the feel.
     added_force_n;
     /// Spring that the host adds to the feel's, or the surface's hinge moment does, in N m/rad.
     added_stiffness_n_m_per_rad;
-    /// Damping likewise, in N m s/rad.
+    /// Damping likewise, that of an electronic link included, in N m s/rad.
     added_damping_n_m_s_per_rad;
+    /// Torque of an electronic link on the programmed control, in N m.
+    link_torque_n_m;
+    /// Damping of that link, in N m s/rad.
+    link_damping_n_m_s_per_rad;
     /// Share of the host's values; the default feel has the rest.
     host_share;
     /// What the law asks for: V at a valve's amplifier, A of a motor.

@@ -1,8 +1,10 @@
-//! A loop under way: its thread, the one that keeps what it tells, and what others see and ask of it.
+//! A loop under way: its thread, the one that keeps what it tells, and what others see and ask of each axis.
 
-use crate::clock::{AtOnce, Monotonic};
+use crate::axes::{Axes, Axis};
+use crate::clock::{AtOnce, Monotonic, nanoseconds};
 use crate::controller::Controller;
 use crate::cycle::Cycles;
+use crate::feel_link::FeelLink;
 use crate::host_link::{self, HostStatus};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask};
@@ -20,47 +22,61 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How a loop is to run.
-pub struct Plan {
+/// How an axis is to run.
+pub struct AxisPlan {
     /// Law, feel and supervisor.
     pub controller: Controller,
     /// The machine.
     pub machine: Box<dyn InputOutput>,
-    /// Where a host's packets come to.
-    pub host: Option<UdpSocket>,
     /// Wishes with the cycle before which each is taken.
     pub requests: Vec<(u64, LoopRequest)>,
+    /// Beats of the clock from one of its cycles to the next.
+    pub every: u64,
+    /// Places of the axes that stop with it.
+    pub stops: Vec<usize>,
+}
+
+/// How a loop is to run.
+pub struct Plan {
+    /// The axes, at least one.
+    pub axes: Vec<AxisPlan>,
+    /// Electronic links between them.
+    pub links: Vec<FeelLink>,
+    /// Of the clock, in s.
+    pub period_s: f64,
+    /// Where a host's packets come to.
+    pub host: Option<UdpSocket>,
     /// By the clock, or as fast as it goes.
     pub real_time: bool,
-    /// Cycles after which it ends by itself.
-    pub cycles: u64,
+    /// Beats after which it ends by itself.
+    pub beats: u64,
     /// Where what it tells is kept.
     pub record: Option<Record>,
     /// Cycles from a row of it to the next.
     pub every: u64,
-    /// Rows that are kept in memory.
+    /// Rows of each axis that are kept in memory.
     pub history: usize,
 }
 
-/// A loop under way.
+/// An axis of a loop under way. Where one ends, all do.
 pub struct Running {
     asks: Mutex<(Producer<LoopRequest>, Producer<Disturbance>)>,
     status: Arc<Status>,
-    kept: Arc<RecordedCycle>,
+    rows: Arc<Mutex<VecDeque<Row>>>,
+    recorded: Arc<Recorded>,
     granted: Arc<OnceLock<Granted>>,
     host_status: Option<Arc<HostStatus>>,
-    threads: Mutex<Vec<JoinHandle<()>>>,
+    threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
 }
 
-/// What is kept of it.
+/// What there is of the record.
 #[derive(Default)]
-struct RecordedCycle {
-    rows: Mutex<VecDeque<Row>>,
-    recorded: AtomicU64,
+struct Recorded {
+    bytes: AtomicU64,
     /// Rows that it lacks because it ended before the loop.
     unrecorded: AtomicU64,
     /// Why the record ended before the loop.
-    record_ended: OnceLock<String>,
+    ended: OnceLock<String>,
 }
 
 /// Rows for which the ring has room: 3 s of a loop at 5 kHz.
@@ -75,76 +91,78 @@ const VIRTUAL_NAP: Duration = Duration::from_millis(2);
 const CHUNK: Duration = Duration::from_millis(250);
 
 impl Running {
-    /// Begins.
+    /// Begins; gives each axis.
     ///
     /// # Errors
     /// If the system gives no threads.
-    pub fn start(plan: Plan) -> io::Result<Self> {
-        let (requests, taken_wishes) = RingBuffer::new(WISHES);
-        let (disturbances, taken_disturbances) = RingBuffer::new(WISHES);
-        let (rows, told_rows) = RingBuffer::new(ROWS);
-        let (taken, told_wishes) = RingBuffer::new(WISHES);
-        let status = Arc::new(Status::default());
-        let (kept, granted) = (Arc::new(RecordedCycle::default()), Arc::new(OnceLock::new()));
-        let Plan { controller, machine, host, requests: planned, real_time, cycles, record, every, history } = plan;
-        let period_s = controller.period_s();
-        let (link, of_host) = host.map(host_link::between).transpose()?.unzip();
+    pub fn start(plan: Plan) -> io::Result<Vec<Self>> {
+        let Plan { axes, links, period_s, host, real_time, beats, record, every, history } = plan;
+        let (recorded, granted) = (Arc::new(Recorded::default()), Arc::new(OnceLock::new()));
+        let threads = Arc::new(Mutex::new(Vec::new()));
+        let (link, of_host) = host.map(|socket| host_link::between(socket, axes.len())).transpose()?.unzip();
         let host_status = link.as_ref().map(|link| Arc::clone(&link.host_status));
-        let mut run = Cycles {
-            controller,
-            machine,
-            plan: planned,
-            requests: taken_wishes,
-            host: of_host,
-            disturbances: taken_disturbances,
-            rows,
-            taken,
-            status: Arc::clone(&status),
-            planned: 0,
-            patient: !real_time,
-        };
-        let given = Arc::clone(&granted);
-        let ends = Ended(Arc::clone(&status));
-        let looper = thread::Builder::new().name("forcefeel-loop".into()).spawn(move || {
-            let _ends = ends;
-            if real_time {
-                let (granted, _held) = ask();
-                let _ = given.set(granted);
-                run.run(&mut Monotonic::new(period_s), cycles);
-            } else {
-                run.run(&mut AtOnce::new(period_s), cycles);
-            }
-        })?;
-        let keeper = Keeper {
-            rows: told_rows,
-            requests: told_wishes,
-            record,
-            thinning: Thinning::new(every),
-            kept: Arc::clone(&kept),
-            history,
-            nap: if real_time { NAP } else { VIRTUAL_NAP },
-        };
-        let looks_on = Arc::clone(&status);
-        let keeping = thread::Builder::new().name("forcefeel-record".into()).spawn(move || keeper.keep(&looks_on));
-        let looks_on = Arc::clone(&status);
-        let listening = link.map(|link| {
-            thread::Builder::new().name("forcefeel-host".into()).spawn(move || link.listen(&looks_on.ended))
-        });
-        let mut threads = vec![looper];
-        for one in [Some(keeping), listening].into_iter().flatten() {
-            match one {
-                Ok(thread) => threads.push(thread),
-                Err(error) => {
-                    status.end.store(true, Relaxed);
-                    for thread in threads {
-                        let _ = thread.join();
-                    }
-                    return Err(error);
-                }
-            }
+        let mut of_host = of_host.map(Vec::into_iter);
+        let mut run = Axes { axes: Vec::new(), links, beats: 0 };
+        let (mut kept, mut running) = (Vec::new(), Vec::new());
+        for AxisPlan { controller, machine, requests: plan, every: beats, stops } in axes {
+            let (requests, taken_wishes) = RingBuffer::new(WISHES);
+            let (disturbances, taken_disturbances) = RingBuffer::new(WISHES);
+            let (rows, told_rows) = RingBuffer::new(ROWS);
+            let (taken, told_wishes) = RingBuffer::new(WISHES);
+            let (status, in_memory) = (Arc::new(Status::default()), Arc::new(Mutex::default()));
+            let cycles = Cycles {
+                controller,
+                machine,
+                plan,
+                requests: taken_wishes,
+                host: of_host.as_mut().and_then(Iterator::next),
+                disturbances: taken_disturbances,
+                rows,
+                taken,
+                status: Arc::clone(&status),
+                planned: 0,
+                patient: !real_time,
+            };
+            run.axes.push(Axis { cycles, every: beats, stops, stopped: false });
+            let (rows, thinning) = (told_rows, Thinning::new(every));
+            kept.push(KeptAxis { rows, requests: told_wishes, thinning, in_memory: Arc::clone(&in_memory) });
+            running.push(Self {
+                asks: Mutex::new((requests, disturbances)),
+                status,
+                rows: in_memory,
+                recorded: Arc::clone(&recorded),
+                granted: Arc::clone(&granted),
+                host_status: host_status.clone(),
+                threads: Arc::clone(&threads),
+            });
         }
-        let (asks, threads) = (Mutex::new((requests, disturbances)), Mutex::new(threads));
-        Ok(Self { asks, status, kept, granted, host_status, threads })
+        let statuses: Vec<_> = running.iter().map(|axis| Arc::clone(&axis.status)).collect();
+        // What looks at the end of one looks at that of all: they end together.
+        let looks_on = Arc::clone(&statuses[0]);
+        let ends = Ended(statuses);
+        let mut under_way = locked(&threads);
+        under_way.push(thread::Builder::new().name("forcefeel-loop".into()).spawn(move || {
+            let _ends = ends;
+            let period_ns = nanoseconds(period_s);
+            if real_time {
+                let (given, _held) = ask();
+                let _ = granted.set(given);
+                run.run(&mut Monotonic::new(period_s), period_ns, beats);
+            } else {
+                run.run(&mut AtOnce::new(period_s), period_ns, beats);
+            }
+        })?);
+        let nap = if real_time { NAP } else { VIRTUAL_NAP };
+        let keeper = Keeper { axes: kept, record, recorded, history, nap };
+        let keeps = Arc::clone(&looks_on);
+        // Of threads that are not given the loop ends where its axes are dropped.
+        under_way.push(thread::Builder::new().name("forcefeel-record".into()).spawn(move || keeper.keep(&keeps))?);
+        if let Some(link) = link {
+            let listen = move || link.listen(&looks_on.ended);
+            under_way.push(thread::Builder::new().name("forcefeel-host".into()).spawn(listen)?);
+        }
+        drop(under_way);
+        Ok(running)
     }
 
     /// Asks something of the loop; whether there was room for it.
@@ -174,13 +192,13 @@ impl Running {
 
     /// Bytes of the record, rows that it lacks because it ended before the loop, and why it did, if it did.
     pub fn recorded(&self) -> (u64, u64, Option<&str>) {
-        let [bytes, lacks] = [&self.kept.recorded, &self.kept.unrecorded].map(|count| count.load(Relaxed));
-        (bytes, lacks, self.kept.record_ended.get().map(String::as_str))
+        let [bytes, lacks] = [&self.recorded.bytes, &self.recorded.unrecorded].map(|count| count.load(Relaxed));
+        (bytes, lacks, self.recorded.ended.get().map(String::as_str))
     }
 
     /// The numbers of the newest `most` rows of cycles after `since`, one row after the other.
     pub fn history(&self, since: f64, most: usize) -> Vec<f64> {
-        let rows = locked(&self.kept.rows);
+        let rows = locked(&self.rows);
         let first = rows.partition_point(|row| row.cycle <= since).max(rows.len().saturating_sub(most));
         let mut numbers = Vec::with_capacity((rows.len() - first) * COLUMNS);
         rows.range(first..).for_each(|row| numbers.extend(row.numbers()));
@@ -195,8 +213,8 @@ impl Running {
 
     /// Waits until it has ended by itself.
     pub fn join(&self) {
-        let threads: Vec<_> = locked(&self.threads).drain(..).collect();
-        for thread in threads {
+        // Whoever else waits for the end waits here.
+        for thread in locked(&self.threads).drain(..) {
             // A thread that panicked has said why, and is over.
             let _ = thread.join();
         }
@@ -209,12 +227,12 @@ impl Drop for Running {
     }
 }
 
-/// Says that the loop has ended, however it did.
-struct Ended(Arc<Status>);
+/// Says that all axes have ended, however they did.
+struct Ended(Vec<Arc<Status>>);
 
 impl Drop for Ended {
     fn drop(&mut self) {
-        self.0.ended.store(true, Relaxed);
+        self.0.iter().for_each(|status| status.ended.store(true, Relaxed));
     }
 }
 
@@ -223,13 +241,19 @@ fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Takes what the loop tells, for memory and disk.
-struct Keeper {
+/// What an axis tells.
+struct KeptAxis {
     rows: Consumer<Row>,
     requests: Consumer<(u64, LoopRequest)>,
-    record: Option<Record>,
     thinning: Thinning,
-    kept: Arc<RecordedCycle>,
+    in_memory: Arc<Mutex<VecDeque<Row>>>,
+}
+
+/// Takes what the loop tells, for memory and disk.
+struct Keeper {
+    axes: Vec<KeptAxis>,
+    record: Option<Record>,
+    recorded: Arc<Recorded>,
     history: usize,
     nap: Duration,
 }
@@ -247,7 +271,7 @@ impl Keeper {
             } else {
                 self.write(Record::flush);
             }
-            if ended && self.rows.is_empty() && self.requests.is_empty() {
+            if ended && self.axes.iter().all(|axis| axis.rows.is_empty() && axis.requests.is_empty()) {
                 break;
             }
             thread::sleep(self.nap);
@@ -256,30 +280,37 @@ impl Keeper {
     }
 
     fn take(&mut self) {
+        for place in 0..self.axes.len() {
+            self.take_axis(place);
+        }
+    }
+
+    fn take_axis(&mut self, place: usize) {
         // A request stands in the record before the row that it counts from: that row is told after it.
-        let rows: usize = self.rows.slots();
-        while let Ok((cycle, request)) = self.requests.pop() {
+        let rows: usize = self.axes[place].rows.slots();
+        while let Ok((cycle, request)) = self.axes[place].requests.pop() {
             self.write(|record| {
-                record.request(cycle, &request);
+                record.request(place, cycle, &request);
                 Ok(())
             });
         }
         for _ in 0..rows {
-            let Ok(row) = self.rows.pop() else { break };
-            for row in self.thinning.take(row) {
-                if self.record.is_none() && self.kept.record_ended.get().is_some() {
-                    self.kept.unrecorded.fetch_add(1, Relaxed);
+            let axis = &mut self.axes[place];
+            let Ok(row) = axis.rows.pop() else { break };
+            for row in axis.thinning.take(row) {
+                if self.record.is_none() && self.recorded.ended.get().is_some() {
+                    self.recorded.unrecorded.fetch_add(1, Relaxed);
                 }
                 self.write(|record| {
-                    record.row(&row);
+                    record.row(place, &row);
                     Ok(())
                 });
             }
-            let mut kept = locked(&self.kept.rows);
-            if kept.len() >= self.history {
-                kept.pop_front();
+            let mut in_memory = locked(&self.axes[place].in_memory);
+            if in_memory.len() >= self.history {
+                in_memory.pop_front();
             }
-            kept.push_back(row);
+            in_memory.push_back(row);
         }
     }
 
@@ -287,7 +318,7 @@ impl Keeper {
     fn write(&mut self, write: impl FnOnce(&mut Record) -> io::Result<()>) {
         let Some(record) = &mut self.record else { return };
         let written = write(record);
-        self.kept.recorded.store(record.bytes(), Relaxed);
+        self.recorded.bytes.store(record.bytes(), Relaxed);
         let (full, rows) = (record.full(), record.rows());
         match written {
             Err(error) => self.ended_early(rows, error.to_string()),
@@ -298,7 +329,7 @@ impl Keeper {
             Ok(()) => {
                 if let Some(why) = full {
                     self.end(&why);
-                    let _ = self.kept.record_ended.set(why);
+                    let _ = self.recorded.ended.set(why);
                 }
             }
         }
@@ -316,7 +347,7 @@ impl Keeper {
     /// Takes note of a record that could not be written: what is not in its file is lost.
     fn ended_early(&mut self, (taken, kept): (u64, u64), why: String) {
         self.record = None;
-        self.kept.unrecorded.fetch_add(taken - kept, Relaxed);
-        let _ = self.kept.record_ended.set(why);
+        self.recorded.unrecorded.fetch_add(taken - kept, Relaxed);
+        let _ = self.recorded.ended.set(why);
     }
 }

@@ -13,7 +13,7 @@ use crate::setup::{Beginning, Setup};
 use forcefeel_model::control::Sample;
 use forcefeel_model::controller::CommandDelay;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State};
+use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
@@ -25,7 +25,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Samples that are kept, for those that come late.
 const RECENT: usize = 64;
 
-/// The stream of the grip's sensor, as the first run of a simulation has it.
+/// What the stream of the grip's sensor has beside that of its axis, as in a simulation.
 const OF_GRIP: u64 = 1 << 63;
 
 /// What is done to a simulated machine from its beginning on.
@@ -37,21 +37,46 @@ pub struct Script {
     pub inputs: Vec<Inputs>,
     /// Seed of the sensors' noise.
     pub seed: u64,
+    /// Stream of that noise: the place of its axis, so that no two show the same.
+    pub stream: u64,
+    /// Whether a shaft acts on its column.
+    pub linked: bool,
 }
 
 impl Script {
     /// At rest at neutral, nothing done.
-    pub const NONE: Self = Self { start: Start::Under(0.0), inputs: vec![], seed: 0 };
+    pub const NONE: Self = Self { start: Start::Under(0.0), inputs: vec![], seed: 0, stream: 0, linked: false };
+}
+
+/// A simulated machine, step by step: another may act on its column within each.
+///
+/// [`arrive`](Self::arrive), a sample where there is one, [`set_out`](Self::set_out), [`advance`](Self::advance) as often as it takes to
+/// find the torque at the end of the step, [`done`](Self::done).
+pub trait Stepped: InputOutput {
+    /// Angle of the column.
+    fn angle(&self) -> f64;
+    /// Begins a step under a torque on the column, up to where a controller samples; whether one does.
+    fn arrive(&mut self, torque: f64) -> bool;
+    /// What the sensors show there.
+    fn sample(&mut self) -> Option<Sampled>;
+    /// Goes on under the command that is held by now.
+    fn set_out(&mut self);
+    /// Takes the step, the torque on the column ending so: angle and rate of the column. May be taken again.
+    fn advance(&mut self, torque: f64) -> [f64; 2];
+    /// The step is done.
+    fn done(&mut self);
+    /// The step in s.
+    fn step_s(&self) -> f64;
 }
 
 /// The machine of a loader, and where it begins: the controller is to begin there too.
-pub fn simulated(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning) {
+pub fn simulated(setup: &Setup, script: Script) -> (Box<dyn Stepped>, Beginning) {
     with_drive!(setup.drive(), K => begun::<K>(setup, script))
 }
 
-fn begun<K: Kind>(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning)
+fn begun<K: Kind>(setup: &Setup, script: Script) -> (Box<dyn Stepped>, Beginning)
 where
-    Simulated<K::Of<f64>>: InputOutput + 'static,
+    Simulated<K::Of<f64>>: Stepped + 'static,
 {
     let (machine, beginning) = Simulated::new(setup, setup.machine::<K>(), script);
     (Box::new(machine), beginning)
@@ -77,12 +102,22 @@ struct Simulated<D: Drive<f64>> {
     samples: usize,
     command: f64,
     /// A step that waits for its command.
-    begun: Option<(SamplingPoint<f64, D>, Inputs)>,
+    arrived: Option<(SamplingPoint<f64, D>, Inputs)>,
+    /// One that is taken, perhaps again.
+    step: Option<Step<D>>,
+}
+
+/// A step that is taken, from where it began.
+struct Step<D: Drive<f64>> {
+    inputs: Inputs,
+    start: StepStart<f64, D>,
+    before: State<f64, D>,
 }
 
 impl<D: Drive<f64>> Simulated<D> {
     fn new(setup: &Setup, machine: Machine<f64, D>, script: Script) -> (Self, Beginning) {
-        let shared = setup.shared();
+        let mut shared = setup.shared();
+        shared.effects.linked = script.linked;
         let start = script.start.of(&machine, &shared, &script.inputs);
         let equilibrium = &start.equilibrium;
         let mut state = machine.start(&shared, equilibrium);
@@ -99,7 +134,7 @@ impl<D: Drive<f64>> Simulated<D> {
         if start.held_until == 0 {
             Machine::<f64, D>::let_go(&mut state);
         }
-        let noise = [0, OF_GRIP].map(|stream| {
+        let noise = [script.stream, script.stream | OF_GRIP].map(|stream| {
             let mut noise = ChaCha8Rng::seed_from_u64(script.seed);
             noise.set_stream(stream);
             noise
@@ -119,24 +154,10 @@ impl<D: Drive<f64>> Simulated<D> {
             recent: [beginning.sensors; RECENT],
             samples: 0,
             command: equilibrium.command(),
-            begun: None,
+            arrived: None,
+            step: None,
         };
         (made, beginning)
-    }
-
-    /// The rest of a step that began.
-    fn go_on(&mut self, arrived: SamplingPoint<f64, D>, inputs: &Inputs) {
-        let step = self.state.steps();
-        if let Some(sample) = self.shared.timing.and_then(|timing| timing.arriving_at(step)) {
-            self.state.command(self.under_way.arriving(sample));
-        }
-        let begun = self.machine.set_out(&self.shared, &mut self.state, inputs, arrived);
-        self.machine.advance(&self.shared, &mut self.state, inputs, &begun);
-        let to_rad = self.machine.per_base();
-        self.hand.see(begun.now.base * to_rad, begun.now.base_rate * to_rad, self.shared.step_s);
-        if step + 1 == self.held_until {
-            Machine::<f64, D>::let_go(&mut self.state);
-        }
     }
 
     fn inputs(&self) -> Inputs {
@@ -174,38 +195,84 @@ impl<D: Drive<f64>> Simulated<D> {
     }
 }
 
+impl<D: Drive<f64>> Stepped for Simulated<D>
+where
+    Self: Send,
+{
+    fn angle(&self) -> f64 {
+        self.machine.column_angle(&self.state)
+    }
+
+    fn arrive(&mut self, torque: f64) -> bool {
+        let inputs = Inputs { link_torque: [torque; 2], ..self.inputs() };
+        let arrived = self.machine.arrive(&self.shared, &mut self.state, &inputs);
+        self.arrived = Some((arrived, inputs));
+        let sample = self.shared.timing.and_then(|timing| timing.sample_at(self.state.steps()));
+        if let Some(sample) = sample {
+            // Where nothing is written in time, the drive holds what it has.
+            self.under_way.send(sample, self.command + inputs.command_signal[0]);
+        }
+        sample.is_some()
+    }
+
+    fn set_out(&mut self) {
+        let Some((arrived, inputs)) = self.arrived.take() else { return };
+        if let Some(sample) = self.shared.timing.and_then(|timing| timing.arriving_at(self.state.steps())) {
+            self.state.command(self.under_way.arriving(sample));
+        }
+        let start = self.machine.set_out(&self.shared, &mut self.state, &inputs, arrived);
+        self.step = Some(Step { inputs, start, before: self.state });
+    }
+
+    fn advance(&mut self, torque: f64) -> [f64; 2] {
+        let Some(Step { inputs, start, before }) = &mut self.step else {
+            return [self.machine.column_angle(&self.state), 0.0];
+        };
+        inputs.link_torque[1] = torque;
+        self.state = *before;
+        self.machine.advance(&self.shared, &mut self.state, inputs, start);
+        self.machine.column_motion(&self.shared, &self.state, start)
+    }
+
+    fn done(&mut self) {
+        let Some(Step { start, .. }) = self.step.take() else { return };
+        let to_rad = self.machine.per_base();
+        self.hand.see(start.now.base * to_rad, start.now.base_rate * to_rad, self.shared.step_s);
+        if self.state.steps() == self.held_until {
+            Machine::<f64, D>::let_go(&mut self.state);
+        }
+    }
+
+    fn sample(&mut self) -> Option<Sampled> {
+        let pilot_force = self.arrived.as_ref().map_or(f64::NAN, |(arrived, _)| arrived.now.pilot_force);
+        let sensors = self.measured()?;
+        let late = if let Some(Fault::Late(cycles)) = self.fault { cycles.min(RECENT - 1) } else { 0 };
+        self.samples = self.samples.wrapping_add(1);
+        self.recent[self.samples % RECENT] = sensors;
+        let sensors = self.recent[self.samples.wrapping_sub(late) % RECENT];
+        let delay = u32::try_from(late).unwrap_or(u32::MAX);
+        Some(Sampled { sample: Sample { sensors, pilot_force }, periods: 1.0, delay, emergency_stop: false })
+    }
+
+    fn step_s(&self) -> f64 {
+        self.shared.step_s
+    }
+}
+
 impl<D: Drive<f64>> InputOutput for Simulated<D>
 where
     Self: Send,
 {
     fn read(&mut self) -> Option<Sampled> {
-        if let Some((arrived, inputs)) = self.begun.take() {
-            self.go_on(arrived, &inputs);
-        }
         loop {
-            let inputs = self.inputs();
-            let arrived = self.machine.arrive(&self.shared, &mut self.state, &inputs);
-            let sample = self.shared.timing.and_then(|timing| timing.sample_at(self.state.steps()));
-            let Some(sample) = sample else {
-                self.go_on(arrived, &inputs);
-                continue;
-            };
-            let pilot_force = arrived.now.pilot_force;
-            self.begun = Some((arrived, inputs));
-            // Where nothing is written in time, the drive holds what it has.
-            self.under_way.send(sample, self.command + inputs.command_signal[0]);
-            let sensors = self.measured()?;
-            let late = if let Some(Fault::Late(cycles)) = self.fault { cycles.min(RECENT - 1) } else { 0 };
-            self.samples = self.samples.wrapping_add(1);
-            self.recent[self.samples % RECENT] = sensors;
-            let sensors = self.recent[self.samples.wrapping_sub(late) % RECENT];
-            let delay = u32::try_from(late).unwrap_or(u32::MAX);
-            return Some(Sampled {
-                sample: Sample { sensors, pilot_force },
-                periods: 1.0,
-                delay,
-                emergency_stop: false,
-            });
+            if self.arrived.is_some() {
+                self.set_out();
+                self.advance(0.0);
+                self.done();
+            }
+            if self.arrive(0.0) {
+                return self.sample();
+            }
         }
     }
 
@@ -217,7 +284,8 @@ where
         let e = if let Some(Fault::Hardover(e)) = self.fault { e } else { command.command };
         self.command = if command.enable { e } else { 0.0 };
         let step = self.state.steps();
-        if let (Some(sample), Some((_, inputs))) = (self.shared.timing.and_then(|it| it.sample_at(step)), &self.begun) {
+        if let (Some(sample), Some((_, inputs))) = (self.shared.timing.and_then(|it| it.sample_at(step)), &self.arrived)
+        {
             self.under_way.send(sample, self.command + inputs.command_signal[0]);
         }
     }
@@ -231,6 +299,8 @@ where
                 self.fault = Some(fault);
             }
             Disturbance::Repair => self.fault = None,
+            // It stands by itself.
+            Disturbance::Link(_) => {}
         }
     }
 }

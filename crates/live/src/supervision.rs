@@ -32,6 +32,8 @@ pub struct Asked {
     pub acknowledge: bool,
     /// Stop, now.
     pub stop: bool,
+    /// Another axis stopped, and this one is to stop with it.
+    pub other_axis: bool,
 }
 
 /// What is seen of a cycle.
@@ -117,6 +119,15 @@ impl Supervision {
         self.last.map_or(wanted, |allowed| allowed.neutral(wanted))
     }
 
+    /// Share of the feel that is there.
+    pub fn share(&self) -> f64 {
+        match (&self.supervisor, &self.last) {
+            (None, _) => 1.0,
+            (Some(_), Some(allowed)) if allowed.follows => allowed.share,
+            (Some(_), _) => 0.0,
+        }
+    }
+
     /// What was allowed last; nothing before the first cycle, or where nobody looks on.
     pub fn last(&self) -> Option<&SupervisorOutput<f64>> {
         self.last.as_ref()
@@ -129,7 +140,7 @@ impl Supervision {
         let periods = seen.periods.map(|periods| periods.max(f64::from(self.silent.saturating_add(1))));
         self.silent = if periods.is_some() { 0 } else { self.silent.saturating_add(1) };
         self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };
-        let Asked { request, acknowledge, stop } = seen.asked;
+        let Asked { request, acknowledge, stop, other_axis } = seen.asked;
         let input = SupervisorInput {
             sensed: seen.sensors,
             missed: self.silent,
@@ -141,6 +152,7 @@ impl Supervision {
             feel_acceleration: seen.feel_acceleration,
             feel_rate: seen.feel_rate,
             emergency_stop: seen.emergency_stop || stop,
+            other_axis,
             drive_fault: false,
             requested: request,
             acknowledge,

@@ -169,6 +169,7 @@ impl<S: Scalar> Supervisor<S> {
         let mut functions = Functions::NONE
             .with(Function::EmergencyStop, input.emergency_stop)
             .with(Function::DriveFault, input.drive_fault)
+            .with(Function::OtherAxis, input.other_axis)
             .with(Function::Overrun, input.late >= limits.overrun)
             .with(Function::NotANumber, !(finite(input.command) && finite(input.feel_acceleration)));
         let used = if self.admitted.0 { self.admitted.1 } else { self.admit(input) };

@@ -111,6 +111,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(live::live_columns, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_states, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_trips, module)?)?;
+    module.add_function(wrap_pyfunction!(live::start_loops, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_record, module)?)?;
     module.add_function(wrap_pyfunction!(live::live_replay, module)?)?;
     Ok(())

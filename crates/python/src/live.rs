@@ -6,19 +6,22 @@ use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
+use forcefeel_live::feel_link::FeelLink;
 use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
-use forcefeel_live::record::{EVERY, Opening, Record, Size};
+use forcefeel_live::record::{AxisOpening, EVERY, Opening, Record, Size};
 use forcefeel_live::replay::{Contents, read, replay};
 use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::{COLUMNS, NAMES};
-use forcefeel_live::running::{Plan, Running};
+use forcefeel_live::running::{AxisPlan, Plan, Running};
 use forcefeel_live::setup::{Setup, rows_of};
-use forcefeel_live::simulated::{Script, simulated};
+use forcefeel_live::simulated::{Script, Stepped, simulated};
+use forcefeel_live::simulated_pair;
 use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
 use forcefeel_live::udp::Udp;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
+use forcefeel_model::link::{LINK_ROWS, PilotLink};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::supervisor::SupervisorState;
 use forcefeel_model::transducers::SENSORS;
@@ -107,32 +110,158 @@ impl ScriptOf<'_> {
         let Self(inputs, start_force, held, seed) = self;
         let inputs = if inputs.is_empty() { vec![] } else { steps(inputs)? };
         let start = held.map_or(Start::Under(*start_force), |(angle, until)| Start::Held(angle, until));
-        Ok(Script { start, inputs, seed: *seed })
+        Ok(Script { start, inputs, seed: *seed, ..Script::NONE })
     }
 }
 
-/// A record: path, most bytes and whether it is a ring, rows that are expected, cycles from a row to the next, and what is written about it.
+/// A record: path, most bytes and whether it is a ring, rows that are expected, cycles from a row to the next.
 #[derive(FromPyObject)]
-pub struct RecordOf(PathBuf, (u64, bool), u64, u64, BTreeMap<String, String>);
+pub struct RecordOf(PathBuf, (u64, bool), u64, u64);
 
 impl RecordOf {
-    fn begin(self, setup: &Setup) -> PyResult<(Record, u64)> {
-        let Self(path, (most_bytes, ring), rows, every, mut about) = self;
+    fn begin(self, mut axes: Vec<AxisOpening>) -> PyResult<(Record, u64)> {
+        let Self(path, (most_bytes, ring), rows, every) = self;
         if every > 1 {
-            about.insert(EVERY.to_string(), every.to_string());
+            for axis in &mut axes {
+                axis.about.insert(EVERY.to_string(), every.to_string());
+            }
         }
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
         let (start_ns, size) = (u64::try_from(now).unwrap_or(0), Size { most_bytes, rows, ring });
         let named = |error| PyOSError::new_err(format!("{}: {error}", path.display()));
-        let opening = Opening { path: path.clone(), size, start_ns, about, setup: setup.numbers() };
+        let opening = Opening { path: path.clone(), size, start_ns, axes };
         Ok((Record::create(opening).map_err(|error: std::io::Error| named(error))?, every))
     }
+}
+
+/// An axis: what its loop is made of, script of a simulated machine, address of a real one, planned requests, beats of the clock in its
+/// period, places of the axes that stop with it, prefix of its topics in a record and what is written about it.
+#[derive(FromPyObject)]
+pub struct AxisOf<'py>(
+    PyRef<'py, LiveSetup>,
+    Option<ScriptOf<'py>>,
+    Option<String>,
+    Vec<Requested>,
+    u64,
+    Vec<usize>,
+    (String, BTreeMap<String, String>),
+);
+
+/// A link: places of both axes, values, periods of delay of an electronic one, whether it uncouples.
+#[derive(FromPyObject)]
+pub struct LinkOf([usize; 2], [f64; LINK_ROWS], Option<usize>, bool);
+
+/// What is at the other end of an axis.
+enum Other {
+    Simulated(Box<dyn Stepped>),
+    Real(Box<dyn InputOutput>),
+}
+
+/// Connects to the machine of an axis, or makes a simulated one.
+fn machine(setup: &mut Setup, script: Script, address: Option<String>, by_clock: bool) -> PyResult<Other> {
+    if let Some(address) = address {
+        let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
+        let address = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
+        let address = address.ok_or_else(|| no("is no address".to_string()))?;
+        let machine = Udp::connect(address, by_clock.then(|| setup.period_s()));
+        return Ok(Other::Real(Box::new(machine.map_err(|error| no(error.to_string()))?)));
+    }
+    let (machine, beginning) = simulated(setup, script);
+    setup.beginning = Some(beginning);
+    Ok(Other::Simulated(machine))
+}
+
+/// Joins simulated machines by the shafts of the mechanical links; a real one has its own.
+fn join(machines: Vec<Other>, links: &[LinkOf]) -> PyResult<Vec<Box<dyn InputOutput>>> {
+    let mut machines: Vec<_> = machines.into_iter().map(Some).collect();
+    let mut joined: BTreeMap<usize, Box<dyn InputOutput>> = BTreeMap::new();
+    for LinkOf(sides, values, _, uncouples) in links.iter().filter(|link| link.2.is_none()) {
+        match sides.map(|side| machines.get_mut(side).and_then(Option::take)) {
+            [Some(Other::Simulated(first)), Some(Other::Simulated(second))] => {
+                let link = PilotLink::from_values(values);
+                joined.extend(sides.iter().copied().zip(simulated_pair::joined([first, second], link, *uncouples)));
+            }
+            [Some(Other::Real(first)), Some(Other::Real(second))] => {
+                joined.extend(sides.iter().copied().zip([first, second]));
+            }
+            _ => return Err(refused("links: expected two simulated machines or two real ones, each with one link")),
+        }
+    }
+    let all = machines.into_iter().enumerate().filter_map(|(place, machine)| match machine {
+        Some(Other::Simulated(machine)) => Some(machine as Box<dyn InputOutput>),
+        Some(Other::Real(machine)) => Some(machine),
+        None => joined.remove(&place),
+    });
+    Ok(all.collect())
+}
+
+/// Starts a loop with all its axes, each over UDP where it has an address, else with the machine simulated; gives each axis.
+///
+/// `period_s`: of the clock. `host`: where an aircraft simulator is listened to.
+#[pyfunction]
+#[pyo3(signature = (axes, period_s, *, links = vec![], host = None, real_time = true, beats = None, record = None, history = 120_000))]
+#[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
+pub fn start_loops(
+    axes: Vec<AxisOf<'_>>,
+    period_s: f64,
+    links: Vec<LinkOf>,
+    host: Option<String>,
+    real_time: bool,
+    beats: Option<u64>,
+    record: Option<RecordOf>,
+    history: usize,
+) -> PyResult<Vec<LiveLoop>> {
+    let host = host.map(|at| UdpSocket::bind(&at).map_err(|error| PyOSError::new_err(format!("{at}: {error}"))));
+    let host = host.transpose()?;
+    let places = axes.len();
+    let (mut machines, mut openings, mut rest) = (vec![], vec![], vec![]);
+    for AxisOf(setup, script, address, requests, every, stops, (prefix, about)) in axes {
+        let mut setup = setup.setup.clone();
+        let place = machines.len();
+        let linked = links.iter().any(|link| link.2.is_none() && link.0.contains(&place));
+        let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
+        let script = Script { stream: place as u64, linked, ..script };
+        machines.push(machine(&mut setup, script, address, real_time)?);
+        setup.host = host.is_some();
+        let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
+        let requests = requests.collect::<PyResult<_>>()?;
+        let controller = Controller::new(&setup).map_err(refused)?;
+        openings.push(AxisOpening { prefix, about, setup: setup.numbers() });
+        if every == 0 || stops.iter().any(|&place| place >= places) {
+            return Err(refused("axes: expected a beat or more in a period, and places of axes"));
+        }
+        rest.push((controller, requests, every, stops));
+    }
+    let machines = join(machines, &links)?;
+    let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples)| {
+        delay.map(|delay| FeelLink::new(*sides, PilotLink::from_values(values), delay, *uncouples))
+    });
+    let links: Vec<_> = electronic.collect();
+    if places == 0
+        || links.iter().any(|link| link.sides[0] == link.sides[1] || link.sides.iter().any(|&side| side >= places))
+    {
+        return Err(refused("axes: expected one or more, and links between two of them"));
+    }
+    let of_axes = rest.into_iter().zip(machines);
+    let axes = of_axes.map(|((controller, requests, every, stops), machine)| AxisPlan {
+        controller,
+        machine,
+        requests,
+        every,
+        stops,
+    });
+    let axes = axes.collect();
+    let (record, every) = record.map(|record| record.begin(openings)).transpose()?.unzip();
+    let (every, beats) = (every.unwrap_or(1), beats.unwrap_or(u64::MAX));
+    let plan = Plan { axes, links, period_s, host, real_time, beats, record, every, history };
+    let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
+    Ok(running.into_iter().map(|running| LiveLoop { running }).collect())
 }
 
 /// Counts of the steps of durations, and the longest duration in ns.
 type Counted = (Vec<u64>, u64);
 
-/// A loop under way.
+/// An axis of a loop under way.
 #[pyclass(frozen, module = "forcefeel._core")]
 pub struct LiveLoop {
     running: Running,
@@ -140,49 +269,6 @@ pub struct LiveLoop {
 
 #[pymethods]
 impl LiveLoop {
-    /// Begins: over UDP where there is an address, else with the machine simulated.
-    ///
-    /// `host`: where an aircraft simulator is listened to.
-    #[new]
-    #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, requests = vec![], record = None, history = 120_000))]
-    #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
-    fn new(
-        setup: &LiveSetup,
-        script: Option<ScriptOf<'_>>,
-        address: Option<String>,
-        host: Option<String>,
-        real_time: bool,
-        cycles: Option<u64>,
-        requests: Vec<Requested>,
-        record: Option<RecordOf>,
-        history: usize,
-    ) -> PyResult<Self> {
-        let mut setup = setup.setup.clone();
-        let machine: Box<dyn InputOutput> = if let Some(address) = address {
-            let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
-            let address = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
-            let address = address.ok_or_else(|| no("is no address".to_string()))?;
-            Box::new(Udp::connect(address, real_time.then(|| setup.period_s())).map_err(|error| no(error.to_string()))?)
-        } else {
-            let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
-            let (machine, beginning) = simulated(&setup, script);
-            setup.beginning = Some(beginning);
-            machine
-        };
-        let host = host.map(|at| UdpSocket::bind(&at).map_err(|error| PyOSError::new_err(format!("{at}: {error}"))));
-        let host = host.transpose()?;
-        setup.host = host.is_some();
-        let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
-        let requests = requests.collect::<PyResult<_>>()?;
-        let controller = Controller::new(&setup).map_err(refused)?;
-        let (record, every) = record.map(|record| record.begin(&setup)).transpose()?.unzip();
-        let every = every.unwrap_or(1);
-        let cycles = cycles.unwrap_or(u64::MAX);
-        let plan = Plan { controller, machine, host, requests, real_time, cycles, record, every, history };
-        let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
-        Ok(Self { running })
-    }
-
     /// Asks something of the loop by name, with its numbers; whether there was room for it, or a host to accept.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
     fn request(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
@@ -248,7 +334,7 @@ impl LiveLoop {
             .map(|given| [&given.fifo, &given.locked, &given.awake].map(|it| it.as_ref().err().cloned()))
     }
 
-    /// Ends the loop, its drive off, and closes the record.
+    /// Ends the loop with all its axes, their drives off, and closes the record.
     fn end(&self, py: Python<'_>) {
         py.detach(|| self.running.end());
     }
@@ -322,10 +408,11 @@ pub fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResul
         "hardover" => Disturbance::Fault(Fault::Hardover(number.unwrap_or(0.0))),
         "late" => Disturbance::Fault(Fault::Late(cycles_of(number.unwrap_or(0.0))?)),
         "ignores_command" => Disturbance::Fault(Fault::Deaf),
+        "link" => Disturbance::Link(number != Some(0.0)),
         "repair" => Disturbance::Repair,
         other => {
             return Err(refused(format!(
-                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, spike, reversed, late, ignores_command, hardover or repair, got {other:?}"
+                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, spike, reversed, late, ignores_command, hardover, link or repair, got {other:?}"
             )));
         }
     })
@@ -349,14 +436,17 @@ pub fn live_trips() -> Vec<(&'static str, &'static str)> {
     trips()
 }
 
-/// A record: what was written about it, its columns, its rows, its requests, why the file breaks off if it does, why it ended if it says so.
+/// A record, or that of an axis in it: what was written about it, its columns, its rows, its requests, why the file breaks off if it does, why it ended if it says so.
 #[pyfunction]
+#[pyo3(signature = (data, axis = None))]
 #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
 pub fn live_record<'py>(
     py: Python<'py>,
     data: &[u8],
+    axis: Option<&str>,
 ) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Requested>, Option<String>, Option<String>)> {
-    let Contents { about, columns, rows, requests, broken, ended, .. } = py.detach(|| read(data)).map_err(refused)?;
+    let Contents { about, columns, rows, requests, broken, ended, .. } =
+        py.detach(|| read(data, axis)).map_err(refused)?;
     let shape = [rows.len() / columns.len().max(1), columns.len()];
     let named = |(cycle, request): &(u64, LoopRequest)| {
         let (name, numbers) = request.numbers();
@@ -369,13 +459,15 @@ pub fn live_record<'py>(
 /// Cycles of a record that were run again, the first number that differs (cycle, column, as recorded, as replayed), the first cycle that is
 /// missing, why the file breaks off if it does, why it ended if it says so.
 #[pyfunction]
+#[pyo3(signature = (data, axis = None))]
 #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
 pub fn live_replay(
     py: Python<'_>,
     data: &[u8],
+    axis: Option<&str>,
 ) -> PyResult<(u64, Option<(u64, &'static str, f64, f64)>, Option<u64>, Option<String>, Option<String>)> {
     let again = || {
-        let contents = read(data)?;
+        let contents = read(data, axis)?;
         Ok::<_, String>((replay(&contents)?, contents.broken, contents.ended))
     };
     let (address, broken, ended) = py.detach(again).map_err(refused)?;

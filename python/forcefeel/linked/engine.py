@@ -11,21 +11,16 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError, expect, suggestion
 from forcefeel.laws.law import Law, LawLike
+from forcefeel.linked.joint import common_step, delay_periods
 from forcefeel.linked.result import SIDES, LinkedRun, LinkMeasures
 from forcefeel.linked.scenario import LinkedScenario, on_step
-from forcefeel.loader.links import AfterBreakout, Link, LinkKind
+from forcefeel.loader.links import AfterBreakout
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.outcome import named, outputs
-from forcefeel.simulation.scenario import Scenario, Steps
+from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import show
-
-MOST_SWING = 0.5
-"""Steps times the frequency of both columns on a mechanical link, whose torque is straight within a step."""
-
-_WHOLE = 1e-6
-"""Of a period; a delay that differs by so little is whole periods."""
 
 _Numbers = NDArray[np.float64]
 _Side = tuple[_core.Simulation, _Numbers, Any, _Numbers | None, _Numbers | None]
@@ -65,7 +60,7 @@ def simulate_linked(
     joint = project.links[link]
     loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
     laws = (Law.of(law, loaders[0]), Law.of(law if second_law is None else second_law, loaders[1]))
-    step_s = _step(joint, loaders, scenario)
+    step_s = common_step(joint, loaders, scenario.first)
     scenarios = [replace(of_side, step_s=step_s) for of_side in (scenario.first, scenario.second)]
     units = [outputs(law.numbers.displacement_unit, loader.drive) for law, loader in zip(laws, loaders, strict=True)]
     first, second = (_side(*side) for side in zip(loaders, scenarios, units, laws, strict=True))
@@ -74,7 +69,7 @@ def simulate_linked(
         first,
         second,
         joint.values,
-        delay=_delay(joint, loaders),
+        delay=delay_periods(joint, loaders),
         uncouples=joint.after_breakout is AfterBreakout.UNCOUPLE,
         disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, step_s),
         jam=None if scenario.jam is None or jammed is None else (jammed, on_step(scenario.jam.at_s, step_s)),
@@ -93,55 +88,6 @@ def _side(loader: Loader, scenario: Scenario, units: dict[str, str], law: Law) -
     kinds = law.engine(loader)
     simulation = prepared(loader, scenario, range(len(units)), law)
     return simulation, loader.si_values, kinds.get("law"), kinds.get("gains"), kinds.get("observers")
-
-
-def _step(link: Link, loaders: tuple[Loader, Loader], scenario: LinkedScenario) -> float:
-    """The step of both."""
-    periods = [loader["controller.period"] for loader in loaders]
-    if periods[0] != periods[1]:
-        shown = " and ".join(f"{1e3 * period:g} ms" for period in periods)
-        raise InputError(
-            f"controller.period: expected one period for {' and '.join(link.between)}, got {shown}; change one in its file"
-        )
-    if link.kind is LinkKind.ELECTRONIC and periods[0] == 0:
-        raise InputError(
-            f"links.{link.name}.kind: an electronic link joins two digital controllers, and these loaders have none; set "
-            'controller.period, or write kind = "mechanical"'
-        )
-    longest = scenario.first.step_s
-    for _ in SIDES:
-        longest = min(Steps.of(replace(scenario.first, step_s=longest), loader).step_s for loader in loaders)
-    if any(Steps.of(replace(scenario.first, step_s=longest), loader).step_s != longest for loader in loaders):
-        raise InputError("controller.delay: the delays of both loaders leave no common step; give both the same delay")
-    if link.kind is LinkKind.MECHANICAL:
-        _check_stiffness(link, loaders, longest)
-    return longest
-
-
-def _check_stiffness(link: Link, loaders: tuple[Loader, Loader], step_s: float) -> None:
-    """Refuses a shaft on which both columns swing too fast for the step."""
-    per_inertia = sum(1 / loader["column.inertia"] for loader in loaders)
-    steepest = max(link["stiffness"], link["stiffness_after"])
-    rate = max(np.sqrt(steepest * per_inertia), link["damping"] * per_inertia)
-    if rate * step_s > MOST_SWING:
-        raise InputError(
-            f"links.{link.name}.stiffness: both columns swing on the link at {rate:.4g} rad/s, too fast for a step of "
-            f"{step_s:g} s; expected at most {MOST_SWING / step_s:.4g} rad/s; take a smaller --step, or less stiffness or damping"
-        )
-
-
-def _delay(link: Link, loaders: tuple[Loader, Loader]) -> int | None:
-    """Periods of delay of an electronic link."""
-    if link.kind is LinkKind.MECHANICAL:
-        return None
-    period = loaders[0]["controller.period"]
-    periods = link["delay"] / period or 1.0
-    if not (1 <= round(periods) <= _core.MOST_LINK_DELAY and abs(periods - round(periods)) < _WHOLE):
-        raise InputError(
-            f"links.{link.name}.delay: expected 1 to {_core.MOST_LINK_DELAY} periods of {1e3 * period:g} ms, got "
-            f"{1e3 * link['delay']:g} ms"
-        )
-    return round(periods)
 
 
 def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:

@@ -15,6 +15,7 @@ from forcefeel.laws.law import Law
 from forcefeel.live.loop_settings import Loop, LoopSettings
 from forcefeel.live.setup import checked_feel, feel_numbers, feel_rows
 from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
+from forcefeel.loader.links import LinkKind
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.units import show
@@ -242,6 +243,33 @@ class LiveSession:
         """The last fault of a simulated machine; empty without a fault."""
         return self.settings.fault
 
+    # The link to another axis.
+
+    def disconnect(self) -> None:
+        """Open the link of this axis: an electronic one, or the shaft between two simulated machines.
+
+        Raises:
+            InputError: If the axis has no link, or the shaft belongs to real machines.
+        """
+        self._set_link(0.0)
+
+    def connect(self) -> None:
+        """Close the link of this axis that was opened or has uncoupled.
+
+        Raises:
+            InputError: As ``disconnect``.
+        """
+        self._set_link(1.0)
+
+    def _set_link(self, holds: float) -> None:
+        link = self.settings.link
+        if link is None:
+            raise InputError("link: this axis has none; add one to the table [links] of a project file")
+        if link.kind is LinkKind.ELECTRONIC:
+            self._request("link", [holds])
+        else:
+            self._disturb("link", number=holds)
+
     # Requests from here or from a console in another process.
 
     def take_request(self, name: str, numbers: list[float]) -> bool:
@@ -254,6 +282,8 @@ class LiveSession:
                 )
             elif taken and name == "around":
                 self.settings = replace(self.settings, around=dict(zip(self.settings.around, numbers, strict=True)))
+            elif taken and name == "link":
+                self.settings = replace(self.settings, link_holds=bool(numbers[0]))
         return taken
 
     def take_disturbance(self, name: str, sensor: int, number: float | None) -> bool:
@@ -262,6 +292,8 @@ class LiveSession:
             taken = self.loop.disturb(name, sensor, number)
             if taken and name in self._hand:
                 self._hand[name] = number
+            elif taken and name == "link":
+                self.settings = replace(self.settings, link_holds=bool(number))
             elif taken:
                 self.settings = replace(self.settings, fault="" if name == "repair" else name)
         return taken

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.law import LawLike
+from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
 
 
@@ -21,6 +22,8 @@ class LoopSettings:
         simulated: Whether the machine is simulated in the loop's process.
         around: Trim, spring factor and shaker.
         fault: Fault of a simulated machine.
+        link: The link of its axis in a cockpit.
+        link_holds: Whether the link was last requested to hold.
     """
 
     loader: Loader
@@ -30,6 +33,8 @@ class LoopSettings:
         default_factory=lambda: {"trim_rad": 0.0, "stiffness_factor": 1.0, "shaker": 0.0}
     )
     fault: str = ""
+    link: Link | None = None
+    link_holds: bool = True
 
 
 class Loop(Protocol):

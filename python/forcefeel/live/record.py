@@ -70,11 +70,15 @@ class Replayed:
         return self.cycles > 0 and self.difference is None and self.gap is None
 
 
-def read_live_record(path: str | Path) -> LiveRecord:
+def read_live_record(path: str | Path, axis: str | None = None) -> LiveRecord:
     """Read a record; of a truncated one all data up to there.
 
+    Args:
+        path: The file.
+        axis: The axis of a cockpit's record.
+
     Raises:
-        InputError: If the file cannot be read.
+        InputError: If the file cannot be read, or has not that axis.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
@@ -83,15 +87,19 @@ def read_live_record(path: str | Path) -> LiveRecord:
         >>> len(record.column("column_angle_rad")) >= 100
         True
     """
-    about, columns, rows, requests, broken, ended = _answer_of(path, _core.live_record)
+    about, columns, rows, requests, broken, ended = _answer_of(path, lambda data: _core.live_record(data, axis))
     return LiveRecord(about, tuple(columns), rows, tuple(requests), broken or "", ended or "")
 
 
-def replay(path: str | Path) -> Replayed:
+def replay(path: str | Path, axis: str | None = None) -> Replayed:
     """Run a record's samples and requests through law, feel and supervisor again, and compare every bit of the results.
 
+    Args:
+        path: The file.
+        axis: The axis of a cockpit's record.
+
     Raises:
-        InputError: If the file cannot be read or has another version.
+        InputError: If the file cannot be read, has another version, or has not that axis.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
@@ -100,7 +108,7 @@ def replay(path: str | Path) -> Replayed:
         >>> ff.live.replay("run.mcap").same
         True
     """
-    cycles, difference, gap, broken, ended = _answer_of(path, _core.live_replay)
+    cycles, difference, gap, broken, ended = _answer_of(path, lambda data: _core.live_replay(data, axis))
     return Replayed(cycles, difference, gap, broken or "", ended or "")
 
 

@@ -1,16 +1,20 @@
 """Start of a loop."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil, floor, isfinite
 from pathlib import Path
+from typing import Any
 
 from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.files import check_output_file
-from forcefeel.laws.law import LawLike
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.endpoint import Endpoint, Simulated, Udp
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
+from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.engine import engine_changes
 from forcefeel.tables.mcap_table import SIMULATED
@@ -26,6 +30,9 @@ MOST_RECORD_BYTES = MOST_BYTES
 LEAST_RECORD_BYTES = 2**20
 
 RING_PARTS = 2
+
+HISTORY = 120_000
+"""Rows of a loop that are kept in memory: a minute at 2 kHz."""
 
 
 def start(  # noqa: PLR0913  keywords of the one call that makes a loop
@@ -77,51 +84,155 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         ...     running.state.name
         'active'
     """
-    driven_by = live_law(law, loader)
-    if record is None and (record_rate_hz is not None or ring):
-        raise InputError("rate and ring: require a record; name one, on the command line with --out")
-    every = 1 if record_rate_hz is None else _every(record_rate_hz, 1 / loader["controller.period"])
-    listens = None if host is None else _listens(host, supervised=supervised)
-    scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
-    setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario, host=listens is not None)
-    period, _ = steps.timing or (1, 0)
-    script, cycles, requests = None, None, []
-    if scenario is not None:
-        # Changes of the scenario are planned; later requests come through the ring.
-        for begin, end, values, observer in engine_changes(loader, scenario, steps, driven_by):
-            if begin % period or end % period:
-                raise InputError(
-                    "feel change: expected times at whole periods, because a live loop changes its feel at samples"
-                )
-            requests.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
-        script = script_of(steps, scenario)
-        samples = -(-len(steps.inputs["force"]) // period)
-        cycles = None if real_time else samples
+    listens = None if host is None else listening(host, supervised=supervised)
+    axis = Axis.of(loader, law, endpoint, supervised=supervised, host=listens is not None)
+    kept = opened_record(record, record_rate_hz, most_bytes, expected_s, [loader], ring=ring)
+    (running,) = launch([axis], host=listens, real_time=real_time, record=kept)
+    return running
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A loader of a loop in the engine's form.
+
+    Attributes:
+        loader, law, endpoint: As of ``start``.
+        driven_by: The law, designed.
+        setup: What its loop is made of.
+        script: What is done to its simulated machine.
+        requests: Planned requests, each with its cycle.
+        cycles: Cycles of its scenario; ``None`` without one.
+        name: Its name in a cockpit; empty for a single loader.
+        stops: Places of the axes that stop with it.
+        link: Its link to another axis.
+    """
+
+    loader: Loader
+    law: LawLike
+    endpoint: Endpoint
+    driven_by: Law
+    setup: _core.LiveSetup
+    script: Any
+    requests: list[tuple[int, str, list[float]]]
+    cycles: int | None
+    name: str = ""
+    stops: tuple[int, ...] = ()
+    link: Link | None = None
+
+    @classmethod
+    def of(cls, loader: Loader, law: LawLike, endpoint: Endpoint, *, supervised: bool, host: bool) -> "Axis":
+        """A loader with its law and its machine.
+
+        Raises:
+            InputError: As ``start``.
+        """
+        driven_by = live_law(law, loader)
+        scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
+        setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario, host=host)
+        period, _ = steps.timing or (1, 0)
+        script, cycles, requests = None, None, []
+        if scenario is not None:
+            # Changes of the scenario are planned; later requests come through the ring.
+            for begin, end, values, observer in engine_changes(loader, scenario, steps, driven_by):
+                if begin % period or end % period:
+                    raise InputError(
+                        "feel change: expected times at whole periods, because a live loop changes its feel at samples"
+                    )
+                requests.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
+            script = script_of(steps, scenario)
+            cycles = -(-len(steps.inputs["force"]) // period)
+        return cls(loader, law, endpoint, driven_by, setup, script, requests, cycles)
+
+
+Recorded = tuple[Path, tuple[int, bool], int, int]
+"""A record for the engine: file, size and whether it is a ring, expected rows, cycles from a row to the next."""
+
+
+def launch(
+    axes: Sequence[Axis],
+    *,
+    host: str | None,
+    real_time: bool,
+    record: Recorded | None,
+    links: Sequence[tuple[tuple[int, int], list[float], int | None, bool]] = (),
+    history: int = HISTORY,
+) -> list[LiveSession]:
+    """Start the thread of a loop with all its axes.
+
+    Raises:
+        InputError: If an address, a port or the file cannot be used, or a period is no whole multiple of the shortest.
+    """
+    periods = [axis.loader["controller.period"] for axis in axes]
+    base = min(periods)
+    every = [round(period / base) for period in periods]
+    for axis, period, beats in zip(axes, periods, every, strict=True):
+        if abs(period - beats * base) > _ROUNDING * period:
+            raise InputError(
+                f"axes.{axis.name}: controller.period: expected a whole multiple of the shortest, {1e3 * base:g} ms, got "
+                f"{1e3 * period:g} ms; change one in its file"
+            )
+    lasts = [axis.cycles * beats for axis, beats in zip(axes, every, strict=True) if axis.cycles is not None]
     try:
-        loop = _core.LiveLoop(
-            setup,
-            script=script,
-            address=endpoint.address if isinstance(endpoint, Udp) else None,
-            host=listens,
+        loops = _core.start_loops(
+            [
+                (
+                    axis.setup,
+                    axis.script,
+                    axis.endpoint.address if isinstance(axis.endpoint, Udp) else None,
+                    axis.requests,
+                    beats,
+                    list(axis.stops),
+                    (f"/{axis.name}" if axis.name else "", about_run(axis.loader, axis.driven_by.name, axis.endpoint)),
+                )
+                for axis, beats in zip(axes, every, strict=True)
+            ],
+            base,
+            links=links,
+            host=host,
             real_time=real_time,
-            cycles=cycles,
-            requests=requests,
-            record=None
-            if record is None
-            else (
-                _file(record),
-                (_size(most_bytes, ring=ring), ring),
-                _cycles(expected_s, loader) // every,
-                every,
-                about_run(loader, driven_by.name, endpoint),
-            ),
+            beats=max(lasts) if lasts and not real_time else None,
+            record=record,
+            history=history,
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
-    return LiveSession(loop, LoopSettings(loader, law, isinstance(endpoint, Simulated)), driven_by)
+    return [
+        LiveSession(
+            loop,
+            LoopSettings(axis.loader, axis.law, isinstance(axis.endpoint, Simulated), link=axis.link),
+            axis.driven_by,
+        )
+        for axis, loop in zip(axes, loops, strict=True)
+    ]
 
 
-def _listens(host: str | int, *, supervised: bool) -> str:
+def opened_record(
+    record: str | Path | None,
+    rate_hz: float | None,
+    most_bytes: int,
+    expected_s: float,
+    loaders: Sequence[Loader],
+    *,
+    ring: bool,
+) -> Recorded | None:
+    """The record of some loaders.
+
+    Raises:
+        InputError: If file, rate or size cannot be.
+    """
+    if record is None:
+        if rate_hz is not None or ring:
+            raise InputError("rate and ring: require a record; name one, on the command line with --out")
+        return None
+    rates = {1 / loader["controller.period"] for loader in loaders}
+    if rate_hz is not None and len(rates) > 1:
+        raise InputError("rate of the record: expected none, since the axes have different periods; omit it")
+    every = 1 if rate_hz is None else _every(rate_hz, min(rates))
+    rows = sum(_cycles(expected_s, loader) for loader in loaders) // every
+    return _file(record), (_size(most_bytes, ring=ring), ring), rows, every
+
+
+def listening(host: str | int, *, supervised: bool) -> str:
     """Host port as ``address:port``; a port without address is on this machine.
 
     Raises:

@@ -1,8 +1,11 @@
-"""A project file: the axes of a cockpit, the loader of each, and the links between two pilots' controls, see ``links``.
+"""A project file: the axes of a cockpit, the loader of each, the links between two pilots' controls, see ``links``, and trips.
 
 [axes]
 pitch = "elevator.toml"     # a loader file, from the project's folder
 roll = "aileron-wheel"      # or a built-in loader
+
+[trips]
+pitch = ["roll"]            # what stops with pitch; "all", or [] for nothing
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +19,7 @@ from forcefeel.files import Kind, input_kind
 from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES, motion_axis
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.file import document
-from forcefeel.loader.links import Link, read_links
+from forcefeel.loader.links import Link, LinkKind, read_links
 from forcefeel.loader.loader import Loader, load
 from forcefeel.units import show
 
@@ -31,11 +34,15 @@ class Project:
         path: The project file.
         loaders: By axis, in the file's order.
         links: By name, in the file's order.
+        stops: By axis, the axes that stop in a live run when it trips. Default: the other side of a mechanical link, which would
+            otherwise drag a column without power along. An electronic link opens instead, and other axes go on, so that a pilot
+            keeps the controls that still work. An emergency stop stops all axes.
     """
 
     path: Path
     loaders: Mapping[str, Loader]
     links: Mapping[str, Link]
+    stops: Mapping[str, tuple[str, ...]]
 
     @property
     def name(self) -> str:
@@ -73,11 +80,11 @@ def read_project(path: str | Path) -> Project:
     Args:
         path: The file: a table ``[axes]`` with a loader file, by its path from the project's folder, or a built-in loader for
             ``pitch``, ``roll``, ``yaw``, ``stick-pitch`` or ``stick-roll``, or for one of these with ``-first-officer``; and a
-            table ``[links]`` as of ``links``, if any.
+            table ``[links]`` as of ``links`` and a table ``[trips]``, if any.
 
     Raises:
-        InputError: If it cannot be read, has another key than ``axes`` and ``links``, no axes, an unknown one, one without a
-            loader's name, one file for two axes, or a built-in loader of another axis; or a loader is bad.
+        InputError: If it cannot be read, has another key than ``axes``, ``links`` and ``trips``, no axes, an unknown one, one
+            without a loader's name, one file for two axes, or a built-in loader of another axis; or a loader is bad.
 
     Example:
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
@@ -86,9 +93,9 @@ def read_project(path: str | Path) -> Project:
     """
     path = Path(path)
     given = document(path, "a project file")
-    if strangers := [key for key in given if key not in ("axes", "links")]:
+    if strangers := [key for key in given if key not in ("axes", "links", "trips")]:
         raise InputError(
-            f"{path}: {', '.join(strangers)}: a project file has tables [axes] and [links] and nothing else"
+            f"{path}: {', '.join(strangers)}: a project file has tables [axes], [links] and [trips] and nothing else"
         )
     axes = given.get("axes")
     if not isinstance(axes, dict) or not axes:
@@ -101,9 +108,28 @@ def read_project(path: str | Path) -> Project:
             raise InputError(f"{path}: axes.{axis}: {error}") from error
     try:
         links = read_links(given.get("links"), loaders)
+        stops = _stops(given.get("trips", {}), loaders, links)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return Project(path, MappingProxyType(loaders), links)
+    return Project(path, MappingProxyType(loaders), links, MappingProxyType(stops))
+
+
+def _stops(given: object, axes: Mapping[str, Loader], links: Mapping[str, Link]) -> dict[str, tuple[str, ...]]:
+    """The axes that stop with each, from the table ``trips``."""
+    if not isinstance(given, dict):
+        raise InputError(f'trips: expected a table such as [trips] with pitch = ["roll"], got {show(given)}')
+    if strangers := [axis for axis in given if axis not in axes]:
+        raise InputError(f"trips.{strangers[0]}: expected an axis of [axes] ({', '.join(axes)})")
+    shafts = [link.between for link in links.values() if link.kind is LinkKind.MECHANICAL]
+    stops = {}
+    for axis in axes:
+        linked = tuple(other for both in shafts if axis in both for other in both if other != axis)
+        named = given.get(axis, list(linked))
+        others = [other for other in axes if other != axis] if named == "all" else named
+        if not isinstance(others, list) or any(other not in axes for other in others):
+            raise InputError(f'trips.{axis}: expected "all", or a list of axes ({", ".join(axes)}), got {show(named)}')
+        stops[axis] = tuple(others)
+    return stops
 
 
 _EXAMPLE = 'pitch = "elevator.toml" or roll = "aileron-wheel"'

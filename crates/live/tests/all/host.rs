@@ -265,7 +265,8 @@ fn each_packet_is_answered_with_what_there_is() {
 #[test]
 fn a_socket_takes_one_host_and_good_packets_alone() {
     let bound = || UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    let (link, mut of_host) = host_link::between(bound()).expect("a socket");
+    let (link, mut of_axes) = host_link::between(bound(), 1).expect("a socket");
+    let mut of_host = of_axes.remove(0);
     let host_status = Arc::clone(&link.host_status);
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);

@@ -135,6 +135,9 @@ functions! {
     /// The end stops are not where the loader has them.
     TravelSearch: "travel search", Stop, |_| 1,
         "The end stops were not found where the loader file has them. Clear what blocks the column, or correct the file.";
+    /// Another axis of the cockpit stopped.
+    OtherAxis: "another axis", Stop, |_| 1,
+        "Another axis of the cockpit stopped, and this one with it. Look at the trips of that axis, then acknowledge both.";
     /// The host sends nothing.
     HostSilent: "host silent", Fade, |limits| limits.host,
         "The simulator sends nothing; the default feel is on. The loader goes back to it when it sends again.";

@@ -4,6 +4,7 @@ use crate::transducers::SENSORS;
 
 /// Input of the supervisor at a sample.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each holds by itself")]
 pub struct SupervisorInput<S> {
     /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
     pub sensed: [S; SENSORS],
@@ -26,6 +27,8 @@ pub struct SupervisorInput<S> {
     pub feel_rate: S,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
+    /// Another axis stopped, and this one is to stop with it.
+    pub other_axis: bool,
     /// The drive reports a fault.
     pub drive_fault: bool,
     /// The requested mode.

@@ -1,0 +1,54 @@
+//! An electronic link between two running loaders: its torque acts in both feel computers, its share comes and goes with both feels.
+//!
+//! `s` share of the link · `s_1`, `s_2` shares of both feels · `T`, `c` torque and damping of the link, see
+//! [`forcefeel_model::link`] · `h` period · `t_f` time in which a feel comes
+//!
+//! `s` goes to `s_1 s_2` by at most `h / t_f` a period; each feel is given `s T` and the damping `s c`. So neither a start, a trip of one
+//! side, an opening nor a closing is felt as a step. A link that uncouples at its breakout is open at once.
+
+use crate::controller::Controller;
+use forcefeel_model::link::{ElectronicLink, PilotLink};
+
+/// An electronic link in a loop.
+#[derive(Debug, Clone)]
+pub struct FeelLink {
+    /// Places of its axes.
+    pub sides: [usize; 2],
+    link: PilotLink<f64>,
+    feels: Option<ElectronicLink<f64>>,
+    delay: usize,
+    uncouples: bool,
+    /// It has given way for good.
+    uncoupled: bool,
+    /// It is to hold.
+    holds: bool,
+    share: f64,
+}
+
+impl FeelLink {
+    /// A link between the axes at `sides`, with so many periods of delay.
+    pub fn new(sides: [usize; 2], link: PilotLink<f64>, delay: usize, uncouples: bool) -> Self {
+        Self { sides, link, feels: None, delay, uncouples, uncoupled: false, holds: true, share: 0.0 }
+    }
+
+    /// Before a cycle of both: what each is given.
+    pub fn step(&mut self, first: &mut Controller, second: &mut Controller) {
+        let programmed = [first.programmed(), second.programmed()];
+        let wanted = first.share() * second.share();
+        let begins = self.feels.is_none();
+        let feels = self.feels.get_or_insert_with(|| ElectronicLink::new(self.link, self.delay, programmed));
+        let seen = feels.sampled(programmed);
+        for asked in [first.link_asked(), second.link_asked()].into_iter().flatten() {
+            (self.holds, self.uncoupled) = (asked, false);
+        }
+        let gives_way = seen.iter().any(|&[phi, _]| self.link.gives_way(phi));
+        self.uncoupled |= self.uncouples && self.holds && self.share > 0.0 && gives_way;
+        let goal = if self.holds { wanted } else { 0.0 };
+        // Without supervisors both feels are there from the first sample on.
+        let change = if begins { 1.0 } else { first.fade_share() };
+        self.share = if self.uncoupled { 0.0 } else { self.share + (goal - self.share).clamp(-change, change) };
+        let damping = self.share * feels.injected(first.period_s());
+        first.link([-self.share * self.link.torque(seen[0]), damping]);
+        second.link([self.share * self.link.torque(seen[1]), damping]);
+    }
+}
