@@ -76,7 +76,7 @@ def main() -> None:
     folder = Path(tempfile.mkdtemp())
     frames, context = multiprocessing.Queue(), multiprocessing.get_context("fork")
     door = Listener.at(0, "127.0.0.1", token=True)
-    with loop() as running, ConsoleProcess(running, door, QualificationSetup(), print) as console:
+    with loop() as running, ConsoleProcess({"": running}, door, QualificationSetup(), print) as console:
         token = door.admission.watch
         url = door.watch_address.partition("?")[0].replace("http", "ws") + "live"
         watchers = [context.Process(target=watch, args=(url, token, SECONDS + 3, frames)) for _ in range(WATCHERS)]

@@ -8,20 +8,28 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isfinite, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Group
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import chosen_law
-from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import (
+    OUTPUT,
+    FolderOptions,
+    LawOption,
+    LoaderOptions,
+    LoaderOrProject,
+    OutputOptions,
+    option,
+)
 from forcefeel.cli.scenario_text import seconds, size, value
 from forcefeel.cli.stop_signals import stop_signals
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
-    from forcefeel.live import Histogram, LiveSession
+    from forcefeel.live import Histogram, LiveCockpit, LiveSession, Udp
 
 LIVE = Group("Live run", sort_key=10)
 CONSOLE = Group("Console", sort_key=20)
@@ -36,7 +44,12 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
     law: LawOption = None
     machine: Annotated[
         str | None,
-        option("Machine over the network, such as 127.0.0.1:5005.", LIVE, default="simulated", metavar="HOST:PORT"),
+        option(
+            "Machine over the network, such as 127.0.0.1:5005; of a project pitch=127.0.0.1:5005, with commas between axes.",
+            LIVE,
+            default="simulated",
+            metavar="HOST:PORT",
+        ),
     ] = None
     host: Annotated[
         str | None,
@@ -77,8 +90,8 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
     ] = None
 
 
-def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
-    """Run the loader live: a real-time loop on a machine, simulated or over the network.
+def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) -> None:
+    """Run the loader live: a real-time loop on a machine, simulated or over the network. Of a project, run all axes in one loop.
 
     Prints the address of the console, a page of this machine. The first client that opens it has control. Ctrl-C or SIGTERM fades
     out the feel and stops the loop. The loop has its own thread and the period of the loader's controller. A Linux process is no
@@ -87,44 +100,63 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
-    from forcefeel.live import Simulated, Udp, start
+    from forcefeel.live import LiveSession, Simulated, Udp, start, start_cockpit
     from forcefeel.live.starting import MOST_RECORD_BYTES
 
     lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
     if not lasts > 0:
         raise InputError(f"--duration: expected a time above 0, got {options.duration}")
-    loader = options.loader(path)
-    law = chosen_law(options.law, loader)
     rate = None if options.record_rate is None else value("--record-rate", options.record_rate, "rad/s", "100 Hz")
     most_bytes = MOST_RECORD_BYTES if options.max_size is None else size("--max-size", options.max_size)
+    project = options.project(path)
+    loaders = {"": options.loader(path)} if project is None else project.loaders
+    laws = {axis: chosen_law(options.law, loader) for axis, loader in loaders.items()}
     record = None if options.out is None else _record(options.out, replace=options.replace)
-    endpoint = Simulated() if options.machine is None else Udp(options.machine)
-    with (
-        start(
-            loader,
-            law,
-            endpoint=endpoint,
-            host=options.host,
-            record=record,
-            record_rate_hz=None if rate is None else rate / (2 * pi),
-            most_bytes=most_bytes,
-            ring=options.max_size is not None,
-            expected_s=lasts,
-        ) as running,
-        stop_signals() as ended,
-        _console(running, options),
-    ):
-        _wait(running, lasts, ended)
+    given: dict[str, Any] = {
+        "host": options.host,
+        "record": record,
+        "record_rate_hz": None if rate is None else rate / (2 * pi),
+        "most_bytes": most_bytes,
+        "ring": options.max_size is not None,
+        "expected_s": lasts,
+    }
+    if project is not None:
+        running: LiveSession | LiveCockpit = start_cockpit(project, laws, endpoints=_machines(options.machine), **given)
+    else:
+        endpoint = Simulated() if options.machine is None else Udp(options.machine)
+        running = start(loaders[""], laws[""], endpoint=endpoint, **given)
+    axes = {"": running} if isinstance(running, LiveSession) else dict(running)
+    with running, stop_signals() as ended, _console(running, axes, options):
+        _wait(next(iter(axes.values())), lasts, ended)
         running.off()
         time.sleep(_OFF_S)
     answer(
         {} if record is None else {"record": record, **_previous(record)},
-        lambda: _json(running),
-        lambda terminal: _show(terminal, running),
+        lambda: _json(axes[""]) if project is None else _cockpit_json(project.name, axes),
+        lambda terminal: _show(terminal, axes),
         as_json=options.json,
     )
-    if running.trips or running.state.record_ended:
+    if any(session.trips or session.state.record_ended for session in axes.values()):
         raise SystemExit(BAD_ANSWER)
+
+
+def _machines(given: str | None) -> "dict[str, Udp]":
+    """The machines of a project's axes.
+
+    Raises:
+        InputError: If an axis or an address is missing.
+    """
+    from forcefeel.live import Udp
+
+    machines = {}
+    for text in [] if given is None else given.split(","):
+        axis, equals, address = text.strip().partition("=")
+        if not equals:
+            raise InputError(
+                f"--machine: expected an axis and its address, such as pitch=127.0.0.1:5005, got {text.strip()}"
+            )
+        machines[axis] = Udp(address)
+    return machines
 
 
 _OFF_S = 0.3
@@ -134,7 +166,9 @@ _LOOK_S = 0.05
 
 
 @contextmanager
-def _console(running: "LiveSession", options: RunOptions) -> Iterator[None]:
+def _console(
+    running: "LiveSession | LiveCockpit", axes: "dict[str, LiveSession]", options: RunOptions
+) -> Iterator[None]:
     """The console, where it is wanted; without one the law is switched on here.
 
     Raises:
@@ -150,7 +184,7 @@ def _console(running: "LiveSession", options: RunOptions) -> Iterator[None]:
     from forcefeel.qualification.plan.run import QualificationSetup
 
     door = Listener.at(options.port, options.bind, token=not options.no_token)
-    with ConsoleProcess(running, door, QualificationSetup(system=options.units), _tell):
+    with ConsoleProcess(axes, door, QualificationSetup(system=options.units), _tell):
         _tell(f"console: {door.address}")
         if not options.no_token:
             _tell(f"to look on and stop: {door.watch_address}")
@@ -216,6 +250,10 @@ def _json(running: "LiveSession") -> dict[str, object]:
     }
 
 
+def _cockpit_json(name: str, axes: "dict[str, LiveSession]") -> dict[str, object]:
+    return {"project": name, "axes": {axis: _json(running) for axis, running in axes.items()}}
+
+
 def _findings(running: "LiveSession") -> list[str]:
     remark = running.law.made_for_another(running.loader)
     return [remark] if remark else []
@@ -228,29 +266,40 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
     }
 
 
-def _show(console: Terminal, running: "LiveSession") -> None:
-
+def _show(console: Terminal, axes: "dict[str, LiveSession]") -> None:
     from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
-    state, timing = running.state, running.timing
-    console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
+    first = next(iter(axes.values()))
+    for axis, running in axes.items():
+        name = f"{axis}: {running.loader.name}" if axis else running.loader.name
+        console.print(f"{name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
     table = titled(f"Timing, quantiles within +{QUANTILE_ERROR:.1%}", "", "p50", "p99", "p99.9", "worst")
-    for name, quantiles in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
-        table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(quantiles).values()))
+    rows = {"thread woke late by": first.timing.late}
+    rows |= {f"work of a cycle{axis and f', {axis}'}": running.timing.work for axis, running in axes.items()}
+    for label, quantiles in rows.items():
+        table.add_row(label, *(f"{to_text(value, 3)} us" for value in _quantiles(quantiles).values()))
     console.show(table)
-    for line in running.realtime_status:
+    for line in first.realtime_status:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
-    for line in _findings(running):
-        console.print(f"- {line}", highlight=False)
-    counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
-    console.print(f"- {counts}", highlight=False)
-    if (host := running.host) is not None:
+    for axis, running in axes.items():
+        _show_axis(console, f"{axis}: " if axis else "", running)
+    if (host := first.host) is not None:
         packets_text = f"{host.packets:,} packets, {host.refused:,} left out"
         console.print(f"- simulator at {host.listens}: {packets_text}", highlight=False)
+    if first.state.record_ended:
+        console.print(
+            f"- the record ended before the run: {first.state.record_ended}", style="bold red", highlight=False
+        )
+
+
+def _show_axis(console: Terminal, axis: str, running: "LiveSession") -> None:
+    state = running.state
+    for line in _findings(running):
+        console.print(f"- {axis}{line}", highlight=False)
+    counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
+    console.print(f"- {axis}{counts}", highlight=False)
     if lost := state.lost_rows + state.unrecorded_rows:
-        console.print(f"- {lost:,} rows were lost", highlight=False)
-    if state.record_ended:
-        console.print(f"- the record ended before the run: {state.record_ended}", style="bold red", highlight=False)
+        console.print(f"- {axis}{lost:,} rows were lost", highlight=False)
     for trip in running.trips:
-        console.print(f"- tripped: {trip.name}. {trip.sentence}", style="bold red", highlight=False)
+        console.print(f"- {axis}tripped: {trip.name}. {trip.sentence}", style="bold red", highlight=False)

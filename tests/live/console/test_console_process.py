@@ -32,7 +32,7 @@ class Console:
     def __init__(self, running):
         self.door, self.told = Listener.at(0, "127.0.0.1", token=True), []
         self.admission, self.address = self.door.admission, self.door.address
-        self.process = process.ConsoleProcess(running, self.door, QualificationSetup(), self.told.append)
+        self.process = process.ConsoleProcess({"": running}, self.door, QualificationSetup(), self.told.append)
 
 
 def until(holds):

@@ -24,7 +24,9 @@ class _Message(BaseModel):
 class Plain(_Message):
     """A command without numbers. Every client may stop; all other commands require control."""
 
-    do: Literal["take", "give", "stop", "acknowledge", "on", "off", "repair", "abort", "accept_host"]
+    do: Literal[
+        "take", "give", "stop", "acknowledge", "on", "off", "repair", "abort", "accept_host", "connect", "disconnect"
+    ]
 
 
 def _row_of_the_feel(key: str) -> str:

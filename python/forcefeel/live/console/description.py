@@ -5,6 +5,7 @@ from math import inf, isfinite
 
 from forcefeel.live.console.telemetry import RATE_HZ, Channel
 from forcefeel.live.live_session import OF_A_SENSOR, Fault, LiveSession, Sensor
+from forcefeel.loader.links import Link
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, limits_si, unit
 from forcefeel.page.typography import split_symbol, unit_text
@@ -107,6 +108,7 @@ def description(
     return {
         "loader": loader.name,
         "law": running.law.name,
+        "link": None if running.settings.link is None else link_json(running.settings.link),
         "period_ms": 1e3 * running.period_s,
         "frames_hz": RATE_HZ,
         "channels": [
@@ -124,6 +126,11 @@ def description(
         "faults": [{"name": name, "text": text, "of": name in OF_A_SENSOR} for name, text in FAULTS.items()],
         "sensors": [{"name": name, "text": text, "jump": by} for name, (text, by) in SENSORS.items()],
     }
+
+
+def link_json(link: Link) -> Json:
+    """A link for the page."""
+    return {"name": link.name, "between": list(link.between), "kind": link.kind.value}
 
 
 def feel_json(running: LiveSession) -> dict[str, Json]:

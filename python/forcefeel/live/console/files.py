@@ -1,5 +1,6 @@
 """Files of the page and their headers."""
 
+import json
 from functools import cache
 from http import HTTPStatus
 from importlib import resources
@@ -11,12 +12,13 @@ _KINDS = {
     "html": "text/html; charset=utf-8",
     "css": "text/css; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
+    "json": "application/json",
 }
 
 _HEADERS = {
-    # Only this server's own files, and no frame of another site.
+    # Only this server's own files, and no frame of another site; the page of a cockpit has those of its axes.
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -27,8 +29,8 @@ _HEADERS = {
 
 
 @cache
-def page_files() -> dict[str, tuple[str, bytes]]:
-    """Content type and bytes of each file, by request path."""
+def page_files(axes: tuple[str, ...]) -> dict[str, tuple[str, bytes]]:
+    """Content type and bytes of each file, by request path, for the axes of a cockpit, or for a single loader without a name."""
     folder = resources.files("forcefeel.live.console") / "page"
     shared = (
         resources.files("forcefeel.page") / "style.css.j2"
@@ -37,8 +39,17 @@ def page_files() -> dict[str, tuple[str, bytes]]:
     for path in folder.iterdir():
         kind = _KINDS.get(path.name.rpartition(".")[2])
         if kind:
-            answers["/" if path.name == "index.html" else f"/{path.name}"] = kind, path.read_bytes()
-    return answers
+            answers[f"/{path.name}"] = kind, path.read_bytes()
+    of_axis, of_cockpit = answers.pop("/index.html"), answers.pop("/cockpit.html")
+    if axes == ("",):
+        return {**answers, "/": of_axis}
+    names = json.dumps(axes).encode()
+    return {
+        **answers,
+        "/": of_cockpit,
+        "/axes.json": (_KINDS["json"], names),
+        **{f"/axis/{axis}/": of_axis for axis in axes},
+    }
 
 
 def answer(status: int, body: bytes, kind: str = "text/plain; charset=utf-8", **more: str) -> Response:

@@ -11,7 +11,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -33,9 +34,9 @@ _PATIENCE_S = 2.0
 
 @dataclass(frozen=True)
 class _Begins:
-    """Initial data of a server."""
+    """Initial data of a server: settings of each axis by its name, empty for a single loader."""
 
-    settings: LoopSettings
+    settings: dict[str, LoopSettings]
     admission: Admission
     setup: QualificationSetup
 
@@ -44,16 +45,16 @@ class ConsoleProcess:
     """The console of a running loop in its own process, a context manager that ends it.
 
     Args:
-        running: The loop.
+        axes: The running axes by name; the name of a single loader is empty.
         door: Socket and access control.
         setup: Rule of the tests, and displayed units.
         tell: Called with a sentence if a server ends by itself.
     """
 
     def __init__(
-        self, running: LiveSession, door: Listener, setup: QualificationSetup, tell: Callable[[str], None]
+        self, axes: Mapping[str, LiveSession], door: Listener, setup: QualificationSetup, tell: Callable[[str], None]
     ) -> None:
-        self._running, self._door, self._setup, self._tell = running, door, setup, tell
+        self._axes, self._door, self._setup, self._tell = axes, door, setup, tell
         self._process: subprocess.Popen[bytes] | None = None
         self._lock, self._ends = threading.Lock(), False
         self._thread = threading.Thread(target=self._keep, name="forcefeel console", daemon=True)
@@ -65,7 +66,7 @@ class ConsoleProcess:
 
     def __enter__(self) -> Self:
         """Start a server."""
-        self._process, self._wire = self._start_server()
+        self._process, self._wires = self._start_server()
         self._thread.start()
         return self
 
@@ -87,8 +88,7 @@ class ConsoleProcess:
         """Answer servers and restart them until the end."""
         while self._process is not None:
             began = time.monotonic()
-            with self._wire:
-                LoopServer(self._running, self._wire).until_gone()
+            self._answer()
             how = _how(self._process.wait())
             again = time.monotonic() - began >= _SHORT_LIFE_S
             with self._lock:
@@ -96,17 +96,30 @@ class ConsoleProcess:
                     return
                 self._process = None
                 if again:
-                    self._process, self._wire = self._start_server()
+                    self._process, self._wires = self._start_server()
             self._tell(
                 f"the console's server ended ({how}); the loop continues, and the console's hand on the column is released. "
                 + ("A new server runs at the same address" if again else "It ended too soon to be restarted")
             )
         self._door.listening.close()  # new connections are refused instead of waiting
 
-    def _start_server(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
-        wire, child_wire = pair()
-        with child_wire:
-            handed = (child_wire.fileno(), self._door.listening.fileno())
+    def _answer(self) -> None:
+        """Answer a server on behalf of each axis until it is gone."""
+        servers = [
+            threading.Thread(target=LoopServer(running, wire).until_gone, name="forcefeel console", daemon=True)
+            for running, wire in zip(self._axes.values(), self._wires, strict=True)
+        ]
+        for server in servers:
+            server.start()
+        for server in servers:
+            server.join()
+        for wire in self._wires:
+            wire.close()
+
+    def _start_server(self) -> tuple[subprocess.Popen[bytes], list[socket.socket]]:
+        wires, child_wires = zip(*(pair() for _ in self._axes), strict=True)
+        with ExitStack() as closed:
+            handed = [self._door.listening.fileno(), *(closed.enter_context(wire).fileno() for wire in child_wires)]
             # -P: modules are not imported from the current folder. Own process group: Ctrl-C reaches only the loop.
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", __name__, *map(str, handed)],
@@ -114,13 +127,14 @@ class ConsoleProcess:
                 pass_fds=handed,
                 process_group=0,
             )
-        begins = _Begins(self._running.settings, self._door.admission, self._setup)
+        settings = {axis: running.settings for axis, running in self._axes.items()}
+        begins = _Begins(settings, self._door.admission, self._setup)
         try:
             with process.stdin:  # type: ignore[union-attr]  # it is a pipe
                 pickle.dump(begins, process.stdin)  # type: ignore[arg-type]
         except OSError:
             pass  # it has ended, which `_keep` detects
-        return process, wire
+        return process, list(wires)
 
 
 def _how(status: int) -> str:
@@ -132,13 +146,15 @@ def serve() -> None:
     ends = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ends.set())
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    wire, listening = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:3])
+    listening, *wires = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:])
     begins: _Begins = pickle.load(sys.stdin.buffer)
-    settings = begins.settings
-    running = LiveSession(LoopProxy(wire), settings, live_law(settings.law, settings.loader))
-    with Server(running, Listener(listening, begins.admission), begins.setup) as server:
+    axes = {
+        axis: LiveSession(LoopProxy(wire), settings, live_law(settings.law, settings.loader))
+        for (axis, settings), wire in zip(begins.settings.items(), wires, strict=True)
+    }
+    with Server(axes, Listener(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
-            running.loop.status()  # ends this process without a loop
+            next(iter(axes.values())).loop.status()  # ends this process without a loop
             if not server.serves:
                 sys.exit(1)
 

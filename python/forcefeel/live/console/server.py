@@ -1,4 +1,8 @@
-"""Server of the console: the page's files over HTTP, frames and commands over a WebSocket, in its own thread."""
+"""Server of the console: the page's files over HTTP, frames and commands over a WebSocket, in its own thread.
+
+A single loader has its page at ``/`` and its WebSocket at ``/live``. The axes of a cockpit have theirs at ``/axis/NAME/`` and
+``/axis/NAME/live``; ``/`` is the page that shows all of them, ``/axes.json`` their names.
+"""
 
 import asyncio
 import json
@@ -6,7 +10,8 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import AsyncExitStack
 from http import HTTPStatus
 from types import TracebackType
 from typing import Any, Self
@@ -27,7 +32,7 @@ from forcefeel.live.console.watchers import MOST, Watcher, Watchers
 from forcefeel.live.live_session import LiveSession
 from forcefeel.qualification.plan.run import QualificationSetup
 
-SOCKET = "/live"
+SOCKET = "live"
 
 _SEND_BYTES = 32768
 """Send buffer of a watcher: one or two seconds of frames."""
@@ -45,14 +50,18 @@ class Server:
     """The server of a running loop, a context manager that ends the server, not the loop.
 
     Args:
-        running: The loop.
+        axes: The running axes by name; the name of a single loader is empty.
         door: Socket and access control.
         setup: Rule of the tests, and displayed units.
     """
 
-    def __init__(self, running: LiveSession, door: Listener, setup: QualificationSetup) -> None:
+    def __init__(self, axes: Mapping[str, LiveSession], door: Listener, setup: QualificationSetup) -> None:
         self.door, self.admission = door, door.admission
-        self._desk = ConsoleSession(running, setup, Watchers())
+        self._desks = {
+            f"/axis/{axis}/" if axis else "/": ConsoleSession(running, setup, Watchers())
+            for axis, running in axes.items()
+        }
+        self._files = page_files(tuple(axes))
         self._thread = threading.Thread(target=self._run, name="forcefeel console", daemon=True)
         self._ready, self._end = threading.Event(), asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -97,8 +106,16 @@ class Server:
             logger=_LOG,
         )
         # A failed task ends the server and so disconnects the watchers, instead of leaving them with a frozen picture.
-        async with server, self._desk, asyncio.TaskGroup() as tasks:
-            works = [tasks.create_task(work) for work in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
+        async with AsyncExitStack() as opened:
+            await opened.enter_async_context(server)
+            for desk in self._desks.values():
+                await opened.enter_async_context(desk)
+            tasks = await opened.enter_async_context(asyncio.TaskGroup())
+            works = [
+                tasks.create_task(work)
+                for desk in self._desks.values()
+                for work in (_every(1 / RATE_HZ, desk.tick), *desk.works())
+            ]
             self._ready.set()
             await self._end.wait()
             for work in works:
@@ -111,11 +128,12 @@ class Server:
         path = urlsplit(request.path).path
         try:
             role = self.admission.role(request.path, request.headers)
-            if path == SOCKET:
+            desk = self._desks.get(path.removesuffix(SOCKET)) if path.endswith(f"/{SOCKET}") else None
+            if desk is not None:
                 self.admission.check_origin(request.headers)
-                if len(self._desk.watchers) >= MOST:
+                if len(desk.watchers) >= MOST:
                     raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST} watchers are connected already")
-                connection.forcefeel_role = role  # type: ignore[attr-defined]  # for the handler
+                connection.forcefeel_admitted = (role, desk)  # type: ignore[attr-defined]  # for the handler
                 return None
         except Refused as refused:
             return answer(refused.status, f"forcefeel: {refused}\n".encode())
@@ -123,24 +141,25 @@ class Server:
             # The token moves from the address into a cookie, so that it is not visible or stored in the history.
             cookie = f"{self.admission.cookie}={token}; Path=/; HttpOnly; SameSite=Lax"
             return answer(HTTPStatus.SEE_OTHER, b"", Location="/", Set_Cookie=cookie)
-        if path not in page_files():
+        if path not in self._files:
             return answer(HTTPStatus.NOT_FOUND, b"forcefeel: no such file\n")
-        kind, body = page_files()[path]
+        kind, body = self._files[path]
         return answer(HTTPStatus.OK, body, kind)
 
     # The WebSocket.
 
     async def _watch(self, connection: ServerConnection) -> None:
-        role: Role = connection.forcefeel_role  # type: ignore[attr-defined]
+        admitted: tuple[Role, ConsoleSession] = connection.forcefeel_admitted  # type: ignore[attr-defined]
+        role, desk = admitted
         at = connection.transport.get_extra_info("socket")
         at.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BYTES)
-        watcher = self._desk.join(connection, role)
+        watcher = desk.join(connection, role)
         try:
             async for message in connection:
                 if watcher.floods():
                     await connection.close(1008, "too many commands")
                     break
-                refusal = self._respond(watcher, message)
+                refusal = _respond(desk, watcher, message)
                 if refusal and watcher.is_refused():
                     await connection.close(1008, "too many invalid commands")
                     break
@@ -149,15 +168,16 @@ class Server:
         except ConnectionClosed:
             pass
         finally:
-            self._desk.leave(watcher)
+            desk.leave(watcher)
 
-    def _respond(self, watcher: Watcher, message: str | bytes) -> str:
-        """Execute a command; return the reason of a refusal, or an empty text."""
-        try:
-            self._desk.carry_out(watcher, command_of(message))
-        except InputError as error:
-            return str(error)
-        return ""
+
+def _respond(desk: ConsoleSession, watcher: Watcher, message: str | bytes) -> str:
+    """Execute a command; return the reason of a refusal, or an empty text."""
+    try:
+        desk.carry_out(watcher, command_of(message))
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 async def _every(period_s: float, do: Callable[[], Any]) -> None:
@@ -173,7 +193,7 @@ class Console(Server):
     """The console of a running loop in a thread of this process; a context manager that does not end the loop.
 
     Args:
-        running: The loop.
+        running: The loop, or the axes of a cockpit.
         port: Port; 0 for a free one.
         bind: Address; by default only this machine can reach it.
         token: Whether requests need a token.
@@ -190,14 +210,15 @@ class Console(Server):
 
     def __init__(
         self,
-        running: LiveSession,
+        running: LiveSession | Mapping[str, LiveSession],
         *,
         port: int = DEFAULT_PORT,
         bind: str = "127.0.0.1",
         token: bool = True,
         setup: QualificationSetup | None = None,
     ) -> None:
-        super().__init__(running, Listener.at(port, bind, token=token), setup or QualificationSetup())
+        axes = running if isinstance(running, Mapping) else {"": running}
+        super().__init__(axes, Listener.at(port, bind, token=token), setup or QualificationSetup())
 
     @property
     def address(self) -> str:

@@ -53,7 +53,7 @@ class ConsoleSession:
     def __init__(self, running: LiveSession, setup: QualificationSetup, watchers: Watchers) -> None:
         self.watchers = watchers
         self._running, self._setup, self._ticks = running, setup, 0
-        loader, displayed = running.loader, channels(running, running.loader)
+        loader, displayed = running.loader, channels(running, running.loader, running.settings.link)
         throw = Throw.of(loader, setup.throw_rad)
         self._telemetry = Telemetry(running, displayed, setup.system)
         self._description = description(running, displayed, (throw.low_rad, throw.high_rad), setup.system)
@@ -150,7 +150,7 @@ class ConsoleSession:
                 self._break_off()
             case "repair":
                 self._running.clear_faults()
-            case "on" | "acknowledge" | "accept_host":
+            case "on" | "acknowledge" | "accept_host" | "connect" | "disconnect":
                 getattr(self._running, what)()
 
     def _hand(self, hand: Hand) -> None:
@@ -279,6 +279,7 @@ class ConsoleSession:
                 shaker=running.shaker,
                 fault=running.fault,
                 host=host_json(running),
+                link_holds=running.settings.link_holds,
                 test=self._progress or None,
             ),
         )

@@ -13,6 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from forcefeel.live.live_session import LiveSession
+from forcefeel.loader.links import Link, LinkKind
 from forcefeel.loader.loader import Loader
 from forcefeel.units import ANGLE, FORCE, MOTOR_CURRENT, VOLTAGE, Unit, UnitSystem
 
@@ -46,9 +47,10 @@ class Channel:
     over_s: float = 0.0
 
 
-def channels(running: LiveSession, loader: Loader) -> tuple[Channel, ...]:
-    """Displayed columns that the loop has."""
+def channels(running: LiveSession, loader: Loader, link: Link | None = None) -> tuple[Channel, ...]:
+    """Displayed columns that the loop has; of an electronic link its force too."""
     electric, arm = loader.drive == "electric", 1 / loader["column.grip_arm"]
+    electronic = link is not None and link.kind is LinkKind.ELECTRONIC
     command_unit = MOTOR_CURRENT if electric else VOLTAGE
     known = (
         Channel("column_angle_rad", "column", ANGLE),
@@ -56,6 +58,7 @@ def channels(running: LiveSession, loader: Loader) -> tuple[Channel, ...]:
         Channel("neutral_rad", "trim", ANGLE),
         Channel("pilot_force_n", "hand", FORCE),
         Channel("feel_torque_n_m", f"estimate of the law, mean of {FOUND_OVER_S:g} s", FORCE, arm, FOUND_OVER_S),
+        *([Channel("link_torque_n_m", "link", FORCE, arm)] if electronic else []),
         Channel("law_command", "requested", command_unit),
         Channel("command", "sent", command_unit),
     )

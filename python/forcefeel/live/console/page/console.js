@@ -177,5 +177,15 @@ function draw(time) {
   requestAnimationFrame(draw);
 }
 requestAnimationFrame(draw);
+
+// In the page of a cockpit this is a panel, from which that page takes what it shows of the axis.
+document.body.classList.toggle("panel", window.parent !== window);
+window.axis = {
+  send,
+  last,
+  force,
+  get told() { return told; },
+  get status() { return link.socket.readyState === WebSocket.OPEN ? status : null; },
+};
 // A page that draws slowly still holds the grip; one that is hidden lets go, since a browser then calls once a second.
 setInterval(() => column?.tick(performance.now()), 100);

@@ -13,7 +13,7 @@ export class Link {
 
   open() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/live`);
+    this.socket = new WebSocket(`${scheme}://${location.host}${location.pathname}live`); // of this loader or axis
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.on.opened();

@@ -8,7 +8,7 @@ const POINTS = 2 * 60 * (SECONDS + 1);
 
 const GROUPS = [
   { title: "Position", least: 1, of: { column_angle_rad: ["measured"], feel_angle_rad: ["soft", [4, 4]], neutral_rad: ["edge", [1, 3]] } },
-  { title: "Force at the grip", least: 2, of: { pilot_force_n: ["hand"], feel_torque_n_m: ["found", [6, 3]] } },
+  { title: "Force at the grip", least: 2, of: { pilot_force_n: ["hand"], feel_torque_n_m: ["found", [6, 3]], link_torque_n_m: ["soft"] } },
   { title: "Command", least: 0.02, of: { law_command: ["soft", [4, 4]], command: ["ink"] } },
 ];
 
