@@ -41,7 +41,7 @@ record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``
     A sentence each on priority, locked memory and processor sleep.
 
 ``start_cockpit(project, law=None, *, endpoints={}, ...) -> LiveCockpit`` runs all axes of a project in a loop: a mapping from
-axis to ``LiveSession`` with ``on``, ``off``, ``stop``, ``acknowledge`` and ``wait`` of all, ``disconnect`` and ``connect`` of links.
+axis to ``LiveSession`` with ``on``, ``off``, ``stop``, ``acknowledge``, ``wait`` of all, ``disconnect`` and ``connect`` of links.
 
 ``read_live_record(path)`` returns a record's table; ``replay(path)`` runs it again and compares every bit. ``Machine(loader)`` is
 the simulated machine for use in another process.
