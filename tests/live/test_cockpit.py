@@ -231,3 +231,14 @@ def test_record_of_a_cockpit_names_its_axes(tmp_path):
         ff.live.read_live_record(record)
     with pytest.raises(InputError, match="choose one"):
         ff.live.replay(record, "stick-roll")
+
+
+def test_bench_data_are_read_from_an_axis_of_a_record(tmp_path):
+    record = tmp_path / "run.mcap"
+    project = ff.loader.read_project(COCKPITS / "cockpit.toml")
+    with running(project, record=record) as cockpit:
+        cockpit["roll"].hand_force_n = 20.0
+        cockpit.wait(500)
+    assert ff.read_bench_data(record / "roll").run["loader"] == "aileron-wheel"
+    with pytest.raises(InputError, match="has the axes pitch, roll, yaw: choose one, such as run.mcap/pitch"):
+        ff.read_bench_data(record)

@@ -54,12 +54,11 @@ pub fn read(file: &[u8], axis: Option<&str>) -> Result<Contents, String> {
         let axes: Vec<_> = channels.values().filter_map(|(topic, _)| topic.strip_suffix(LISTS)).collect();
         if !axes.is_empty() {
             let names: Vec<_> = axes.iter().map(|prefix| prefix.trim_start_matches('/')).collect();
-            let names = if axes == [""] {
+            return Err(if axes == [""] {
                 "is of one loader: leave the axis out".to_string()
             } else {
-                format!("has the axes {}: choose one", names.join(", "))
-            };
-            return Err(names);
+                format!("has the axes {}: choose one, such as run.mcap/{}", names.join(", "), names[0])
+            });
         }
         let why = contents.broken.map_or(String::new(), |what| format!(": {what}"));
         return Err(format!("has no topic {LISTS} of a loop{why}"));

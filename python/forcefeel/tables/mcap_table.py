@@ -19,6 +19,11 @@ _PISTON = {"drive_position_m": "piston_position_m"}
 """Bench name of the end of a valve's drive."""
 
 
+def record_of_axis(path: Path) -> tuple[Path, str | None]:
+    """File and axis of ``run.mcap/pitch``; no axis of any other path."""
+    return (path.parent, path.name) if path.parent.suffix.lower() == ".mcap" else (path, None)
+
+
 def read_mcap(path: Path, data: bytes, example: str) -> Table:
     """The table in a live record: rows while the law drives, on the time of its machine.
 
@@ -30,7 +35,7 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
         InputError: If it is no such record, or the law drove in none of it.
     """
     try:
-        about, columns, rows, _, broken, _ = _core.live_record(data)
+        about, columns, rows, _, broken, _ = _core.live_record(data, record_of_axis(path)[1])
     except _core.ArgumentError as error:
         raise InputError(
             f"{path}: {error}; expected a record of forcefeel run; export what else is in MCAP files as a table with columns "
