@@ -125,6 +125,7 @@ class Unit:
 
 RATIO = Unit("", "", "")
 PERCENT = Unit("", "%", "%")
+LOAD_FACTOR = Unit("g", "g", "g")
 SECONDS = Unit("s", "s", "s", "s")
 HERTZ = Unit("rad/s", "Hz", "Hz", "rad_per_s")
 RATE = Unit("1/s", "1/s", "1/s", "per_s")

@@ -227,7 +227,7 @@ def test_record_of_a_cockpit_names_its_axes(tmp_path):
     with in_virtual_time(ff.loader.read_project(COCKPITS / "cockpit.toml"), record=record) as cockpit:
         cockpit.wait(100)
     assert ff.live.read_live_record(record, "roll").about["loader"] == "aileron-wheel"
-    with pytest.raises(InputError, match="has the axes pitch, roll, yaw: choose one"):
+    with pytest.raises(InputError, match=r"has the axes pitch, roll, yaw: choose one"):
         ff.live.read_live_record(record)
     with pytest.raises(InputError, match="choose one"):
         ff.live.replay(record, "stick-roll")
@@ -240,5 +240,5 @@ def test_bench_data_are_read_from_an_axis_of_a_record(tmp_path):
         cockpit["roll"].hand_force_n = 20.0
         cockpit.wait(500)
     assert ff.read_bench_data(record / "roll").run["loader"] == "aileron-wheel"
-    with pytest.raises(InputError, match="has the axes pitch, roll, yaw: choose one, such as run.mcap/pitch"):
+    with pytest.raises(InputError, match=r"has the axes pitch, roll, yaw: choose one, such as run.mcap/pitch"):
         ff.read_bench_data(record)

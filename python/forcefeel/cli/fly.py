@@ -13,7 +13,7 @@ from forcefeel.cli.scenario_text import seconds, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import check_output_file, write_whole
-from forcefeel.units import AIRSPEED, ANGLE, FORCE, RATIO, Json, Unit, UnitSystem, to_text
+from forcefeel.units import AIRSPEED, ANGLE, FORCE, LOAD_FACTOR, Json, Unit, UnitSystem, to_text
 
 if TYPE_CHECKING:
     from forcefeel.fly import FlightCase, FlightReport, Flown, Maneuver
@@ -236,14 +236,14 @@ def _csv(flown: "Flown") -> str:
 def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loader: str) -> None:
     table = titled(f"{options.aircraft}, {options.force or '-15 N'} at the grip", "measure", numbers=("value",))
 
-    def row(name: str, key: str, unit: Unit = RATIO, sign: float = 1.0) -> None:
+    def row(name: str, key: str, unit: Unit, sign: float = 1.0) -> None:
         number = results[key]
         assert isinstance(number, float)
         table.add_row(name, _text(sign * number, unit, options.units))
 
     row("pull per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE, -1.0)
-    row("smallest load factor", "load_factor_min")
-    row("largest load factor", "load_factor_max")
+    row("smallest load factor", "load_factor_min", LOAD_FACTOR)
+    row("largest load factor", "load_factor_max", LOAD_FACTOR)
     row("true airspeed at the start", "true_airspeed_begin_m_per_s", AIRSPEED)
     row("true airspeed at the end", "true_airspeed_end_m_per_s", AIRSPEED)
     row("smallest column angle", "column_angle_min_rad", ANGLE)

@@ -14,7 +14,7 @@ from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
 from forcefeel.loader.loader import Loader
-from forcefeel.units import AIRSPEED, FORCE, RATIO
+from forcefeel.units import AIRSPEED, FORCE, LOAD_FACTOR
 
 _CROSSOVER_RAD_PER_S = 0.5
 """Of load factor: a pilot who is not in a hurry."""
@@ -45,7 +45,7 @@ class HeldFlight:
     """
 
     speed_m_per_s: Annotated[float, AIRSPEED]
-    load_factor: Annotated[float, RATIO]
+    load_factor: Annotated[float, LOAD_FACTOR]
     force_n: Annotated[float, FORCE]
     feel_n: Annotated[float, FORCE]
     trimmed_n: Annotated[float, FORCE]

@@ -21,6 +21,7 @@ from forcefeel.units import (
     ANGULAR_VELOCITY,
     FORCE,
     HERTZ,
+    LOAD_FACTOR,
     RATIO,
     SECONDS,
     Json,
@@ -239,7 +240,7 @@ def _held_load_factor(case: FlightCase, flown: Flown) -> _Numbers:
     return per_g | {
         "force": (FORCE, force),
         "force of the programmed feel in the same states": (FORCE, case.feel_n(flown, _LAST)),
-        "load factor": (RATIO, held),
+        "load factor": (LOAD_FACTOR, held),
         "calibrated airspeed at the end": (AIRSPEED, float(flown.states["calibrated_airspeed"][-1])),
     }
 
@@ -299,8 +300,8 @@ def _short_period(case: FlightCase, request: ManeuverRequest) -> _Plan:
         rows = flown.states
         return {
             "largest pitch rate": (ANGULAR_VELOCITY, float(np.abs(rows["pitch_rate"]).max())),
-            "largest load factor": (RATIO, float(rows["load_factor"].max())),
-            "smallest load factor": (RATIO, float(rows["load_factor"].min())),
+            "largest load factor": (LOAD_FACTOR, float(rows["load_factor"].max())),
+            "smallest load factor": (LOAD_FACTOR, float(rows["load_factor"].min())),
             **_quick_modes(flown),
         }
 

@@ -12,7 +12,7 @@ from forcefeel.fly.aircraft import Aircraft
 from forcefeel.fly.case import FlightCase, HeldFlight
 from forcefeel.fly.maneuvers import CHANGED, Maneuver, ManeuverRequest, fly_maneuver
 from forcefeel.fly.rules import Compared, FlightVerdict, Outcome, Quantity, flight_rules, judge
-from forcefeel.units import ANGLE, FORCE, PERCENT, RATIO, Unit, factor
+from forcefeel.units import ANGLE, FORCE, LOAD_FACTOR, PERCENT, Unit, factor
 
 FORCE_OVER_SPEED = Unit("N s/m", "N s/m", "lb/kt")
 
@@ -32,7 +32,7 @@ _EACH_SIDE = 2
 _HISTORIES = {
     "power": CHANGED,
     "flaps": CHANGED,
-    "short-period": {"pitch_attitude": ANGLE, "load_factor": RATIO},
+    "short-period": {"pitch_attitude": ANGLE, "load_factor": LOAD_FACTOR},
 }
 """Maneuvers whose time histories are compared."""
 

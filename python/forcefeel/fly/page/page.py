@@ -14,7 +14,7 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, quantity_text, unit_text
-from forcefeel.units import AIRSPEED, ALTITUDE, FORCE, RATIO, Unit, UnitSystem
+from forcefeel.units import AIRSPEED, ALTITUDE, FORCE, LOAD_FACTOR, Unit, UnitSystem
 
 PAGE, RESULTS = "flight.html", "results.json"
 
@@ -83,12 +83,12 @@ def _points(points: tuple[Point, ...], units: UnitSystem) -> Table:
         held = point.held
         if held is None:
             return (words(point.label), *4 * (number(NONE),), words(point.fault, bad=True))
-        pairs = ((held.load_factor, RATIO), (held.speed_m_per_s, AIRSPEED), (held.force_n, FORCE), (held.feel_n, FORCE))
+        pairs = ((held.load_factor, LOAD_FACTOR), (held.speed_m_per_s, AIRSPEED), (held.force_n, FORCE), (held.feel_n, FORCE))
         return (words(point.label), *(number(_text(value, unit, units)) for value, unit in pairs), Cell(""))
 
-    quantities = (("Airspeed", AIRSPEED), ("With the loader", FORCE), ("Feel alone", FORCE))
+    quantities = (("Load factor", LOAD_FACTOR), ("Airspeed", AIRSPEED), ("With the loader", FORCE), ("Feel alone", FORCE))
     names = (heading_text(name, unit, units) for name, unit in quantities)
-    return Table((*heads("To hold", "Load factor, g", *names), Cell("Remark")), tuple(map(cells, points)))
+    return Table((*heads("To hold", *names), Cell("Remark")), tuple(map(cells, points)))
 
 
 def _maneuver(maneuver: Maneuver, units: UnitSystem, k: int) -> dict[str, object]:

@@ -11,7 +11,7 @@ from forcefeel.fly.rules import FlightVerdict
 from forcefeel.page.canvas import ZERO, add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, LineStyle
 from forcefeel.page.typography import heading_text
-from forcefeel.units import AIRSPEED, ANGLE, FORCE, RATIO, Unit, UnitSystem
+from forcefeel.units import AIRSPEED, ANGLE, FORCE, LOAD_FACTOR, Unit, UnitSystem
 
 _LOADER, _FEEL, _LIMIT = (
     LineStyle(COMPLIANT, "solid", 2.4),
@@ -22,7 +22,7 @@ _MOST_POINTS = 1500
 _HISTORIES = {
     "Force": ("force", FORCE),
     "Column": ("column", ANGLE),
-    "Load factor": ("load_factor", RATIO),
+    "Load factor": ("load_factor", LOAD_FACTOR),
     "Airspeed": ("calibrated_airspeed", AIRSPEED),
 }
 
@@ -31,7 +31,7 @@ def force_over_load_factor(report: FlightReport, units: UnitSystem) -> go.Figure
     """The held pulls, and the limits of a force per g or at the limit load factor."""
     picture = go.Figure()
     still = report.case.trim.state()["load_factor"]
-    flown = _add_held(picture, report.pulls, "load_factor", RATIO, (still, units))
+    flown = _add_held(picture, report.pulls, "load_factor", LOAD_FACTOR, (still, units))
     ends = np.array([still, max(flown, default=still)])
     for verdict in report.verdicts:
         if verdict.quantity == "force per g" and verdict.unit:
@@ -72,7 +72,7 @@ def _add_held(
         ((getattr(point.held, name), point.held.force_n, point.held.feel_n) for point in points if point.held),
         key=lambda row: float(row[0]),
     )
-    hover = f"%{{x:.4~g}} {unit.shown(units) or 'g'}, %{{y:.3~g}} {FORCE.shown(units)}"
+    hover = f"%{{x:.4~g}} {unit.shown(units)}, %{{y:.3~g}} {FORCE.shown(units)}"
     scale, force = unit.from_si(1.0, units), FORCE.from_si(1.0, units)
     line = np.array(sorted([*((x, feel) for x, _, feel in held), (at_trim, 0.0)])).T
     add_curve(picture, scale * line[0], force * line[1], "feel alone", _FEEL, hover)
