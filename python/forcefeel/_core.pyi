@@ -70,6 +70,7 @@ __all__ = [
     "linear_slopes",
     "link_parameters",
     "linkage_from_resonance",
+    "linked_feels",
     "linked_outputs",
     "live_columns",
     "live_record",
@@ -450,6 +451,21 @@ def sampled_slopes(
 
 def parameters() -> list[Parameter]: ...
 def link_parameters() -> list[Parameter]: ...
+def linked_feels(
+    first: _Array,
+    second: _Array,
+    values: _Array,
+    release: tuple[float, float],
+    samples: int,
+    *,
+    uncouples: bool = False,
+    threads: int = 1,
+) -> _Array:
+    """Angles (pairs, 2, samples) of two feels each, rows I, B, G, on a link without delay, let go together.
+
+    ``release``: angle, and time between samples. ``values``: of the link, in the order of ``link_parameters``.
+    """
+
 def linked_outputs() -> list[tuple[str, str]]: ...
 def simulate_linked(
     first: tuple[Simulation, _Array, _Law | None, _Array | None, _Array | None],
@@ -460,12 +476,14 @@ def simulate_linked(
     uncouples: bool = False,
     disconnect: int | None = None,
     jam: tuple[int, int] | None = None,
+    threads: int = 1,
 ) -> _Array:
-    """Outputs (samples, outputs) of two loaders joined by a link: those of the first, of the second, ``linked_outputs``.
+    """Outputs (pairs, samples, outputs) of pairs of loaders joined by links: of the first, of the second, ``linked_outputs``.
 
-    A side is its simulation, its values, and its law by name, as gains or as an observer. Both have one step, one period and one
-    length. ``values``: of the link, in the order of ``link_parameters``; ``delay``: periods of an electronic link, a mechanical one
-    without; ``uncouples``: what has given way stays open; ``disconnect``: a step; ``jam``: side 0 or 1, and a step.
+    A side is its simulation, and the values and the law of each pair, the law by name, as gains or as observers. Both have one
+    step, one period and one length. ``values``: of each link, in the order of ``link_parameters``; ``delay``: periods of an
+    electronic link, a mechanical one without; ``uncouples``: what has given way stays open; ``disconnect``: a step; ``jam``: side
+    0 or 1, and a step.
     """
 
 def parts() -> list[tuple[str, str]]: ...

@@ -40,5 +40,7 @@ def raw(loaders, scenarios, values, law, outputs=(0, 1, 2), **joint):
     for loader, scenario in zip(loaders, scenarios, strict=True):
         kinds = {"law": law} if law == "open" else Law.of(law, loader).engine(loader)
         engine = prepared(loader, scenario, outputs)
-        sides.append((engine, loader.si_values, kinds.get("law"), kinds.get("gains"), kinds.get("observers")))
-    return _core.simulate_linked(*sides, values, **joint)
+        sides.append(
+            (engine, loader.si_values[np.newaxis], kinds.get("law"), kinds.get("gains"), kinds.get("observers"))
+        )
+    return _core.simulate_linked(*sides, values[np.newaxis], **joint)[0]

@@ -2,8 +2,10 @@
 #![forbid(unsafe_code)]
 
 use fearless_simd::Level;
-use forcefeel_model::parameters::DriveKind;
+use forcefeel_model::link::PilotLink;
+use forcefeel_model::parameters::{DriveKind, Feel};
 use forcefeel_simulate::batch::{Job, Values, WIDTH};
+use forcefeel_simulate::feel_pair::feel_pair;
 use forcefeel_simulate::linked::{Joint, run_pair};
 use forcefeel_simulate::measures::MEASURES;
 use forcefeel_solve::threads::{NoThreads, each};
@@ -34,12 +36,48 @@ pub fn run(job: &Job<'_>, threads: usize, histories: &mut [f64]) -> Result<Vec<V
     Ok(measures)
 }
 
-/// Runs the first loaders of two jobs of one step and one period joined by a link, a sample every so many steps: sample by sample the outputs of
-/// the first, of the second and [`JOINT_OUTPUTS`](forcefeel_simulate::linked::JOINT_OUTPUTS).
-pub fn run_linked(jobs: [&Job<'_>; 2], joint: &Joint, every: usize) -> Vec<f64> {
-    let sides = jobs.map(|job| match job.values.first().map_or(DriveKind::Hydraulic, DriveKind::of) {
-        DriveKind::Hydraulic => forcefeel_batch_hydraulic::side(job),
-        DriveKind::Electric => forcefeel_batch_electric::side(job),
-    });
-    run_pair(sides, joint, jobs[0], (jobs[0].inputs.len(), every))
+/// Runs pairs of loaders of two jobs of one step and one period, each pair joined by a link of its own, on so many threads, a sample every so many
+/// steps: pair by pair and sample by sample the outputs of the first, of the second and
+/// [`JOINT_OUTPUTS`](forcefeel_simulate::linked::JOINT_OUTPUTS) into `histories`.
+///
+/// # Errors
+/// If the system gives no threads.
+///
+/// # Panics
+/// If there are no pairs, or `histories` has not the size of what is asked for.
+pub fn run_linked(
+    jobs: [&Job<'_>; 2],
+    joints: &[Joint],
+    every: usize,
+    threads: usize,
+    histories: &mut [f64],
+) -> Result<(), NoThreads> {
+    let pairs = histories.chunks_mut(histories.len() / joints.len()).zip(joints).enumerate();
+    each(threads, pairs, |(run, (history, joint))| {
+        let sides = jobs.map(|job| match job.values.first().map_or(DriveKind::Hydraulic, DriveKind::of) {
+            DriveKind::Hydraulic => forcefeel_batch_hydraulic::side(job, run),
+            DriveKind::Electric => forcefeel_batch_electric::side(job, run),
+        });
+        let mut rows = Vec::with_capacity(history.len());
+        run_pair(sides, joint, jobs[0], (jobs[0].inputs.len(), every), &mut rows);
+        history.copy_from_slice(&rows);
+    })
+}
+
+/// Releases of many pairs of feels on one link, on so many threads: the angles of each first, then of each second feel, into `angles`.
+///
+/// # Errors
+/// If the system gives no threads.
+///
+/// # Panics
+/// If there are no pairs.
+pub fn release_feels(
+    feels: [&[Feel<f64>]; 2],
+    (link, uncouples): (&PilotLink<f64>, bool),
+    release: (f64, f64),
+    threads: usize,
+    angles: &mut [f64],
+) -> Result<(), NoThreads> {
+    let pairs = angles.chunks_mut(angles.len() / feels[0].len()).zip(feels[0].iter().zip(feels[1]));
+    each(threads, pairs, |(angles, (first, second))| feel_pair([first, second], link, uncouples, release, angles))
 }

@@ -101,6 +101,11 @@ impl<S: Scalar> PilotLink<S> {
         held + (elastic - held) * self.stiffness_after / self.stiffness + self.damping * rate
     }
 
+    /// Fastest rate in rad/s of two masses on the link, from the sum of their inverse inertias.
+    pub fn rate(&self, per_inertia: S) -> S {
+        (self.stiffness.max(self.stiffness_after) * per_inertia).sqrt().max(self.damping * per_inertia)
+    }
+
     /// Whether the spring is beyond its breakout.
     #[inline(always)]
     pub fn gives_way(&self, phi: S) -> S::Mask {

@@ -41,6 +41,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulate::Simulation>()?;
     module.add_function(wrap_pyfunction!(linked::link_parameters, module)?)?;
     module.add_function(wrap_pyfunction!(linked::simulate_linked, module)?)?;
+    module.add_function(wrap_pyfunction!(linked::linked_feels, module)?)?;
     module.add_function(wrap_pyfunction!(linked::linked_outputs, module)?)?;
     module.add("MOST_LINK_DELAY", forcefeel_model::link::MOST_DELAY)?;
     module.add_class::<release::ReleaseMeasuring>()?;

@@ -136,7 +136,7 @@ pub fn schedule<'py>(
 }
 
 /// The feels of settings `[I, B, G]`, a row each.
-fn feels(settings: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Feel<f64>>> {
+pub fn feels(settings: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Feel<f64>>> {
     let settings = settings.as_array();
     if settings.ncols() != 3 {
         return Err(refused(format!("settings: expected columns I, B, G, got {}", settings.ncols())));

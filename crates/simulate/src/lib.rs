@@ -7,11 +7,12 @@
 //! | a run | [`run`](mod@run) |
 //! | many runs, in vector lanes | [`batch`], [`pair`] |
 //! | what is asked of a run | [`measures`] |
-//! | two loaders joined by a link | [`linked`] |
+//! | two loaders joined by a link, and their feels alone | [`linked`], [`feel_pair`] |
 //! | noise of the sensors | [`noise`] |
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod feel_pair;
 pub mod linked;
 pub mod measures;
 pub mod noise;

@@ -74,14 +74,14 @@ struct Step<D: Drive<f64>> {
     before: State<f64, D>,
 }
 
-/// The first loader of a job as a side of a pair; a jam of its column may come.
-pub fn side<'a, K: Kind>(job: &'a Job<'a>) -> Box<dyn Side + 'a>
+/// The loader of a run of a job as a side of a pair; a jam of its column may come.
+pub fn side<'a, K: Kind>(job: &'a Job<'a>, run: usize) -> Box<dyn Side + 'a>
 where
     K::Of<f64>: 'a,
 {
-    let (parameters, machine) = job.machines::<f64, K>(|of| of(0));
+    let (parameters, machine) = job.machines::<f64, K>(|of| of(run));
     let shared = job.shared.clone();
-    let beginning = job.beginning::<K>(0);
+    let beginning = job.beginning::<K>(run);
     let equilibrium = &beginning.equilibrium;
     let (mut state, memory) = (machine.start(&shared, equilibrium), machine.remember(&shared, equilibrium));
     Machine::<f64, K::Of<f64>>::hold(&mut state, equilibrium);
@@ -152,13 +152,15 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
     }
 }
 
-/// Runs a pair through `steps` steps, a sample every so many: sample by sample the outputs of the first, of the second and of the joint.
+/// Runs a pair through `steps` steps, a sample every so many: adds sample by sample the outputs of the first, of the second and of the joint
+/// to `rows`.
 pub fn run_pair(
     mut sides: [Box<dyn Side + '_>; 2],
     joint: &Joint,
     job: &Job<'_>,
     (steps, every): (usize, usize),
-) -> Vec<f64> {
+    rows: &mut Vec<f64>,
+) {
     let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
     let mut electronic =
         joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
@@ -167,7 +169,6 @@ pub fn run_pair(
     let mut open = false;
     let mut at = [sides[0].angle() - sides[1].angle(), 0.0];
     let mut on_feel = [[0.0; 2]; 2];
-    let mut rows = Vec::new();
     for step in 0..=steps {
         open = open || joint.disconnect.is_some_and(|disconnect| step >= disconnect);
         let coupled = !open && joint.delay.is_none();
@@ -185,7 +186,7 @@ pub fn run_pair(
             side.begin(step, sign * start, on_feel);
         }
         if step % every == 0 {
-            let hands = [0, 1].map(|side: usize| sides[side].outputs(&mut rows));
+            let hands = [0, 1].map(|side: usize| sides[side].outputs(rows));
             rows.extend([on_feel[0][0] - start, on_feel[1][0] + start]);
             rows.extend(hands);
             rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
@@ -210,8 +211,7 @@ pub fn run_pair(
             sides[side].jam();
         }
     }
-    rows
 }
 
 /// Times that a step is taken under a torque that ends as the last one found it.
-const CORRECTIONS: usize = 2;
+pub(crate) const CORRECTIONS: usize = 2;

@@ -1,6 +1,8 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
+from forcefeel.linked.engine import PairValues as PairValues
 from forcefeel.linked.engine import simulate_linked as simulate_linked
+from forcefeel.linked.engine import simulate_linked_batch as simulate_linked_batch
 from forcefeel.linked.findings import linked_conclusions as linked_conclusions
 from forcefeel.linked.link_checks import check_link as check_link
 from forcefeel.linked.page.page import write_linked as write_linked

@@ -1,6 +1,7 @@
 """Runs of two linked loaders on the Rust engine."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
@@ -14,17 +15,19 @@ from forcefeel.laws.law import Law, LawLike
 from forcefeel.linked.joint import common_step, delay_periods
 from forcefeel.linked.result import SIDES, LinkedRun, LinkMeasures
 from forcefeel.linked.scenario import LinkedScenario, on_step
-from forcefeel.loader.links import AfterBreakout
+from forcefeel.loader.links import LINK_TABLE, AfterBreakout, Link
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE
 from forcefeel.loader.project import Project
 from forcefeel.simulation.engine import prepared
-from forcefeel.simulation.outcome import named, outputs
+from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, named, outputs
 from forcefeel.simulation.scenario import Scenario
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
 _Numbers = NDArray[np.float64]
 _Side = tuple[_core.Simulation, _Numbers, Any, _Numbers | None, _Numbers | None]
-"""Simulation, values, and the law by name, as gains or as an observer."""
+"""Simulation, values of each run, and the law by name, as gains or as observers."""
 
 
 def simulate_linked(
@@ -52,42 +55,165 @@ def simulate_linked(
         >>> round(ff.linked.simulate_linked(project, "pitch", both, "robust").measures.peak_force_fight_n)
         356
     """
-    expect("project", project, Project, "a Project, such as loader.read_project('cockpit.toml')")
-    expect("scenario", scenario, LinkedScenario, "a LinkedScenario, such as LinkedScenario(Scenario(Step(100.0)))")
-    if link not in project.links:
-        known = f"one of {', '.join(project.links)}" if project.links else "a link in [links] of the project"
-        raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, project.links)}")
-    joint = project.links[link]
-    loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
-    laws = (Law.of(law, loaders[0]), Law.of(law if second_law is None else second_law, loaders[1]))
-    step_s = common_step(joint, loaders, scenario.first)
-    scenarios = [replace(of_side, step_s=step_s) for of_side in (scenario.first, scenario.second)]
-    units = [outputs(law.numbers.displacement_unit, loader.drive) for law, loader in zip(laws, loaders, strict=True)]
-    first, second = (_side(*side) for side in zip(loaders, scenarios, units, laws, strict=True))
-    jammed = scenario.jam_side(joint)
-    rows = _core.simulate_linked(
-        first,
-        second,
-        joint.values,
-        delay=delay_periods(joint, loaders),
-        uncouples=joint.after_breakout is AfterBreakout.UNCOUPLE,
-        disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, step_s),
-        jam=None if scenario.jam is None or jammed is None else (jammed, on_step(scenario.jam.at_s, step_s)),
-    )
-    names = {f"{side}_{name}": unit for side, of in zip(SIDES, units, strict=True) for name, unit in of.items()}
-    names |= {named(name, unit) if unit != "N m" else f"{name}_n_m": unit for name, unit in _core.linked_outputs()}
-    time = np.arange(len(rows)) * scenario.first.sample_s
-    data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows.T, strict=True)}
+    pair = _Pair.of(project, link, scenario, (law, law if second_law is None else second_law))
+    loaders = pair.loaders
+    names, rows = pair.run(PairValues(loaders[0].si_values[np.newaxis], loaders[1].si_values[np.newaxis]))
+    time = np.arange(rows.shape[1]) * scenario.first.sample_s
+    data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows[0].T, strict=True)}
     whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
     measures = _measures(whole, loaders[0]["column.grip_arm"])
     history = whole.where(whole["time_s"] < measures.diverged_at_s)
-    return LinkedRun(joint, loaders, laws, scenario, measures, history)
+    return LinkedRun(pair.link, loaders, pair.laws, scenario, measures, history)
 
 
-def _side(loader: Loader, scenario: Scenario, units: dict[str, str], law: Law) -> _Side:
-    kinds = law.engine(loader)
-    simulation = prepared(loader, scenario, range(len(units)), law)
-    return simulation, loader.si_values, kinds.get("law"), kinds.get("gains"), kinds.get("observers")
+@dataclass(frozen=True, eq=False)
+class PairValues:
+    """SI values of many linked pairs, a row for each pair.
+
+    Attributes:
+        first, second: Of both loaders, in the order of ``parameters.TABLE``.
+        link: Of the link, in the order of ``LINK_TABLE``. Default: those of the project, for all pairs.
+
+    Raises:
+        InputError: If the shapes do not match.
+
+    Example:
+        >>> rows = np.tile(ff.digital_elevator().si_values, (3, 1))
+        >>> len(ff.linked.PairValues(rows, rows).first)
+        3
+    """
+
+    first: _Numbers
+    second: _Numbers
+    link: _Numbers | None = None
+
+    def __post_init__(self) -> None:
+        for name, width in (("first", len(TABLE)), ("second", len(TABLE)), ("link", len(LINK_TABLE))):
+            if (rows := getattr(self, name)) is None:
+                continue
+            rows = np.ascontiguousarray(rows, dtype=np.float64)
+            shape = max(len(self.first), 1), width
+            if rows.shape != shape:
+                raise InputError(f"{name}: expected shape {shape}, a row for each pair, got {rows.shape}")
+            object.__setattr__(self, name, rows)
+
+
+def simulate_linked_batch(
+    project: Project,
+    link: str,
+    scenario: LinkedScenario,
+    values: PairValues,
+    laws: tuple[LawLike, LawLike] = (None, None),
+    *,
+    keep: Sequence[str] = ("column_angle_rad",),
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Runs many pairs of linked loaders through one scenario, on all cores.
+
+    Args:
+        project: The project; the curves, controllers and forces of its loaders apply to all pairs.
+        link: Name of the link.
+        scenario: The inputs, as for ``simulate_linked``.
+        values: The loaders and links.
+        laws: The law of each side: one for all pairs, or one for each.
+        keep: Names of the outputs of both sides whose histories are kept.
+        threads: Number of threads. Default: all cores. The numbers do not depend on it.
+
+    Returns:
+        Over ``run`` and ``time_s`` the histories of both sides, with ``first_`` or ``second_``, and those of the link. All runs
+        have the noise of ``simulate_linked``, so that they differ by their values alone. Diverged runs are not cut off.
+
+    Raises:
+        InputError: As ``simulate_linked``; or the histories are too large.
+
+    Example:
+        >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
+        >>> rows = np.tile(project.loaders["pitch"].si_values, (3, 1))
+        >>> pushed = ff.linked.LinkedScenario(ff.Scenario(ff.Step("40 lb"), 0.5))
+        >>> pairs = ff.linked.PairValues(rows, rows)
+        >>> dict(ff.linked.simulate_linked_batch(project, "pitch", pushed, pairs, ("robust", "robust")).sizes)
+        {'run': 3, 'time_s': 501}
+    """
+    pair = _Pair.of(project, link, scenario, laws, values.link)
+    names, rows = pair.run(values, keep, threads_or_cores(threads))
+    time = np.arange(rows.shape[1]) * scenario.first.sample_s
+    data = {name: (("run", "time_s"), rows[:, :, k], {"units": unit}) for k, (name, unit) in enumerate(names.items())}
+    return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Two loaders on their link, checked."""
+
+    link: Link
+    loaders: tuple[Loader, Loader]
+    laws: tuple[Law, Law]
+    scenario: LinkedScenario
+    step_s: float
+
+    @classmethod
+    def of(
+        cls,
+        project: Project,
+        link: str,
+        scenario: LinkedScenario,
+        laws: tuple[LawLike, LawLike],
+        links: _Numbers | None = None,
+    ) -> "_Pair":
+        expect("project", project, Project, "a Project, such as loader.read_project('cockpit.toml')")
+        expect("scenario", scenario, LinkedScenario, "a LinkedScenario, such as LinkedScenario(Scenario(Step(100.0)))")
+        if link not in project.links:
+            known = f"one of {', '.join(project.links)}" if project.links else "a link in [links] of the project"
+            raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, project.links)}")
+        joint = project.links[link]
+        loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
+        stiffest = joint if links is None else replace(joint, values=links.max(axis=0))
+        step_s = common_step(stiffest, loaders, scenario.first)
+        return cls(joint, loaders, (Law.of(laws[0], loaders[0]), Law.of(laws[1], loaders[1])), scenario, step_s)
+
+    def run(
+        self, values: PairValues, keep: Sequence[str] | None = None, threads: int = 1
+    ) -> tuple[dict[str, str], _Numbers]:
+        """Name and unit of each output, and the outputs (runs, samples, outputs); all of both sides without ``keep``."""
+        scenario, runs = self.scenario, len(values.first)
+        names: dict[str, str] = {}
+        sides = []
+        for k, (inputs, rows) in enumerate(((scenario.first, values.first), (scenario.second, values.second))):
+            units, side = self._side(k, inputs, rows, keep)
+            names |= {f"{SIDES[k]}_{name}": unit for name, unit in units.items()}
+            sides.append(side)
+        names |= {named(name, unit) if unit != "N m" else f"{name}_n_m": unit for name, unit in _core.linked_outputs()}
+        samples = round(scenario.first.duration_s / scenario.first.sample_s) + 1
+        if 8 * runs * samples * len(names) > MOST_HISTORY_BYTES:
+            raise InputError(
+                f"keep: histories of {runs} pairs take more than {MOST_HISTORY_BYTES >> 30} GiB; keep fewer outputs, or run fewer "
+                "pairs at once"
+            )
+        jammed = scenario.jam_side(self.link)
+        return names, _core.simulate_linked(
+            sides[0],
+            sides[1],
+            np.tile(self.link.values, (runs, 1)) if values.link is None else values.link,
+            delay=delay_periods(self.link, self.loaders),
+            uncouples=self.link.after_breakout is AfterBreakout.UNCOUPLE,
+            disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, self.step_s),
+            jam=None if scenario.jam is None or jammed is None else (jammed, on_step(scenario.jam.at_s, self.step_s)),
+            threads=threads,
+        )
+
+    def _side(
+        self, k: int, inputs: Scenario, rows: _Numbers, keep: Sequence[str] | None
+    ) -> tuple[dict[str, str], _Side]:
+        """Name and unit of each output of a side, and the side."""
+        law, loader = self.laws[k], self.loaders[k]
+        units = outputs(law.numbers.displacement_unit, loader.drive)
+        kept = list(units if keep is None else keep)
+        if unknown := [name for name in kept if name not in units]:
+            raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {unknown[0]!r}")
+        places, kinds = [list(units).index(name) for name in kept], law.engine(loader)
+        simulation = prepared(loader, replace(inputs, step_s=self.step_s), places, law)
+        side = simulation, rows, kinds.get("law"), kinds.get("gains"), kinds.get("observers")
+        return {name: units[name] for name in kept}, side
 
 
 def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:

@@ -12,7 +12,7 @@ pub fn group(job: &Job<'_>, level: Level, first: usize, measures: &mut [Values],
     job.group_on_vectors::<OfHydraulic>(level, first, measures, histories);
 }
 
-/// The first loader of a job as a side of a pair.
-pub fn side<'a>(job: &'a Job<'a>) -> Box<dyn Side + 'a> {
-    linked::side::<OfHydraulic>(job)
+/// The loader of a run of a job as a side of a pair.
+pub fn side<'a>(job: &'a Job<'a>, run: usize) -> Box<dyn Side + 'a> {
+    linked::side::<OfHydraulic>(job, run)
 }

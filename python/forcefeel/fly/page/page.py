@@ -83,10 +83,20 @@ def _points(points: tuple[Point, ...], units: UnitSystem) -> Table:
         held = point.held
         if held is None:
             return (words(point.label), *4 * (number(NONE),), words(point.fault, bad=True))
-        pairs = ((held.load_factor, LOAD_FACTOR), (held.speed_m_per_s, AIRSPEED), (held.force_n, FORCE), (held.feel_n, FORCE))
+        pairs = (
+            (held.load_factor, LOAD_FACTOR),
+            (held.speed_m_per_s, AIRSPEED),
+            (held.force_n, FORCE),
+            (held.feel_n, FORCE),
+        )
         return (words(point.label), *(number(_text(value, unit, units)) for value, unit in pairs), Cell(""))
 
-    quantities = (("Load factor", LOAD_FACTOR), ("Airspeed", AIRSPEED), ("With the loader", FORCE), ("Feel alone", FORCE))
+    quantities = (
+        ("Load factor", LOAD_FACTOR),
+        ("Airspeed", AIRSPEED),
+        ("With the loader", FORCE),
+        ("Feel alone", FORCE),
+    )
     names = (heading_text(name, unit, units) for name, unit in quantities)
     return Table((*heads("To hold", *names), Cell("Remark")), tuple(map(cells, points)))
 
