@@ -101,7 +101,6 @@ def test_bad_link_is_named(tmp_path, links, told):
 @pytest.mark.parametrize(
     ("project", "options", "told"),
     [
-        (AXES, (), "pair.toml: has no table [links]"),
         (AXES + LINK, ("--law", "torque-mode"), "--law: torque-mode is a law for a motor"),
         (AXES + LINK, ("--link", "roll"), "--link: expected pitch, got 'roll'"),
         (AXES + LINK, ("--jam", "0.5 s: yaw"), "--jam: expected pitch or pitch-first-officer, got 'yaw'"),

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions
+from forcefeel.cli.options import LoaderOptions, LoaderOrProject, OutputOptions
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.json_values import json_value
@@ -14,7 +15,8 @@ class AnalyzeOptions(LoaderOptions, OutputOptions):
     """The options of ``forcefeel analyze``."""
 
 
-def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions()) -> None:
+@each_axis()
+def run(path: LoaderOrProject = None, /, *, options: AnalyzeOptions = AnalyzeOptions()) -> None:
     """Analyze the loader without a law: modes, margins, stability, response.
 
     With a valve this is the original position loop, with a motor the feel by current only.

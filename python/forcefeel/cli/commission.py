@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
 from forcefeel.cli.options import (
     EDITION,
     OUTPUT,
     FolderOptions,
-    LoaderFile,
     LoaderOptions,
+    LoaderOrProject,
     OutputOptions,
     ThreadOptions,
     option,
@@ -129,7 +130,8 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         return self.read(self.data)
 
 
-def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
+@each_axis()
+def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
     """Commission a loader: identify it from bench data, choose the law, check the envelope, run the rule's tests.
 
     Writes a folder for each step and one page with the result. After an interruption, run it again to resume. Exit status 1 if a

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group
 
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import ORIGINAL, chosen_law
-from forcefeel.cli.options import OUTPUT, BenchLawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
+from forcefeel.cli.options import OUTPUT, BenchLawOption, LoaderOptions, LoaderOrProject, OutputOptions, filled, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer, titled
@@ -188,7 +189,8 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         return filled(ExcitationPlan, self, noise=noise, limits=limits_si, **given)
 
 
-def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
+@each_axis()
+def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
     """Design the bench signal that determines the chosen parameters best within the limits of the loader.
 
     Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it. Exit status 1 if the experiment

@@ -1,10 +1,11 @@
 """``forcefeel export``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from forcefeel.cli.options import OUTPUT, FolderOptions, JsonOptions, LawOption, LoaderFile, LoaderOptions, option
+from forcefeel.cli.each_axis import each_axis
+from forcefeel.cli.options import OUTPUT, FolderOptions, JsonOptions, LawOption, LoaderOptions, LoaderOrProject, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED
 from forcefeel.cli.terminal import Terminal, answer
@@ -80,7 +81,13 @@ def _spelled(error: InputError) -> InputError:
     return error
 
 
-def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
+def _of_axis(options: ExportOptions, axis: str) -> ExportOptions:
+    """The options with names of the axis, so that the code of several axes goes into one program."""
+    return replace(options, name=f"{options.name}_{axis.replace('-', '_')}")
+
+
+@each_axis(of_axis=_of_axis)
+def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     """Export a law as C, firmware, FMU, matrices or a parameter sheet, with test vectors that prove equal results.
 
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import ORIGINAL, chosen_law
 from forcefeel.cli.options import (
     OUTPUT,
     BenchLawOption,
     FolderOptions,
-    LoaderFile,
     LoaderOptions,
+    LoaderOrProject,
     OutputOptions,
     filled,
     option,
@@ -125,7 +126,8 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         return chosen_law(self.law, loader)
 
 
-def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
+@each_axis()
+def run(path: LoaderOrProject = None, /, *, options: IdentifyOptions) -> None:
     """Estimate loader parameters and standard errors from bench data.
 
     The loader file is not changed. Exit status 1 if the data do not determine a parameter, or the residual is larger than the

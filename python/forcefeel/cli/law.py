@@ -1,6 +1,6 @@
 """``forcefeel law``: the design of one law, a comparison of all with a choice, or recursion (22)."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import degrees, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,9 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Group
 from rich.table import Table
 
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import LAW_NAMES, ROBUST, check_law_name
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, named_options, option
+from forcefeel.cli.options import (
+    OUTPUT,
+    FolderOptions,
+    LoaderOrProject,
+    OutputOptions,
+    ThreadOptions,
+    named_options,
+    option,
+)
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
 from forcefeel.cli.release_options import ReleaseOptions
@@ -111,10 +120,16 @@ class LawOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions,
                 raise InputError(f"{name}: {why}")
 
 
+def _of_axis(options: LawOptions, axis: str) -> LawOptions:
+    """The options with the folder of an axis where none is given; a law of the report has no folder."""
+    return options if options.out or options.law == REPORT else replace(options, out=_FOLDER / axis)
+
+
 _SCORE_ALONE = ("envelope", "grid", "rule", "deviation", "out")
 
 
-def run(path: LoaderFile = None, /, *, options: LawOptions = LawOptions()) -> None:
+@each_axis(of_axis=_of_axis)
+def run(path: LoaderOrProject = None, /, *, options: LawOptions = LawOptions()) -> None:
     """Design a law, or compare laws and choose one.
 
     --law auto scores every law over the envelope, by drive demand, noise and margins, and chooses one. --law report computes the

@@ -50,7 +50,7 @@ class LinkedOptions(ScenarioOptions):
         """The project of ``path``, with ``--set`` for each loader and each pilot's arm at its own; ``None`` for a loader.
 
         Raises:
-            InputError: As ``project``; if the project has no link, or several and none is named; or options of a link are given
+            InputError: As ``project``; if the project has several links and none is named; or options of a link are given
                 with a loader.
         """
         project = replace(self, arm=None).project(path)
@@ -69,14 +69,9 @@ class LinkedOptions(ScenarioOptions):
         """The link to simulate.
 
         Raises:
-            InputError: If the project has no link, or several and the option names none of them.
+            InputError: If the project has several links and the option names none of them.
         """
         names = [*project.links]
-        if not names:
-            raise InputError(
-                f"{project.path}: has no table [links]; forcefeel simulate takes two linked axes, or the loader of one; add "
-                f"[links.NAME], or name a loader, such as that of {next(iter(project.loaders))}"
-            )
         if self.link is None and len(names) > 1:
             raise InputError(f"--link: expected one of {', '.join(names)}, got none; name the link to simulate")
         if self.link is not None and self.link not in names:

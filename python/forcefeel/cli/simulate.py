@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rich.table import Table
 
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.linked_options import LinkedOptions
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, option
@@ -26,11 +27,12 @@ class SimulateOptions(LinkedOptions, FolderOptions, OutputOptions):
     out: Annotated[Path | None, option("Folder for simulation.html, history.csv and results.json.", OUTPUT)] = None
 
 
+@each_axis(unless=lambda project: bool(project.links))
 def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
     """Simulate the loader in time, with the nonlinear effects of its file.
 
-    For a project file with a table [links], simulate both linked loaders. Values are text with a unit, such as '20 lb'. Times
-    without a unit are in seconds. Exit status 1 if the run diverged.
+    For a project file with a table [links], simulate both linked loaders; without one, each axis. Values are text with a unit, such
+    as '20 lb'. Times without a unit are in seconds. Exit status 1 if the run diverged.
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """

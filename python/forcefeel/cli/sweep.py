@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 from rich.table import Table
 
+from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
-from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
@@ -102,7 +103,8 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
         )
 
 
-def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -> None:
+@each_axis()
+def run(path: LoaderOrProject = None, /, *, options: SweepOptions = SweepOptions()) -> None:
     """Simulate many loaders, drawn from the tolerances of the loader file or over a grid of settings.
 
     The results depend on the seed only, not on threads or workers. Ctrl-C keeps the completed part and prints the command that

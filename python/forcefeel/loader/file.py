@@ -62,7 +62,10 @@ from forcefeel.loader.text import toml_value
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
-PROJECT_COMMANDS = "forcefeel qualify, envelope, size and run take a project, simulate one with links"
+PROJECT_COMMANDS = (
+    "forcefeel size, analyze, law, simulate, sweep, envelope, qualify, identify, excite, commission, run and export take a "
+    "project"
+)
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
 _MOST_DOTS = 100

@@ -33,6 +33,7 @@ class Project:
     Attributes:
         path: The project file.
         loaders: By axis, in the file's order.
+        paths: By axis, the loader's file, or the name of a built-in loader.
         links: By name, in the file's order.
         stops: By axis, the axes that stop in a live run when it trips. Default: the other side of a mechanical link, which would
             otherwise drag a column without power along. An electronic link opens instead, and other axes go on, so that a pilot
@@ -41,6 +42,7 @@ class Project:
 
     path: Path
     loaders: Mapping[str, Loader]
+    paths: Mapping[str, Path]
     links: Mapping[str, Link]
     stops: Mapping[str, tuple[str, ...]]
 
@@ -100,10 +102,10 @@ def read_project(path: str | Path) -> Project:
     axes = given.get("axes")
     if not isinstance(axes, dict) or not axes:
         raise InputError(f"{path}: axes: expected a table with a loader for at least one axis, such as {_EXAMPLE}")
-    loaders, taken = {}, dict[Path, str]()
+    loaders, paths, taken = {}, {}, dict[Path, str]()
     for axis, name in axes.items():
         try:
-            loaders[axis] = _loader(path.parent, axis, name, taken)
+            loaders[axis], paths[axis] = _loader(path.parent, axis, name, taken)
         except InputError as error:
             raise InputError(f"{path}: axes.{axis}: {error}") from error
     try:
@@ -111,7 +113,7 @@ def read_project(path: str | Path) -> Project:
         stops = _stops(given.get("trips", {}), loaders, links)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return Project(path, MappingProxyType(loaders), links, MappingProxyType(stops))
+    return Project(path, MappingProxyType(loaders), MappingProxyType(paths), links, MappingProxyType(stops))
 
 
 def _stops(given: object, axes: Mapping[str, Loader], links: Mapping[str, Link]) -> dict[str, tuple[str, ...]]:
@@ -135,20 +137,21 @@ def _stops(given: object, axes: Mapping[str, Loader], links: Mapping[str, Link])
 _EXAMPLE = 'pitch = "elevator.toml" or roll = "aileron-wheel"'
 
 
-def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> Loader:
-    """The loader of an axis; ``taken`` has the files of the axes before it, and is given its own."""
+def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> tuple[Loader, Path]:
+    """The loader of an axis and where it is; ``taken`` has the files of the axes before it, and is given its own."""
     if axis not in PROJECT_AXES:
         raise InputError(f"is no axis; expected some of {', '.join(PROJECT_AXES)}")
     if not isinstance(given, str) or not given:
         raise InputError(f"expected a loader, such as {_EXAMPLE}, got {show(given)}")
     file = folder / given
+    at = file
     if input_kind(file) or given not in BUILT_IN:
         loader = load(file)
         if (other := taken.get(file.resolve(), motion_axis(axis))) != motion_axis(axis):
             raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")
         taken[file.resolve()] = motion_axis(axis)
     else:
-        loader = BUILT_IN[given]()
+        loader, at = BUILT_IN[given](), Path(given)
     own = AXIS_OF.get(loader.name, motion_axis(axis))
     if own != motion_axis(axis):
         others = ", ".join(name for name, of in AXIS_OF.items() if of == motion_axis(axis))
@@ -156,4 +159,4 @@ def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> L
             f"{loader.name} is the name of a built-in loader of {own}; expected one of {axis}, such as {others}; or, where its "
             f'numbers are meant for {axis}, a file of them (forcefeel new) with a name of its own (name = "..." in the file)'
         )
-    return loader
+    return loader, at

@@ -1,0 +1,108 @@
+"""A command of one loader on a project: on each axis in turn."""
+
+import json
+from collections.abc import Callable
+from contextlib import nullcontext, redirect_stdout
+from dataclasses import replace
+from functools import wraps
+from inspect import signature
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from forcefeel.cli.options import OUTPUT, JsonOptions, named_options
+from forcefeel.cli.terminal import print_json
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.loader.project import Project
+
+RECORD = ".mcap"
+
+
+def each_axis(
+    *,
+    of_axis: Callable[[Any, str], Any] = lambda options, _: options,
+    unless: Callable[["Project"], bool] = lambda _: False,
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Lets a command take a project: it runs on the loader of each axis, and writes into a folder or file of its name.
+
+    A record of ``forcefeel run`` on the project, or another project, given as input, stands for that of each axis. With ``--json``
+    the results stand under ``axes``. The exit status is that of the worst axis.
+
+    Args:
+        of_axis: What else the options of an axis have for themselves.
+        unless: Whether the command takes a project as a whole.
+    """
+    return lambda run: _on_each(run, of_axis, unless)
+
+
+def _on_each(
+    run: Callable[..., None], of_axis: Callable[[Any, str], Any], unless: Callable[["Project"], bool]
+) -> Callable[..., None]:
+    default = signature(run).parameters["options"].default
+
+    @wraps(run)
+    def on_each(path: Path | None = None, /, *, options: Any = default) -> None:
+        from forcefeel.loader.axes import judged_alone
+        from forcefeel.loader.project import is_project, read_project
+
+        project = read_project(path) if path is not None and is_project(path) else None
+        if path is None or project is None or unless(project):
+            run(path, options=options)
+            return
+        of_axes = {axis: of_axis(_of_axis(project, axis, options), axis) for axis in project.loaders}
+        results, worst = {}, 0
+        for axis, own in of_axes.items():
+            printed = StringIO()
+            if not options.json:
+                print(f"\n{axis}")
+            try:
+                with redirect_stdout(printed) if options.json else nullcontext():
+                    run(project.paths[axis], options=own)
+            except InputError as error:
+                raise InputError(f"{path}: axes.{axis}: {error}") from error
+            except SystemExit as ended:
+                worst = max(worst, int(ended.code or 0))
+            results[axis] = json.loads(printed.getvalue()) if options.json else None
+        if options.json:
+            print_json({"project": project.name, "axes": results})
+        elif alone := judged_alone(project.loaders):
+            print("", *alone, sep="\n")
+        if worst:
+            raise SystemExit(worst)
+
+    return on_each
+
+
+def _of_axis(project: "Project", axis: str, options: JsonOptions) -> JsonOptions:
+    """The options for an axis: its own place for each output, its own part of each input.
+
+    Raises:
+        InputError: If an input is of one loader.
+    """
+    changes: dict[str, Any] = {}
+    for field, name, group in named_options(type(options)):
+        value = getattr(options, field.name)
+        if isinstance(value, Path):
+            changes[field.name] = _output(value, axis) if group == (OUTPUT,) else _input(project, axis, name, value)
+        elif isinstance(value, tuple) and any(isinstance(item, Path) for item in value):
+            changes[field.name] = tuple(_input(project, axis, name, item) for item in value)
+    return replace(options, **changes)
+
+
+def _output(path: Path, axis: str) -> Path:
+    return path.with_stem(f"{path.stem}-{axis}") if path.suffix else path / axis
+
+
+def _input(project: "Project", axis: str, name: str, path: Path) -> Path:
+    from forcefeel.loader.project import is_project, read_project
+
+    if path.suffix.lower() == RECORD:
+        return path / axis
+    if is_project(path) and axis in (other := read_project(path)).paths:
+        return other.paths[axis]
+    raise InputError(
+        f"{name}: {path} is of one loader, and {project.path} is a project; expected a record of forcefeel run on it "
+        f"({RECORD}), or a project with the axis {axis}; or give {path} with one of its loaders"
+    )

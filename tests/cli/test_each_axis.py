@@ -1,0 +1,68 @@
+"""Commands of one loader on a project: each axis in turn, results beside one another."""
+
+import json
+
+import pytest
+
+import forcefeel as ff
+
+
+@pytest.fixture
+def cockpit(tmp_path):
+    """A project of two axes in the folder of the command."""
+    path = tmp_path / "cockpit.toml"
+    path.write_text('[axes]\npitch = "elevator-2khz"\nroll = "aileron-wheel"\n', encoding="utf-8")
+    return path
+
+
+def test_json_has_the_result_of_each_loader(forcefeel, cockpit):
+    status, out, _ = forcefeel("analyze", "cockpit.toml", "--json")
+    alone = {axis: json.loads(forcefeel("analyze", loader, "--json")[1]) for axis, loader in LOADERS.items()}
+    assert (status, json.loads(out)) == (0, {"project": "cockpit", "axes": alone})
+
+
+LOADERS = {"pitch": "elevator-2khz", "roll": "aileron-wheel"}
+
+
+def test_each_axis_has_its_folder_and_names(forcefeel, cockpit, tmp_path):
+    status, out, _ = forcefeel("export", "cockpit.toml", "--to", "c", "--out", "code")
+    assert status == 0
+    for axis, loader in LOADERS.items():
+        assert f"\n{axis}\nrobust for {loader}" in out
+        assert (tmp_path / "code" / axis / f"loader_{axis}_law.c").is_file()
+
+
+def test_law_files_are_named_after_the_axes(forcefeel, cockpit, tmp_path):
+    status, *_ = forcefeel("law", "cockpit.toml", "--save-law", "law.json")
+    assert status == 0
+    assert {path.name for path in tmp_path.glob("law-*.json")} == {"law-pitch.json", "law-roll.json"}
+    assert (tmp_path / "forcefeel-law" / "roll" / "law.html").is_file()
+
+
+def test_record_of_the_project_is_the_data_of_each_axis(forcefeel, cockpit, tmp_path):
+    with ff.live.start_cockpit(
+        ff.loader.read_project(cockpit), "robust", real_time=False, record=tmp_path / "run.mcap"
+    ) as running:
+        running.on()
+        running.wait(6000)
+    status, _, error = forcefeel("identify", "cockpit.toml", "--data", "run.mcap", "--fit", "k")
+    # Nobody moved a column: the record is read, and said to be of no use.
+    assert status == 2
+    assert "axes.pitch: run.mcap/pitch: pilot_force never moves" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("identify", "--data", "x.csv", "--fit", "k"),
+            "--data: x.csv is of one loader, and cockpit.toml is a project",
+        ),
+        (("law", "--law", "report"), "cockpit.toml: axes.roll: recursion (22) takes a loader with a hydraulic drive"),
+    ],
+)
+def test_what_one_axis_refuses_is_refused_with_its_name(forcefeel, cockpit, words, message):
+    command, *more = words
+    status, _, error = forcefeel(command, "cockpit.toml", *more)
+    assert status == 2
+    assert message in error
