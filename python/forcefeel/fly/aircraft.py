@@ -64,6 +64,7 @@ class Aircraft:
         load_factor: Trimmed in a pull-up with this load factor; 1 for straight and level.
         axis: ``pitch``, ``roll`` or ``yaw``: the control that moves it; the others stay where they are.
         sideslip_rad: Trimmed in a steady sideslip, straight flight with crossed controls.
+        tab_rad: Angle of the surface's tab from that of the trimmed flight: the aircraft is out of trim.
 
     Raises:
         InputError: If JSBSim is not installed, the aircraft is unknown, or it does not trim.
@@ -83,9 +84,10 @@ class Aircraft:
         *,
         axis: RuleAxis = "pitch",
         sideslip_rad: float = 0.0,
+        tab_rad: float = 0.0,
     ) -> None:
         self.data = control_data(name, axis)
-        self.name, self.axis = name, axis
+        self.name, self.axis, self.tab_rad = name, axis, tab_rad
         numbers = {"speed": speed_m_per_s, "altitude": altitude_m, "load factor": load_factor, "sideslip": sideslip_rad}
         for what, number in numbers.items():
             if not isfinite(number):
@@ -152,6 +154,7 @@ class Aircraft:
             "yaw_rate": model["velocities/r-rad_sec"],
             "load_factor": model["accelerations/Nz"],
             "mach": model["velocities/mach"],
+            "tab": self.tab_rad,
         }
         for name, number in numbers.items():
             if not abs(number) < _MOST:

@@ -118,12 +118,10 @@ class FlightCase:
         state = aircraft.state()
         return held_force(self.feel, state, angle) / state["roll_rate"]
 
-    def at(
-        self, speed_m_per_s: float | None = None, load_factor: float = 1.0, *, sideslip_rad: float = 0.0
-    ) -> Aircraft:
-        """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given."""
+    def at(self, speed_m_per_s: float | None = None, load_factor: float = 1.0, **more: float) -> Aircraft:
+        """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given; more as in ``Aircraft``."""
         speed = self.speed_m_per_s if speed_m_per_s is None else speed_m_per_s
-        return Aircraft(self.aircraft, speed, self.altitude_m, load_factor, axis=self.axis, sideslip_rad=sideslip_rad)
+        return Aircraft(self.aircraft, speed, self.altitude_m, load_factor, axis=self.axis, **more)
 
     def load_factor_pilot(self, target: Level, begins_n: float = 0.0) -> CrossoverPilot:
         """A pilot who holds a load factor over time, and knows the force at the start and that per load factor."""

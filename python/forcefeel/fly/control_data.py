@@ -21,7 +21,7 @@ _CATEGORIES = ("light", "transport", "military")
 _KEYS = ("model", "control", "flight", "surface", "feel", "roll", "yaw")
 _ROWS = {
     "control": ("moves", "full_travel", "grip"),
-    "flight": ("speed", "altitude", "category", "limit_load_factor", "maximum_weight"),
+    "flight": ("speed", "altitude", "category", "limit_load_factor", "maximum_weight", "trim_rate"),
     "feel": ("stiffness", "damping_ratio"),
 }
 """Rows of the parts; those of ``surface`` are a loader's."""
@@ -44,6 +44,7 @@ class ControlData:
         category: ``light``, ``transport`` or ``military``: it selects the designer's requirements.
         limit_load_factor: Positive limit maneuvering load factor.
         maximum_weight_n: Maximum weight of a light aircraft; none for others.
+        trim_rate_rad_per_s: Rate of the tab of a transport aircraft; none if it is not known, and for others.
     """
 
     axis: RuleAxis
@@ -58,6 +59,7 @@ class ControlData:
     category: str
     limit_load_factor: float
     maximum_weight_n: float | None
+    trim_rate_rad_per_s: float | None
 
 
 def known() -> list[str]:
@@ -95,9 +97,11 @@ def control_data(name: str, axis: RuleAxis = "pitch") -> ControlData:
     for part, key, reads in (
         ("control", "full_travel", moves == "command"),
         ("flight", "maximum_weight", category == "light"),
+        ("flight", "trim_rate", category == "transport"),
     ):
         if key in data[part] and not reads:
-            other = "moves = command" if part == "control" else "category = light"
+            of = "transport" if key == "trim_rate" else "light"
+            other = "moves = command" if part == "control" else f"category = {of}"
             raise InputError(f"{name}: {part}.{key}: expected only with {other}; remove this row")
     load_factor = _number(data, name, "flight", "limit_load_factor", "", "3.8")
     if load_factor <= 1:
@@ -119,6 +123,9 @@ def control_data(name: str, axis: RuleAxis = "pitch") -> ControlData:
         limit_load_factor=load_factor,
         maximum_weight_n=_number(data, name, "flight", "maximum_weight", "N", "2400 lb")
         if category == "light"
+        else None,
+        trim_rate_rad_per_s=_number(data, name, "flight", "trim_rate", "rad/s", "1 deg/s")
+        if "trim_rate" in data["flight"]
         else None,
     )
 

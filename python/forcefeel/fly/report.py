@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import radians
+from itertools import pairwise
+from math import degrees, radians
 
 import numpy as np
 
@@ -21,6 +22,8 @@ _PULLS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the way from 1 g to the limit load factor."""
 _SMALL = 2
 """Pulls from which the force per g is taken, and the largest force that a short maneuver needs."""
+_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, (0.0, 0.5, 1.0, 1.5)
+"""Time for which the trim runs, and load factors: 14 CFR 25.255(a), (c)(2), up to what trims."""
 _HELD_G = 0.1
 """Load factor by which a held flight may be off."""
 _SPEEDS = (0.85, 0.925, 1.075, 1.15)
@@ -122,6 +125,9 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     flown: dict[str, Quantity | str] = {**_of_pulls(pulls, data.limit_load_factor), **_of_speeds(case, speeds)}
     flown |= {"largest force": _largest_force((*pulls[:_SMALL], *speeds))}
     flown |= _of_maneuvers(maneuvers, faults)
+    if data.category == "transport":
+        progress("out of trim")
+        flown["smallest force per g out of trim"] = out_of_trim(case)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
     applying = [rule for rule in flight_rules() if rule.applies(data) and (case.has_flaps or not rule.of_flaps)]
     if data.category == "military" and not isinstance(flown["force per g"], str):
@@ -197,6 +203,24 @@ def _of_pulls(pulls: list[Point], limit_load_factor: float) -> dict[str, Quantit
         "force per g": Quantity(FORCE, (Compared(label_of_slope, -per_g.with_loader, -per_g.feel),)),
         "force at the limit load factor": Quantity(FORCE, (Compared(label, -forces[0], -forces[1]),)),
     }
+
+
+def out_of_trim(case: FlightCase) -> Quantity | str:
+    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive."""
+    rate = case.trim.data.trim_rate_rad_per_s
+    if rate is None or not case.feel["surface.per_tab"]:
+        return "the aircraft has no flight.trim_rate with surface.per_tab: a tab that runs"
+    slopes: list[Compared] = []
+    for tab in (-rate * _OUT_OF_TRIM_S, rate * _OUT_OF_TRIM_S):
+        points = [_point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab)) for n in _OUT_OF_TRIM_G]
+        if fault := _first_fault(points):
+            return fault
+        held = [point.held for point in points if point.held]
+        for less, more in pairwise(held):
+            label = f"{round(less.load_factor, 2) + 0.0:.2f} to {more.load_factor:.2f} g, tab {degrees(tab):+.3g} deg"
+            slope = _slope(label, "load_factor", less, more)
+            slopes.append(Compared(label, -slope.with_loader, -slope.feel))
+    return Quantity(FORCE, tuple(slopes))
 
 
 def _of_speeds(case: FlightCase, speeds: list[Point]) -> dict[str, Quantity | str]:
