@@ -1,6 +1,8 @@
 """Rules in flight: each kind of verdict worked out by hand, the four aircraft, the command and its page."""
 
 import json
+import math
+from importlib.resources import files
 
 import pytest
 
@@ -146,6 +148,29 @@ def test_aircraft_of_each_category_meet_their_rules(name, monkeypatch):
     for slow in ("free return", "phugoid: period", "phugoid: damping ratio"):  # flown for a moment only
         outcomes.pop(slow, None)
     assert set(outcomes.values()) == {Outcome.MET}
+
+
+def test_out_of_trim_force_is_the_tabs_and_its_slope_can_fail(tmp_path):
+    """``R F = -s q S c C_tau tau / sqrt(1 - M^2)`` beside the trimmed flight, `C_tau` 0.08, 3 s of 1 deg/s."""
+    case = ff.fly.FlightCase(LOADER, "737", 250 * KNOT, 3048.0, "robust")
+    tab = math.radians(3.0)
+    state = case.trim.state()
+    moment = 0.1 * state["dynamic_pressure"] * 70 * 2.4 * 0.3048**3 / math.sqrt(1 - state["mach"] ** 2)
+    expected = moment * 0.08 * tab / LOADER["column.grip_arm"]
+    assert case.held(case.at(tab_rad=tab)).force_n == pytest.approx(expected, rel=0.01)  # the speed lost meanwhile
+    assert ff.fly.trimmed_force(case.feel, case.trim, case.at(tab_rad=tab)) == pytest.approx(expected, rel=1e-9)
+    own = tmp_path / "own.toml"
+    text = (files("forcefeel") / "data/aircraft/737.toml").read_text(encoding="utf-8")
+    own.write_text(
+        'model = "737"\n' + text.replace("gearing = 1.0", 'gearing = 1.0\nbobweight = "400 N"', 1), encoding="utf-8"
+    )
+    light = ff.fly.FlightCase(LOADER, str(own), 250 * KNOT, 3048.0, "robust")
+    quantity = report_module.out_of_trim(light)
+    (verdict,) = judge(rule("25.255(b)(1)"), {rule("25.255(b)(1)").quantity: quantity}, {})
+    assert verdict.outcome == "not met"
+    own.write_text('model = "737"\n' + text.replace('trim_rate = "1 deg/s"', ""), encoding="utf-8")
+    still = ff.fly.FlightCase(LOADER, str(own), 250 * KNOT, 3048.0, "robust")
+    assert "no flight.trim_rate" in report_module.out_of_trim(still)
 
 
 def test_command_judges_and_writes_a_page(forcefeel, tmp_path):

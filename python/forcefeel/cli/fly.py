@@ -13,7 +13,8 @@ from forcefeel.cli.scenario_text import seconds, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import check_output_file, write_whole
-from forcefeel.units import AIRSPEED, ANGLE, FORCE, LOAD_FACTOR, Json, Unit, UnitSystem, to_text
+from forcefeel.loader.axes import AXIS_OF, RuleAxis, rule_axis, usual_axis
+from forcefeel.units import AIRSPEED, ANGLE, ANGULAR_VELOCITY, FORCE, LOAD_FACTOR, Json, Unit, UnitSystem, to_text
 
 if TYPE_CHECKING:
     from forcefeel.fly import FlightCase, FlightReport, Flown, Maneuver
@@ -22,6 +23,7 @@ FLIGHT = Group("Flight", sort_key=10)
 HAND = Group("Force of a hand", sort_key=20)
 MANEUVER = Group("Maneuvers and rules", sort_key=30)
 _RAMP_S = 1.0
+_POSITIVE = {"pitch": "pushed", "roll": "turned to the right", "yaw": "a right pedal"}
 _LONGEST_S = 600.0
 
 
@@ -37,6 +39,14 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
             metavar="NAME|FILE",
         ),
     ] = "c172p"
+    axis: Annotated[
+        RuleAxis | None,
+        option(
+            "Control that the loader is: pitch, roll or yaw.",
+            FLIGHT,
+            default="axis of the built-in loader, otherwise pitch",
+        ),
+    ] = None
     speed: Annotated[
         str | None,
         option("Calibrated airspeed of the trimmed flight.", FLIGHT, default="the aircraft's", metavar="SPEED"),
@@ -53,8 +63,8 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
     maneuver: Annotated[
         str | None,
         option(
-            "Fly a maneuver, with the loader and on the feel alone: pull-up, wind-up-turn, release, phugoid, short-period, "
-            "power, flaps or stall.",
+            "Fly a maneuver, with the loader and on the feel alone. In pitch: pull-up, wind-up-turn, release, phugoid, "
+            "short-period, power, flaps or stall; in roll: roll-rate or sideslip; in yaw: yaw-rate or sideslip.",
             MANEUVER,
             metavar="NAME",
         ),
@@ -71,6 +81,9 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
             default="90 %",
             metavar="PERCENT",
         ),
+    ] = None
+    sideslip: Annotated[
+        str | None, option("Angle of a steady sideslip.", MANEUVER, default="5 deg", metavar="ANGLE")
     ] = None
     rules: Annotated[
         bool,
@@ -100,6 +113,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
             "--maneuver": self.maneuver if self.rules else None,
             "--out": self.out if self.rules else None,
             "--load-factor": self.load_factor if kind != "--maneuver" else None,
+            "--sideslip": self.sideslip if kind != "--maneuver" else None,
             "--off-trim": self.off_trim if kind != "--maneuver" else None,
             "--out-dir": self.out_dir if not kind else None,
             "--force": self.force if kind else None,
@@ -120,19 +134,21 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
         from forcefeel.fly import FlightCase
         from forcefeel.fly.control_data import control_data
 
-        data = control_data(self.aircraft)
+        loader = self.loader(path)
+        axis = self.axis or rule_axis(usual_axis(loader.name))
+        data = control_data(self.aircraft, axis)
         speed = data.speed_m_per_s if self.speed is None else value("--speed", self.speed, "m/s", "100 kt")
         altitude = data.altitude_m if self.altitude is None else value("--altitude", self.altitude, "m", "3000 ft")
         if not speed > 0:
             raise InputError(f"--speed: expected a speed above 0, got {self.speed}")
-        return FlightCase(self.loader(path), self.aircraft, speed, altitude, self.law)
+        return FlightCase(loader, self.aircraft, speed, altitude, self.law, axis)
 
 
 def run(path: LoaderFile = None, /, *, options: FlyOptions = FlyOptions()) -> None:
     """Fly an aircraft of JSBSim by the force of a hand on the loader, a maneuver, or the rules on control forces.
 
     Hand, loader and aircraft are in lock step. The loader is the supervised live loop on its simulated machine; its feel and
-    surface become the aircraft's. The numbers of the aircraft's pitch control are illustrative. Needs JSBSim: pip install
+    surface become the aircraft's. The numbers of the aircraft's controls are illustrative. Needs JSBSim: pip install
     forcefeel[fly].
 
     Example: forcefeel fly elevator-2khz --aircraft c172p --speed '100 kt' --rules --out-dir report
@@ -161,13 +177,13 @@ def _by_hand(case: "FlightCase", options: FlyOptions) -> None:
     time_s = np.arange(0.0, lasts, FRAME_S)
     forces = hand * np.clip((time_s - start) / _RAMP_S, 0, 1)
     flown = fly(case.loader, case.at(), forces, FlightOptions(law=options.law))
-    results = _results(flown, case.force_per_g_n)
+    results = _results(flown, case)
     if options.out is not None:
         write_whole(options.out, _csv(flown))
     answer(
         {} if options.out is None else {"flight": options.out},
         lambda: results,
-        lambda terminal: _show(terminal, results, options, case.loader.name),
+        lambda terminal: _show(terminal, results, options, case),
         as_json=options.json,
     )
 
@@ -188,6 +204,7 @@ def _report(path: Path | None, case: "FlightCase", options: FlyOptions) -> None:
         request = ManeuverRequest(
             value("--load-factor", options.load_factor or "1.4", "", "1.4"),
             value("--off-trim", options.off_trim or "90 %", "", "90 %"),
+            value("--sideslip", options.sideslip or "5 deg", "rad", "5 deg"),
         )
         maneuver = fly_maneuver(case, options.maneuver, request)
         report = FlightReport(case, (), (), (maneuver,), {}, ())
@@ -210,16 +227,17 @@ def _report(path: Path | None, case: "FlightCase", options: FlyOptions) -> None:
         raise SystemExit(BAD_ANSWER)
 
 
-def _results(flown: "Flown", slope: float) -> dict[str, Json]:
-    speed, load_factor = flown.states["true_airspeed"], flown.states["load_factor"]
+def _results(flown: "Flown", case: "FlightCase") -> dict[str, Json]:
+    speed = flown.states["true_airspeed"]
+    ranges = {key: flown.states[name] for _, name, key, _ in _RANGES[case.axis]} | {
+        "column_angle_*_rad": flown.angle_rad
+    }
     return {
-        "force_per_g_n": slope,
-        "load_factor_min": float(load_factor.min()),
-        "load_factor_max": float(load_factor.max()),
+        **({"force_per_g_n": case.force_per_g_n} if case.axis == "pitch" else {}),
         "true_airspeed_begin_m_per_s": float(speed[0]),
         "true_airspeed_end_m_per_s": float(speed[-1]),
-        "column_angle_min_rad": float(flown.angle_rad.min()),
-        "column_angle_max_rad": float(flown.angle_rad.max()),
+        **{key.replace("*", "min"): float(row.min()) for key, row in ranges.items()},
+        **{key.replace("*", "max"): float(row.max()) for key, row in ranges.items()},
     }
 
 
@@ -233,7 +251,7 @@ def _csv(flown: "Flown") -> str:
     )
 
 
-def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loader: str) -> None:
+def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, case: "FlightCase") -> None:
     table = titled(f"{options.aircraft}, {options.force or '-15 N'} at the grip", "measure", numbers=("value",))
 
     def row(name: str, key: str, unit: Unit, sign: float = 1.0) -> None:
@@ -241,24 +259,39 @@ def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, loa
         assert isinstance(number, float)
         table.add_row(name, _text(sign * number, unit, options.units))
 
-    row("pull per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE, -1.0)
-    row("smallest load factor", "load_factor_min", LOAD_FACTOR)
-    row("largest load factor", "load_factor_max", LOAD_FACTOR)
+    if case.axis == "pitch":
+        row("pull per g, from trimmed pull-ups of 1.2 and 1.4 g", "force_per_g_n", FORCE, -1.0)
     row("true airspeed at the start", "true_airspeed_begin_m_per_s", AIRSPEED)
     row("true airspeed at the end", "true_airspeed_end_m_per_s", AIRSPEED)
-    row("smallest column angle", "column_angle_min_rad", ANGLE)
-    row("largest column angle", "column_angle_max_rad", ANGLE)
+    for name, _, key, unit in (*_RANGES[case.axis], ("column angle", "", "column_angle_*_rad", ANGLE)):
+        row(f"smallest {name}", key.replace("*", "min"), unit)
+        row(f"largest {name}", key.replace("*", "max"), unit)
     terminal.show(table)
-    _print_control(terminal, loader)
+    _print_control(terminal, case)
 
 
-def _print_control(terminal: Terminal, loader: str) -> None:
-    from forcefeel.loader.axes import rule_axis, usual_axis
+_RANGES = {
+    "pitch": (("load factor", "load_factor", "load_factor_*", LOAD_FACTOR),),
+    "roll": (
+        ("roll rate", "roll_rate", "roll_rate_*_rad_per_s", ANGULAR_VELOCITY),
+        ("bank", "bank", "bank_*_rad", ANGLE),
+    ),
+    "yaw": (
+        ("yaw rate", "yaw_rate", "yaw_rate_*_rad_per_s", ANGULAR_VELOCITY),
+        ("sideslip", "sideslip", "sideslip_*_rad", ANGLE),
+    ),
+}
+"""Name, state, key of the ranges that an axis prints."""
 
-    axis = rule_axis(usual_axis(loader))
-    built_for = "" if axis == "pitch" else f", though it is built for {axis}"
+
+def _print_control(terminal: Terminal, case: "FlightCase") -> None:
+    built_for = rule_axis(usual_axis(case.loader.name))
+    though = (
+        "" if built_for == case.axis or case.loader.name not in AXIS_OF else f", though it is built for {built_for}"
+    )
     terminal.print(
-        f"{loader} is flown as the pitch control{built_for}. The aircraft's numbers of this control are illustrative."
+        f"{case.loader.name} is flown as the {case.axis} control{though}; a positive control is {_POSITIVE[case.axis]}. "
+        "The aircraft's numbers of this control are illustrative."
     )
 
 
@@ -272,7 +305,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
     if not report.verdicts:
         for maneuver in report.maneuvers:
             _show_maneuver(terminal, report.case.aircraft, maneuver, units)
-        _print_control(terminal, report.case.loader.name)
+        _print_control(terminal, report.case)
         return
     table = titled(
         f"{report.case.loader.name} with {report.case.aircraft}",
@@ -291,7 +324,7 @@ def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) 
             f"{verdict.bound} {texts[2]}".rstrip(),
         )
     terminal.show(table)
-    _print_control(terminal, report.case.loader.name)
+    _print_control(terminal, report.case)
     terminal.conclude(flight_conclusions(report))
 
 

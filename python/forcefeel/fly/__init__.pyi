@@ -2,7 +2,7 @@
 
 from forcefeel.fly.aircraft import FRAME_S as FRAME_S
 from forcefeel.fly.aircraft import Aircraft as Aircraft
-from forcefeel.fly.aircraft import with_elevator as with_elevator
+from forcefeel.fly.aircraft import with_surface as with_surface
 from forcefeel.fly.case import FlightCase as FlightCase
 from forcefeel.fly.case import HeldFlight as HeldFlight
 from forcefeel.fly.maneuvers import Maneuver as Maneuver

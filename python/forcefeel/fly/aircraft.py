@@ -1,9 +1,12 @@
-"""An aircraft of JSBSim, moved by its pitch control.
+"""An aircraft of JSBSim, moved by one of its controls.
 
-A reversible control moves the elevator itself; an irreversible one commands the actuators or the fly-by-wire system, in shares
-of their full command. JSBSim counts the elevator in shares of its travel too; the share is the command's and the pitch trim's
-together, and a share up is another angle than the same share down. The aircraft is trimmed by JSBSim; the column's zero is the
-trimmed position, and a tab takes the force off there.
+A reversible control moves the surface itself; an irreversible one commands the actuators or the fly-by-wire system, in shares
+of their full command. JSBSim counts a surface in shares of its travel too; the share is the command's and the trim's together,
+and a share up is another angle than the same share down. The aircraft is trimmed by JSBSim; the control's zero is the trimmed
+position, and a tab takes the force off there.
+
+A positive control is pushed, turned to the right, or has its right pedal forward. JSBSim counts an elevator and a left aileron
+positive with the trailing edge down, a rudder with the trailing edge left.
 """
 
 import ctypes
@@ -13,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
 from io import StringIO
 from itertools import count, takewhile
-from math import isfinite
+from math import degrees, isfinite
 from tempfile import TemporaryFile
 from typing import Any
 
@@ -22,6 +25,7 @@ import numpy as np
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.fly.control_data import control_data
+from forcefeel.loader.axes import RuleAxis
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
 
@@ -31,10 +35,22 @@ FRAME_S = 0.002
 _FT, _KT, _PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 _SHARES = (-1.0, 1.0)
 _STILL = 1e-6
-_POSITION, _COMMAND, _TRIM = "fcs/elevator-pos-rad", "fcs/elevator-cmd-norm", "fcs/pitch-trim-cmd-norm"
+_POSITION = {"pitch": "fcs/elevator-pos-rad", "roll": "fcs/left-aileron-pos-rad", "yaw": "fcs/rudder-pos-rad"}
+_COMMAND = {"pitch": "fcs/elevator-cmd-norm", "roll": "fcs/aileron-cmd-norm", "yaw": "fcs/rudder-cmd-norm"}
+_TRIM = {axis: f"fcs/{axis}-trim-cmd-norm" for axis in _COMMAND}
+_SURFACE = {"pitch": "elevator", "roll": "aileron", "yaw": "rudder"}
+_COMMAND_SIGN = {"pitch": 1.0, "roll": 1.0, "yaw": -1.0}
+"""Of a command per control."""
 _THROTTLE = "fcs/throttle-cmd-norm"
 _BANK_PER_RAD, _BANK_S = 1.0, 0.5
-_TRIMMED = {"udot": "thrust and drag", "wdot": "lift and weight", "qdot": "pitch"}
+_TRIMMED = {
+    "udot": "thrust and drag",
+    "vdot": "side force",
+    "wdot": "lift and weight",
+    "pdot": "roll",
+    "qdot": "pitch",
+    "rdot": "yaw",
+}
 """What JSBSim balances, by its name of the acceleration."""
 
 
@@ -42,10 +58,13 @@ class Aircraft:
     """An aircraft in trimmed flight.
 
     Args:
-        name: One with data of its pitch control: ``737``, ``T38``, ``c172p``, ``f16``; or the path of such a file.
+        name: One with data of its controls: ``737``, ``T38``, ``c172p``, ``f16``; or the path of such a file.
         speed_m_per_s: Calibrated airspeed.
         altitude_m: Altitude above sea level.
         load_factor: Trimmed in a pull-up with this load factor; 1 for straight and level.
+        axis: ``pitch``, ``roll`` or ``yaw``: the control that moves it; the others stay where they are.
+        sideslip_rad: Trimmed in a steady sideslip, straight flight with crossed controls.
+        tab_rad: Angle of the surface's tab from that of the trimmed flight: the aircraft is out of trim.
 
     Raises:
         InputError: If JSBSim is not installed, the aircraft is unknown, or it does not trim.
@@ -56,17 +75,30 @@ class Aircraft:
         54
     """
 
-    def __init__(self, name: str, speed_m_per_s: float, altitude_m: float, load_factor: float = 1.0) -> None:
-        self.data = control_data(name)
-        self.name = name
-        for what, number in (("speed", speed_m_per_s), ("altitude", altitude_m), ("load factor", load_factor)):
+    def __init__(
+        self,
+        name: str,
+        speed_m_per_s: float,
+        altitude_m: float,
+        load_factor: float = 1.0,
+        *,
+        axis: RuleAxis = "pitch",
+        sideslip_rad: float = 0.0,
+        tab_rad: float = 0.0,
+    ) -> None:
+        self.data = control_data(name, axis)
+        self.name, self.axis, self.tab_rad = name, axis, tab_rad
+        numbers = {"speed": speed_m_per_s, "altitude": altitude_m, "load factor": load_factor, "sideslip": sideslip_rad}
+        for what, number in numbers.items():
             if not isfinite(number):
                 raise InputError(f"{what}: expected a finite number, got {number}")
         full_travel = self.data.full_travel_rad
         reversible = full_travel is None
         # Only a surface has angles that are not JSBSim's shares.
         self._travel = {share: self._position_at(share) for share in _SHARES} if reversible else {-1.0: -1.0, 1.0: 1.0}
-        self.per_angle: float = self.data.surface["gearing"] if full_travel is None else 1 / full_travel
+        self.per_angle: float = (
+            self.data.surface["gearing"] if full_travel is None else _COMMAND_SIGN[axis] / full_travel
+        )
         self.speed_m_per_s, self.altitude_m = speed_m_per_s, altitude_m
         self._model = _loaded(self.data.model)
         self._model["ic/vc-kts"] = speed_m_per_s / _KT
@@ -74,6 +106,8 @@ class Aircraft:
         self._model["ic/gamma-deg"] = 0.0
         if load_factor != 1:
             self._model["ic/targetNlf"] = load_factor
+        if sideslip_rad:
+            self._model["ic/beta-deg"] = degrees(sideslip_rad)
         # Modes and forces of one weight: no fuel is burnt.
         self._model["propulsion/fuel_freeze"] = 1
         with silent() as printed:
@@ -85,15 +119,22 @@ class Aircraft:
                 failed = re.findall(r"Sorry, (\w+) doesn't", printed())
                 axes = " and ".join(_TRIMMED.get(axis, axis) for axis in failed) or "an axis that JSBSim does not name"
                 pulls = "" if load_factor == 1 else f" and {load_factor:.3g} g"
+                pulls += f" and {degrees(sideslip_rad):.3g} deg of sideslip" if sideslip_rad else ""
                 raise InputError(
                     f"aircraft: {name} does not trim at {speed_m_per_s / _KT:.4g} kt{pulls}: no balance of {axes}; take "
-                    "another speed, altitude or load factor"
+                    f"another speed, altitude or {'sideslip' if sideslip_rad else 'load factor'}"
                 ) from error
-        self._ailerons: float = self._model["fcs/aileron-cmd-norm"]
-        self.trimmed: float = self._model[_POSITION] if reversible else self._model[_TRIM] + self._model[_COMMAND]
+        self.commands = {each: self._model[_TRIM[each]] + self._model[_COMMAND[each]] for each in _COMMAND}
+        """Trimmed commands of all axes, shares."""
+        self.trimmed: float = self._model[_POSITION[axis]] if reversible else self.commands[axis]
+
+    @property
+    def travel_rad(self) -> float:
+        """Angle of the control at its full positive travel."""
+        return self._travel[float(np.sign(self.per_angle))] / self.per_angle
 
     def angle_from(self, trim: "Aircraft") -> float:
-        """Angle of the column in this trimmed flight, rad, from its position in another."""
+        """Angle of the control in this trimmed flight, rad, from its position in another."""
         return (self.trimmed - trim.trimmed) / self.per_angle
 
     def state(self) -> dict[str, float]:
@@ -113,6 +154,7 @@ class Aircraft:
             "yaw_rate": model["velocities/r-rad_sec"],
             "load_factor": model["accelerations/Nz"],
             "mach": model["velocities/mach"],
+            "tab": self.tab_rad,
         }
         for name, number in numbers.items():
             if not abs(number) < _MOST:
@@ -157,17 +199,32 @@ class Aircraft:
         """Roll towards a bank by the ailerons, with an autopilot's damping."""
         model = self._model
         command = _BANK_PER_RAD * (bank_rad - model["attitude/phi-rad"]) - _BANK_S * model["velocities/p-rad_sec"]
-        model["fcs/aileron-cmd-norm"] = self._ailerons + min(1.0, max(-1.0, command))
+        self._command("roll", self.commands["roll"] + min(1.0, max(-1.0, command)))
+
+    def lead(self, begin: "Aircraft", end: "Aircraft", share: float) -> None:
+        """Set throttle and the other controls a share of the way between two trimmed flights, and roll towards its bank."""
+        self.set_throttle(begin.throttle + share * (end.throttle - begin.throttle))
+        self.commands = {
+            each: begin.commands[each] + share * (end.commands[each] - begin.commands[each]) for each in _COMMAND
+        }
+        for each in _COMMAND.keys() - {self.axis, "roll"}:
+            self._command(each, self.commands[each])
+        if self.axis != "roll":
+            banks = [trim.attitude()["bank"] for trim in (begin, end)]
+            self.set_bank(banks[0] + share * (banks[1] - banks[0]))
 
     def fly(self, position: float) -> None:
-        """Advance by a frame with the elevator at an angle, or the command at a share."""
+        """Advance by a frame with the surface at an angle, or the command at a share."""
         low, high = self._travel[-1.0], self._travel[1.0]
         share = position / high if position > 0 else -position / low
-        self._model[_COMMAND] = min(1.0, max(-1.0, share)) - self._model[_TRIM]
+        self._command(self.axis, min(1.0, max(-1.0, share)))
         self._model.run()
 
+    def _command(self, axis: str, share: float) -> None:
+        self._model[_COMMAND[axis]] = share - self._model[_TRIM[axis]]
+
     def _position_at(self, share: float) -> float:
-        """The elevator's angle at a share of its travel, at once.
+        """The surface's angle at a share of its travel, at once.
 
         Raises:
             InputError: If it is not there at once: an actuator stands between.
@@ -175,14 +232,14 @@ class Aircraft:
         model = _loaded(self.data.model)
         with silent():
             model.run_ic()
-            model[_COMMAND] = share
+            model[_COMMAND[self.axis]] = share
             model.run()
-            first: float = model[_POSITION]
+            first: float = model[_POSITION[self.axis]]
             model.run()
-        if abs(model[_POSITION] - first) > _STILL:
+        if abs(model[_POSITION[self.axis]] - first) > _STILL:
             raise InputError(
-                f"aircraft: {self.name} has an actuator between command and elevator; a reversible control moves the surface "
-                "itself; take control.moves = command"
+                f"aircraft: {self.name} has an actuator between command and {_SURFACE[self.axis]}; a reversible control moves the "
+                "surface itself; take control.moves = command"
             )
         return first
 
@@ -190,11 +247,11 @@ class Aircraft:
 _MOST = 1e6
 
 
-def with_elevator(loader: Loader, aircraft: Aircraft) -> Loader:
+def with_surface(loader: Loader, aircraft: Aircraft) -> Loader:
     """The loader with the aircraft's surface and feel, its force zero where the aircraft is trimmed.
 
     Example:
-        >>> ff.fly.with_elevator(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0))["surface.per_deflection"]
+        >>> ff.fly.with_surface(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0))["surface.per_deflection"]
         -0.3
     """
     data = aircraft.data

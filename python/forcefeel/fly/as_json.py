@@ -14,6 +14,7 @@ def report_json(report: FlightReport, units: UnitSystem) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "aircraft": case.aircraft,
+        "axis": case.axis,
         "speed": quantity(case.speed_m_per_s, AIRSPEED, units),
         "altitude": quantity(case.altitude_m, ALTITUDE, units),
         "conclusions": json_value(flight_conclusions(report), units) if report.verdicts else None,

@@ -7,12 +7,13 @@ from typing import Annotated
 
 import numpy as np
 
-from forcefeel.fly.aircraft import FRAME_S, Aircraft, with_elevator
+from forcefeel.fly.aircraft import FRAME_S, Aircraft, silent, with_surface
 from forcefeel.fly.pilot import CrossoverPilot
 from forcefeel.fly.run import FlightOptions, Flown, Pilot, fly
 from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
+from forcefeel.loader.axes import RuleAxis
 from forcefeel.loader.loader import Loader
 from forcefeel.units import AIRSPEED, FORCE, LOAD_FACTOR
 
@@ -20,6 +21,7 @@ _CROSSOVER_RAD_PER_S = 0.5
 """Of load factor: a pilot who is not in a hurry."""
 _INTEGRAL_S = 0.3
 _HELD_S = 0.75
+_TURNED, _ROLLED_S = 0.1, 1.0
 _WINDOW = slice(round(0.25 / FRAME_S), round(_HELD_S / FRAME_S))
 """Before the path curves: a pull-up climbs and loses speed."""
 
@@ -61,6 +63,7 @@ class FlightCase:
         speed_m_per_s: Calibrated airspeed.
         altitude_m: Altitude.
         law: The law.
+        axis: The control that the loader is: ``pitch``, ``roll`` or ``yaw``.
 
     Example:
         >>> case = ff.fly.FlightCase(ff.digital_elevator(), "c172p", 51.4, 900.0, "robust")
@@ -73,6 +76,7 @@ class FlightCase:
     speed_m_per_s: float
     altitude_m: float
     law: LawLike = None
+    axis: RuleAxis = "pitch"
 
     @cached_property
     def trim(self) -> Aircraft:
@@ -82,7 +86,7 @@ class FlightCase:
     @cached_property
     def feel(self) -> Loader:
         """The loader with the aircraft's surface and feel."""
-        return with_elevator(self.loader, self.trim)
+        return with_surface(self.loader, self.trim)
 
     @cached_property
     def designed(self) -> Law:
@@ -103,10 +107,21 @@ class FlightCase:
         """Force that holds another speed which JSBSim trims, N."""
         return trimmed_force(self.feel, self.trim, self.at(speed_m_per_s))
 
-    def at(self, speed_m_per_s: float | None = None, load_factor: float = 1.0) -> Aircraft:
-        """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given."""
+    @cached_property
+    def force_per_roll_rate_n(self) -> float:
+        """Force of the programmed feel per roll rate, N s/rad, a second after the wheel was turned by a tenth of its travel."""
+        aircraft = self.at()
+        angle = _TURNED * aircraft.travel_rad
+        with silent():
+            for _ in range(round(_ROLLED_S / FRAME_S)):
+                aircraft.fly(aircraft.trimmed + aircraft.per_angle * angle)
+        state = aircraft.state()
+        return held_force(self.feel, state, angle) / state["roll_rate"]
+
+    def at(self, speed_m_per_s: float | None = None, load_factor: float = 1.0, **more: float) -> Aircraft:
+        """The aircraft in a flight that JSBSim trims, at the case's speed unless another is given; more as in ``Aircraft``."""
         speed = self.speed_m_per_s if speed_m_per_s is None else speed_m_per_s
-        return Aircraft(self.aircraft, speed, self.altitude_m, load_factor)
+        return Aircraft(self.aircraft, speed, self.altitude_m, load_factor, axis=self.axis, **more)
 
     def load_factor_pilot(self, target: Level, begins_n: float = 0.0) -> CrossoverPilot:
         """A pilot who holds a load factor over time, and knows the force at the start and that per load factor."""

@@ -1,4 +1,7 @@
-"""The data file of an aircraft's pitch control: how the column moves the aircraft, its surface or feel unit, its feel."""
+"""The data file of an aircraft's controls: how each moves the aircraft, its surface or feel unit, its feel.
+
+The tables ``control``, ``surface`` and ``feel`` are of pitch; those of the wheel and the pedals are in ``roll`` and ``yaw``.
+"""
 
 import tomllib
 from dataclasses import dataclass
@@ -8,16 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from forcefeel.errors import InputError, suggestion
+from forcefeel.loader.axes import RuleAxis
 from forcefeel.units import parse
 
 _FOLDER = files("forcefeel") / "data" / "aircraft"
 _MOVES = ("surface", "command")
-_GRIPS = ("wheel", "stick")
+_GRIPS = ("wheel", "stick", "pedals")
 _CATEGORIES = ("light", "transport", "military")
-_KEYS = ("model", "control", "flight", "surface", "feel")
+_KEYS = ("model", "control", "flight", "surface", "feel", "roll", "yaw")
 _ROWS = {
     "control": ("moves", "full_travel", "grip"),
-    "flight": ("speed", "altitude", "category", "limit_load_factor", "maximum_weight"),
+    "flight": ("speed", "altitude", "category", "limit_load_factor", "maximum_weight", "trim_rate"),
     "feel": ("stiffness", "damping_ratio"),
 }
 """Rows of the parts; those of ``surface`` are a loader's."""
@@ -25,22 +29,25 @@ _ROWS = {
 
 @dataclass(frozen=True)
 class ControlData:
-    """The pitch control of an aircraft.
+    """A control of an aircraft.
 
     Attributes:
+        axis: ``pitch``, ``roll`` or ``yaw``.
         model: JSBSim's name of the aircraft.
         surface: Rows of the part ``surface`` of a loader.
         stiffness: Spring of the control run or feel unit, as in a loader file.
         damping_ratio: Its damping ratio with the loader's inertia of the feel.
         speed_m_per_s: Calibrated airspeed unless another is given.
         altitude_m: Altitude unless another is given.
-        full_travel_rad: Angle of the column at JSBSim's full command; none where the column moves the surface itself.
-        grip: ``wheel`` or ``stick``.
+        full_travel_rad: Angle of the control at JSBSim's full command; none where the control moves the surface itself.
+        grip: ``wheel``, ``stick`` or ``pedals``.
         category: ``light``, ``transport`` or ``military``: it selects the designer's requirements.
         limit_load_factor: Positive limit maneuvering load factor.
         maximum_weight_n: Maximum weight of a light aircraft; none for others.
+        trim_rate_rad_per_s: Rate of the tab of a transport aircraft; none if it is not known, and for others.
     """
 
+    axis: RuleAxis
     model: str
     surface: dict[str, Any]
     stiffness: str
@@ -52,18 +59,19 @@ class ControlData:
     category: str
     limit_load_factor: float
     maximum_weight_n: float | None
+    trim_rate_rad_per_s: float | None
 
 
 def known() -> list[str]:
-    """The aircraft with data of their pitch control."""
+    """The aircraft with data of their controls."""
     return sorted(path.name.removesuffix(".toml") for path in _FOLDER.iterdir() if path.name.endswith(".toml"))
 
 
-def control_data(name: str) -> ControlData:
-    """The data of a known aircraft, or of a file.
+def control_data(name: str, axis: RuleAxis = "pitch") -> ControlData:
+    """The data of a control of a known aircraft, or of a file.
 
     Raises:
-        InputError: If the aircraft is unknown, or the file cannot be read or lacks a row.
+        InputError: If the aircraft is unknown, or the file cannot be read, lacks the control or a row.
     """
     if not name.endswith(".toml") and name not in known():
         raise InputError(
@@ -75,14 +83,25 @@ def control_data(name: str) -> ControlData:
     except (OSError, ValueError) as error:
         raise InputError(f"aircraft: cannot read {name} ({error})") from error
     _check_rows(data, name)
+    if axis != "pitch":
+        if axis not in data:
+            raise InputError(
+                f"aircraft: {name} has no data of its {axis} control; add tables such as {axis}.control, as in "
+                "python/forcefeel/data/aircraft/c172p.toml"
+            )
+        data = {key: data[key] for key in ("model", "flight") if key in data} | _part(data, name, axis)
+        name = f"{name}, {axis}"
+        _check_rows(data, name)
     moves = _word(data, name, ("control", "moves"), _MOVES)
     category = _word(data, name, ("flight", "category"), _CATEGORIES)
     for part, key, reads in (
         ("control", "full_travel", moves == "command"),
         ("flight", "maximum_weight", category == "light"),
+        ("flight", "trim_rate", category == "transport"),
     ):
         if key in data[part] and not reads:
-            other = "moves = command" if part == "control" else "category = light"
+            of = "transport" if key == "trim_rate" else "light"
+            other = "moves = command" if part == "control" else f"category = {of}"
             raise InputError(f"{name}: {part}.{key}: expected only with {other}; remove this row")
     load_factor = _number(data, name, "flight", "limit_load_factor", "", "3.8")
     if load_factor <= 1:
@@ -91,6 +110,7 @@ def control_data(name: str) -> ControlData:
     if not isinstance(gearing, int | float) or not isfinite(gearing) or not gearing:
         raise InputError(f"{name}: surface.gearing: expected a number other than 0, got {gearing!r}")
     return ControlData(
+        axis=axis,
         model=data.get("model", path.name.removesuffix(".toml")),
         surface=data["surface"],
         stiffness=_row(data, name, "feel", "stiffness"),
@@ -103,6 +123,9 @@ def control_data(name: str) -> ControlData:
         limit_load_factor=load_factor,
         maximum_weight_n=_number(data, name, "flight", "maximum_weight", "N", "2400 lb")
         if category == "light"
+        else None,
+        trim_rate_rad_per_s=_number(data, name, "flight", "trim_rate", "rad/s", "1 deg/s")
+        if "trim_rate" in data["flight"]
         else None,
     )
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from math import acos, pi, sqrt
+from math import acos, degrees, pi, radians, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from forcefeel.fly.case import FlightCase
 from forcefeel.fly.modes import free_modes
 from forcefeel.fly.pilot import CrossoverPilot
 from forcefeel.fly.run import FlightOptions, Flown, Pilot
+from forcefeel.fly.trims import held_force, trimmed_force
 from forcefeel.units import (
     AIRSPEED,
     ALTITUDE,
@@ -50,6 +51,12 @@ _SINKS_RAD = 0.12
 """Descent at which a stall ends: the pull no longer holds the path."""
 _LAST = slice(-round(0.5 / FRAME_S), None)
 _MOST_LOAD_FACTOR = 12.0
+_MOST_SIDESLIP_RAD = radians(20)
+_TRAVELS = {"roll": (1 / 3, "a third"), "yaw": (1 / 4, "a quarter")}
+"""Shares of the travel, as 14 CFR Part 60 App. A 2.d.2 and 2.d.6 have them."""
+_QUICK_S, _ROLLS_S = 0.5, 2.0
+_SLIP_RAMP_S, _SLIPS_S, _MEAN = 4.0, 14.0, slice(-round(4.0 / FRAME_S), None)
+_BANK_RAD_PER_S, _BANK_LEAD_S, _BANK_INTEGRAL_S = 0.6, 0.5, 4.0
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,7 @@ class ManeuverRequest:
     Attributes:
         load_factor: Of pull-up and wind-up turn.
         off_trim: Share of the trim speed at which a release begins.
+        sideslip_rad: Of a steady sideslip; positive with the wind from the right.
 
     Raises:
         InputError: If a number is out of its range.
@@ -70,6 +78,7 @@ class ManeuverRequest:
 
     load_factor: float = 1.4
     off_trim: float = 0.9
+    sideslip_rad: float = radians(5)
 
     def __post_init__(self) -> None:
         if not 1 < self.load_factor < _MOST_LOAD_FACTOR:
@@ -79,6 +88,11 @@ class ManeuverRequest:
         if not 0.5 <= self.off_trim <= 2 or self.off_trim == 1:
             raise InputError(
                 f"off trim: expected 50 % to 200 % of the trim speed, not 100 %, got {100 * self.off_trim:g} %"
+            )
+        if not 0 < abs(self.sideslip_rad) <= _MOST_SIDESLIP_RAD:
+            raise InputError(
+                f"sideslip: expected an angle of at most {degrees(_MOST_SIDESLIP_RAD):g} deg other than 0, "
+                f"got {degrees(self.sideslip_rad):g} deg"
             )
 
 
@@ -143,7 +157,8 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
 
     Args:
         case: Loader, aircraft and trimmed flight.
-        name: ``pull-up``, ``wind-up-turn``, ``release``, ``phugoid``, ``short-period``, ``power``, ``flaps`` or ``stall``.
+        name: In pitch ``pull-up``, ``wind-up-turn``, ``release``, ``phugoid``, ``short-period``, ``power``, ``flaps`` or ``stall``;
+            in roll ``roll-rate`` or ``sideslip``, in yaw ``yaw-rate`` or ``sideslip``.
         request: Its numbers.
 
     Raises:
@@ -155,13 +170,17 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
         >>> pull.name, round(pull.alone / pull.with_loader, 1)
         ('force per g', 1.0)
     """
-    if name not in MANEUVERS:
-        raise InputError(f"maneuver: expected one of {', '.join(MANEUVERS)}, got {name!r}{suggestion(name, MANEUVERS)}")
+    known = [each for each in MANEUVERS if case.axis in _AXES.get(each, ("pitch",))]
+    if name not in known:
+        raise InputError(
+            f"maneuver: expected one of {', '.join(known)} in {case.axis}, got {name!r}{suggestion(name, known)}"
+        )
     plan = MANEUVERS[name](case, request)
 
     def levers(time_s: float, aircraft: Aircraft) -> None:
         plan.levers(time_s, aircraft)
-        aircraft.set_bank(plan.bank_rad(time_s))
+        if case.axis == "pitch":
+            aircraft.set_bank(plan.bank_rad(time_s))
 
     def flown(*, alone: bool) -> Flown:
         begins = case.at(plan.share * case.speed_m_per_s)
@@ -373,6 +392,74 @@ def _stall(case: FlightCase, request: ManeuverRequest) -> _Plan:
     )
 
 
+def _rate(case: FlightCase, request: ManeuverRequest) -> _Plan:
+    """The force that would hold a share of the travel in the trimmed flight; the other controls stay."""
+    rate, (share, words) = f"{case.axis}_rate", _TRAVELS[case.axis]
+    force = held_force(case.feel, case.trim.state(), share * case.trim.travel_rad)
+
+    def measured(flown: Flown) -> _Numbers:
+        rates = flown.states[rate]
+        return {
+            f"largest {case.axis} rate": (ANGULAR_VELOCITY, float(max(rates, key=abs))),
+            f"{case.axis} rate": (ANGULAR_VELOCITY, float(rates[_LAST].mean())),
+            **_held_control(case, flown, _LAST),
+        }
+
+    return _Plan(
+        lambda: lambda time, _: force * _ramp(time, lasts_s=_QUICK_S),
+        _BEGINS_S + _QUICK_S + _ROLLS_S,
+        measured,
+        label=f"{case.axis} rate with the force of {words} of the travel",
+    )
+
+
+def _held_control(case: FlightCase, flown: Flown, window: slice) -> _Numbers:
+    return {
+        "control angle": (ANGLE, float(flown.angle_rad[window].mean())),
+        "force": (FORCE, float(flown.force_n[window].mean())),
+        "force of the programmed feel in the same states": (FORCE, case.feel_n(flown, window)),
+    }
+
+
+def _sideslip(case: FlightCase, request: ManeuverRequest) -> _Plan:
+    """From level flight into a sideslip that JSBSim trims: its force at this control, the others as it has them.
+
+    The wheel holds the bank: that of the loader, by a pilot, or the ailerons' own.
+    """
+    end = case.at(sideslip_rad=request.sideslip_rad)
+    force = trimmed_force(case.feel, case.trim, end)
+    banks = [trim.attitude()["bank"] for trim in (case.trim, end)]
+
+    def moved(time_s: float) -> float:
+        return _ramp(time_s, lasts_s=_SLIP_RAMP_S)
+
+    def hand() -> Pilot:
+        if case.axis == "yaw":
+            return lambda time, _: force * moved(time)
+        return CrossoverPilot(
+            lambda time, seen: banks[0] + (banks[1] - banks[0]) * moved(time) - seen["bank"],
+            _BANK_RAD_PER_S * case.force_per_roll_rate_n,
+            _BANK_LEAD_S,
+            _BANK_INTEGRAL_S,
+            lambda time: force * moved(time),
+        )
+
+    def measured(flown: Flown) -> _Numbers:
+        angles = {name: (ANGLE, float(flown.states[name][_MEAN].mean())) for name in ("sideslip", "bank")}
+        return angles | _held_control(case, flown, _MEAN)
+
+    return _Plan(
+        hand,
+        _BEGINS_S + _SLIPS_S,
+        measured,
+        lambda time, aircraft: aircraft.lead(case.trim, end, moved(time)),
+        label=f"steady sideslip of {degrees(request.sideslip_rad):.3g} deg",
+    )
+
+
+_AXES: dict[str, tuple[str, ...]] = {"roll-rate": ("roll",), "yaw-rate": ("yaw",), "sideslip": ("roll", "yaw")}
+"""Axes of a maneuver that is not of pitch."""
+
 MANEUVERS: dict[str, Callable[[FlightCase, ManeuverRequest], _Plan]] = {
     "pull-up": _pull_up,
     "wind-up-turn": _wind_up_turn,
@@ -382,4 +469,7 @@ MANEUVERS: dict[str, Callable[[FlightCase, ManeuverRequest], _Plan]] = {
     "power": partial(_lever, flaps=False),
     "flaps": partial(_lever, flaps=True),
     "stall": _stall,
+    "roll-rate": _rate,
+    "yaw-rate": _rate,
+    "sideslip": _sideslip,
 }

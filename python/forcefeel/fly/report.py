@@ -1,8 +1,10 @@
 """A loader's report in flight: held load factors and speeds, maneuvers, and the rules that apply to the aircraft."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
+from math import degrees, radians
 
 import numpy as np
 
@@ -20,11 +22,14 @@ _PULLS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the way from 1 g to the limit load factor."""
 _SMALL = 2
 """Pulls from which the force per g is taken, and the largest force that a short maneuver needs."""
+_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, (0.0, 0.5, 1.0, 1.5)
+"""Time for which the trim runs, and load factors: 14 CFR 25.255(a), (c)(2), up to what trims."""
 _HELD_G = 0.1
 """Load factor by which a held flight may be off."""
 _SPEEDS = (0.85, 0.925, 1.075, 1.15)
 """Shares of the trim speed: 14 CFR 25.175(a)."""
 _RELEASES = (0.85, 1.15)
+_SIDESLIPS = (radians(2), radians(4))
 _FREE_RETURN = ("light", "transport")
 """Categories whose rules ask for a free return."""
 _EACH_SIDE = 2
@@ -101,6 +106,8 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         ...     print(str(error).partition(";")[0])
         controller.period: a live loop requires 0.2 to 4 ms, got none: its controller is analog
     """
+    if case.axis != "pitch":
+        return _fly_lateral_rules(case, progress)
     data, beyond = case.trim.data, case.trim.data.limit_load_factor - 1
     progress("load factors")
     case.held(case.at())  # what cannot fly at all is refused here
@@ -111,26 +118,58 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         _point(case, f"{100 * share:.4g} % of the trim speed", partial(case.at, share * case.speed_m_per_s))
         for share in _SPEEDS
     ]
-    maneuvers: list[Maneuver] = []
-    faults: dict[str, str] = {}
     requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name != "flaps" or case.has_flaps]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
-    for name, request in requests:
-        progress(name)
-        try:
-            maneuvers.append(fly_maneuver(case, name, request))
-        except InputError as error:
-            faults[name] = str(error)
+    maneuvers, faults = _fly_maneuvers(case, requests, progress)
     flown: dict[str, Quantity | str] = {**_of_pulls(pulls, data.limit_load_factor), **_of_speeds(case, speeds)}
     flown |= {"largest force": _largest_force((*pulls[:_SMALL], *speeds))}
     flown |= _of_maneuvers(maneuvers, faults)
+    if data.category == "transport":
+        progress("out of trim")
+        flown["smallest force per g out of trim"] = out_of_trim(case)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
     applying = [rule for rule in flight_rules() if rule.applies(data) and (case.has_flaps or not rule.of_flaps)]
     if data.category == "military" and not isinstance(flown["force per g"], str):
         conditions["n / alpha"] = _n_per_alpha(case)
     verdicts = tuple(verdict for rule in applying for verdict in judge(rule, flown, conditions))
     return FlightReport(case, tuple(pulls), tuple(speeds), tuple(maneuvers), faults, verdicts)
+
+
+def _fly_lateral_rules(case: FlightCase, progress: Callable[[str], None]) -> FlightReport:
+    """Of wheel or pedals: a roll or yaw rate, and steady sideslips."""
+    rate = f"{case.axis}-rate"
+    requests = [(rate, ManeuverRequest()), *(("sideslip", ManeuverRequest(sideslip_rad=slip)) for slip in _SIDESLIPS)]
+    maneuvers, faults = _fly_maneuvers(case, requests, progress)
+    of = {name: [maneuver for maneuver in maneuvers if maneuver.name == name] for name in (rate, "sideslip")}
+    flown: dict[str, Quantity | str] = {}
+    measures = {rate: (f"largest {case.axis} rate", "force"), "sideslip": ("sideslip", "bank", "force")}
+    for name, measure in ((name, measure) for name, measures in measures.items() for measure in measures):
+        flown[f"{name}: {measure}"] = faults.get(name) or _measured(of[name], measure)
+    largest = [
+        Compared(maneuver.label, *(float(np.abs(each.force_n).max()) for each in (maneuver.flown, maneuver.alone)))
+        for maneuver in maneuvers
+    ]
+    flown["largest force"] = next(iter(faults.values()), "") or Quantity(FORCE, tuple(largest))
+    verdicts = tuple(
+        verdict for rule in flight_rules() if rule.applies(case.trim.data) for verdict in judge(rule, flown, {})
+    )
+    return FlightReport(case, (), (), tuple(maneuvers), faults, verdicts)
+
+
+def _fly_maneuvers(
+    case: FlightCase, requests: list[tuple[str, ManeuverRequest]], progress: Callable[[str], None]
+) -> tuple[list[Maneuver], dict[str, str]]:
+    """The flown maneuvers, and why others failed."""
+    maneuvers: list[Maneuver] = []
+    faults: dict[str, str] = {}
+    for name, request in requests:
+        progress(name)
+        try:
+            maneuvers.append(fly_maneuver(case, name, request))
+        except InputError as error:
+            faults[name] = str(error)
+    return maneuvers, faults
 
 
 def _point(case: FlightCase, label: str, trimmed: Callable[[], Aircraft]) -> Point:
@@ -164,6 +203,24 @@ def _of_pulls(pulls: list[Point], limit_load_factor: float) -> dict[str, Quantit
         "force per g": Quantity(FORCE, (Compared(label_of_slope, -per_g.with_loader, -per_g.feel),)),
         "force at the limit load factor": Quantity(FORCE, (Compared(label, -forces[0], -forces[1]),)),
     }
+
+
+def out_of_trim(case: FlightCase) -> Quantity | str:
+    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive."""
+    rate = case.trim.data.trim_rate_rad_per_s
+    if rate is None or not case.feel["surface.per_tab"]:
+        return "the aircraft has no flight.trim_rate with surface.per_tab: a tab that runs"
+    slopes: list[Compared] = []
+    for tab in (-rate * _OUT_OF_TRIM_S, rate * _OUT_OF_TRIM_S):
+        points = [_point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab)) for n in _OUT_OF_TRIM_G]
+        if fault := _first_fault(points):
+            return fault
+        held = [point.held for point in points if point.held]
+        for less, more in pairwise(held):
+            label = f"{round(less.load_factor, 2) + 0.0:.2f} to {more.load_factor:.2f} g, tab {degrees(tab):+.3g} deg"
+            slope = _slope(label, "load_factor", less, more)
+            slopes.append(Compared(label, -slope.with_loader, -slope.feel))
+    return Quantity(FORCE, tuple(slopes))
 
 
 def _of_speeds(case: FlightCase, speeds: list[Point]) -> dict[str, Quantity | str]:
@@ -237,6 +294,10 @@ def _measured(maneuvers: list[Maneuver], name: str) -> Quantity | str:
         return "no swing was found in the free motion"
     unit = PERCENT if name == "off the trim speed" else measures[0][1].unit
     points = tuple(Compared(label, abs(measure.with_loader), abs(measure.alone)) for label, measure in measures)
+    if name == "force":  # the hand's own is that of the maneuver; the feel's is that of the same states
+        feel = _measured(maneuvers, "force of the programmed feel in the same states")
+        assert not isinstance(feel, str)
+        points = tuple(replace(point, feel=same.with_loader) for point, same in zip(points, feel.points, strict=True))
     return Quantity(unit, points)
 
 
@@ -268,8 +329,8 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
     ]
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
-    if not report.case.has_flaps:
+    if report.case.axis == "pitch" and not report.case.has_flaps:
         findings.append(f"JSBSim's {report.case.aircraft} has no flaps: 2.c.2 does not apply.")
-    findings.append("The numbers of the aircraft's pitch control are illustrative.")
-    name = report.case.loader.name
-    return Conclusions(report.fulfilled, f"{name} with {report.case.aircraft}: {rows}.", tuple(findings))
+    findings.append(f"The numbers of the aircraft's {report.case.axis} control are illustrative.")
+    name = f"{report.case.loader.name} as the {report.case.axis} control of {report.case.aircraft}"
+    return Conclusions(report.fulfilled, f"{name}: {rows}.", tuple(findings))

@@ -11,6 +11,7 @@ from typing import Literal
 from pydantic import BaseModel, Field, model_validator
 
 from forcefeel.fly.control_data import ControlData
+from forcefeel.loader.axes import RuleAxis
 from forcefeel.qualification.tolerance import STRICT
 from forcefeel.units import FORCE, Json, Unit, UnitSystem, factor, parse, quantity
 
@@ -77,6 +78,7 @@ class FlightRule(BaseModel):
 
     Attributes:
         number, name, document: Its number, what it is about, the document.
+        axis: Control that it is for.
         category, grip: Aircraft that it is for; all unless given.
         tolerances: Of a simulator.
         quantity, at_least, at_most: Of a designer.
@@ -89,6 +91,7 @@ class FlightRule(BaseModel):
     number: str
     name: str
     document: str
+    axis: RuleAxis = "pitch"
     category: Literal["light", "transport", "military"] | None = None
     grip: Literal["wheel", "stick"] | None = None
     tolerances: tuple[FlightTolerance, ...] = ()
@@ -122,8 +125,8 @@ class FlightRule(BaseModel):
         return any(tolerance.quantity.startswith("flaps:") for tolerance in self.tolerances)
 
     def applies(self, data: ControlData) -> bool:
-        """Whether it is for an aircraft."""
-        return self.category in (None, data.category) and self.grip in (None, data.grip)
+        """Whether it is for a control of an aircraft."""
+        return self.axis == data.axis and self.category in (None, data.category) and self.grip in (None, data.grip)
 
 
 @cache

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.bridge.run import REFUSED
 from forcefeel.errors import InputError
-from forcefeel.fly.aircraft import FRAME_S, Aircraft, flight_row, silent, with_elevator
+from forcefeel.fly.aircraft import FRAME_S, Aircraft, flight_row, silent, with_surface
 from forcefeel.fly.trims import held_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law, made_of
@@ -122,7 +122,7 @@ def fly(
         5
     """
     trim = options.trim or aircraft
-    loader = with_elevator(loader, trim)
+    loader = with_surface(loader, trim)
     frames = len(hand) if isinstance(hand, np.ndarray) else round((duration_s or 0.0) / FRAME_S)
     pilot: Pilot = hand if callable(hand) else (lambda time, _: float(hand[round(time / FRAME_S)]))
     begins, state = aircraft.angle_from(trim), aircraft.state()

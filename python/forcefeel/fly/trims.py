@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.fly.aircraft import Aircraft, flight_row, with_elevator
+from forcefeel.fly.aircraft import Aircraft, flight_row, with_surface
 from forcefeel.loader.loader import Loader
 
 _PULLS = (1.2, 1.4)
@@ -21,7 +21,7 @@ def held_force(loader: Loader, state: Mapping[str, float], angle_rad: float) -> 
 
     Example:
         >>> aircraft = ff.fly.Aircraft("c172p", 51.4, 900.0)
-        >>> loader = ff.fly.with_elevator(ff.digital_elevator(), aircraft)
+        >>> loader = ff.fly.with_surface(ff.digital_elevator(), aircraft)
         >>> round(ff.fly.held_force(loader, aircraft.state(), 0.0), 6) + 0
         0.0
     """
@@ -33,13 +33,13 @@ def trimmed_force(loader: Loader, trim: Aircraft, flown: Aircraft) -> float:
     """Force at the grip, N, that holds a flight which JSBSim trims, with the tab of another.
 
     Args:
-        loader: With the surface of ``trim``, as by ``with_elevator``.
+        loader: With the surface of ``trim``, as by ``with_surface``.
         trim: The flight without a force.
         flown: The held flight.
 
     Example:
         >>> trim, faster = (ff.fly.Aircraft("c172p", speed, 900.0) for speed in (51.4, 56.0))
-        >>> ff.fly.trimmed_force(ff.fly.with_elevator(ff.digital_elevator(), trim), trim, faster) > 0
+        >>> ff.fly.trimmed_force(ff.fly.with_surface(ff.digital_elevator(), trim), trim, faster) > 0
         True
     """
     return held_force(loader, flown.state(), flown.angle_from(trim))
@@ -53,7 +53,7 @@ def force_per_g(loader: Loader, aircraft: str, speed_m_per_s: float, altitude_m:
         -35
     """
     trim = Aircraft(aircraft, speed_m_per_s, altitude_m)
-    loader = with_elevator(loader, trim)
+    loader = with_surface(loader, trim)
     pulls = [Aircraft(aircraft, speed_m_per_s, altitude_m, load_factor) for load_factor in _PULLS]
     forces = [trimmed_force(loader, trim, pull) for pull in pulls]
     load_factors = [pull.state()["load_factor"] for pull in pulls]

@@ -29,6 +29,7 @@ def flight_page(report: FlightReport, units: UnitSystem, *, command: str = "") -
         command=command,
         loader=case.loader,
         aircraft=case.aircraft,
+        axis=case.axis,
         speed_text=quantity_text(case.speed_m_per_s, AIRSPEED, units, 3),
         altitude_text=quantity_text(case.altitude_m, ALTITUDE, units, 4),
         conclusions=flight_conclusions(report) if report.verdicts else None,
@@ -37,7 +38,7 @@ def flight_page(report: FlightReport, units: UnitSystem, *, command: str = "") -
         pulls=_points(report.pulls, units),
         speed=report.speeds and drawing(plots.force_over_speed(report, units), "speed"),
         speeds=_points(report.speeds, units),
-        maneuvers=[_maneuver(maneuver, units, k) for k, maneuver in enumerate(report.maneuvers)],
+        maneuvers=[_maneuver(maneuver, case.axis, units, k) for k, maneuver in enumerate(report.maneuvers)],
         faults=report.faults,
         parameters=machine.parameters(case.feel, units),
     )
@@ -101,7 +102,7 @@ def _points(points: tuple[Point, ...], units: UnitSystem) -> Table:
     return Table((*heads("To hold", *names), Cell("Remark")), tuple(map(cells, points)))
 
 
-def _maneuver(maneuver: Maneuver, units: UnitSystem, k: int) -> dict[str, object]:
+def _maneuver(maneuver: Maneuver, axis: str, units: UnitSystem, k: int) -> dict[str, object]:
     rows = tuple(
         (
             words(measure.name),
@@ -114,7 +115,7 @@ def _maneuver(maneuver: Maneuver, units: UnitSystem, k: int) -> dict[str, object
     return {
         "key": f"maneuver-{k}",
         "label": maneuver.label,
-        "drawing": drawing(plots.histories(maneuver, units), f"maneuver-{k}"),
+        "drawing": drawing(plots.histories(maneuver, axis, units), f"maneuver-{k}"),
         "measures": Table((*heads("Measure", "With the loader", "Feel alone"), Cell("Unit")), rows),
     }
 

@@ -11,7 +11,7 @@ from forcefeel.fly.rules import FlightVerdict
 from forcefeel.page.canvas import ZERO, add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, LineStyle
 from forcefeel.page.typography import heading_text
-from forcefeel.units import AIRSPEED, ANGLE, FORCE, LOAD_FACTOR, Unit, UnitSystem
+from forcefeel.units import AIRSPEED, ANGLE, ANGULAR_VELOCITY, FORCE, LOAD_FACTOR, Unit, UnitSystem
 
 _LOADER, _FEEL, _LIMIT = (
     LineStyle(COMPLIANT, "solid", 2.4),
@@ -19,11 +19,11 @@ _LOADER, _FEEL, _LIMIT = (
     LineStyle("#B3261E", "dot", 1.8),
 )
 _MOST_POINTS = 1500
-_HISTORIES = {
-    "Force": ("force", FORCE),
-    "Column": ("column", ANGLE),
-    "Load factor": ("load_factor", LOAD_FACTOR),
-    "Airspeed": ("calibrated_airspeed", AIRSPEED),
+_HISTORIES = {"Force": ("force", FORCE), "Control": ("control", ANGLE)}
+_OF_AXIS = {
+    "pitch": {"Load factor": ("load_factor", LOAD_FACTOR), "Airspeed": ("calibrated_airspeed", AIRSPEED)},
+    "roll": {"Roll rate": ("roll_rate", ANGULAR_VELOCITY), "Bank": ("bank", ANGLE)},
+    "yaw": {"Yaw rate": ("yaw_rate", ANGULAR_VELOCITY), "Sideslip": ("sideslip", ANGLE)},
 }
 
 
@@ -92,12 +92,13 @@ def _add_limit(picture: go.Figure, verdict: FlightVerdict, x: NDArray[np.float64
     add_curve(picture, x, y, name, _LIMIT)
 
 
-def histories(maneuver: Maneuver, units: UnitSystem) -> go.Figure:
-    """Force, column angle, load factor and airspeed over time, through the loader and on the feel alone."""
-    picture = make_subplots(rows=len(_HISTORIES), cols=1, shared_xaxes=True, vertical_spacing=0.04)
+def histories(maneuver: Maneuver, axis: str, units: UnitSystem) -> go.Figure:
+    """Force, control angle and two states over time, through the loader and on the feel alone."""
+    drawings = _HISTORIES | _OF_AXIS[axis]
+    picture = make_subplots(rows=len(drawings), cols=1, shared_xaxes=True, vertical_spacing=0.04)
     for name, look, flown in (("with the loader", _LOADER, maneuver.flown), ("feel alone", _FEEL, maneuver.alone)):
-        rows = {"force": flown.force_n, "column": flown.angle_rad, **flown.states}
-        for k, (title, (key, unit)) in enumerate(_HISTORIES.items(), 1):
+        rows = {"force": flown.force_n, "control": flown.angle_rad, **flown.states}
+        for k, (title, (key, unit)) in enumerate(drawings.items(), 1):
             values = unit.from_si(1.0, units) * rows[key]
             kept = drawn(values, _MOST_POINTS)
             hover = f"%{{y:.3~g}} {unit.shown(units)}"
@@ -105,5 +106,5 @@ def histories(maneuver: Maneuver, units: UnitSystem) -> go.Figure:
             add_curve(picture, flown.time_s[kept], values[kept], name, look, hover, **more)
             picture.update_yaxes(title_text=heading_text(title, unit, units), row=k, col=1)
     frame(picture, 620, top=48)
-    picture.update_xaxes(title_text="Time, s", row=len(_HISTORIES), col=1)
+    picture.update_xaxes(title_text="Time, s", row=len(drawings), col=1)
     return picture
