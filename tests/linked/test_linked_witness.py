@@ -155,18 +155,21 @@ def digital():
 
 
 def radius(loader, stiffness, periods, injected):
-    """Largest magnitude of the eigenvalues of both feels under a held torque over a delay, exact."""
+    """Largest magnitude of the eigenvalues of both feels under a held torque, each angle carried on over its delay, exact."""
     inertia, damping, spring = (loader[f"feel.{name}"] for name in ("inertia", "damping", "stiffness"))
     damping += min(stiffness * (periods + 1) * PERIOD_S, injected)
     held = expm(PERIOD_S * np.array([[0, 1, 0], [-spring / inertia, -damping / inertia, 1 / inertia], [0, 0, 0]]))
     largest = 0.0
     for mode in (1.0, -1.0):  # both apart, both together
-        matrix = np.zeros((2 + periods, 2 + periods))
+        matrix = np.zeros((3 + periods, 3 + periods))
         matrix[:2, :2] = held[:2, :2]
-        matrix[:2, 0] -= stiffness * held[:2, 2]
-        matrix[:2, 1 + periods] -= mode * stiffness * held[:2, 2]
-        matrix[2, 0] = 1.0  # angles on their way
-        matrix[np.arange(3, 2 + periods), np.arange(2, 1 + periods)] = 1.0
+        angles = [0, *range(2, 3 + periods)]  # of now, of one period before, ...
+        for sign, back in ((1.0, 0), (mode, periods)):
+            ahead = back + 0.5
+            matrix[:2, angles[back]] -= sign * (1 + ahead) * stiffness * held[:2, 2]
+            matrix[:2, angles[back + 1]] += sign * ahead * stiffness * held[:2, 2]
+        matrix[2, 0] = 1.0
+        matrix[np.arange(3, 3 + periods), np.arange(2, 2 + periods)] = 1.0
         largest = max(largest, np.abs(np.linalg.eigvals(matrix)).max())
     return largest
 

@@ -21,8 +21,8 @@ LINKED = [
 ACTIVE_CYCLES = 4000
 """Until a loader at 2 kHz is active."""
 
-LARGEST_STEP_N = 0.5
-"""Of the force of a link from sample to sample: what a hand does not feel. At a trip the other feel jumps to its column, 0.4 N."""
+LARGEST_STEP_N = 0.1
+"""Of the force of a link from sample to sample: what a hand does not feel."""
 
 
 def columns(session):

@@ -3,8 +3,9 @@
 //! `s` share of the link · `s_1`, `s_2` shares of both feels · `T`, `c` torque and damping of the link, see
 //! [`forcefeel_model::link`] · `h` period · `t_f` time in which a feel comes
 //!
-//! `s` goes to `s_1 s_2` by at most `h / t_f` a period; each feel is given `s T` and the damping `s c`. So neither a start, a trip of one
-//! side, an opening nor a closing is felt as a step. A link that uncouples at its breakout is open at once.
+//! `s` goes to `s_1 s_2` by at most `h / t_f` a period; each feel is given `s T` and the damping `s c`. `T` stays as it is once a feel is gone,
+//! which jumps to its column then. So neither a start, a trip of one side, an opening nor a closing is felt as a step. A link that uncouples at
+//! its breakout is open at once.
 
 use crate::controller::Controller;
 use forcefeel_model::link::{ElectronicLink, PilotLink};
@@ -23,12 +24,24 @@ pub struct FeelLink {
     /// It is to hold.
     holds: bool,
     share: f64,
+    /// Torque on each feel at a share of one.
+    torques: [f64; 2],
 }
 
 impl FeelLink {
     /// A link between the axes at `sides`, with so many periods of delay.
     pub fn new(sides: [usize; 2], link: PilotLink<f64>, delay: usize, uncouples: bool) -> Self {
-        Self { sides, link, feels: None, delay, uncouples, uncoupled: false, holds: true, share: 0.0 }
+        Self {
+            sides,
+            link,
+            feels: None,
+            delay,
+            uncouples,
+            uncoupled: false,
+            holds: true,
+            share: 0.0,
+            torques: [0.0; 2],
+        }
     }
 
     /// Before a cycle of both: what each is given.
@@ -48,7 +61,10 @@ impl FeelLink {
         let change = if begins { 1.0 } else { first.fade_share() };
         self.share = if self.uncoupled { 0.0 } else { self.share + (goal - self.share).clamp(-change, change) };
         let damping = self.share * feels.injected(first.period_s());
-        first.link([-self.share * self.link.torque(seen[0]), damping]);
-        second.link([self.share * self.link.torque(seen[1]), damping]);
+        if wanted > 0.0 {
+            self.torques = [-self.link.torque(seen[0]), self.link.torque(seen[1])];
+        }
+        first.link([self.share * self.torques[0], damping]);
+        second.link([self.share * self.torques[1], damping]);
     }
 }

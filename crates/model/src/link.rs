@@ -15,9 +15,16 @@
 //! takes. It has no step, so none is felt where an override lets go or takes hold again, and both controls are aligned again when it has.
 //! A clutch that slips would leave them apart. A link that uncouples at `M_b` stays open; the energy of its spring is lost to both.
 //!
-//! An electronic link is the same torque with the other control's angle of `d` before, held for a period `h`. Delay and hold give energy; a
-//! damping of `k (d + h)` on each control takes it: the bound `k <= c / d` of E. Nuno, L. Basanez, R. Ortega, Automatica 47(3) (2011) 485-495,
-//! with the hold.
+//! An electronic link is the same torque with the other control's angle of `d` before, held for a period `h`. By themselves delay and hold damp two
+//! controls that move together by `k d`, and drive two that move apart by `k (d + h)`. So each angle is carried on along its last period, to the middle
+//! of the hold:
+//!
+//! ```text
+//! theta(t + h/2) ~ theta(t - d) + (d + h/2) (theta(t - d) - theta(t - d - h)) / h
+//! ```
+//!
+//! What is left is of the second order in `d`. Energy that a long delay still gives is taken by a damping of `k (d + h)` on each control: the bound
+//! `k <= c / d` of E. Nuno, L. Basanez, R. Ortega, Automatica 47(3) (2011) 485-495, with the hold.
 
 use crate::Scalar;
 use crate::parameters::Parameter;
@@ -122,25 +129,30 @@ pub struct ElectronicLink<S> {
     link: PilotLink<S>,
     delay: usize,
     /// Angle and rate of both controls at the last samples.
-    past: [[[S; 2]; 2]; MOST_DELAY + 1],
+    past: [[[S; 2]; 2]; MOST_DELAY + 2],
     sample: usize,
 }
 
 impl<S: Scalar> ElectronicLink<S> {
     /// A link with so many periods of delay, at most [`MOST_DELAY`], between controls that have rested so.
     pub fn new(link: PilotLink<S>, delay: usize, resting: [[S; 2]; 2]) -> Self {
-        Self { link, delay: delay.min(MOST_DELAY), past: [resting; MOST_DELAY + 1], sample: 0 }
+        Self { link, delay: delay.min(MOST_DELAY), past: [resting; MOST_DELAY + 2], sample: 0 }
     }
 
     /// At a sample, from angle and rate of both controls: of each feel computer angle and rate of the first control beyond the second.
     #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
     pub fn sampled(&mut self, now: [[S; 2]; 2]) -> [[S; 2]; 2] {
         let length = self.past.len();
         self.past[self.sample % length] = now;
-        let then = self.past[(self.sample + length - self.delay) % length];
-        self.sample += 1;
+        let carried = |side: usize, delay: usize| {
+            let [then, before] = [delay, delay + 1].map(|back| self.past[(self.sample + length - back) % length][side]);
+            [then[0] + (then[0] - before[0]).times(delay as f64 + 0.5), then[1]]
+        };
         let beyond = |first: [S; 2], second: [S; 2]| [first[0] - second[0], first[1] - second[1]];
-        [beyond(now[0], then[1]), beyond(then[0], now[1])]
+        let seen = [beyond(carried(0, 0), carried(1, self.delay)), beyond(carried(0, self.delay), carried(1, 0))];
+        self.sample += 1;
+        seen
     }
 
     /// Damping in N m s/rad on each control, against the delay and against the period `h` for which the torque is held.

@@ -100,12 +100,13 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
     all tolerances at once. Without a tolerance in the file: lengths 1 % (a ruler's), valve gain 30 %, others 20 %; change them
     with --deviation.
 
-    For a project file with a table [axes], writes a page for each axis and a summary of them.
+    For a project file with a table [axes], writes a page for each axis and a summary of them. Each link is tested with each pilot's
+    arm on both sides, at up to 120 settings that both sides render alone.
 
     Example: forcefeel envelope my.toml --compare --out envelope
     """
-    from forcefeel.envelope.as_json import envelope_json
-    from forcefeel.envelope.cockpit import find_cockpit
+    from forcefeel.envelope.cockpit.as_json import result_json
+    from forcefeel.envelope.cockpit.cockpit import find_cockpit
     from forcefeel.envelope.page.page import FOLDER, write_envelope
     from forcefeel.envelope.run import compute
     from forcefeel.loader.project import Project
@@ -124,14 +125,14 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
             page = write_envelope(envelope, options.out, options.units, replace=options.replace, command=command)
     answer(
         {"page": page},
-        lambda: envelope_json(envelope, options.units),
+        lambda: result_json(envelope, options.units),
         lambda terminal: _show(terminal, envelope, options.units),
         as_json=options.json,
     )
 
 
 def _show_axes(console: Terminal, cockpit: "CockpitEnvelope") -> None:
-    from forcefeel.envelope.cockpit import SHARES, cockpit_conclusions
+    from forcefeel.envelope.cockpit.cockpit import SHARES, cockpit_conclusions
     from forcefeel.envelope.findings import angle_text
 
     title = f"{cockpit.name}: shares of the settings"
@@ -148,11 +149,25 @@ def _show_axes(console: Terminal, cockpit: "CockpitEnvelope") -> None:
             row.worst_text,
         )
     console.show(table, ["drive", "loader"])
+    if cockpit.pairs:
+        numbers = ("settings", "rendered alone", "of these, linked")
+        links = titled("Both hands on", "link", "law", "fewest with", numbers=numbers)
+        for pair in cockpit.pairs:
+            worst = min(pair.rows, key=lambda row: row.passes, default=None)
+            links.add_row(
+                pair.link.name,
+                pair.law,
+                f"{worst.first}, {worst.second}: {share_text(worst.passes)}" if worst else "–",
+                f"{pair.settings.count:,}",
+                f"{pair.rendered.sum():,}",
+                share_text(pair.linked_share) if worst else "–",
+            )
+        console.show(links)
     console.conclude(cockpit_conclusions(cockpit), alarming=False)
 
 
 def _show(console: Terminal, envelope: "Envelope | CockpitEnvelope", units: UnitSystem) -> None:
-    from forcefeel.envelope.cockpit import CockpitEnvelope
+    from forcefeel.envelope.cockpit.cockpit import CockpitEnvelope
     from forcefeel.envelope.findings import angle_text, envelope_conclusions
 
     if isinstance(envelope, CockpitEnvelope):

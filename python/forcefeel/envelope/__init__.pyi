@@ -1,7 +1,7 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
-from forcefeel.envelope.cockpit import CockpitEnvelope as CockpitEnvelope
-from forcefeel.envelope.cockpit import find_cockpit as find_cockpit
+from forcefeel.envelope.cockpit.cockpit import CockpitEnvelope as CockpitEnvelope
+from forcefeel.envelope.cockpit.cockpit import find_cockpit as find_cockpit
 from forcefeel.envelope.contact import CONTACTS as CONTACTS
 from forcefeel.envelope.contact import Contact as Contact
 from forcefeel.envelope.contact import ContactShares as ContactShares

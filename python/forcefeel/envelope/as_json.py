@@ -6,7 +6,6 @@ from importlib.metadata import version
 import numpy as np
 
 from forcefeel.envelope.cases import Case
-from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
 from forcefeel.envelope.deviations import Deviation
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.plan import Plan
@@ -18,20 +17,12 @@ from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import ANGLE, INERTIA, PERCENT, Json, UnitSystem, quantity
 
 
-def envelope_json(envelope: Envelope | CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
-    """Results and inputs of an envelope; of a cockpit the table of all axes, then the envelope of each axis."""
-    head: dict[str, Json] = {"forcefeel": version("forcefeel"), "units": str(units)}
-    if isinstance(envelope, CockpitEnvelope):
-        return {
-            **head,
-            "project": envelope.name,
-            "conclusions": json_value(cockpit_conclusions(envelope), units),
-            "table": [json_value(row, units) for row in envelope.rows],
-            "axes": {axis: envelope_json(axis_envelope, units) for axis, axis_envelope in envelope.axes.items()},
-        }
+def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
+    """Results and inputs of an envelope."""
     plan = envelope.plan
     return {
-        **head,
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
         "loader": plan.loader.name,
         "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),

@@ -141,6 +141,18 @@ def simulate_linked_batch(
     return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
 
 
+def check_pair(project: Project, link: str, scenario: LinkedScenario) -> None:
+    """Refuses a link that ``simulate_linked`` cannot run.
+
+    Raises:
+        InputError: As ``simulate_linked``.
+    """
+    joint = project.links[link]
+    loaders = project.loaders[joint.between[0]], project.loaders[joint.between[1]]
+    common_step(joint, loaders, scenario.first)
+    delay_periods(joint, loaders)
+
+
 @dataclass(frozen=True)
 class _Pair:
     """Two loaders on their link, checked."""

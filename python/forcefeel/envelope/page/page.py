@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from forcefeel.envelope.as_json import envelope_json, releases, settings_csv
-from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
+from forcefeel.envelope.as_json import releases, settings_csv
+from forcefeel.envelope.cockpit.as_json import result_json
+from forcefeel.envelope.cockpit.cockpit import CockpitEnvelope, cockpit_conclusions
+from forcefeel.envelope.cockpit.pair import COLORS_LINKED, PairEnvelope
 from forcefeel.envelope.contact import PUSH_N, QUIET_N, TAP_N
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.page import plots as envelope_plots
@@ -116,10 +118,27 @@ def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
     )
 
 
+def pair_maps(cockpit: CockpitEnvelope, pair: PairEnvelope) -> SettingMaps:
+    """What each side renders alone, and the pair with both hands on."""
+    alone = {f"{axis} alone": pair.alone_kinds(side) for side, axis in enumerate(pair.link.between)}
+    return SettingMaps(
+        stiffness=pair.settings.stiffness,
+        frequency=pair.settings.frequency,
+        damping=pair.settings.damping,
+        colors=COLORS_LINKED,
+        cells={**alone, "linked": pair.kinds},
+        loader=cockpit.axes[pair.link.between[0]].plan.given,
+    )
+
+
 def cockpit_page(cockpit: CockpitEnvelope, units: UnitSystem, *, command: str = "") -> str:
     """The page of a cockpit, with links to the page of each axis."""
     return render(
         "envelope/page/cockpit.html.j2",
+        pairs=[
+            (pair, picture(pair_maps(cockpit, pair), units), envelope_tables.arms_of_pair(pair))
+            for pair in cockpit.pairs
+        ],
         command=command,
         name=cockpit.name,
         axes={
@@ -172,6 +191,6 @@ def write_envelope(
         contents[files.page] = envelope_page(axis_envelope, units, files, command=command)
     if isinstance(envelope, CockpitEnvelope):
         contents[PAGE] = cockpit_page(envelope, units, command=command)
-    contents = {RESULTS: json_text(envelope_json(envelope, units)), **contents}
+    contents = {RESULTS: json_text(result_json(envelope, units)), **contents}
     FOLDER.write(out, contents)
     return out / PAGE

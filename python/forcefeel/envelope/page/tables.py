@@ -8,7 +8,8 @@ from markupsafe import Markup
 
 from forcefeel.conclusions import capital, interval_text, share_text
 from forcefeel.envelope.cases import Kind
-from forcefeel.envelope.cockpit import SHARES, CockpitEnvelope
+from forcefeel.envelope.cockpit.cockpit import SHARES, CockpitEnvelope
+from forcefeel.envelope.cockpit.pair import PairEnvelope
 from forcefeel.envelope.passivity import ARM_HZ, HIGHEST_HZ
 from forcefeel.envelope.result import MOST, Envelope, Failure
 from forcefeel.envelope.settings import AXES
@@ -112,6 +113,24 @@ def axes(cockpit: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
         *map(Cell, ("Largest loss comes from", "Loader", "Drive")),
     )
     return Table(head, rows)
+
+
+def arms_of_pair(pair: PairEnvelope) -> Table:
+    """Share of the settings rendered alone that pass, a row for the first pilot's arm, a column for the second's."""
+    shares = {(row.first, row.second): row.passes for row in pair.rows}
+    rows = tuple(
+        (
+            words(capital(first)),
+            *(
+                Cell(share_text(shares[first, second]), "number", _heat(1 - shares[first, second]))
+                for second in pair.arms
+            ),
+        )
+        for first in pair.arms
+        if shares
+    )
+    first, second = pair.link.between
+    return Table(heads(f"{capital(first)}, arm", *(f"{second}: {arm}" for arm in pair.arms)), rows)
 
 
 def drawn(envelope: Envelope) -> Table:

@@ -7,13 +7,17 @@ from typing import Annotated
 
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.cockpit.pair import LINKED_SHARE, PairEnvelope, most_releases, pair_envelope, release_scenario
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, angle_text, name_text, renders
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.run import Progress, compute
-from forcefeel.loader.axes import judged_alone, rule_axis
+from forcefeel.errors import InputError
+from forcefeel.linked.engine import check_pair
+from forcefeel.loader.axes import rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import ANGLE, PERCENT, UnitSystem
 
 SHARES = ("nominal", "every case", f"in {share_text(MOST)} of machines")
@@ -63,15 +67,17 @@ class AxisRow:
 
 @dataclass(frozen=True, eq=False)
 class CockpitEnvelope:
-    r"""The envelope of each axis of a cockpit.
+    r"""The envelope of each axis and link of a cockpit.
 
     Attributes:
         name: Name of the project, from its file.
         axes: Envelopes by axis, in the order of the file.
+        pairs: Envelopes of each link with both hands on, one for each law of both axes.
     """
 
     name: str
     axes: Mapping[str, Envelope]
+    pairs: tuple[PairEnvelope, ...] = ()
 
     @property
     def rows(self) -> tuple[AxisRow, ...]:
@@ -86,7 +92,7 @@ def find_cockpit(
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
 ) -> CockpitEnvelope:
-    r"""Compute the envelope of each loader of a project.
+    r"""Compute the envelope of each loader of a project, and of each linked pair.
 
     Args:
         project: The project.
@@ -96,7 +102,7 @@ def find_cockpit(
         progress: Called with the numbers of completed and of all releases.
 
     Raises:
-        InputError: As ``find_envelope``, with the axis; all plans are checked before the computation.
+        InputError: As ``find_envelope``, with the axis, and as ``simulate_linked``; all is checked before the computation.
 
     Example:
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
@@ -108,7 +114,14 @@ def find_cockpit(
         [('pitch', 'original')]
     """
     plans = project.each(lambda axis, loader: replace(plan(loader), axis=rule_axis(axis)))
-    total = sum(plan.releases for plan in plans.values())
+    linked = {link: (plans[link.between[0]], plans[link.between[1]]) for link in project.links.values()}
+    for link, sides in linked.items():
+        bare = {**project.loaders, **dict(zip(link.between, (plan.loader for plan in sides), strict=True))}
+        try:
+            check_pair(replace(project, loaders=bare), link.name, release_scenario(sides))
+        except InputError as error:
+            raise InputError(f"{project.path}: {error}") from error
+    total = sum(plan.releases for plan in plans.values()) + sum(map(most_releases, linked.values()))
     done = 0
 
     def computed(axis: str, _: Loader) -> Envelope:
@@ -117,7 +130,20 @@ def find_cockpit(
         done += plans[axis].releases
         return compute(plans[axis], threads=threads, progress=lambda some, _: progress(before + some, total))
 
-    return CockpitEnvelope(project.name, project.each(computed))
+    def advance(some: int) -> None:
+        nonlocal done
+        done += some
+        progress(done, total)
+
+    axes = project.each(computed)
+    cores = threads_or_cores(threads)
+    pairs = tuple(
+        pair_envelope(project, link, law, (axes[link.between[0]], axes[link.between[1]]), cores, advance)
+        for link, (first, second) in linked.items()
+        for law in first.laws
+        if law in second.laws
+    )
+    return CockpitEnvelope(project.name, axes, pairs)
 
 
 @of_result
@@ -138,7 +164,30 @@ def cockpit_conclusions(cockpit: CockpitEnvelope) -> Conclusions:
             f"{capital(axis)}, {envelope.plan.given.name}: {each} of {envelope.plan.settings.count:,} programmed feels, released "
             f"from {angle_text(envelope.plan.release_rad, UnitSystem.SI)}."
         )
-    return Conclusions(not short, verdict, (*lines, *judged_alone(cockpit.axes)))
+    lines += map(_pair_text, cockpit.pairs)
+    few = [pair.link.name for pair in cockpit.pairs if not pair.linked_share >= LINKED_SHARE]
+    if few:
+        share = share_text(LINKED_SHARE)
+        verdict += f" With both hands on, fewer than {share} of the settings rendered alone pass: {', '.join(few)}."
+    return Conclusions(not short and not few, verdict, tuple(lines))
+
+
+def _pair_text(pair: PairEnvelope) -> str:
+    """Share of a pair with both hands on, and where it loses most."""
+    between, rendered = " and ".join(pair.link.between), int(pair.rendered.sum())
+    text = f"Link {pair.link.name}, {between}, {name_text(pair.law)}"
+    if not rendered:
+        return f"{text}: neither setting of {pair.settings.count:,} is rendered alone by both sides."
+    text += (
+        f": {share_text(pair.linked_share)} of {rendered:,} settings that both sides render alone are within tolerance with "
+        f"every pair of arms; the required share is {share_text(LINKED_SHARE)}."
+    )
+    worst = min(pair.rows, key=lambda row: row.passes)
+    if worst.passes < 1:
+        failure, share = next(iter(pair.failures.items()))
+        text += f" Fewest, {share_text(worst.passes)}, pass with {worst.first} and {worst.second}."
+        text += f" Most frequent failure: {failure} ({share_text(share)})."
+    return text
 
 
 def _row(axis: str, envelope: Envelope, law: str) -> AxisRow:

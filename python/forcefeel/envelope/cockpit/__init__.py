@@ -1,0 +1,1 @@
+"""Envelopes of a cockpit: each axis by itself, and each linked pair."""
