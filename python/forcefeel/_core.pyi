@@ -696,7 +696,7 @@ def start_loops(
     ],
     period_s: float,
     *,
-    links: Sequence[tuple[tuple[int, int], Sequence[float], int | None, bool]] = ...,
+    links: Sequence[tuple[tuple[int, int], Sequence[float], int | None, bool, bool]] = ...,
     host: str | None = None,
     real_time: bool = True,
     beats: int | None = None,

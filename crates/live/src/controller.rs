@@ -37,7 +37,7 @@ pub struct Controller {
     led: ModifierRamp<f64>,
     wanted: FeelModifiers,
     host: Option<HostControl>,
-    /// What an electronic link does to the feel: torque in N m, damping in N m s/rad.
+    /// What electronic links do to the feel in this cycle: torque in N m, damping in N m s/rad.
     link: [f64; 2],
     /// Whether it was asked to hold or to open, and has not been yet.
     link_asked: Option<bool>,
@@ -164,9 +164,9 @@ impl Controller {
         self.link_asked.take()
     }
 
-    /// What its electronic link does to the feel from the next cycle on: torque in N m and damping in N m s/rad.
-    pub fn link(&mut self, link: [f64; 2]) {
-        self.link = link;
+    /// What one of its electronic links does to the feel in the next cycle: torque in N m and damping in N m s/rad.
+    pub fn link(&mut self, [torque, damping]: [f64; 2]) {
+        self.link = [self.link[0] + torque, self.link[1] + damping];
     }
 
     /// What the host is told of a cycle, if it has sent something since it was told last.
@@ -212,6 +212,7 @@ impl Controller {
         let command =
             Command { cycle: self.cycle, command: verdict.command, enable: verdict.enable, state: verdict.state };
         let row = self.row(sampled, &verdict, &inputs, missed);
+        self.link = [0.0; 2];
         self.cycle += 1;
         self.beats += 1;
         (command, row)

@@ -19,6 +19,8 @@ pub struct FeelLink {
     feels: Option<ElectronicLink<f64>>,
     delay: usize,
     uncouples: bool,
+    /// Whether it opens and closes as its axes are asked: one between two pilots.
+    opens: bool,
     /// It has given way for good.
     uncoupled: bool,
     /// It is to hold.
@@ -30,13 +32,14 @@ pub struct FeelLink {
 
 impl FeelLink {
     /// A link between the axes at `sides`, with so many periods of delay.
-    pub fn new(sides: [usize; 2], link: PilotLink<f64>, delay: usize, uncouples: bool) -> Self {
+    pub fn new(sides: [usize; 2], link: PilotLink<f64>, delay: usize, (uncouples, opens): (bool, bool)) -> Self {
         Self {
             sides,
             link,
             feels: None,
             delay,
             uncouples,
+            opens,
             uncoupled: false,
             holds: true,
             share: 0.0,
@@ -51,7 +54,8 @@ impl FeelLink {
         let begins = self.feels.is_none();
         let feels = self.feels.get_or_insert_with(|| ElectronicLink::new(self.link, self.delay, programmed));
         let seen = feels.sampled(programmed);
-        for asked in [first.link_asked(), second.link_asked()].into_iter().flatten() {
+        let asked = if self.opens { [first.link_asked(), second.link_asked()] } else { [None; 2] };
+        for asked in asked.into_iter().flatten() {
             (self.holds, self.uncoupled) = (asked, false);
         }
         let gives_way = seen.iter().any(|&[phi, _]| self.link.gives_way(phi));
@@ -60,11 +64,11 @@ impl FeelLink {
         // Without supervisors both feels are there from the first sample on.
         let change = if begins { 1.0 } else { first.fade_share() };
         self.share = if self.uncoupled { 0.0 } else { self.share + (goal - self.share).clamp(-change, change) };
-        let damping = self.share * feels.injected(first.period_s());
+        let damping = feels.injected(first.period_s());
         if wanted > 0.0 {
-            self.torques = [-self.link.torque(seen[0]), self.link.torque(seen[1])];
+            self.torques = [0, 1].map(|side| self.link.on_each(self.link.torque(seen[side]))[side]);
         }
-        first.link([self.share * self.torques[0], damping]);
-        second.link([self.share * self.torques[1], damping]);
+        first.link([self.share * self.torques[0], self.share * damping[0]]);
+        second.link([self.share * self.torques[1], self.share * damping[1]]);
     }
 }

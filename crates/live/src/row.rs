@@ -65,9 +65,9 @@ columns! {
     added_stiffness_n_m_per_rad;
     /// Damping likewise, that of an electronic link included, in N m s/rad.
     added_damping_n_m_s_per_rad;
-    /// Torque of an electronic link on the programmed control, in N m.
+    /// Torque of electronic links on the programmed control, in N m.
     link_torque_n_m;
-    /// Damping of that link, in N m s/rad.
+    /// Damping of those links, in N m s/rad.
     link_damping_n_m_s_per_rad;
     /// Share of the host's values; the default feel has the rest.
     host_share;

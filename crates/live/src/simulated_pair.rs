@@ -33,10 +33,10 @@ impl Pair {
             if self.begun {
                 self.step();
             }
-            let start = self.torque(self.beyond);
+            let [on_first, on_second] = self.link.on_each(self.torque(self.beyond));
             let [first, second] = &mut self.sides;
             self.begun = true;
-            if first.arrive(-start) | second.arrive(start) {
+            if first.arrive(on_first) | second.arrive(on_second) {
                 self.fresh = [true; 2];
                 return;
             }
@@ -48,9 +48,8 @@ impl Pair {
         let mut end = self.torque([phi + self.sides[0].step_s() * rate, rate]);
         self.sides.iter_mut().for_each(|side| side.set_out());
         for _ in 0..CORRECTIONS {
-            let [first, second] = &mut self.sides;
-            let (one, other) = (first.advance(-end), second.advance(end));
-            self.beyond = [one[0] - other[0], one[1] - other[1]];
+            let ([first, second], [on_first, on_second]) = (&mut self.sides, self.link.on_each(end));
+            self.beyond = self.link.beyond(first.advance(on_first), second.advance(on_second));
             end = self.torque(self.beyond);
         }
         self.open |= self.uncouples && self.link.gives_way(self.beyond[0]);
@@ -72,7 +71,7 @@ impl Side {
 
 /// Both machines with a shaft between their columns.
 pub fn joined(sides: [Box<dyn Stepped>; 2], link: PilotLink<f64>, uncouples: bool) -> [Box<dyn InputOutput>; 2] {
-    let beyond = [sides[0].angle() - sides[1].angle(), 0.0];
+    let beyond = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
     let pair = Pair { sides, link, uncouples, open: false, beyond, begun: false, fresh: [false; 2] };
     let pair = Arc::new(Mutex::new(pair));
     [0, 1].map(|place| Box::new(Side { pair: Arc::clone(&pair), place }) as Box<dyn InputOutput>)

@@ -1,7 +1,7 @@
 //! Link between two pilots' controls: a compliant shaft with play and a breakout, or its image in two feel computers.
 //!
-//! `phi = theta_1 - theta_2` angle of one control beyond the other · `k`, `c` stiffness and damping · `p` play, full width · `M_b` breakout
-//! torque · `k_a` stiffness after it · `T` torque of the first control on the second · `d` delay from one control's sample to the other's
+//! `phi = theta_1 - r theta_2` angle of one control beyond the other · `r` ratio, 1 between two pilots · `k`, `c` stiffness and damping · `p` play, full width · `M_b` breakout
+//! torque · `k_a` stiffness after it · `T` torque between them: `-T` on the first, `r T` on the second · `d` delay from one control's sample to the other's
 //! feel computer · `c_i` largest damping that is injected
 //!
 //! ```text
@@ -31,7 +31,7 @@ use crate::parameters::Parameter;
 use crate::units::{self, Unit};
 
 /// Rows of a link.
-pub const LINK_ROWS: usize = 7;
+pub const LINK_ROWS: usize = 8;
 
 /// The table of a link's parameters, in the order of its values; a row with `off_us` may be left out.
 pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
@@ -60,6 +60,13 @@ pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
         (50.0, Some(0.0)),
         (0.0, 1e6),
     ),
+    row(
+        "ratio",
+        ("r", "angle of the first control for an angle of the second"),
+        units::RATIO,
+        (0.5, Some(1.0)),
+        (-1e2, 1e2),
+    ),
 ];
 
 const fn row(
@@ -82,15 +89,28 @@ pub struct PilotLink<S> {
     breakout: S,
     stiffness_after: S,
     injected_damping: S,
+    ratio: S,
 }
 
 impl<S: Scalar> PilotLink<S> {
     /// From values in the order of [`LINK_TABLE`].
     #[inline(always)]
     pub fn from_values(
-        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping]: &[S; LINK_ROWS],
+        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping, ratio]: &[S; LINK_ROWS],
     ) -> Self {
-        Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping }
+        Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping, ratio }
+    }
+
+    /// Angle and rate of the first control beyond the second, from those of both.
+    #[inline(always)]
+    pub fn beyond(&self, first: [S; 2], second: [S; 2]) -> [S; 2] {
+        [first[0] - self.ratio * second[0], first[1] - self.ratio * second[1]]
+    }
+
+    /// What a torque between the controls is on each of them.
+    #[inline(always)]
+    pub fn on_each(&self, torque: S) -> [S; 2] {
+        [-torque, self.ratio * torque]
     }
 
     /// What the spring would give without a breakout.
@@ -99,7 +119,7 @@ impl<S: Scalar> PilotLink<S> {
         self.stiffness * (phi - phi.within(self.half_play))
     }
 
-    /// Torque in N m of the first control on the second, from the angle and the rate of one beyond the other.
+    /// Torque in N m between the controls, from the angle and the rate of one beyond the other.
     #[inline(always)]
     pub fn torque(&self, [phi, rate]: [S; 2]) -> S {
         let elastic = self.elastic(phi);
@@ -149,19 +169,20 @@ impl<S: Scalar> ElectronicLink<S> {
             let [then, before] = [delay, delay + 1].map(|back| self.past[(self.sample + length - back) % length][side]);
             [then[0] + (then[0] - before[0]).times(delay as f64 + 0.5), then[1]]
         };
-        let beyond = |first: [S; 2], second: [S; 2]| [first[0] - second[0], first[1] - second[1]];
-        let seen = [beyond(carried(0, 0), carried(1, self.delay)), beyond(carried(0, self.delay), carried(1, 0))];
+        let beyond = |delays: [usize; 2]| self.link.beyond(carried(0, delays[0]), carried(1, delays[1]));
+        let seen = [beyond([0, self.delay]), beyond([self.delay, 0])];
         self.sample += 1;
         seen
     }
 
-    /// Damping in N m s/rad on each control, against the delay and against the period `h` for which the torque is held.
+    /// Damping in N m s/rad on the first control and on the second, against the delay and against the period `h` for which the torque is held.
     #[inline(always)]
     #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
-    pub fn injected(&self, h: S) -> S {
-        let PilotLink { stiffness, stiffness_after, injected_damping, .. } = self.link;
+    pub fn injected(&self, h: S) -> [S; 2] {
+        let PilotLink { stiffness, stiffness_after, injected_damping, ratio, .. } = self.link;
         // c = k (d + h) with the steeper k, at most c_i
-        (stiffness.max(stiffness_after) * h.times((self.delay + 1) as f64)).min(injected_damping)
+        let damping = (stiffness.max(stiffness_after) * h.times((self.delay + 1) as f64)).min(injected_damping);
+        [damping, ratio * ratio * damping]
     }
 
     /// The link.

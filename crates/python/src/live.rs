@@ -147,9 +147,9 @@ pub struct AxisOf<'py>(
     (String, BTreeMap<String, String>),
 );
 
-/// A link: places of both axes, values, periods of delay of an electronic one, whether it uncouples.
+/// A link: places of both axes, values, periods of delay of an electronic one, whether it uncouples, whether it opens and closes as asked.
 #[derive(FromPyObject)]
-pub struct LinkOf([usize; 2], [f64; LINK_ROWS], Option<usize>, bool);
+pub struct LinkOf([usize; 2], [f64; LINK_ROWS], Option<usize>, bool, bool);
 
 /// What is at the other end of an axis.
 enum Other {
@@ -175,7 +175,7 @@ fn machine(setup: &mut Setup, script: Script, address: Option<String>, by_clock:
 fn join(machines: Vec<Other>, links: &[LinkOf]) -> PyResult<Vec<Box<dyn InputOutput>>> {
     let mut machines: Vec<_> = machines.into_iter().map(Some).collect();
     let mut joined: BTreeMap<usize, Box<dyn InputOutput>> = BTreeMap::new();
-    for LinkOf(sides, values, _, uncouples) in links.iter().filter(|link| link.2.is_none()) {
+    for LinkOf(sides, values, _, uncouples, _) in links.iter().filter(|link| link.2.is_none()) {
         match sides.map(|side| machines.get_mut(side).and_then(Option::take)) {
             [Some(Other::Simulated(first)), Some(Other::Simulated(second))] => {
                 let link = PilotLink::from_values(values);
@@ -233,8 +233,8 @@ pub fn start_loops(
         rest.push((controller, requests, every, stops));
     }
     let machines = join(machines, &links)?;
-    let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples)| {
-        delay.map(|delay| FeelLink::new(*sides, PilotLink::from_values(values), delay, *uncouples))
+    let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples, opens)| {
+        delay.map(|delay| FeelLink::new(*sides, PilotLink::from_values(values), delay, (*uncouples, *opens)))
     });
     let links: Vec<_> = electronic.collect();
     if places == 0

@@ -34,17 +34,17 @@ pub fn feel_pair(
     for (first, second) in first.iter_mut().zip(second) {
         [*first, *second] = [at[0][0], at[1][0]];
         for _ in 0..whole(parts) {
-            let torque =
-                |at: [[f64; 2]; 2]| if open { 0.0 } else { link.torque([at[0][0] - at[1][0], at[0][1] - at[1][1]]) };
+            let torque = |at: [[f64; 2]; 2]| if open { 0.0 } else { link.torque(link.beyond(at[0], at[1])) };
             let start = torque(at);
             let mut mean = start;
             let mut next = at;
             for _ in 0..=CORRECTIONS {
-                next = [step(0, at[0], -mean), step(1, at[1], mean)];
+                let on_each = link.on_each(mean);
+                next = [0, 1].map(|side| step(side, at[side], on_each[side]));
                 mean = f64::midpoint(start, torque(next));
             }
             at = next;
-            open = open || uncouples && link.gives_way(at[0][0] - at[1][0]);
+            open = open || uncouples && link.gives_way(link.beyond(at[0], at[1])[0]);
         }
     }
 }

@@ -164,10 +164,9 @@ pub fn run_pair(
     let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
     let mut electronic =
         joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
-    let beyond = |[first, second]: [[f64; 2]; 2]| [first[0] - second[0], first[1] - second[1]];
-    let injected = electronic.as_ref().map_or(0.0, |electronic| electronic.injected(job.shared.period_s()));
+    let injected = electronic.as_ref().map_or([0.0; 2], |electronic| electronic.injected(job.shared.period_s()));
     let mut open = false;
-    let mut at = [sides[0].angle() - sides[1].angle(), 0.0];
+    let mut at = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
     let mut on_feel = [[0.0; 2]; 2];
     for step in 0..=steps {
         open = open || joint.disconnect.is_some_and(|disconnect| step >= disconnect);
@@ -179,15 +178,16 @@ pub fn run_pair(
             let seen = electronic.sampled([sides[0].programmed(), sides[1].programmed()]);
             at = seen[0];
             open = open || joint.uncouples && seen.iter().any(|&[phi, _]| link.gives_way(phi));
-            let on = |torque: f64| if open { [0.0; 2] } else { [torque, injected] };
-            on_feel = [on(-link.torque(seen[0])), on(link.torque(seen[1]))];
+            let on = |side: usize| [link.on_each(link.torque(seen[side]))[side], injected[side]];
+            on_feel = [0, 1].map(|side| if open { [0.0; 2] } else { on(side) });
         }
-        for (side, (sign, on_feel)) in sides.iter_mut().zip([-1.0, 1.0].into_iter().zip(on_feel)) {
-            side.begin(step, sign * start, on_feel);
+        let on_columns = link.on_each(start);
+        for (side, (on_column, on_feel)) in sides.iter_mut().zip(on_columns.into_iter().zip(on_feel)) {
+            side.begin(step, on_column, on_feel);
         }
         if step % every == 0 {
             let hands = [0, 1].map(|side: usize| sides[side].outputs(rows));
-            rows.extend([on_feel[0][0] - start, on_feel[1][0] + start]);
+            rows.extend([on_feel[0][0] + on_columns[0], on_feel[1][0] + on_columns[1]]);
             rows.extend(hands);
             rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
         }
@@ -198,8 +198,8 @@ pub fn run_pair(
         } else {
             let mut end = torque([at[0] + h * at[1], at[1]]);
             for _ in 0..CORRECTIONS {
-                let [first, second] = &mut sides;
-                at = beyond([first.advance(-end), second.advance(end)]);
+                let ([first, second], [on_first, on_second]) = (&mut sides, link.on_each(end));
+                at = link.beyond(first.advance(on_first), second.advance(on_second));
                 end = torque(at);
             }
             open = open || joint.uncouples && link.gives_way(at[0]);

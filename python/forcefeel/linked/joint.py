@@ -47,7 +47,8 @@ def common_step(link: Link, loaders: tuple[Loader, Loader], scenario: Scenario) 
 
 def _check_stiffness(link: Link, loaders: tuple[Loader, Loader], step_s: float) -> None:
     """Refuses a shaft on which both columns swing too fast for the step."""
-    per_inertia = sum(1 / loader["column.inertia"] for loader in loaders)
+    first, second = (1 / loader["column.inertia"] for loader in loaders)
+    per_inertia = first + link["ratio"] ** 2 * second
     steepest = max(link["stiffness"], link["stiffness_after"])
     rate = max(np.sqrt(steepest * per_inertia), link["damping"] * per_inertia)
     if rate * step_s > MOST_SWING:

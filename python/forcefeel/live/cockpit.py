@@ -12,7 +12,7 @@ from forcefeel.linked.joint import common_step, delay_periods
 from forcefeel.live.endpoint import Endpoint, Simulated
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.starting import HISTORY, MOST_RECORD_BYTES, Axis, launch, listening, opened_record
-from forcefeel.loader.links import AfterBreakout, Link
+from forcefeel.loader.links import AfterBreakout, Link, LinkKind
 from forcefeel.loader.project import Project
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import show
@@ -101,12 +101,11 @@ class LiveCockpit(Mapping[str, LiveSession]):
             session.connect()
 
     def _sides(self, link: str) -> list[LiveSession]:
-        if link not in self.project.links:
-            known = (
-                f"one of {', '.join(self.project.links)}" if self.project.links else "a link in [links] of the project"
-            )
-            raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, self.project.links)}")
-        return [self[axis] for axis in self.project.links[link].between]
+        links = self.project.pilot_links
+        if link not in links:
+            known = f"one of {', '.join(links)}" if links else "a link between two pilots in [links] of the project"
+            raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, links)}")
+        return [self[axis] for axis in links[link].between]
 
     def wait(self, cycles: int, timeout_s: float = 60.0) -> None:
         """Wait until each axis has ``cycles`` further cycles, or the loop has ended.
@@ -179,17 +178,21 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
                 joint.values.tolist(),
                 delay_periods(joint, sides),
                 joint.after_breakout is AfterBreakout.UNCOUPLE,
+                joint.joins_pilots,
             )
         )
         period = sides[0]["controller.period"]
         for axis in joint.between:
-            of_axis[axis] = joint
+            if joint.joins_pilots:
+                of_axis[axis] = joint
             end = ends[axis]
-            if isinstance(end, Simulated):
-                scenario = end.scenario or Scenario(duration_s=period, sample_s=period)
-                # In real time the machine goes on after its scenario, so one of a period is as good as none.
-                common = replace(scenario, step_s=common_step(joint, sides, scenario))
-                ends[axis] = Simulated(common)
+            if not isinstance(end, Simulated):
+                continue
+            # In real time the machine goes on after its scenario, so one of a period is as good as none.
+            scenario = end.scenario or Scenario(duration_s=period, sample_s=period)
+            step_s = common_step(joint, sides, scenario)
+            if joint.kind is LinkKind.MECHANICAL:
+                ends[axis] = Simulated(replace(scenario, step_s=step_s))
     axes = []
     for axis, loader in project.loaders.items():
         axis_law = law.get(axis) if isinstance(law, Mapping) else law

@@ -154,7 +154,7 @@ def launch(
     host: str | None,
     real_time: bool,
     record: Recorded | None,
-    links: Sequence[tuple[tuple[int, int], list[float], int | None, bool]] = (),
+    links: Sequence[tuple[tuple[int, int], list[float], int | None, bool, bool]] = (),
     history: int = HISTORY,
 ) -> list[LiveSession]:
     """Start the thread of a loop with all its axes.

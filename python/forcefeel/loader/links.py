@@ -1,10 +1,16 @@
-"""The links of a project file: what joins the controls of two pilots.
+"""The links of a project file: what joins the controls of two pilots, or two axes of one.
 
 [links.pitch]
 between = ["pitch", "pitch-first-officer"]
 kind = "mechanical"           # or "electronic"
 stiffness = "4000 lb in/rad"
 breakout = "1000 lb in"
+
+[links.aileron-rudder]        # an interconnect: pedals toward a tenth of the wheel's angle
+between = ["yaw", "roll"]
+kind = "electronic"
+ratio = 0.1
+stiffness = "500 lb in/rad"
 """
 
 from collections.abc import Mapping
@@ -18,6 +24,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError, suggestion
+from forcefeel.loader.axes import motion_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import in_range, range_text, unit, with_unit
 from forcefeel.units import UnitSystem, parse, show
@@ -67,6 +74,11 @@ class Link:
     after_breakout: AfterBreakout
     values: NDArray[np.float64]
 
+    @property
+    def joins_pilots(self) -> bool:
+        """Whether it joins the same control of two pilots; otherwise it is an interconnect of two axes."""
+        return motion_axis(self.between[0]) == motion_axis(self.between[1])
+
     def __getitem__(self, name: str) -> float:
         """The SI value of a row of ``LINK_TABLE``."""
         return float(self.values[list(LINK_TABLE).index(name)])
@@ -86,10 +98,12 @@ def read_links(given: object, loaders: Mapping[str, Loader]) -> Mapping[str, Lin
     for name, rows in given.items():
         try:
             links[name] = link = _link(name, rows, loaders)
-            for axis in link.between:
+            # A shaft takes a column of its own, a link of pilots the buttons that open it.
+            for axis in link.between if link.joins_pilots or link.kind is LinkKind.MECHANICAL else ():
                 if axis in taken:
                     raise InputError(
-                        f"between: {axis} is linked by {taken[axis]} already; expected one link for each axis"
+                        f"between: {axis} is linked by {taken[axis]} already; expected one link for each axis, and interconnects "
+                        f'of kind = "electronic"'
                     )
                 taken[axis] = name
         except InputError as error:
@@ -116,7 +130,16 @@ def _link(name: str, given: object, loaders: Mapping[str, Loader]) -> Link:
     if after is AfterBreakout.UNCOUPLE and "stiffness_after" in given:
         raise InputError("stiffness_after: is of an override, and this link uncouples; leave one out")
     values = np.array([_value(row, given.get(row.name)) for row in LINK_TABLE.values()])
-    return Link(name, between, kind, after, values)
+    link = Link(name, between, kind, after, values)
+    if link.joins_pilots and "ratio" in given:
+        raise InputError(
+            "ratio: is of an interconnect of two axes, and this link joins one control of two pilots; leave it out"
+        )
+    if not link["ratio"]:
+        raise InputError(
+            "ratio: expected a number other than 0, got 0; leave the link out, or give it an angle to follow"
+        )
+    return link
 
 
 def _between(given: object, loaders: Mapping[str, Loader]) -> tuple[str, str]:

@@ -47,6 +47,11 @@ class Project:
     stops: Mapping[str, tuple[str, ...]]
 
     @property
+    def pilot_links(self) -> Mapping[str, Link]:
+        """The links that join the same control of two pilots, without interconnects."""
+        return {name: link for name, link in self.links.items() if link.joins_pilots}
+
+    @property
     def name(self) -> str:
         """What it is called: by its file."""
         return self.path.stem

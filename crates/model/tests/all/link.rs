@@ -12,14 +12,14 @@ const SUM_ERROR: f64 = 2e-3;
 #[test]
 fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
     // k, c, p, M_b, k_a
-    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0]);
+    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 1.0]);
     let cases: [(f64, f64); 6] = [(0.009, 0.0), (0.03, 4.0), (-0.03, -4.0), (0.06, 10.0), (0.08, 11.0), (-0.08, -11.0)];
     for (phi, expected) in cases {
         assert!((link.torque([phi, 0.0]) - expected).abs() < 1e-12, "{phi}");
         assert!((link.torque([phi, 2.0]) - expected - 6.0).abs() < 1e-12, "{phi}");
         assert_eq!(link.gives_way(phi), phi.abs() > 0.0601, "{phi}");
     }
-    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0]);
+    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0]);
     assert!((stiff.torque([3.0, 0.0]) - 600.0).abs() < 1e-9);
     assert!(!stiff.gives_way(1e9));
 }
@@ -28,7 +28,8 @@ fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
 fn the_table_holds_its_own_values() {
     for row in LINK_TABLE {
         assert!(row.minimum_us <= row.default_us && row.default_us <= row.maximum_us, "{}", row.name);
-        assert!(row.off_us.is_none_or(|off| off == 0.0 || off == f64::INFINITY), "{}", row.name);
+        let off = if row.name == "ratio" { 1.0 } else { 0.0 };
+        assert!(row.off_us.is_none_or(|value| value == off || value == f64::INFINITY), "{}", row.name);
     }
 }
 
@@ -50,6 +51,7 @@ fn step(draws: &mut Draws) -> usize {
 fn drawn(draws: &mut Draws) -> ([f64; LINK_ROWS], [Vec<f64>; 2], usize) {
     let between = |draws: &mut Draws, high: f64| draws.uniform().abs() * high;
     let mut values = [0.0; LINK_ROWS];
+    values[LINK_ROWS - 1] = 2.0 * draws.uniform();
     for (value, high) in values.iter_mut().zip([2000.0, 20.0, 0.05, 100.0, 500.0]) {
         *value = between(draws, high);
     }
@@ -69,12 +71,13 @@ fn no_energy_comes_out_of_a_mechanical_link() {
         let (values, [first, second], disconnect) = drawn(draws);
         let (link, uncouples) = (PilotLink::from_values(&values), draws.uniform() > 0.0);
         let (mut out, mut through, mut open) = (0.0, 0.0, false);
-        let phi: Vec<_> = first.iter().zip(&second).map(|(a, b)| a - b).collect();
+        let phi: Vec<_> = first.iter().zip(&second).map(|(a, b)| a - values[LINK_ROWS - 1] * b).collect();
         for k in 0..STEPS {
             open = open || k >= disconnect || uncouples && link.gives_way(phi[k]);
             let moved = phi[k + 1] - phi[k];
             let ends = [phi[k], phi[k + 1]].map(|at| if open { 0.0 } else { link.torque([at, moved / STEP_S]) });
-            let work = -0.5 * (ends[0] + ends[1]) * moved;
+            let [on_first, on_second] = link.on_each(0.5 * (ends[0] + ends[1]));
+            let work = on_first * (first[k + 1] - first[k]) + on_second * (second[k + 1] - second[k]);
             (out, through) = (out + work, through + f64::abs(work));
             assert!(out <= SUM_ERROR * through, "run {run}, step {k}: {out} J of {through} J");
         }
@@ -89,7 +92,7 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
     // The bound is that of a spring: a damper over a delay is another's.
     (values[1], values[6]) = (0.0, injected);
     let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay, [[0.0; 2]; 2]);
-    let damping = link.injected(STEP_S);
+    let dampings = link.injected(STEP_S);
     let (mut out, mut most, mut through) = (0.0, 0.0f64, 0.0);
     for k in 0..STEPS {
         let seen = link.sampled([[first[k], 0.0], [second[k], 0.0]]);
@@ -97,8 +100,8 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
             break;
         }
         let moved = [first[k + 1] - first[k], second[k + 1] - second[k]];
-        let torques = [-link.link().torque(seen[0]), link.link().torque(seen[1])];
-        for (torque, moved) in torques.into_iter().zip(moved) {
+        let torques = [0, 1].map(|side| link.link().on_each(link.link().torque(seen[side]))[side]);
+        for ((torque, damping), moved) in torques.into_iter().zip(dampings).zip(moved) {
             // A rate that changes within the period takes more than its mean.
             out += torque * moved - damping * moved * moved / STEP_S;
             through += f64::abs(torque * moved);

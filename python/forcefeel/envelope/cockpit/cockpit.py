@@ -114,7 +114,7 @@ def find_cockpit(
         [('pitch', 'original')]
     """
     plans = project.each(lambda axis, loader: replace(plan(loader), axis=rule_axis(axis)))
-    linked = {link: (plans[link.between[0]], plans[link.between[1]]) for link in project.links.values()}
+    linked = {link: (plans[link.between[0]], plans[link.between[1]]) for link in project.pilot_links.values()}
     for link, sides in linked.items():
         bare = {**project.loaders, **dict(zip(link.between, (plan.loader for plan in sides), strict=True))}
         try:

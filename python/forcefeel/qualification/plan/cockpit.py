@@ -91,7 +91,7 @@ def qualify_cockpit(
     axes = project.each(qualified)
     links = {
         name: check_link(project, name, _first_law(first))
-        for name, link in project.links.items()
+        for name, link in project.pilot_links.items()
         if check_link and not (first := setup(project.loaders[link.between[0]])).tests
     }
     return CockpitQualification(project.name, axes, links)
