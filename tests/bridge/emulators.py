@@ -41,7 +41,7 @@ class XPlaneEmulator:
                 pass
             if self._client and time.monotonic() - sent >= 1 / 60:
                 sent = time.monotonic()
-                asked = {k: name for k, (rate, name) in self.asked.items() if rate}
+                asked = {k: name for k, (rate, name) in self.asked.items() if rate and name in self.values}
                 body = b"".join(struct.pack("<if", k, self.values[name]) for k, name in asked.items())
                 self._wire.sendto(b"RREF," + body, self._client)
 

@@ -117,6 +117,33 @@ def test_x_plane_state_has_si_units():
     assert (numbers["tab"], numbers["jam_force"]) == pytest.approx((0.2, 400.0))
 
 
+TUBE = ("sim/operation/failures/rel_elv_R_jam", "sim/cockpit2/controls/torque_tube_split_pitch")
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "split", "jammed"),
+    [
+        (0.0, 6.0, 0.0, True),
+        (0.0, 6.0, 1.0, False),
+        (6.0, 0.0, 1.0, True),
+        (0.0, 5.0, 0.0, False),
+        (0.0, None, None, False),
+    ],
+)
+def test_torque_tube_carries_a_jam_of_the_other_side_until_it_splits(left, right, split, jammed):
+    """An X-Plane without the tube does not answer its datarefs."""
+    tube = {} if right is None else dict(zip(TUBE, (right, split), strict=True))
+    with XPlaneEmulator({**FLIGHT, "sim/operation/failures/rel_elv_L_jam": left, **tube}) as x_plane:
+        simulator = ff.bridge.XPlane(x_plane.address, ff.bridge.Axis.PITCH)
+        until, states = time.monotonic() + PATIENCE_S, []
+        while len(states) < 5:  # every dataref has been answered
+            assert time.monotonic() < until
+            states += [state] if (state := simulator.receive()) else []
+            time.sleep(0.005)
+        simulator.close()
+    assert states[-1].jammed == jammed
+
+
 def text_state(*lines: bytes):
     simulator = ff.bridge.Text(("127.0.0.1", 0))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:

@@ -143,7 +143,8 @@ def test_aircraft_of_each_category_meet_their_rules(name, monkeypatch):
     data = control_data(name)
     report = ff.fly.fly_rules(ff.fly.FlightCase(LOADER, name, data.speed_m_per_s, data.altitude_m, "robust"))
     assert {verdict.rule.category for verdict in report.verdicts} == {None, data.category}
-    assert ("flaps: altitude" in {verdict.quantity for verdict in report.verdicts}) == (name == "737")
+    quantities = {verdict.quantity for verdict in report.verdicts}
+    assert ("flaps: altitude" in quantities, "gear: altitude" in quantities) == (name == "737", True)
     outcomes = {verdict.quantity: verdict.outcome for verdict in report.verdicts}
     for slow in ("free return", "phugoid: period", "phugoid: damping ratio"):  # flown for a moment only
         outcomes.pop(slow, None)
@@ -206,6 +207,7 @@ def test_options_that_do_not_go_together_are_refused(forcefeel):
         (("--out-dir", "a"), "--out-dir: requires --maneuver"),
         (("--maneuver", "stal"), "did you mean stall?"),
         (("--maneuver", "flaps", "--aircraft", "f16"), "f16 has no flaps that a lever moves"),
+        (("--maneuver", "gear"), "c172p has no gear that a lever moves"),
         (("elevator-1974", "--rules"), "a live loop requires"),
         (("--maneuver", "release", "--off-trim", "100 %"), "off trim: expected"),
         (("--maneuver", "release", "--speed", "60 kt", "--off-trim", "50 %"), "does not trim at 30 kt"),

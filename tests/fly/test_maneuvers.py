@@ -112,6 +112,36 @@ def test_levers_move_and_the_hand_is_off(case):
         assert sign * changes[-1] > 0
 
 
+def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
+    """The T38's stick has its bobweight: ``G theta = -R W (n - n_0) - q S c (C_delta theta + tab)``; less drag, a new pitch."""
+    case = ff.fly.FlightCase(ff.digital_elevator(), "T38", 300 * KNOT, 3048.0, "robust")
+    speed = ff.fly.fly_maneuver(case, "gear").alone.states["calibrated_airspeed"]
+    model = jsbsim.FGFDMExec(None)
+    model.set_debug_level(0)
+    model.load_model("T38")
+    model.set_dt(0.002)
+    model["ic/vc-kts"], model["ic/h-sl-ft"], model["ic/gamma-deg"] = 300.0, 3048 / FT, 0.0
+    model["propulsion/fuel_freeze"] = 1
+    model.run_ic()
+    model["propulsion/set-running"] = -1
+    model["simulation/do_simple_trim"] = 1
+    pressure = 4.4482216152605 / FT**2 * 0.5 * 1.3 * FT**3
+    ailerons, command, trim = (model[f"fcs/{key}-cmd-norm"] for key in ("aileron", "elevator", "pitch-trim"))
+    arm, share = case.feel["column.grip_arm"], command + trim
+    tab = -arm * -13.0 * model["accelerations/Nz"] / (model["aero/qbar-psf"] * pressure)
+    speeds = []
+    for k in range(len(speed)):
+        speeds.append(model["velocities/vc-kts"] * KNOT)
+        moment = model["aero/qbar-psf"] * pressure
+        angle = (13.0 * arm * model["accelerations/Nz"] - moment * tab) / (150.0 + moment)
+        model["gear/gear-cmd-norm"] = 1 - min(1.0, max(0.0, (0.002 * k - 5.0)))
+        model["fcs/aileron-cmd-norm"] = ailerons - model["attitude/phi-rad"] - 0.5 * model["velocities/p-rad_sec"]
+        model["fcs/elevator-cmd-norm"] = share + angle / np.radians(10) - trim
+        model.run()
+    assert speed == pytest.approx(np.array(speeds), rel=QUASI_STEADY)
+    assert abs(speed[-1] - speed[0]) > 0.02 * speed[0]
+
+
 def test_stall_slows_until_the_wing_no_longer_carries(case):
     measures = {measure.name: measure.alone for measure in ff.fly.fly_maneuver(case, "stall").measures}
     assert 40 * KNOT < measures["smallest calibrated airspeed"] < 60 * KNOT  # its book has 44 to 51 kt

@@ -5,7 +5,8 @@ and a byte, then index (int32) and value (float32) of each. ``DREF`` and a zero 
 set it. Little-endian.
 
 Source: Laminar Research, X-Plane, "Exchanging Data with X-Plane" (folder ``Instructions``), and the list of datarefs at
-developer.x-plane.com; article "Flight Control Splits" for jams.
+developer.x-plane.com; article "Flight Control Splits": the torque tube carries a jam of the right side to the left control until it
+splits.
 """
 
 import socket
@@ -24,6 +25,9 @@ RENEWED_S = 5.0
 FAILED = 6.0
 """Value of ``sim/operation/failures``: inoperative."""
 
+_SPLITS = 0.5
+"""Between a joined torque tube, 0, and a split one, 1."""
+
 _POSITION = "sim/flightmodel/position"
 _NUMBERS = (
     f"{_POSITION}/true_airspeed",
@@ -39,7 +43,8 @@ _NUMBERS = (
     "sim/cockpit2/annunciators/stall_warning",
 )
 _TRIM = {Axis.PITCH: "elevator_trim", Axis.ROLL: "aileron_trim", Axis.YAW: "rudder_trim"}
-_JAM = {Axis.PITCH: "rel_elv_L_jam", Axis.ROLL: "rel_ail_L_jam", Axis.YAW: "rel_rud_L_jam"}
+_SURFACE = {Axis.PITCH: "elv", Axis.ROLL: "ail", Axis.YAW: "rud"}
+_SPLIT = {Axis.PITCH: "torque_tube_split_pitch", Axis.ROLL: "torque_tube_split_roll"}
 _RATIO = {Axis.PITCH: "yoke_pitch_ratio", Axis.ROLL: "yoke_roll_ratio", Axis.YAW: "yoke_heading_ratio"}
 _OVERRIDE = {Axis.PITCH: "pitch", Axis.ROLL: "roll", Axis.YAW: "heading"}
 
@@ -56,11 +61,17 @@ class XPlane:
 
     def __init__(self, address: tuple[str, int], axis: Axis) -> None:
         self._address = address
-        self._datarefs = (
+        self._datarefs: tuple[str, ...] = (
             *_NUMBERS,
             f"sim/flightmodel2/controls/{_TRIM[axis]}",
-            f"sim/operation/failures/{_JAM[axis]}",
+            f"sim/operation/failures/rel_{_SURFACE[axis]}_L_jam",
         )
+        self._required = range(len(self._datarefs))
+        if axis in _SPLIT:  # an X-Plane that has no torque tube does not answer these
+            self._datarefs += (
+                f"sim/operation/failures/rel_{_SURFACE[axis]}_R_jam",
+                f"sim/cockpit2/controls/{_SPLIT[axis]}",
+            )
         self._ratio = f"sim/joystick/{_RATIO[axis]}"
         self._override = f"sim/operation/override/override_joystick_{_OVERRIDE[axis]}"
         self._values: dict[int, float] = {}
@@ -76,11 +87,13 @@ class XPlane:
         with suppress(BlockingIOError, ConnectionRefusedError):
             while True:
                 new = self._take(self._wire.recv(4096)) or new
-        if not new or len(self._values) < len(self._datarefs):
+        if not new or any(k not in self._values for k in self._required):
             return None
         speed, density, alpha, beta, p, q, r, load_factor, mach, paused, stalls, trim, jam = (
-            self._values[k] for k in range(len(self._datarefs))
+            self._values[k] for k in self._required
         )
+        other_jam, split = (self._values.get(len(self._required) + k, 0.0) for k in range(2))
+        jammed = jam >= FAILED or (other_jam >= FAILED and split < _SPLITS)
         numbers = {
             "dynamic_pressure": 0.5 * density * speed**2,
             "true_airspeed": speed,
@@ -93,7 +106,7 @@ class XPlane:
             "mach": mach,
             "tab": trim,
         }
-        return SimulatorState(numbers, frozen=paused != 0, jammed=jam >= FAILED, shaken=stalls != 0)
+        return SimulatorState(numbers, frozen=paused != 0, jammed=jammed, shaken=stalls != 0)
 
     def move(self, share: float) -> None:
         """Takes the control from X-Plane's joystick and sets it."""

@@ -187,13 +187,19 @@ class Aircraft:
         """Move the flap lever."""
         self._model["fcs/flap-cmd-norm"] = share
 
-    def has_flaps(self) -> bool:
-        """Whether the lever moves flaps: it is pulled, and the aircraft flown for a second."""
+    def set_gear(self, share: float) -> None:
+        """Move the lever of the landing gear; 1 is down, as JSBSim trims it."""
+        self._model["gear/gear-cmd-norm"] = share
+
+    def moved_by_levers(self) -> dict[str, bool]:
+        """Whether the levers move flaps and gear: they are pulled, and the aircraft flown for a second."""
         self.set_flaps(1.0)
+        self.set_gear(0.0)
         with silent():
             for _ in range(round(1 / FRAME_S)):
                 self.fly(self.trimmed)
-        return any(self._model[f"fcs/flap-pos-{unit}"] for unit in ("norm", "deg", "rad"))
+        flaps = any(self._model[f"fcs/flap-pos-{unit}"] for unit in ("norm", "deg", "rad"))
+        return {"flaps": flaps, "gear": self._model["gear/gear-pos-norm"] < 1}
 
     def set_bank(self, bank_rad: float) -> None:
         """Roll towards a bank by the ailerons, with an autopilot's damping."""

@@ -94,9 +94,9 @@ class FlightCase:
         return live_law(self.law, self.feel)
 
     @cached_property
-    def has_flaps(self) -> bool:
-        """Whether JSBSim's aircraft has flaps."""
-        return self.at().has_flaps()
+    def without(self) -> tuple[str, ...]:
+        """Of flaps and gear those that JSBSim's aircraft does not move."""
+        return tuple(name for name, moves in self.at().moved_by_levers().items() if not moves)
 
     @cached_property
     def force_per_g_n(self) -> float:

@@ -36,10 +36,10 @@ GRAVITY = 9.80665
 _BEGINS_S, _RAMP_S, _TURN_S = 1.0, 2.0, 6.0
 """Time of calm at the start, time in which hand or target moves, time in which a turn winds up."""
 _CALM_S, _CHANGE_S, _AFTER_S = 5.0, 1.0, 15.0
-"""Of a change of power or flaps, as 14 CFR Part 60 records it."""
+"""Of a change of power, flaps or gear, as 14 CFR Part 60 records it."""
 _FLAPS = 0.5
 CHANGED = {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE}
-"""States in which a change of power or flaps is measured, and their units: 14 CFR Part 60 App. A 2.c.1, 2.c.2."""
+"""States in which a change of power, flaps or gear is measured, and their units: 14 CFR Part 60 App. A 2.c.1, 2.c.2, 2.c.4."""
 _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
 _QUICK_STEP_S, _QUICK_ORDER, _QUICK_RAD_PER_S, _STUCK_RAD = 0.016, 6, 1.0, 1e-3
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
@@ -157,7 +157,8 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
 
     Args:
         case: Loader, aircraft and trimmed flight.
-        name: In pitch ``pull-up``, ``wind-up-turn``, ``release``, ``phugoid``, ``short-period``, ``power``, ``flaps`` or ``stall``;
+        name: In pitch ``pull-up``, ``wind-up-turn``, ``release``, ``phugoid``, ``short-period``, ``power``, ``flaps``,
+            ``gear`` or ``stall``;
             in roll ``roll-rate`` or ``sideslip``, in yaw ``yaw-rate`` or ``sideslip``.
         request: Its numbers.
 
@@ -341,20 +342,22 @@ def _quick_modes(flown: Flown) -> _Numbers:
     return numbers
 
 
-def _lever(case: FlightCase, request: ManeuverRequest, *, flaps: bool) -> _Plan:
-    """Hands off while throttle or flaps move.
+def _lever(case: FlightCase, request: ManeuverRequest, *, lever: str) -> _Plan:
+    """Hands off while throttle or flaps move, or the gear goes up.
 
     Raises:
-        InputError: If there are no flaps.
+        InputError: If there are no flaps, or the gear is fixed.
     """
-    if flaps and not case.has_flaps:
-        raise InputError(f"aircraft: JSBSim's {case.aircraft} has no flaps that a lever moves; take another maneuver")
+    if lever in case.without:
+        raise InputError(f"aircraft: JSBSim's {case.aircraft} has no {lever} that a lever moves; take another maneuver")
     throttle = case.trim.throttle
 
     def levers(time_s: float, aircraft: Aircraft) -> None:
         moved = _ramp(time_s, _CALM_S, _CHANGE_S)
-        if flaps:
+        if lever == "flaps":
             aircraft.set_flaps(_FLAPS * moved)
+        elif lever == "gear":
+            aircraft.set_gear(1 - moved)
         else:
             aircraft.set_throttle(throttle + (1 - throttle) * moved)
 
@@ -365,7 +368,7 @@ def _lever(case: FlightCase, request: ManeuverRequest, *, flaps: bool) -> _Plan:
             for name, unit in CHANGED.items()
         }
 
-    label = f"flaps to {100 * _FLAPS:g} %" if flaps else "full power"
+    label = {"power": "full power", "flaps": f"flaps to {100 * _FLAPS:g} %", "gear": "gear up"}[lever]
     return _Plan(lambda: lambda *_: 0.0, _CALM_S + _CHANGE_S + _AFTER_S, measured, levers, label=label)
 
 
@@ -466,8 +469,9 @@ MANEUVERS: dict[str, Callable[[FlightCase, ManeuverRequest], _Plan]] = {
     "release": _release,
     "phugoid": _phugoid,
     "short-period": _short_period,
-    "power": partial(_lever, flaps=False),
-    "flaps": partial(_lever, flaps=True),
+    "power": partial(_lever, lever="power"),
+    "flaps": partial(_lever, lever="flaps"),
+    "gear": partial(_lever, lever="gear"),
     "stall": _stall,
     "roll-rate": _rate,
     "yaw-rate": _rate,

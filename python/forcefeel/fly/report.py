@@ -37,6 +37,7 @@ _EACH_SIDE = 2
 _HISTORIES = {
     "power": CHANGED,
     "flaps": CHANGED,
+    "gear": CHANGED,
     "short-period": {"pitch_attitude": ANGLE, "load_factor": LOAD_FACTOR},
 }
 """Maneuvers whose time histories are compared."""
@@ -118,7 +119,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         _point(case, f"{100 * share:.4g} % of the trim speed", partial(case.at, share * case.speed_m_per_s))
         for share in _SPEEDS
     ]
-    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name != "flaps" or case.has_flaps]
+    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name not in case.without]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
     maneuvers, faults = _fly_maneuvers(case, requests, progress)
@@ -129,7 +130,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         progress("out of trim")
         flown["smallest force per g out of trim"] = out_of_trim(case)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
-    applying = [rule for rule in flight_rules() if rule.applies(data) and (case.has_flaps or not rule.of_flaps)]
+    applying = [rule for rule in flight_rules() if rule.applies(data) and rule.maneuver not in case.without]
     if data.category == "military" and not isinstance(flown["force per g"], str):
         conditions["n / alpha"] = _n_per_alpha(case)
     verdicts = tuple(verdict for rule in applying for verdict in judge(rule, flown, conditions))
@@ -329,8 +330,9 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
     ]
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
-    if report.case.axis == "pitch" and not report.case.has_flaps:
-        findings.append(f"JSBSim's {report.case.aircraft} has no flaps: 2.c.2 does not apply.")
+    for name in report.case.without if report.case.axis == "pitch" else ():
+        number = {"flaps": "2.c.2", "gear": "2.c.4"}[name]
+        findings.append(f"JSBSim's {report.case.aircraft} has no {name} that a lever moves: {number} does not apply.")
     findings.append(f"The numbers of the aircraft's {report.case.axis} control are illustrative.")
     name = f"{report.case.loader.name} as the {report.case.axis} control of {report.case.aircraft}"
     return Conclusions(report.fulfilled, f"{name}: {rows}.", tuple(findings))

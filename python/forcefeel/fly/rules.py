@@ -120,9 +120,9 @@ class FlightRule(BaseModel):
         return self.label + ("" if self.verified else " (unverified)")
 
     @property
-    def of_flaps(self) -> bool:
-        """Whether it needs flaps."""
-        return any(tolerance.quantity.startswith("flaps:") for tolerance in self.tolerances)
+    def maneuver(self) -> str:
+        """The maneuver of a simulator's row."""
+        return self.tolerances[0].quantity.partition(":")[0] if self.tolerances else ""
 
     def applies(self, data: ControlData) -> bool:
         """Whether it is for a control of an aircraft."""
