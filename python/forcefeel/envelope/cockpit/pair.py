@@ -43,8 +43,8 @@ COLORS_LINKED = {**COLORS, NOT_ALONE: "#DDDDDD"}
 """Color of each outcome on the maps of a link."""
 
 _OFF, _LEFT = 0.02, 0.9
-"""A column swings on if, in the last quarter of the record, it is off its ideal by this share of the release angle, and by this share
-of its largest error in the quarter before.
+"""A column swings on if, in the last quarter of the record, it is off its ideal by this share of the release angle, and by this
+share of its largest error in the quarter before.
 """
 
 _Codes = NDArray[np.int8]
