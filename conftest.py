@@ -71,7 +71,7 @@ def _few(line: str) -> str:
     command, *comment = re.split(r"(?<=\S)\s+(?=# )", line, maxsplit=1)
     name = command.split()[1]
     takes_settings = name in _FEW and command.startswith("forcefeel")
-    if not takes_settings or (name == "law" and "--envelope" not in command):
+    if not takes_settings or (name == "law" and "--envelope" not in command) or "frontier linked" in command:
         return line
     axes = re.findall(r"--grid [\"'](\w+)=", command)
     options = re.findall(r'--\w+ (?:"[^"]*"|\S+)', _FEW[name])

@@ -147,6 +147,7 @@ FLOW = Unit("m^3/s", "cm^3/s", "in^3/s", "m3_per_s")
 FORCE = Unit("N", "N", "lb", "n")
 INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
 ROTARY_STIFFNESS = Unit("N m/rad", "N m/rad", "lb in/rad", "n_m_per_rad")
+ROTARY_DAMPING = Unit("N m s/rad", "N m s/rad", "lb in s/rad", "n_m_s_per_rad")
 VOLTAGE_RATE = Unit("V/s", "V/s", "V/s", "v_per_s")
 
 BY_SI = {

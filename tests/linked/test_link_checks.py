@@ -10,7 +10,7 @@ import pytest
 import forcefeel as ff
 from tests.linked.pairs import EXAMPLES, LB, LB_IN, project
 
-TRANSPORT = str(Path(EXAMPLES, "transport-column.toml").resolve())
+TRANSPORT, UNCOUPLING = (str(Path(EXAMPLES, f"{name}.toml").resolve()) for name in ("transport-column", "uncoupling"))
 
 SLOW, RUBS = 0.01, 0.1
 """Of a slow push against a link of known rows; of friction that is beyond the breakout where the hand moves on."""
@@ -58,14 +58,43 @@ def test_link_that_is_out_of_reach_is_told():
     assert not checks["breakout, up"].passed
 
 
+def with_link(axes, name, kind=None, **rows):
+    """The project with other values of a link, SI."""
+    link = axes.links[name]
+    values = np.array([rows.get(row, link[row]) for row in ff.loader.links.LINK_TABLE])
+    return replace(axes, links={name: replace(link, values=values, kind=kind or link.kind)})
+
+
+def test_stiffness_is_checked_without_a_breakout():
+    axes = with_link(project("transport-column"), "pitch", breakout=np.inf)
+    checks = by_name(axes)
+    assert checks["stiffness"].value == pytest.approx(20000 * LB_IN, rel=SLOW)
+    assert not any(name.startswith(("breakout", "largest step")) for name in checks)
+
+
+def test_run_that_diverged_fails_and_says_so():
+    late = {"kind": ff.linked.LinkKind.ELECTRONIC, "delay": 0.02, "stiffness": 2e5, "breakout": np.inf}
+    axes = with_link(project("uncoupling"), "pitch", **late)
+    # Without limits, which would end the swing.
+    linear = ff.elevator().replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})
+    checks = by_name(replace(axes, loaders=dict.fromkeys(axes.loaders, linear)))
+    released = checks["position difference, both released"]
+    assert (released.outcome, released.texts(ff.UnitSystem.US)[0]) == ("failed", "diverged")
+    assert not any(check.passed for check in checks.values())
+
+
+def test_json_has_no_limits_where_there_are_none(forcefeel, tmp_path):
+    _, text, _ = forcefeel("qualify", UNCOUPLING, "--law", "robust", "--out", str(tmp_path / "out"), "--json")
+    swing = json.loads(text)["links"]["pitch"][-1]
+    assert (swing["check"], swing["outcome"]) == ("swing beyond rest, uncoupling", "measured")
+    assert swing["value"]["unit"] == "deg"
+    assert swing["low"] is swing["high"] is None
+
+
 def test_link_that_swings_on_in_the_hand_of_the_second_pilot_fails():
     axes = project("linked-sticks")
-    link = axes.links["stick-pitch"]
-    # Of 20 ms and without injected damping; stiff beyond k d = c of the sticks.
-    late = {"delay": 0.02, "injected_damping": 0.0, "stiffness": 2000.0, "breakout": 1e4}
-    values = [late.get(row, link[row]) for row in ff.loader.links.LINK_TABLE]
-    links = {"stick-pitch": replace(link, values=np.array(values))}
-    swings = by_name(replace(axes, links=links), "stick-pitch")
+    # Of 20 ms; ten times as stiff as its largest stable stiffness.
+    swings = by_name(with_link(axes, "stick-pitch", delay=0.02, stiffness=2000.0, breakout=1e4), "stick-pitch")
     assert not swings["swing left, first released, second held: loose"].passed
     assert by_name(axes, "stick-pitch")["swing left, first released, second held: loose"].passed
 

@@ -1,5 +1,7 @@
 """A linked pair against witnesses of its own: two masses in SciPy, and the exact eigenvalues of two feels over a delay."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -7,7 +9,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import forcefeel as ff
-from tests.linked.pairs import LB, link_values, raw, simulated
+from tests.linked.pairs import LB, link_values, project, raw, simulated
 
 SHAFT = STIFFNESS, DAMPING, PLAY, BREAKOUT = 2500.0, 8.0, 0.01, 80.0
 """A shaft, SI."""
@@ -216,3 +218,17 @@ def test_injected_damping_is_that_of_delay_and_period(periods):
     assert not grows(loader, stiffness, periods, np.inf)
     assert not grows(loader, stiffness, periods, (1 + BOUND) * needed)
     assert grows(loader, stiffness, periods, (1 - BOUND) * needed)
+
+
+def test_frontier_of_a_link_is_that_of_the_eigenvalues():
+    axes = project("transport-column")
+    loader = digital()
+    link = replace(axes.links["pitch"], kind=ff.linked.LinkKind.ELECTRONIC, values=link_values(stiffness=1e4))
+    bare = replace(axes, loaders=dict.fromkeys(axes.loaders, loader), links={"pitch": link})
+    frontier = ff.frontier.link_frontier(bare, "robust").links["pitch"]
+    assert len(frontier.limits) == 18
+    for limit in (*frontier.limits, frontier.own):
+        periods = round(limit.delay_s / PERIOD_S)
+        exact = largest_stable(loader, periods, limit.injected_damping_n_m_s_per_rad)
+        assert limit.stiffness_n_m_per_rad == pytest.approx(exact, rel=BOUND)
+    assert frontier.used == pytest.approx(1e4 / largest_stable(loader, 1, 0.0), rel=BOUND)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from rich.table import Table
 
 from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES, law_option_named
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
@@ -17,6 +17,7 @@ from forcefeel.units import UnitSystem
 if TYPE_CHECKING:
     from forcefeel.envelope.plan import Plan
     from forcefeel.frontier import Frontier
+    from forcefeel.loader.project import Project
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,10 +61,11 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             return frontier_plan(loader, self.law, grid, rule=self.rule, angle_rad=self.angle_rad, changes=changes)
 
 
-def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:
+def run(path: LoaderOrProject = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:
     """Compute which feels this hardware cannot render, why, and the gain from tighter tolerances or other parts.
 
-    Takes a few minutes with the default grid.
+    Takes a few minutes with the default grid. For a project file with a table [links], computes the largest stable stiffness of
+    each link over its delay and its injected damping.
 
     Example: forcefeel frontier elevator-2khz --out frontier
     """
@@ -72,6 +74,10 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
     from forcefeel.frontier.run import compute_frontier
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    project = options.project(path, grid=options.grid, deviation=options.deviation, angle=options.angle)
+    if project is not None:
+        _links(project, path, options)
+        return
     with all_or_nothing("frontier", "releases", silent=options.json) as bar:
         bar.describe("law")
         plan = options.plan(path)
@@ -92,6 +98,33 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
         lambda terminal: _show(terminal, frontier, options.units),
         as_json=options.json,
     )
+
+
+def _links(project: "Project", path: Path | None, options: FrontierOptions) -> None:
+    from forcefeel.frontier.link_limits import link_conclusions, link_frontier
+    from forcefeel.frontier.page.link_page import limit_heads, limit_rows, links_json, write_links
+
+    with all_or_nothing("frontier", "runs", silent=options.json) as bar:
+
+        def show(what: str, done: int, total: int) -> None:
+            bar.describe(what)
+            bar.show(done, total)
+
+        with law_option_named():
+            frontier = link_frontier(project, options.law, threads=options.threads, progress=show)
+        command = options.command_line(path)
+        page = write_links(frontier, options.out, options.units, replace=options.replace, command=command)
+
+    def said(terminal: Terminal) -> None:
+        for name, link in frontier.links.items():
+            first, *numbers = limit_heads(link, options.units)
+            table = titled(f"Largest stable stiffness of link {name}, law {link.law}", first, numbers=tuple(numbers))
+            for row in limit_rows(link, options.units):
+                table.add_row(*row)
+            terminal.show(table)
+        terminal.conclude(link_conclusions(frontier, options.units))
+
+    answer({"page": page}, lambda: links_json(frontier, options.units), said, as_json=options.json)
 
 
 def _show(console: Terminal, frontier: "Frontier", units: UnitSystem) -> None:

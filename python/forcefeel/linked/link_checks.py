@@ -81,25 +81,35 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
 
     first = project.loaders[link.between[0]]
     checks = []
-    if isfinite(link["breakout"]):
-        for sign in (1.0, -1.0):
-            pushed = run(_pushed(link, first, sign))
-            checks += _pushed_checks(pushed, sign)
+    for sign in (1.0, -1.0) if isfinite(link["breakout"]) else (1.0,):
+        pushed = run(_pushed(link, first, sign))
+        checks += _of_run(pushed, _pushed_checks(pushed, sign))
     release = Release(_RELEASE_RAD)
     released = run(LinkedScenario(Scenario(release, _RELEASE_S), second_force=release))
     apart = released.measures.largest_difference_rad
-    checks.append(OwnCheck("position difference, both released", apart, 0.0, DIFFERENCE_RAD, ANGLE))
+    checks += _of_run(released, [OwnCheck("position difference, both released", apart, 0.0, DIFFERENCE_RAD, ANGLE)])
     for arm in (Arm.LOOSE, Arm.FIRM):
-        left = _swing_left(simulate_linked(_second_held(project, link, arm), name, _let_go(first), law))
-        checks.append(OwnCheck(f"swing left, first released, second held: {arm}", left, 0.0, LEFT, RATIO))
+        held = simulate_linked(_second_held(project, link, arm), name, _let_go(first), law)
+        swing = OwnCheck(f"swing left, first released, second held: {arm}", _swing_left(held), 0.0, LEFT, RATIO)
+        checks += _of_run(held, [swing])
     if isfinite(link["breakout"]) and link.after_breakout is AfterBreakout.UNCOUPLE:
         opposed = run(_opposed(link, first))
-        checks.append(OwnCheck("swing beyond rest, uncoupling", _swing(opposed), nan, nan, ANGLE))
+        checks += _of_run(opposed, [OwnCheck("swing beyond rest, uncoupling", _swing(opposed), nan, nan, ANGLE)])
     return tuple(checks)
 
 
+def _of_run(run: LinkedRun, checks: list[OwnCheck]) -> list[OwnCheck]:
+    """The checks, infinite if the run diverged."""
+    return [replace(check, value=inf) for check in checks] if run.diverged else checks
+
+
 def _breakout_force(link: Link, loader: Loader) -> float:
-    """Force at the first grip that the breakout takes, with the feel's at the angle there."""
+    """Force at the first grip that the breakout takes, with the feel's at the angle there.
+
+    Without a breakout, that of the feel alone at the angle of a release.
+    """
+    if not isfinite(link["breakout"]):
+        return float(_feel_force(loader, np.array([_RELEASE_RAD]), 1.0)[0])
     angle = link["breakout"] / link["stiffness"] + link["play"] / 2
     return float(link["breakout"] / loader["column.grip_arm"] + _feel_force(loader, np.array([angle]), 1.0)[0])
 
@@ -159,12 +169,14 @@ def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
     of_link = sign * (history["first_hand_force_n"] - _feel_force(loader, angle, sign))
     row = link["breakout"] / arm
     at_breakout = nan if out is None else float(of_link[out])
-    checks = [_within(f"breakout, {side}", at_breakout, row, BREAKOUT, FORCE)]
+    checks = [_within(f"breakout, {side}", at_breakout, row, BREAKOUT, FORCE)] if isfinite(row) else []
+    if not isfinite(row):
+        out = len(angle) // 2  # the top of the push
     if sign > 0:
         checks.append(
             _within("stiffness", _slope(angle, of_link * arm, out), link["stiffness"], STIFFNESS, ROTARY_STIFFNESS)
         )
-        if link.after_breakout is AfterBreakout.OVERRIDE:
+        if isfinite(row) and link.after_breakout is AfterBreakout.OVERRIDE:
             back = history["first_link_torque_n_m"][len(angle) // 2 :]
             step = float(np.abs(np.diff(back)).max()) / arm
             checks.append(OwnCheck("largest step of force, re-engagement", step, 0.0, STEP_N, FORCE))

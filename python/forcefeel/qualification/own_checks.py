@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isnan
+from math import isinf, isnan
 
 from forcefeel.units import Unit, UnitSystem, to_text
 
@@ -13,7 +13,7 @@ class OwnCheck:
 
     Attributes:
         name: What is checked.
-        value: The measured value, SI; NaN where the link did not give way.
+        value: The measured value, SI; NaN where the link did not give way, infinite where the run diverged.
         low: Least value; NaN without limits.
         high: Largest value.
         unit: Its unit.
@@ -32,13 +32,13 @@ class OwnCheck:
 
     @property
     def passed(self) -> bool:
-        """Whether it is within its limits, or has none."""
-        return isnan(self.high) or self.low <= self.value <= self.high
+        """Whether it is within its limits, or has none and is finite."""
+        return (isnan(self.high) and not isinf(self.value)) or self.low <= self.value <= self.high
 
     @property
     def outcome(self) -> str:
         """``passed``, ``failed`` or ``measured``."""
-        return "measured" if isnan(self.high) else "passed" if self.passed else "failed"
+        return "failed" if not self.passed else "measured" if isnan(self.high) else "passed"
 
     def texts(self, units: UnitSystem) -> tuple[str, str]:
         """The value, and its limits."""
@@ -48,6 +48,7 @@ class OwnCheck:
             return to_text(self.unit.from_si(value, units), 4)
 
         value = "did not give way" if isnan(self.value) else f"{text(self.value)} {shown}".rstrip()
+        value = "diverged" if isinf(self.value) else value
         between = f"at most {text(self.high)}" if self.low == 0 else f"{text(self.low)} to {text(self.high)}"
         return value, "none" if isnan(self.high) else f"{between} {shown}".rstrip()
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from importlib.metadata import version
-from math import isfinite
+from math import isfinite, isnan
 
 from forcefeel.json_values import json_value
 from forcefeel.qualification import Record, Verdict
@@ -45,8 +45,9 @@ def qualification_json(qualification: Qualification | CockpitQualification) -> d
                         "check": check.name,
                         "outcome": check.outcome,
                         **{
-                            key: json_quantity(getattr(check, key), check.unit, system)
+                            key: None if isnan(number) else json_quantity(number, check.unit, system)
                             for key in ("value", "low", "high")
+                            for number in (getattr(check, key),)
                         },
                     }
                     for check in checks
