@@ -267,8 +267,8 @@ def _text(frontier: LinkFrontier, units: UnitSystem) -> str:
 
 
 def stiffness_text(limit: LinkLimit, units: UnitSystem) -> str:
-    """The largest stable stiffness with its unit."""
-    of = unit(LINK_TABLE["stiffness"])
-    if not isfinite(limit.stiffness_n_m_per_rad):
-        return f"above {to_text(of.from_si(LINK_TABLE['stiffness'].maximum_si, units), 3)} {of.shown(units)}"
-    return f"{to_text(of.from_si(limit.stiffness_n_m_per_rad, units), 3)} {of.shown(units)}"
+    """The largest stable stiffness with its unit, three digits of it."""
+    of, row = unit(LINK_TABLE["stiffness"]), LINK_TABLE["stiffness"]
+    known = isfinite(limit.stiffness_n_m_per_rad)
+    value = of.from_si(limit.stiffness_n_m_per_rad if known else row.maximum_si, units)
+    return f"{'' if known else 'above '}{float(f'{value:.3g}'):,.0f} {of.shown(units)}"

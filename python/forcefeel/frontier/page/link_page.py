@@ -90,7 +90,7 @@ def _dampings(frontier: LinkFrontier) -> list[float]:
 
 
 def _damping(value: float, units: UnitSystem) -> str:
-    return f"{to_text(ROTARY_DAMPING.from_si(value, units), 3)} {ROTARY_DAMPING.shown(units)}" if value else "none"
+    return f"{to_text(ROTARY_DAMPING.from_si(value, units), 3)} {ROTARY_DAMPING.shown(units)}" if value else "no damping"
 
 
 def _table(frontier: LinkFrontier, units: UnitSystem) -> Table:
@@ -106,7 +106,12 @@ def _curves(frontier: LinkFrontier, units: UnitSystem) -> go.Figure:
         delays = [1e3 * limit.delay_s for limit in limits]
         stiffness = [of.from_si(limit.stiffness_n_m_per_rad, units) for limit in limits]
         add_curve(
-            picture, delays, stiffness, f"injected {_damping(damping, units)}", look, f"%{{y:.3~g}} {of.shown(units)}"
+            picture,
+            delays,
+            stiffness,
+            f"{_damping(damping, units)} injected",
+            look,
+            f"%{{y:.3~g}} {of.shown(units)}",
         )
     if frontier.own is not None:
         picture.add_scatter(
@@ -121,5 +126,7 @@ def _curves(frontier: LinkFrontier, units: UnitSystem) -> go.Figure:
     picture.update_xaxes(
         type="log", title_text="One-way delay, ms", tickvals=[0.5, 1, 2, 5, 10, 20, 50], hoverformat=".3~g"
     )
-    picture.update_yaxes(type="log", title_text=f"Largest stable stiffness, {of.shown(units)}")
+    picture.update_yaxes(
+        type="log", dtick="D2", tickformat=",~r", title_text=f"Largest stable stiffness, {of.shown(units)}"
+    )
     return picture
