@@ -32,7 +32,7 @@ def limit_rows(frontier: LinkFrontier, units: UnitSystem) -> tuple[tuple[str, ..
 
 def limit_heads(frontier: LinkFrontier, units: UnitSystem) -> tuple[str, ...]:
     """Heads of ``limit_rows``."""
-    return ("one-way delay", *(f"injected {_damping(value, units)}" for value in _dampings(frontier)))
+    return ("one-way delay", *(f"{_damping(value, units)} injected" for value in _dampings(frontier)))
 
 
 def links_json(frontier: CockpitFrontier, units: UnitSystem) -> dict[str, Json]:
