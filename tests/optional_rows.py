@@ -16,6 +16,8 @@ _ROOM = {
     "controller.delay": {"controller.period": _LONGEST},
     "thermal.derating_from": {"thermal.ambient": _COLDEST, "thermal.winding_limit": _HOTTEST},
     "thermal.winding_limit": {"thermal.ambient": _COLDEST, "thermal.derating_from": 20.0},
+    "surface.mach_2": {"surface.mach_1": 1e-3},
+    "surface.mach_3": {"surface.mach_1": 1e-3, "surface.mach_2": 2e-3},
 }
 """Values of others that leave a row all of its range."""
 
@@ -39,7 +41,7 @@ def bare_of(key: str) -> Loader:
 def companions(key: str) -> dict[str, float]:
     """The rows, at their examples, without which the optional row ``key`` would have no effect, or not all of its range."""
     found: dict[str, float] = dict(_ROOM.get(key, {}))
-    wanted = [key]
+    wanted = [key, *found]
     while wanted:
         row = wanted.pop()
         for needed in (others[0] for name, others in ONLY_WITH if name == row):

@@ -63,6 +63,41 @@ def test_single_precision_motor_matches_bitwise(single, compiler, level):
     assert run(single, "./program") == "roll: 10002 samples, 0 differ\n"
 
 
+_FLIGHT = """#include "pitch_law.h"
+#include <math.h>
+#include <stdio.h>
+int main(void) {
+    pitch_flight flight = {2400.0, 70.0, 0.06, -0.03, 0.1, 0.2, -0.05, 1.4, 0.3, 0.05, 0.1};
+    pitch_added out;
+    printf("%d ", pitch_hinge_moment(&flight, &out));
+    printf("%.17g %.17g %.17g ", out.added_force, out.added_stiffness, out.added_damping);
+    flight.true_airspeed = NAN;
+    const int status = pitch_hinge_moment(&flight, &out);
+    printf("%d %g", status, out.added_stiffness);
+    return 0;
+}
+"""
+
+
+def test_hinge_moment_is_that_worked_out_by_hand_and_refuses_what_is_no_number(folder):
+    """``T = k q S c (C_alpha f alpha_s + C_delta f delta + C_tau f tau + C_rate delta' c / 2 V)``, less the cables' stretch."""
+    needs("gcc")
+    (folder / "flight.c").write_text(_FLIGHT, encoding="utf-8")
+    run(folder, "gcc", *STRICT, "-O2", "-o", "flight", "flight.c", "pitch_law.c", "-lm")
+    status, *numbers, refused, nothing = run(folder, "./flight").split()
+    moment, theta, grown = 2400.0 * 1.0 * 0.4, 0.1, (1 - 0.3**2) ** -0.5
+    of_deflection = -0.3 * grown * 1.2  # halfway to 1.4 at Mach 0.6
+    delta, k = 1.2 * (theta + 0.3 * theta**2 / 2), 1.2 * (1 + 0.3 * theta)
+    coefficient = of_deflection * delta - 0.1 * grown * (0.6 * 0.06 + 4 * 0.2 / 70) - 0.1 * grown * 0.05
+    slope = moment * (1.2 * 0.3 * coefficient + k**2 * of_deflection)
+    gives = 1 - slope / 20000
+    stiffness, damping = -slope / gives, moment * k**2 * 0.5 * 0.4 / 140 / gives
+    arm = ff.digital_elevator()["column.grip_arm"]
+    force = (moment * k * coefficient / gives + stiffness * theta) / arm - 10 * 1.4
+    assert [float(number) for number in numbers] == pytest.approx([force, stiffness, damping], rel=1e-12)  # rounding
+    assert (status, refused, float(nothing)) == ("0", "2", 0.0)
+
+
 def test_readme_formats_times_for_readers(single):
     assert "| period, delay | 0.5 ms, 0.5 ms from sample to command |" in (single / "README.md").read_text(
         encoding="utf-8"

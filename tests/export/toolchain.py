@@ -34,8 +34,24 @@ NONLINEAR = {
     "feel.shaker_force": "5 lb",
     "column.coulomb_friction": "1 lb",
 }
-SURFACE = {"surface.area": "1 m^2", "surface.chord": "0.4 m", "surface.gearing": 1.0, "surface.bobweight": "10 N"}
-"""A loader with a surface takes what that adds as inputs; which coefficients it has is the aircraft's matter."""
+SURFACE = {
+    "surface.area": "1 m^2",
+    "surface.chord": "0.4 m",
+    "surface.gearing": 1.2,
+    "surface.gearing_change": "0.3 1/rad",
+    "surface.bobweight": "10 N",
+    "surface.per_deflection": "-0.3 1/rad",
+    "surface.per_flow": "-0.1 1/rad",
+    "surface.per_tab": "-0.1 1/rad",
+    "surface.per_rate": "-0.5 1/rad",
+    "surface.flow_per_attack": 0.6,
+    "surface.pitch_arm": "4 m",
+    "surface.cable_stiffness": "20000 N m/rad",
+    "surface.compressible": True,
+    "surface.mach_1": 0.6,
+    "surface.deflection_factor_1": 1.4,
+}
+"""A loader with a surface takes what that adds as inputs, and C computes it."""
 USUAL = {
     key: NONLINEAR[key]
     for key in (

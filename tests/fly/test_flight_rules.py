@@ -159,8 +159,7 @@ def test_out_of_trim_force_is_the_tabs_and_its_slope_can_fail(tmp_path):
     moment = 0.1 * state["dynamic_pressure"] * 70 * 2.4 * 0.3048**3 / math.sqrt(1 - state["mach"] ** 2)
     expected = moment * 0.08 * tab / LOADER["column.grip_arm"]
     assert case.held(case.at(tab_rad=tab)).force_n == pytest.approx(expected, rel=0.01)  # the speed lost meanwhile
-    # The same equation: rounding alone.
-    assert ff.fly.trimmed_force(case.feel, case.trim, case.at(tab_rad=tab)) == pytest.approx(expected, rel=1e-9)
+    assert ff.fly.trimmed_force(case.feel, case.trim, case.at(tab_rad=tab)) == pytest.approx(expected, rel=EXACT)
     own = tmp_path / "own.toml"
     text = (files("forcefeel") / "data/aircraft/737.toml").read_text(encoding="utf-8")
     own.write_text(

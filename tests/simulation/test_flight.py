@@ -29,13 +29,14 @@ STATES = {
     "load_factor": np.array([1.0, 1.4, 0.8]),
     "tab": np.array([0.0, 0.1, 0.1]),
 }
+MACH = np.array([0.3, 0.6, 0.9])
 FOLLOWS_RAD = 2.5e-3
 """What the column is behind the programmed control at 1 rad/s: two milliseconds and their ripple."""
 RESTS_RAD = 1e-4
 """What steps and noise of the sensors leave once it is slow."""
 
 
-def alone(loader, release):
+def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0)):
     """Angle of the programmed control over time: ``I theta'' + B theta' + G theta = k q S c C_h - R_p W n``."""
     inertia, damping, stiffness, arm = (
         loader[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness", "column.grip_arm")
@@ -43,9 +44,10 @@ def alone(loader, release):
 
     def motion(t, state):
         theta, rate = state
-        now = {name: np.interp(t, TIMES, column) for name, column in STATES.items()}
+        now = {name: np.interp(t, TIMES, column) for name, column in {**STATES, "mach": MACH}.items()}
         flow = 0.6 * now["angle_of_attack"] + 4.0 * now["pitch_rate"] / now["true_airspeed"]
-        coefficient = -0.3 * 1.3 * theta - 0.08 * flow - 0.1 * now["tab"]
+        of_flow, of_deflection, of_tab = table(now.get("mach", 0.0))
+        coefficient = -0.3 * of_deflection * 1.3 * theta - 0.08 * of_flow * flow - 0.1 * of_tab * now["tab"]
         coefficient += -2.0 * 1.3 * rate * 0.4 / (2 * now["true_airspeed"])
         torque = 1.3 * now["dynamic_pressure"] * 1.0 * 0.4 * coefficient - arm * 12.0 * now["load_factor"]
         return rate, (torque - damping * rate - stiffness * theta) / inertia
@@ -66,6 +68,37 @@ def test_column_with_a_surface_follows_hinge_moment_in_flight(name):
     assert np.abs(off[2500:]).max() < RESTS_RAD
     still = ff.simulate(loader, ff.Scenario(ff.Release(0.08), duration_s=4.0), "robust").history["column_angle_rad"]
     assert np.abs(still.to_numpy() - alone(loader, 0.08)).max() > 9 * FOLLOWS_RAD, "the flight matters"
+
+
+def test_coefficients_follow_the_table_over_mach():
+    rows = {"mach_1": 0.4, "flow_factor_1": 0.5, "deflection_factor_1": 1.5, "tab_factor_1": 3.0}
+    rows |= {"mach_2": 0.8, "flow_factor_2": 4.0, "deflection_factor_2": 2.5, "tab_factor_2": -2.0}
+    loader = ff.digital_elevator().replace(SURFACE | {f"surface.{key}": value for key, value in rows.items()}, si=True)
+
+    def table(mach):
+        columns = ((1, 0.5, 4.0), (1, 1.5, 2.5), (1, 3.0, -2.0))
+        return tuple(np.interp(mach, (0, 0.4, 0.8), column) for column in columns)
+
+    flight = ff.simulation.Flight(TIMES, {**STATES, "mach": MACH})
+    run = ff.simulate(loader, ff.Scenario(ff.Release(0.08), duration_s=4.0, flight=flight), "robust")
+    off = run.history["column_angle_rad"].to_numpy() - alone(loader, 0.08, table)
+    assert np.abs(off).max() < FOLLOWS_RAD
+    assert np.abs(off[2500:]).max() < RESTS_RAD
+    assert np.abs(off + alone(loader, 0.08, table) - alone(loader, 0.08)).max() > 5 * FOLLOWS_RAD, "the table matters"
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"mach_1": 0.9, "mach_2": 0.8}, "surface.mach_1: expected less than surface.mach_2"),
+        ({"mach_2": 0.8}, "surface.mach_1: expected less than surface.mach_2"),
+        ({"deflection_factor_3": 2.0}, "surface.deflection_factor_3: has no effect without surface.mach_3"),
+        ({"mach_1": -1.0}, "surface.mach_1: expected 0.001 to 10, got -1"),
+    ],
+)
+def test_bad_table_over_mach_is_named(changes, part):
+    with pytest.raises(ff.InputError, match=part):
+        ff.digital_elevator().replace(SURFACE | {f"surface.{key}": value for key, value in changes.items()}, si=True)
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::surface::{Added, FlightState};
 use forcefeel_model::with_drive;
 use std::sync::OnceLock;
 
@@ -37,14 +38,35 @@ pub const INPUTS: [&str; 11] = [
     "added_damping",
 ];
 
+/// What a surface's hinge moment is given, in this order: the flight, and the control's angle.
+pub const FLIGHT: [&str; 11] = [
+    "dynamic_pressure",
+    "true_airspeed",
+    "angle_of_attack",
+    "sideslip",
+    "roll_rate",
+    "pitch_rate",
+    "yaw_rate",
+    "load_factor",
+    "mach",
+    "tab",
+    "angle",
+];
+
+/// The place of the first of [`FLIGHT`], beyond all that a controller remembers.
+pub const FIRST_OF_FLIGHT: usize = 1 << 15;
+
 const FORCE: usize = 0;
 const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
 const ADDED: usize = 8;
 
-/// The name of a place: of an input, then of a number that a controller remembers.
+/// The name of a place: of an input, then of a number that a controller remembers, or of the flight.
 pub fn name_of(place: usize) -> &'static str {
+    if let Some(k) = place.checked_sub(FIRST_OF_FLIGHT) {
+        return FLIGHT[k];
+    }
     INPUTS.get(place).copied().unwrap_or_else(|| remembered()[place - INPUTS.len()].0)
 }
 
@@ -204,7 +226,7 @@ impl Job {
             if self.values.len() > 1 {
                 inputs.fade = [input_as_f64(SHARE); 2];
             }
-            if self.values.iter().any(|values| Parameters::from_values(values).surface.is_there()) {
+            if self.has_surface() {
                 let added = [&mut inputs.added_force, &mut inputs.added_stiffness, &mut inputs.added_damping];
                 for (k, input) in added.into_iter().enumerate() {
                     *input = [input_as_f64(ADDED + k); 2];
@@ -227,6 +249,34 @@ impl Job {
             (outputs, numbers, next(&feeling, &remembered))
         });
         Program { graph, outputs, numbers, next }
+    }
+
+    /// Whether a flight acts on the loader.
+    pub fn has_surface(&self) -> bool {
+        self.values.iter().any(|values| Parameters::from_values(values).surface.is_there())
+    }
+
+    /// Traces what the surface, the same in all settings, adds to the feel in a flight.
+    pub fn hinge_moment(&self) -> Program {
+        let (outputs, graph) = traced(self.single, 1, None, || {
+            let parameters = self.parameters(|of| Trace::known(&[of(0)], Bank::From));
+            let given: [Trace; FLIGHT.len()] = core::array::from_fn(|k| Trace::input(FIRST_OF_FLIGHT + k));
+            let names = ["added_force", "added_stiffness", "added_damping"];
+            names.into_iter().zip(added(&parameters, given).map(|number| number.0)).collect::<Vec<_>>()
+        });
+        let numbers = outputs.iter().map(|&(_, node)| node).collect();
+        Program { graph, outputs, numbers, next: Vec::new() }
+    }
+
+    /// Force, spring and damping that the surface adds in flights and at angles in the order of [`FLIGHT`].
+    pub fn added(&self, given: &[[f64; FLIGHT.len()]]) -> Vec<[f64; 3]> {
+        if self.single { self.added_in(0.0f32, given) } else { self.added_in(0.0f64, given) }
+    }
+
+    fn added_in<S: Scalar + Into<f64>>(&self, like: S, given: &[[f64; FLIGHT.len()]]) -> Vec<[f64; 3]> {
+        let parameters = self.parameters(|of| like.constant(of(0)));
+        let added = |row: &[f64; FLIGHT.len()]| added(&parameters, row.map(|number| like.constant(number)));
+        given.iter().map(|row| added(row).map(Into::into)).collect()
     }
 
     /// Traces the start at rest where the column stands.
@@ -284,6 +334,23 @@ impl Job {
             _ => false,
         }
     }
+}
+
+/// Force, spring and damping that a surface adds in a flight and at an angle in the order of [`FLIGHT`].
+fn added<S: Scalar>(parameters: &Parameters<S>, given: [S; FLIGHT.len()]) -> [S; 3] {
+    let [pressure, airspeed, attack, sideslip, roll, pitch, yaw, load_factor, mach, tab, angle] = given;
+    let flight = FlightState {
+        dynamic_pressure: pressure,
+        true_airspeed: airspeed,
+        angle_of_attack: attack,
+        sideslip,
+        rates: [roll, pitch, yaw],
+        load_factor,
+        mach,
+        tab,
+    };
+    let Added { force, stiffness, damping } = parameters.hinge_moment(&flight, angle);
+    [force, stiffness, damping]
 }
 
 /// A number that stays data, but for what is zero under every setting: that is no work.

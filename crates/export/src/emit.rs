@@ -22,6 +22,8 @@ pub struct Source {
     pub step: String,
     /// The start at rest.
     pub reset: String,
+    /// Body of what a surface adds in a flight; empty without one.
+    pub hinge_moment: String,
     /// Tables that are the same in all settings.
     pub same: Numbers,
     /// A setting's own numbers.
@@ -41,6 +43,11 @@ impl Source {
         let mut writer = Writer::new(name, job.single);
         let (step_text, operations) = program(&mut writer, &step, &states, true);
         let (reset_text, _) = program(&mut writer, &reset, &states, false);
+        let hinge_moment = if job.has_surface() {
+            program(&mut writer, &job.hinge_moment(), &BTreeSet::new(), true).0
+        } else {
+            String::new()
+        };
         let (same, own) = writer.data(job.values.len());
         let name = |&place: &usize| (name_of(place).to_owned(), is_flag(place));
         let ranges = job.ranges();
@@ -50,6 +57,7 @@ impl Source {
             functions: writer.functions.iter().map(ToString::to_string).collect(),
             step: step_text,
             reset: reset_text,
+            hinge_moment,
             same,
             own,
             operations,

@@ -409,6 +409,18 @@ parameter_table! {
         tab_stiffness: "k_tab", "torque at the control per angle of a spring tab; small of a servo tab", ROTARY_STIFFNESS, 1000.0, 1e-3..1e8, off f64::INFINITY;
         cable_stiffness: "k_cable", "spring rate of the cables between control and surface, at the control", ROTARY_STIFFNESS, 20000.0, 1.0..1e9, off f64::INFINITY;
         compressible: "M_h", "whether the coefficients of the angles grow with the Mach number, as 1 / sqrt(1 - M^2) up to 0.8", SWITCH, 1.0, 0.0..1.0, off 0.0;
+        mach_1: "M_1", "first Mach number of the table of the coefficients' factors, which are 1 at Mach 0", RATIO, 0.6, 1e-3..10.0, off f64::INFINITY;
+        mach_2: "M_2", "second Mach number of the table of the coefficients' factors, which are 1 at Mach 0", RATIO, 0.8, 2e-3..10.0, off f64::INFINITY;
+        mach_3: "M_3", "third Mach number of the table of the coefficients' factors, which are 1 at Mach 0", RATIO, 0.95, 3e-3..10.0, off f64::INFINITY;
+        flow_factor_1: "f_alpha1", "factor of C_alpha at the first Mach number of the table", RATIO, 1.1, -20.0..20.0, off 1.0;
+        flow_factor_2: "f_alpha2", "factor of C_alpha at the second Mach number of the table", RATIO, 1.3, -20.0..20.0, off 1.0;
+        flow_factor_3: "f_alpha3", "factor of C_alpha at the third Mach number of the table", RATIO, 1.2, -20.0..20.0, off 1.0;
+        deflection_factor_1: "f_delta1", "factor of C_delta at the first Mach number of the table", RATIO, 1.1, -20.0..20.0, off 1.0;
+        deflection_factor_2: "f_delta2", "factor of C_delta at the second Mach number of the table", RATIO, 1.5, -20.0..20.0, off 1.0;
+        deflection_factor_3: "f_delta3", "factor of C_delta at the third Mach number of the table", RATIO, 2.0, -20.0..20.0, off 1.0;
+        tab_factor_1: "f_tau1", "factor of C_tau at the first Mach number of the table", RATIO, 0.9, -20.0..20.0, off 1.0;
+        tab_factor_2: "f_tau2", "factor of C_tau at the second Mach number of the table", RATIO, 0.8, -20.0..20.0, off 1.0;
+        tab_factor_3: "f_tau3", "factor of C_tau at the third Mach number of the table", RATIO, 0.5, -20.0..20.0, off 1.0;
         bobweight: "W_b", "force at the grip per load factor, towards negative angles", FORCE, 4.0, -1e3..1e3, off 0.0;
     }
 

@@ -9,7 +9,8 @@
 //! | flow | `alpha_s = a_h alpha + b_h beta + i_h + (l_p p + l_q q + l_r r) / V` |
 //! | tab | `tau = tau_host + k_tau delta + T / k_tab` |
 //! | hinge moment | `H = eta_h q S_h c_h (C_0 + C_alpha alpha_s + C_delta delta + C_tau tau + C_rate delta' c_h / (2 V))` |
-//! | air that gives | `C_alpha, C_delta, C_tau` times `1 / sqrt(1 - M^2)` (Prandtl, Glauert) |
+//! | air that gives | `C_alpha, C_delta, C_tau` times `1 / sqrt(1 - M^2)` (Prandtl, Glauert), and each times its factor by the table |
+//! | table | `f(M)` through `(0, 1), (M_1, f_1), (M_2, f_2), (M_3, f_3)`, straight between, beyond as at the last |
 //! | torque on the control | `T = s_h k H` by virtual work, of which the share `s_h` reaches it |
 //! | cables | the surface stands where a control at `theta + T / k_cable` has it |
 //! | bobweight | `W_b n` at the grip, towards negative angles |
@@ -87,8 +88,8 @@ impl<S: Scalar> Parameters<S> {
         let moment = surface.share * surface.pressure_ratio * flight.dynamic_pressure * surface.area * surface.chord;
         let mach = surface.compressible * flight.mach.abs().min(one.times(MOST_MACH));
         let grown = one / (one - mach * mach).sqrt();
-        let [per_flow, per_tab] = [surface.per_flow, surface.per_tab].map(|of| grown * of);
-        let slope = grown * surface.per_deflection + surface.tab_gearing * per_tab;
+        let [per_flow, per_deflection, per_tab] = surface.at_mach(flight.mach.abs()).map(|of| grown * of);
+        let slope = per_deflection + surface.tab_gearing * per_tab;
         let still = surface.at_zero + per_flow * flow + per_tab * flight.tab + slope * deflection;
         let per_theta = moment * (surface.gearing * surface.gearing_change * still + gearing * gearing * slope);
         let per_rate = moment * gearing * gearing * surface.per_rate * surface.chord / speed.times(2.0);
@@ -101,6 +102,31 @@ impl<S: Scalar> Parameters<S> {
             stiffness: -per_theta,
             damping: -per_rate,
         }
+    }
+}
+
+impl<S: Scalar> Surface<S> {
+    /// `C_alpha`, `C_delta`, `C_tau` by the table over the Mach number.
+    #[inline(always)]
+    fn at_mach(&self, mach: S) -> [S; 3] {
+        let one = mach.constant(1.0);
+        // A Mach number that is not given is endless; here it is never reached, and apart from the others.
+        let ends =
+            [(self.mach_1, 1e30), (self.mach_2, 2e30), (self.mach_3, 3e30)].map(|(end, far)| end.min(one.times(far)));
+        let factors = [
+            (self.per_flow, [self.flow_factor_1, self.flow_factor_2, self.flow_factor_3]),
+            (self.per_deflection, [self.deflection_factor_1, self.deflection_factor_2, self.deflection_factor_3]),
+            (self.per_tab, [self.tab_factor_1, self.tab_factor_2, self.tab_factor_3]),
+        ];
+        factors.map(|(coefficient, factors)| {
+            let (mut begin, mut before, mut factor) = (one.times(0.0), one, one);
+            for (end, next) in ends.into_iter().zip(factors) {
+                let share = ((mach - begin) / (end - begin)).clamp(one.times(0.0), one);
+                factor = factor + share * (next - before);
+                (begin, before) = (end, next);
+            }
+            coefficient * factor
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::arrays::rows;
 use crate::errors::refused;
 use crate::simulate::spring_curve;
-use forcefeel_export::controller::{ANSWERS, Given, INPUTS, Job, answers};
+use forcefeel_export::controller::{ANSWERS, FLIGHT, Given, INPUTS, Job, answers};
 use forcefeel_export::emit::Source;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS};
@@ -21,6 +21,7 @@ pub struct LawSource {
     functions: Vec<String>,
     step: String,
     reset: String,
+    hinge_moment: String,
     /// Members of what is the same in all settings, and what they hold.
     same: (String, Vec<String>),
     /// Members of a setting, and for each setting what they hold.
@@ -61,10 +62,16 @@ impl ExportedLaw {
 
     /// The law as C, whose names begin with `name`.
     fn source(&self, py: Python<'_>, name: &str) -> LawSource {
-        let Source { states, inputs, functions, step, reset, same, own, operations } =
+        let Source { states, inputs, functions, step, reset, hinge_moment, same, own, operations } =
             py.detach(|| Source::of(&self.0, name));
         let [same, own] = [same, own].map(|numbers| (numbers.members, numbers.values));
-        LawSource { states, inputs, functions, step, reset, same, own, operations }
+        LawSource { states, inputs, functions, step, reset, hinge_moment, same, own, operations }
+    }
+
+    /// Force, spring and damping (flights, 3) that the surface adds in flights and at angles (flights, 11), as the law's C computes them.
+    fn added<'py>(&self, py: Python<'py>, flights: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let flights = rows::<{ FLIGHT.len() }>("flights", &flights)?;
+        PyArray1::from_vec(py, self.0.added(&flights).into_flattened()).reshape([flights.len(), 3])
     }
 
     /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 11) in settings `from`, `to` (samples, 2),

@@ -39,6 +39,22 @@ _ADDED = ("added_force", "added_stiffness", "added_damping")
 INPUTS = (*_ALWAYS, *_CHANGING, *_ADDED)
 """Inputs of the law each period: those of a law for several settings, and of a loader with a surface, among them."""
 
+_FLIGHT = {
+    "dynamic_pressure": ("in Pa", 0.0, 2e4),
+    "true_airspeed": ("in m/s", 0.0, 250.0),
+    "angle_of_attack": ("in rad", -0.3, 0.3),
+    "sideslip": ("in rad", -0.3, 0.3),
+    "roll_rate": ("in rad/s", -1.0, 1.0),
+    "pitch_rate": ("in rad/s", -1.0, 1.0),
+    "yaw_rate": ("in rad/s", -1.0, 1.0),
+    "load_factor": ("in g", -1.0, 3.0),
+    "mach": ("Mach number", 0.0, 1.2),
+    "tab": ("angle of the trim tab in rad", -0.3, 0.3),
+    "angle": ("of the control in rad", -0.3, 0.3),
+}
+"""What a hinge moment is given: unit, and between which values the golden vectors lie."""
+_FLIGHTS = 500
+
 _FILES = {
     "law.h": "{}_law.h",
     "data.h": "{}_data.h",
@@ -79,11 +95,26 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         "part": PART,
         "columns": columns,
         "added": has_surface(exported.loader),
+        "flight": {name: unit for name, (unit, *_) in _FLIGHT.items()},
+        **(_golden_flights(traced, single=single) if has_surface(exported.loader) else {}),
         "given": spelled_rows(inputs[:, [INPUTS.index(name) for name in columns]], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
     return rendered("c", _FILES, fields)
+
+
+def _golden_flights(traced: ExportedLaw, *, single: bool) -> dict[str, object]:
+    """Random flights, and what the surface adds in them."""
+    low, high = np.array([limits for _, *limits in _FLIGHT.values()]).T
+    flights = np.random.default_rng(_SEED).uniform(low, high, (_FLIGHTS, len(_FLIGHT)))
+    if single:
+        flights = flights.astype(np.float32).astype(np.float64)
+    return {
+        "flights": _FLIGHTS,
+        "flown": spelled_rows(flights, single=single),
+        "adds": spelled_rows(traced.added(flights), single=single),
+    }
 
 
 def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) -> dict[str, str | bytes]:
@@ -216,12 +247,13 @@ def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.
 def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
     plain, looped = source.operations
     same, own = ({"members": members, "held": held} for members, held in (source.same, source.own))
-    code = "".join((*source.functions, source.step, source.reset, *source.same[1], *source.own[1]))
+    code = "".join((*source.functions, source.step, source.reset, source.hinge_moment, *source.same[1], *source.own[1]))
     return {
         "states": source.states,
         "step": source.step,
         "functions": source.functions,
         "reset": source.reset,
+        "hinge_moment": source.hinge_moment,
         "same": same,
         "own": own,
         "code": code,

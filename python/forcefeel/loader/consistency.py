@@ -12,6 +12,8 @@ BELOW = (
     ("feel.hard_stop_low", "feel.hard_stop_high"),
     ("thermal.ambient", "thermal.derating_from"),
     ("thermal.derating_from", "thermal.winding_limit"),
+    ("surface.mach_1", "surface.mach_2"),
+    ("surface.mach_2", "surface.mach_3"),
 )
 """Pairs of which the first lies below the second."""
 
@@ -72,8 +74,15 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
         for name in (
             *("chord", "gearing", "gearing_change", "at_zero", "per_flow", "per_deflection", "per_tab", "per_rate"),
             *("share", "pressure_ratio", "flow_per_attack", "flow_per_sideslip", "incidence", "tab_gearing"),
-            *("roll_arm", "pitch_arm", "yaw_arm", "tab_stiffness", "cable_stiffness", "compressible"),
+            *("roll_arm", "pitch_arm", "yaw_arm", "tab_stiffness", "cable_stiffness", "compressible", "mach_1"),
         )
+    ),
+    ("surface.mach_2", ("surface.mach_1",)),
+    ("surface.mach_3", ("surface.mach_2",)),
+    *(
+        (f"surface.{name}_factor_{k}", (f"surface.mach_{k}",))
+        for name in ("flow", "deflection", "tab")
+        for k in (1, 2, 3)
     ),
     ("surface.area", ("surface.chord",)),
 )
@@ -178,7 +187,7 @@ def without_effect(values: Mapping[str, float]) -> dict[str, str]:
 
 
 def _below(low: float, high: float) -> bool:
-    return low < high and not math.isclose(low, high, rel_tol=_ROUNDING)
+    return high == math.inf or (low < high and not math.isclose(low, high, rel_tol=_ROUNDING))
 
 
 def _not_below(low: str, high: str, values: Mapping[str, float]) -> str:

@@ -15,6 +15,8 @@ const FLIGHT: FlightState = FlightState {
     mach: 0.3,
     tab: 0.05,
 };
+/// Factors of [`tabled`] at Mach 0.3, halfway between the first two.
+const TABLED: [f64; 3] = [1.1, 1.6, 0.75];
 /// Area in m², chord in m.
 const AREA: f64 = 1.3;
 const CHORD: f64 = 0.4;
@@ -32,11 +34,20 @@ fn loader(change: impl Fn(&mut Parameters<f64>)) -> Parameters<f64> {
     parameters
 }
 
+fn tabled(of: &mut Parameters<f64>) {
+    let surface = &mut of.surface;
+    (surface.mach_1, surface.mach_2, surface.mach_3) = (0.2, 0.4, 0.6);
+    (surface.flow_factor_1, surface.flow_factor_2, surface.flow_factor_3) = (0.9, 1.3, 7.0);
+    (surface.deflection_factor_1, surface.deflection_factor_2, surface.deflection_factor_3) = (1.2, 2.0, 0.5);
+    (surface.tab_factor_1, surface.tab_factor_2, surface.tab_factor_3) = (1.0, 0.5, -1.0);
+}
+
 /// Torque on the control at an angle and a rate, by the balance of control, cables and tab: repeated until it stands.
 fn torque(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
     let of = &parameters.surface;
     let flow = 0.6 * FLIGHT.angle_of_attack + 0.2 * FLIGHT.sideslip - 0.03
         + (FLIGHT.rates[0] + 4.0 * FLIGHT.rates[1] + 0.5 * FLIGHT.rates[2]) / FLIGHT.true_airspeed;
+    let tabled: [f64; 3] = if of.mach_1 < 1.0 { TABLED } else { [1.0; 3] };
     let grown = if of.compressible == 1.0 { 1.0 / (1.0f64 - 0.09).sqrt() } else { 1.0 };
     let moment = of.share * 0.9 * FLIGHT.dynamic_pressure * AREA * CHORD;
     let mut torque = 0.0;
@@ -45,7 +56,7 @@ fn torque(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
         let gearing = of.gearing + of.gearing * of.gearing_change * control;
         let deflection = of.gearing * control + of.gearing * of.gearing_change * control * control / 2.0;
         let tab = FLIGHT.tab + of.tab_gearing * deflection + torque / of.tab_stiffness;
-        let angles = grown * (-0.08 * flow - 0.25 * deflection - 0.12 * tab);
+        let angles = grown * (-0.08 * tabled[0] * flow - 0.25 * tabled[1] * deflection - 0.12 * tabled[2] * tab);
         let damped = -0.6 * gearing * rate * CHORD / (2.0 * FLIGHT.true_airspeed);
         torque = moment * gearing * (0.01 + angles + damped);
     }
@@ -83,6 +94,7 @@ fn coefficients_are_those_of_the_balance_of_control_surface_and_tab() {
     agrees(&loader(|of| of.surface.share = 0.3), 1e-12);
     agrees(&loader(|of| of.surface.tab_gearing = 0.7), 1e-12);
     agrees(&loader(|of| of.surface.compressible = 1.0), 1e-12);
+    agrees(&loader(tabled), 1e-12);
     agrees(&loader(|of| of.surface.gearing_change = 0.8), 1e-12);
     agrees(&loader(|of| of.surface.tab_stiffness = 900.0), 1e-12);
     agrees(&loader(|of| of.surface.cable_stiffness = 2000.0), 1e-12);
@@ -109,6 +121,26 @@ fn a_surface_is_felt_by_its_share_and_not_at_all_on_the_ground() {
     let leads = loader(|of| (of.surface.per_deflection, of.surface.cable_stiffness) = (0.3, 50.0));
     let stiffness = leads.hinge_moment(&FLIGHT, 0.0).stiffness;
     assert!(stiffness < 0.0 && stiffness.is_finite(), "{stiffness}");
+}
+
+#[test]
+fn a_table_over_mach_begins_at_one_and_ends_at_its_last_factor() {
+    let parameters = loader(|of| {
+        tabled(of);
+        of.surface.bobweight = 0.0;
+    });
+    let at = |mach| parameters.hinge_moment(&FlightState { mach, ..FLIGHT }, 0.0).stiffness;
+    let plain = loader(|_| ()).hinge_moment(&FLIGHT, 0.0).stiffness;
+    // With the control at its neutral the spring is C_delta's alone.
+    for (mach, factor) in [(0.0, 1.0), (0.1, 1.1), (0.2, 1.2), (0.5, 1.25), (0.6, 0.5), (0.9, 0.5)] {
+        assert!((at(mach) - factor * plain).abs() < 1e-12 * plain, "{mach}");
+    }
+    // Fewer points: as at the last of them.
+    let parameters = loader(|of| (of.surface.mach_1, of.surface.deflection_factor_1) = (0.2, 1.2));
+    let at = |mach| parameters.hinge_moment(&FlightState { mach, ..FLIGHT }, 0.0).stiffness;
+    for (mach, factor) in [(0.1, 1.1), (0.9, 1.2), (3.0, 1.2)] {
+        assert!((at(mach) - factor * plain).abs() < 1e-12 * plain, "{mach}");
+    }
 }
 
 #[test]
