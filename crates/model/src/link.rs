@@ -2,7 +2,7 @@
 //!
 //! `phi = theta_1 - theta_2` angle of one control beyond the other · `k`, `c` stiffness and damping · `p` play, full width · `M_b` breakout
 //! torque · `k_a` stiffness after it · `T` torque of the first control on the second · `d` delay from one control's sample to the other's
-//! feel computer · `c_i` largest damping that is injected
+//! feel computer · `c_i` largest damping that is injected · `F_p`, `F_d` hand forces for priority and the dual-input cue
 //!
 //! ```text
 //! s = k (phi - clamp(phi, -p/2, p/2))
@@ -31,7 +31,7 @@ use crate::parameters::Parameter;
 use crate::units::{self, Unit};
 
 /// Rows of a link.
-pub const LINK_ROWS: usize = 7;
+pub const LINK_ROWS: usize = 9;
 
 /// The table of a link's parameters, in the order of its values; a row with `off_us` may be left out.
 pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
@@ -59,6 +59,20 @@ pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
         units::ROTARY_DAMPING,
         (50.0, Some(0.0)),
         (0.0, 1e6),
+    ),
+    row(
+        "priority_force",
+        ("F_p", "hand force above which a pilot takes priority"),
+        units::FORCE,
+        (20.0, Some(f64::INFINITY)),
+        (1e-2, 1e3),
+    ),
+    row(
+        "dual_input_force",
+        ("F_d", "force of each hand above which both are taken to put in"),
+        units::FORCE,
+        (2.0, Some(f64::INFINITY)),
+        (1e-2, 1e3),
     ),
 ];
 
@@ -88,7 +102,7 @@ impl<S: Scalar> PilotLink<S> {
     /// From values in the order of [`LINK_TABLE`].
     #[inline(always)]
     pub fn from_values(
-        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping]: &[S; LINK_ROWS],
+        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping, ..]: &[S; LINK_ROWS],
     ) -> Self {
         Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping }
     }
@@ -167,5 +181,36 @@ impl<S: Scalar> ElectronicLink<S> {
     /// The link.
     pub fn link(&self) -> &PilotLink<S> {
         &self.link
+    }
+}
+
+/// Which of two pilots has priority: by a button, else by a force above `F_p`, kept until it is below half of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Priority {
+    takes: f64,
+    puts_in: f64,
+    by_force: Option<usize>,
+}
+
+impl Priority {
+    /// From values in the order of [`LINK_TABLE`].
+    pub fn from_values(&[.., takes, puts_in]: &[f64; LINK_ROWS]) -> Self {
+        Self { takes, puts_in, by_force: None }
+    }
+
+    /// At a sample, from the force of each hand and who presses the button: who has priority.
+    pub fn sampled(&mut self, hands: [f64; 2], button: Option<usize>) -> Option<usize> {
+        let [first, second] = hands.map(f64::abs);
+        let stronger = usize::from(second > first);
+        self.by_force = match self.by_force {
+            Some(side) if hands[side].abs() >= self.takes / 2.0 => Some(side),
+            _ => (first.max(second) > self.takes).then_some(stronger),
+        };
+        button.or(self.by_force)
+    }
+
+    /// Whether both pilots put in.
+    pub fn dual_input(&self, hands: [f64; 2]) -> bool {
+        hands.iter().all(|hand| hand.abs() > self.puts_in)
     }
 }

@@ -21,6 +21,9 @@ NAMES = {
     "final_difference_rad": "position difference at the end (mean over the last tenth)",
     "first_final_angle_rad": "first column, final angle (mean over the last tenth)",
     "second_final_angle_rad": "second column, final angle (mean over the last tenth)",
+    "first_priority_s": "priority of the first pilot",
+    "second_priority_s": "priority of the second pilot",
+    "dual_input_s": "dual input",
     "gave_way_at_s": "link gives way at",
     "diverged_at_s": "diverged at",
 }
