@@ -75,7 +75,9 @@ def test_both_hands_give_the_cue_and_the_mean_without_priority():
     run = sticks(ff.Step(10.0, 0.8), pulse, dual_input_force=8.0)
     assert run.measures.dual_input_s == pytest.approx(0.5, abs=LATE_S)
     angles = [run.history[f"{side}_column_angle_rad"].to_numpy() for side in ("first", "second")]
-    np.testing.assert_allclose(run.history["commanded_angle_rad"], np.mean(angles, axis=0), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        run.history["commanded_angle_rad"], np.mean(angles, axis=0), rtol=0, atol=1e-12
+    )  # one sum of two floats
     assert not run.history["priority"].any()
 
 

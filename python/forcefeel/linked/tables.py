@@ -29,13 +29,16 @@ NAMES = {
 }
 """Each measure in words."""
 
+_UNLESS_ZERO = ("first_priority_s", "second_priority_s", "dual_input_s")
+"""Measures that most links do not have."""
+
 
 def measure_rows(run: LinkedRun, units: UnitSystem) -> tuple[tuple[str, str, str], ...]:
     """Name, value and unit of each measure that there is."""
     hints, rows = get_type_hints(type(run.measures), include_extras=True), []
     for key, name in NAMES.items():
         value, measured_in = getattr(run.measures, key), hints[key].__metadata__[0]
-        if isfinite(value):
+        if isfinite(value) and (value or key not in _UNLESS_ZERO):
             rows.append((name, to_text(measured_in.from_si(value, units), 4), measured_in.shown(units)))
     return tuple(rows)
 

@@ -12,14 +12,14 @@ const SUM_ERROR: f64 = 2e-3;
 #[test]
 fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
     // k, c, p, M_b, k_a
-    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0]);
+    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 0.0, 0.0]);
     let cases: [(f64, f64); 6] = [(0.009, 0.0), (0.03, 4.0), (-0.03, -4.0), (0.06, 10.0), (0.08, 11.0), (-0.08, -11.0)];
     for (phi, expected) in cases {
         assert!((link.torque([phi, 0.0]) - expected).abs() < 1e-12, "{phi}");
         assert!((link.torque([phi, 2.0]) - expected - 6.0).abs() < 1e-12, "{phi}");
         assert_eq!(link.gives_way(phi), phi.abs() > 0.0601, "{phi}");
     }
-    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0]);
+    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert!((stiff.torque([3.0, 0.0]) - 600.0).abs() < 1e-9);
     assert!(!stiff.gives_way(1e9));
 }
