@@ -479,6 +479,7 @@ def simulate_linked(
     uncouples: bool = False,
     disconnect: int | None = None,
     jam: tuple[int, int] | None = None,
+    button: tuple[int, int] | None = None,
     threads: int = 1,
 ) -> _Array:
     """Outputs (pairs, samples, outputs) of pairs of loaders joined by links: of the first, of the second, ``linked_outputs``.
@@ -486,7 +487,7 @@ def simulate_linked(
     A side is its simulation, and the values and the law of each pair, the law by name, as gains or as observers. Both have one
     step, one period and one length. ``values``: of each link, in the order of ``link_parameters``; ``delay``: periods of an
     electronic link, a mechanical one without; ``uncouples``: what has given way stays open; ``disconnect``: a step; ``jam``: side
-    0 or 1, and a step.
+    0 or 1, and a step; ``button``: likewise, who has priority from then on.
     """
 
 def parts() -> list[tuple[str, str]]: ...

@@ -49,7 +49,7 @@ def test_bad_batch_is_refused():
     pairs = ff.linked.PairValues(rows, rows)
     with pytest.raises(InputError, match=r"second: expected shape \(2, "):
         ff.linked.PairValues(rows, rows[:1])
-    with pytest.raises(InputError, match=r"link: expected shape \(2, 8\)"):
+    with pytest.raises(InputError, match=r"link: expected shape \(2, 10\)"):
         ff.linked.PairValues(rows, rows, np.ones((2, 3)))
     with pytest.raises(InputError, match="keep: expected names of outputs"):
         ff.linked.simulate_linked_batch(axes, "pitch", scenario, pairs, keep=["angle"])

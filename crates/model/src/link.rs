@@ -1,8 +1,9 @@
 //! Link between two pilots' controls: a compliant shaft with play and a breakout, or its image in two feel computers.
 //!
-//! `phi = theta_1 - r theta_2` angle of one control beyond the other · `r` ratio, 1 between two pilots · `k`, `c` stiffness and damping · `p` play, full width · `M_b` breakout
-//! torque · `k_a` stiffness after it · `T` torque between them: `-T` on the first, `r T` on the second · `d` delay from one control's sample to the other's
-//! feel computer · `c_i` largest damping that is injected
+//! `phi = theta_1 - r theta_2` angle of one control beyond the other · `r` ratio, 1 between two pilots · `k`, `c` stiffness and damping · `p`
+//! play, full width · `M_b` breakout torque · `k_a` stiffness after it · `T` torque between them: `-T` on the first, `r T` on the second · `d`
+//! delay from one control's sample to the other's feel computer · `c_i` largest damping that is injected · `F_p`, `F_d` hand forces for
+//! priority and the dual-input cue
 //!
 //! ```text
 //! s = k (phi - clamp(phi, -p/2, p/2))
@@ -31,7 +32,7 @@ use crate::parameters::Parameter;
 use crate::units::{self, Unit};
 
 /// Rows of a link.
-pub const LINK_ROWS: usize = 8;
+pub const LINK_ROWS: usize = 10;
 
 /// The table of a link's parameters, in the order of its values; a row with `off_us` may be left out.
 pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
@@ -67,6 +68,20 @@ pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
         (0.5, Some(1.0)),
         (-1e2, 1e2),
     ),
+    row(
+        "priority_force",
+        ("F_p", "hand force above which a pilot takes priority"),
+        units::FORCE,
+        (20.0, Some(f64::INFINITY)),
+        (1e-2, 1e3),
+    ),
+    row(
+        "dual_input_force",
+        ("F_d", "force of each hand above which both are taken to put in"),
+        units::FORCE,
+        (2.0, Some(f64::INFINITY)),
+        (1e-2, 1e3),
+    ),
 ];
 
 const fn row(
@@ -96,7 +111,7 @@ impl<S: Scalar> PilotLink<S> {
     /// From values in the order of [`LINK_TABLE`].
     #[inline(always)]
     pub fn from_values(
-        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping, ratio]: &[S; LINK_ROWS],
+        &[stiffness, damping, play, breakout, stiffness_after, _delay, injected_damping, ratio, ..]: &[S; LINK_ROWS],
     ) -> Self {
         Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping, ratio }
     }
@@ -188,5 +203,36 @@ impl<S: Scalar> ElectronicLink<S> {
     /// The link.
     pub fn link(&self) -> &PilotLink<S> {
         &self.link
+    }
+}
+
+/// Which of two pilots has priority: by a button, else by a force above `F_p`, kept until it is below half of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Priority {
+    takes: f64,
+    puts_in: f64,
+    by_force: Option<usize>,
+}
+
+impl Priority {
+    /// From values in the order of [`LINK_TABLE`].
+    pub fn from_values(&[.., takes, puts_in]: &[f64; LINK_ROWS]) -> Self {
+        Self { takes, puts_in, by_force: None }
+    }
+
+    /// At a sample, from the force of each hand and who presses the button: who has priority.
+    pub fn sampled(&mut self, hands: [f64; 2], button: Option<usize>) -> Option<usize> {
+        let [first, second] = hands.map(f64::abs);
+        let stronger = usize::from(second > first);
+        self.by_force = match self.by_force {
+            Some(side) if hands[side].abs() >= self.takes / 2.0 => Some(side),
+            _ => (first.max(second) > self.takes).then_some(stronger),
+        };
+        button.or(self.by_force)
+    }
+
+    /// Whether both pilots put in.
+    pub fn dual_input(&self, hands: [f64; 2]) -> bool {
+        hands.iter().all(|hand| hand.abs() > self.puts_in)
     }
 }

@@ -37,9 +37,9 @@ pub fn linked_outputs() -> Vec<(&'static str, &'static str)> {
 /// Outputs (pairs, samples, outputs of the first, of the second and of the link) of pairs of loaders of one step and one period.
 ///
 /// `values`: of the link of each pair. `delay`: periods of an electronic link; a mechanical one without. `disconnect`: a step; `jam`: the first side
-/// or the second, and a step.
+/// or the second, and a step; `button`: likewise, who has priority from then on.
 #[pyfunction]
-#[pyo3(signature = (first, second, values, *, delay = None, uncouples = false, disconnect = None, jam = None, threads = 1))]
+#[pyo3(signature = (first, second, values, *, delay = None, uncouples = false, disconnect = None, jam = None, button = None, threads = 1))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub fn simulate_linked<'py>(
     py: Python<'py>,
@@ -50,14 +50,18 @@ pub fn simulate_linked<'py>(
     uncouples: bool,
     disconnect: Option<usize>,
     jam: Option<(usize, usize)>,
+    button: Option<(usize, usize)>,
     threads: usize,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let joints: Vec<Joint> = rows::<LINK_ROWS>("values", &values)?
         .into_iter()
-        .map(|values| Joint { values, delay, uncouples, disconnect, jam })
+        .map(|values| Joint { values, delay, uncouples, disconnect, jam, button })
         .collect();
     if delay.is_some_and(|delay| !(1..=MOST_DELAY).contains(&delay)) {
         return Err(refused(format!("delay: expected 1 to {MOST_DELAY} periods, got {delay:?}")));
+    }
+    if button.is_some_and(|(side, _)| side > 1) {
+        return Err(refused(format!("button: expected side 0 or 1 and a step, got {button:?}")));
     }
     if jam.is_some_and(|(side, step)| side > 1 || step == 0) {
         return Err(refused(format!("jam: expected side 0 or 1 and a step from 1 on, got {jam:?}")));

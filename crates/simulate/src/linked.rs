@@ -8,7 +8,7 @@
 use crate::batch::Job;
 use crate::noise::Noise;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink};
+use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink, Priority};
 use forcefeel_model::machine::{Inputs, Machine, Memory, Shared, State, StepStart};
 use forcefeel_solve::outputs::Output;
 
@@ -25,16 +25,22 @@ pub struct Joint {
     pub disconnect: Option<usize>,
     /// Which column jams, the first or the second, and at which step.
     pub jam: Option<(usize, usize)>,
+    /// Which pilot presses the priority button, and from which step on.
+    pub button: Option<(usize, usize)>,
 }
 
-/// What there is of a pair at a sample, beside the outputs of each: torque of the link on each column or feel in N m, force of each hand in N, and 1
-/// where the link has given way or is open.
-pub const JOINT_OUTPUTS: [(&str, &str); 5] = [
+/// What there is of a pair at a sample, beside the outputs of each: torque of the link on each column or feel in N m, force of each hand in N, 1
+/// where the link has given way or is open; the pilot with priority, 1 or 2, else 0; 1 where both put in; and the angle that is commanded: of the
+/// pilot with priority, else the mean.
+pub const JOINT_OUTPUTS: [(&str, &str); 8] = [
     ("first_link_torque", "N m"),
     ("second_link_torque", "N m"),
     ("first_hand_force", "N"),
     ("second_hand_force", "N"),
     ("link_gives_way", ""),
+    ("priority", ""),
+    ("dual_input", ""),
+    ("commanded_angle", "rad"),
 ];
 
 /// A loader of a pair, whatever its drive.
@@ -49,8 +55,10 @@ pub trait Side {
     fn advance(&mut self, torque: f64) -> [f64; 2];
     /// The step is done: a hand may let go.
     fn done(&mut self, step: usize);
-    /// Adds the outputs at the start of the step that has begun; gives the force of the hand on the grip.
-    fn outputs(&self, to: &mut Vec<f64>) -> f64;
+    /// Force of the hand on the grip at the start of the step that has begun.
+    fn hand_force(&self) -> f64;
+    /// Adds the outputs at the start of the step that has begun.
+    fn outputs(&self, to: &mut Vec<f64>);
     /// The column jams after the step that has begun.
     fn jam(&mut self);
 }
@@ -138,11 +146,14 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         }
     }
 
-    fn outputs(&self, to: &mut Vec<f64>) -> f64 {
-        let Some(Step { start, .. }) = &self.step else { return 0.0 };
+    fn hand_force(&self) -> f64 {
+        self.step.as_ref().map_or(0.0, |step| self.machine.hand_force(&step.start.now))
+    }
+
+    fn outputs(&self, to: &mut Vec<f64>) {
+        let Some(Step { start, .. }) = &self.step else { return };
         let per_base = self.machine.per_base();
         to.extend(self.job.outputs.iter().map(|&output| Output::at(output).of(&start.now, per_base)));
-        self.machine.hand_force(&start.now)
     }
 
     fn jam(&mut self) {
@@ -165,6 +176,7 @@ pub fn run_pair(
     let mut electronic =
         joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
     let injected = electronic.as_ref().map_or([0.0; 2], |electronic| electronic.injected(job.shared.period_s()));
+    let (mut priority, mut holder) = (Priority::from_values(&joint.values), None);
     let mut open = false;
     let mut at = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
     let mut on_feel = [[0.0; 2]; 2];
@@ -180,16 +192,30 @@ pub fn run_pair(
             open = open || joint.uncouples && seen.iter().any(|&[phi, _]| link.gives_way(phi));
             let on = |side: usize| [link.on_each(link.torque(seen[side]))[side], injected[side]];
             on_feel = [0, 1].map(|side| if open { [0.0; 2] } else { on(side) });
+            // As of the step before: a controller has no newer force.
+            let button = joint.button.and_then(|(side, from)| (step >= from).then_some(side));
+            holder = priority.sampled([sides[0].hand_force(), sides[1].hand_force()], button);
+            if let Some(side) = holder {
+                // The other control follows the one with priority, which has its own feel alone.
+                on_feel[side] = [0.0; 2];
+            }
         }
         let on_columns = link.on_each(start);
         for (side, (on_column, on_feel)) in sides.iter_mut().zip(on_columns.into_iter().zip(on_feel)) {
             side.begin(step, on_column, on_feel);
         }
         if step % every == 0 {
-            let hands = [0, 1].map(|side: usize| sides[side].outputs(rows));
+            for side in &sides {
+                side.outputs(rows);
+            }
+            let hands = [0, 1].map(|side: usize| sides[side].hand_force());
+            let angles = [0, 1].map(|side: usize| sides[side].angle());
             rows.extend([on_feel[0][0] + on_columns[0], on_feel[1][0] + on_columns[1]]);
             rows.extend(hands);
             rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
+            rows.push(holder.map_or(0.0, |side| if side == 0 { 1.0 } else { 2.0 }));
+            rows.push(f64::from(u8::from(priority.dual_input(hands))));
+            rows.push(holder.map_or(f64::midpoint(angles[0], angles[1]), |side| angles[side]));
         }
         if joint.delay.is_some() {
             for side in &mut sides {

@@ -1,8 +1,9 @@
 """The options of a run of two linked loaders: the second pilot, and what happens to the link."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 from cyclopts import Group
 
@@ -15,7 +16,7 @@ from forcefeel.loader.arms import Arm
 from forcefeel.units import show
 
 if TYPE_CHECKING:
-    from forcefeel.linked import Jam, LinkedScenario
+    from forcefeel.linked import LinkedScenario
     from forcefeel.loader.project import Project
     from forcefeel.simulation.inputs import Force
 
@@ -44,6 +45,14 @@ class LinkedOptions(ScenarioOptions):
     jam: Annotated[
         str | None,
         option("Column that jams and when, such as '0.5 s: pitch-first-officer'.", LINKED, metavar="TIME: AXIS"),
+    ] = None
+    priority: Annotated[
+        str | None,
+        option(
+            "Pilot who presses the priority button and from when on, such as '0.5 s: stick-pitch-first-officer'.",
+            LINKED,
+            metavar="TIME: AXIS",
+        ),
     ] = None
 
     def linked_project(self, path: Path | None) -> "Project | None":
@@ -86,23 +95,29 @@ class LinkedOptions(ScenarioOptions):
         Raises:
             InputError: If an option is bad.
         """
-        from forcefeel.linked import LinkedScenario
+        from forcefeel.linked import Button, Jam, LinkedScenario
 
         first = self.scenario(project.loaders[project.links[self.link_name(project)].between[0]])
         opened = None if self.disconnect is None else seconds("--disconnect", self.disconnect)
-        jam = self._jam()
-        for name, time in (("--disconnect", opened), ("--jam", None if jam is None else jam.at_s)):
+        between = project.links[self.link_name(project)].between
+        jam, button = _event(Jam, "--jam", self.jam), _event(Button, "--priority", self.priority)
+        events = {"--jam": jam, "--priority": button}
+        times = {"--disconnect": opened, **{name: event.at_s for name, event in events.items() if event is not None}}
+        for name, time in times.items():
             if time is not None and not 0 < time <= first.duration_s:
                 raise InputError(f"{name}: expected a time within the run of {first.duration_s:g} s, got {time:g} s")
-        if jam is not None and jam.axis not in (axes := project.links[self.link_name(project)].between):
-            raise InputError(f"--jam: expected {' or '.join(axes)}, got {show(jam.axis)}; name a column of the link")
+        for name, event in events.items():
+            if event is not None and event.axis not in between:
+                raise InputError(
+                    f"{name}: expected {' or '.join(between)}, got {show(event.axis)}; name an axis of the link"
+                )
         if self.change:
             raise InputError("--change: is for one loader; leave it out, or simulate the loader of one axis")
         if self.input is InputKind.RELEASE:
             if self.second_force is not None:
                 raise InputError("--second-force: given with --input release, which is of both hands; leave one out")
-            return LinkedScenario(first, first.force, opened, jam)
-        return LinkedScenario(first, self._second(), opened, jam)
+            return LinkedScenario(first, first.force, opened, jam, button)
+        return LinkedScenario(first, self._second(), opened, jam, button)
 
     def _second(self) -> "Force":
         from forcefeel.simulation import inputs
@@ -118,23 +133,30 @@ class LinkedOptions(ScenarioOptions):
             return inputs.Step(force, start)
         return inputs.Pulse(force, start, seconds("--second-width", self.second_width))
 
-    def _jam(self) -> "Jam | None":
-        if self.jam is None:
-            return None
-        from forcefeel.linked import Jam
-
-        time, colon, axis = self.jam.partition(":")
-        if not colon:
-            raise InputError(
-                f"--jam: expected a time and an axis such as '0.5 s: pitch-first-officer', got {show(self.jam)}"
-            )
-        return Jam(axis.strip(), seconds("--jam", time.strip()))
-
     def _refuse_linked(self) -> None:
         second = {name: getattr(self, name) for name in ("second_force", "second_start", "second_width", "second_arm")}
-        for name, given in {"link": self.link, **second, "disconnect": self.disconnect, "jam": self.jam}.items():
+        for name, given in {
+            "link": self.link,
+            **second,
+            "disconnect": self.disconnect,
+            "jam": self.jam,
+            "priority": self.priority,
+        }.items():
             if given is not None:
                 raise InputError(
                     f"--{name.replace('_', '-')}: is for two linked axes; name a project file with a table [links], such as "
                     "examples/cockpit/transport-column.toml, or leave it out"
                 )
+
+
+Event = TypeVar("Event")
+
+
+def _event(kind: Callable[[str, float], Event], name: str, text: str | None) -> Event | None:
+    """A time and an axis as an event."""
+    if text is None:
+        return None
+    time, colon, axis = text.partition(":")
+    if not colon:
+        raise InputError(f"{name}: expected a time and an axis such as '0.5 s: pitch-first-officer', got {show(text)}")
+    return kind(axis.strip(), seconds(name, time.strip()))

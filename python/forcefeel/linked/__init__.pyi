@@ -8,6 +8,7 @@ from forcefeel.linked.link_checks import check_link as check_link
 from forcefeel.linked.page.page import write_linked as write_linked
 from forcefeel.linked.result import LinkedRun as LinkedRun
 from forcefeel.linked.result import LinkMeasures as LinkMeasures
+from forcefeel.linked.scenario import Button as Button
 from forcefeel.linked.scenario import Jam as Jam
 from forcefeel.linked.scenario import LinkedScenario as LinkedScenario
 from forcefeel.loader.links import AfterBreakout as AfterBreakout

@@ -14,7 +14,7 @@ from forcefeel.errors import InputError, expect, suggestion
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.linked.joint import common_step, delay_periods
 from forcefeel.linked.result import SIDES, LinkedRun, LinkMeasures
-from forcefeel.linked.scenario import LinkedScenario, on_step
+from forcefeel.linked.scenario import LinkedScenario, on_step, side_and_step
 from forcefeel.loader.links import LINK_TABLE, AfterBreakout, Link
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
@@ -201,7 +201,6 @@ class _Pair:
                 f"keep: histories of {runs} pairs take more than {MOST_HISTORY_BYTES >> 30} GiB; keep fewer outputs, or run fewer "
                 "pairs at once"
             )
-        jammed = scenario.jam_side(self.link)
         return names, _core.simulate_linked(
             sides[0],
             sides[1],
@@ -209,7 +208,8 @@ class _Pair:
             delay=delay_periods(self.link, self.loaders),
             uncouples=self.link.after_breakout is AfterBreakout.UNCOUPLE,
             disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, self.step_s),
-            jam=None if scenario.jam is None or jammed is None else (jammed, on_step(scenario.jam.at_s, self.step_s)),
+            jam=side_and_step("jam", scenario.jam, self.link, self.step_s),
+            button=side_and_step("button", scenario.button, self.link, self.step_s),
             threads=threads,
         )
 
@@ -247,6 +247,9 @@ def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:
         final_difference_rad=_late(first - second),
         first_final_angle_rad=_late(first),
         second_final_angle_rad=_late(second),
+        first_priority_s=_lasts(values["priority"][:until] == 1, time),
+        second_priority_s=_lasts(values["priority"][:until] == 2, time),
+        dual_input_s=_lasts(values["dual_input"][:until] > 0, time),
         gave_way_at_s=_first(values["link_gives_way"][:until] > 0, time),
         diverged_at_s=_first(~known, time),
     )
@@ -255,6 +258,10 @@ def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:
 def _late(values: NDArray[np.float64]) -> float:
     """The mean over the last tenth."""
     return float(np.mean(values[-max(len(values) // 10, 1) :])) if len(values) else float("nan")
+
+
+def _lasts(when: NDArray[np.bool_], time: NDArray[np.float64]) -> float:
+    return float(np.count_nonzero(when) * (time[1] - time[0]))
 
 
 def _first(when: NDArray[np.bool_], time: NDArray[np.float64]) -> float:

@@ -25,7 +25,9 @@ def linked_conclusions(run: LinkedRun, units: UnitSystem) -> Conclusions:
     apart = _quantity(run.measures.largest_difference_rad, ANGLE, units)
     numbers = "" if run.diverged else f": peak link force {force} at the grip, largest position difference {apart}"
     verdict = f"{capital(run.note)}{numbers}."
-    findings = tuple(filter(None, (_fight(run, units), _after(run), _own_feel(run), _grip_law(run))))
+    findings = tuple(
+        filter(None, (_fight(run, units), _priority(run), _dual(run), _after(run), _own_feel(run), _grip_law(run)))
+    )
     return Conclusions(not run.diverged, verdict, findings)
 
 
@@ -36,6 +38,8 @@ def hands_text(run: LinkedRun, units: UnitSystem) -> str:
     text = f"{first}: {input_text(scenario.first.force, units)}; {second}: {input_text(scenario.second_force, units)}"
     if scenario.jam is not None:
         text += f"; {scenario.jam.axis} jams at {scenario.jam.at_s:g} s"
+    if scenario.button is not None:
+        text += f"; {scenario.button.axis} takes priority by button at {scenario.button.at_s:g} s"
     if scenario.disconnect_s is not None:
         text += f"; the link is opened at {scenario.disconnect_s:g} s"
     return text
@@ -46,6 +50,18 @@ def _fight(run: LinkedRun, units: UnitSystem) -> str:
     return (
         f"Force fight: the hands push against each other with up to {_quantity(fight, FORCE, units)}." if fight else ""
     )
+
+
+def _priority(run: LinkedRun) -> str:
+    """How long each pilot has priority."""
+    lasts = run.measures.first_priority_s, run.measures.second_priority_s
+    each = [f"{axis} for {time:.3g} s" for axis, time in zip(run.link.between, lasts, strict=True) if time]
+    return f"Priority: {', '.join(each)}. The other control follows." if each else ""
+
+
+def _dual(run: LinkedRun) -> str:
+    time = run.measures.dual_input_s
+    return f"Dual input: both hands push for {time:.3g} s." if time else ""
 
 
 def _after(run: LinkedRun) -> str:

@@ -29,6 +29,9 @@ class LinkMeasures:
         final_difference_rad: Angle of the first column beyond the second, mean over the last tenth of the run.
         first_final_angle_rad: Of the first column, likewise.
         second_final_angle_rad: Of the second column, likewise.
+        first_priority_s: How long the first pilot has priority.
+        second_priority_s: How long the second has.
+        dual_input_s: How long both hands push with more than the ``dual_input_force`` of the link.
         gave_way_at_s: When the link first gave way or was opened; infinite if it did not.
         diverged_at_s: When a column left every bound; infinite if none did.
 
@@ -47,6 +50,9 @@ class LinkMeasures:
     final_difference_rad: Annotated[float, ANGLE]
     first_final_angle_rad: Annotated[float, ANGLE]
     second_final_angle_rad: Annotated[float, ANGLE]
+    first_priority_s: Annotated[float, SECONDS]
+    second_priority_s: Annotated[float, SECONDS]
+    dual_input_s: Annotated[float, SECONDS]
     gave_way_at_s: Annotated[float, SECONDS]
     diverged_at_s: Annotated[float, SECONDS]
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from forcefeel.errors import InputError, expect, expect_number
-from forcefeel.loader.links import Link
+from forcefeel.loader.links import Link, LinkKind
 from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release
 from forcefeel.simulation.scenario import Scenario
 
@@ -26,6 +26,23 @@ class Jam:
 
 
 @dataclass(frozen=True)
+class Button:
+    """The pilot of one side presses the priority button from a time on.
+
+    Attributes:
+        axis: The axis of the pilot.
+        at_s: When.
+
+    Example:
+        >>> ff.linked.Button("stick-pitch", at_s=0.5).axis
+        'stick-pitch'
+    """
+
+    axis: str
+    at_s: float
+
+
+@dataclass(frozen=True)
 class LinkedScenario:
     """The inputs of a run of two linked loaders.
 
@@ -34,6 +51,7 @@ class LinkedScenario:
         second_force: Of the second pilot. A release is of both, from one angle.
         disconnect_s: When the link is opened; it stays open.
         jam: Of one of both columns.
+        button: Of one of both pilots, of an electronic link.
 
     Raises:
         InputError: If a time is out of range, or the link would be loaded before the run begins.
@@ -48,12 +66,14 @@ class LinkedScenario:
     second_force: Force = field(default_factory=HandsOff)
     disconnect_s: float | None = None
     jam: Jam | None = None
+    button: Button | None = None
 
     def __post_init__(self) -> None:
         expect("first", self.first, Scenario, "a Scenario, such as Scenario(Step(100.0))")
         for name, value in (
             ("disconnect_s", self.disconnect_s),
             ("jam.at_s", None if self.jam is None else self.jam.at_s),
+            ("button.at_s", None if self.button is None else self.button.at_s),
         ):
             if value is not None:
                 expect_number(name, value)
@@ -78,17 +98,20 @@ class LinkedScenario:
         """The inputs of the second loader."""
         return replace(self.first, force=self.second_force)
 
-    def jam_side(self, link: Link) -> int | None:
-        """Which side jams, 0 or 1; ``None`` without a jam.
 
-        Raises:
-            InputError: If its axis is not of the link.
-        """
-        if self.jam is None:
-            return None
-        if self.jam.axis not in link.between:
-            raise InputError(f"jam: expected {' or '.join(link.between)}, got {self.jam.axis!r}")
-        return link.between.index(self.jam.axis)
+def side_and_step(name: str, event: Jam | Button | None, link: Link, step_s: float) -> tuple[int, int] | None:
+    """Which side, 0 or 1, and the engine's step; ``None`` without an event.
+
+    Raises:
+        InputError: If its axis is not of the link, or a button is not of an electronic link.
+    """
+    if event is None:
+        return None
+    if isinstance(event, Button) and link.kind is not LinkKind.ELECTRONIC:
+        raise InputError(f"{name}: is of an electronic link, and {link.name} is mechanical; leave it out")
+    if event.axis not in link.between:
+        raise InputError(f"{name}: expected {' or '.join(link.between)}, got {event.axis!r}")
+    return link.between.index(event.axis), on_step(event.at_s, step_s)
 
 
 def on_step(time_s: float, step_s: float) -> int:

@@ -21,10 +21,16 @@ NAMES = {
     "final_difference_rad": "position difference at the end (mean over the last tenth)",
     "first_final_angle_rad": "first column, final angle (mean over the last tenth)",
     "second_final_angle_rad": "second column, final angle (mean over the last tenth)",
+    "first_priority_s": "priority of the first pilot",
+    "second_priority_s": "priority of the second pilot",
+    "dual_input_s": "dual input",
     "gave_way_at_s": "link gives way at",
     "diverged_at_s": "diverged at",
 }
 """Each measure in words."""
+
+_UNLESS_ZERO = ("first_priority_s", "second_priority_s", "dual_input_s")
+"""Measures that most links do not have."""
 
 
 def measure_rows(run: LinkedRun, units: UnitSystem) -> tuple[tuple[str, str, str], ...]:
@@ -32,7 +38,7 @@ def measure_rows(run: LinkedRun, units: UnitSystem) -> tuple[tuple[str, str, str
     hints, rows = get_type_hints(type(run.measures), include_extras=True), []
     for key, name in NAMES.items():
         value, measured_in = getattr(run.measures, key), hints[key].__metadata__[0]
-        if isfinite(value):
+        if isfinite(value) and (value or key not in _UNLESS_ZERO):
             rows.append((name, to_text(measured_in.from_si(value, units), 4), measured_in.shown(units)))
     return tuple(rows)
 

@@ -32,7 +32,7 @@ from forcefeel.units import UnitSystem, parse, show
 LINK_TABLE = MappingProxyType({row.name: row for row in _core.link_parameters()})
 """The rows of a link, in the order of its values."""
 
-_ELECTRONIC_ROWS = ("delay", "injected_damping")
+_ELECTRONIC_ROWS = ("delay", "injected_damping", "priority_force")
 
 _BREAKOUT_ROWS = ("stiffness_after", "after_breakout")
 

@@ -6,20 +6,22 @@ use forcefeel_model::link::{ElectronicLink, LINK_ROWS, LINK_TABLE, PilotLink};
 const RUNS: u64 = 10_000;
 const STEPS: usize = 1500;
 const STEP_S: f64 = 1e-3;
+/// Place of the ratio in a link's values.
+const RATIO: usize = 7;
 /// Of the energy that passes through the link: the sum over steps takes a kink of the torque for a straight line.
 const SUM_ERROR: f64 = 2e-3;
 
 #[test]
 fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
     // k, c, p, M_b, k_a
-    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 1.0]);
+    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let cases: [(f64, f64); 6] = [(0.009, 0.0), (0.03, 4.0), (-0.03, -4.0), (0.06, 10.0), (0.08, 11.0), (-0.08, -11.0)];
     for (phi, expected) in cases {
         assert!((link.torque([phi, 0.0]) - expected).abs() < 1e-12, "{phi}");
         assert!((link.torque([phi, 2.0]) - expected - 6.0).abs() < 1e-12, "{phi}");
         assert_eq!(link.gives_way(phi), phi.abs() > 0.0601, "{phi}");
     }
-    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0]);
+    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     assert!((stiff.torque([3.0, 0.0]) - 600.0).abs() < 1e-9);
     assert!(!stiff.gives_way(1e9));
 }
@@ -51,7 +53,7 @@ fn step(draws: &mut Draws) -> usize {
 fn drawn(draws: &mut Draws) -> ([f64; LINK_ROWS], [Vec<f64>; 2], usize) {
     let between = |draws: &mut Draws, high: f64| draws.uniform().abs() * high;
     let mut values = [0.0; LINK_ROWS];
-    values[LINK_ROWS - 1] = 2.0 * draws.uniform();
+    values[RATIO] = 2.0 * draws.uniform();
     for (value, high) in values.iter_mut().zip([2000.0, 20.0, 0.05, 100.0, 500.0]) {
         *value = between(draws, high);
     }
@@ -71,7 +73,7 @@ fn no_energy_comes_out_of_a_mechanical_link() {
         let (values, [first, second], disconnect) = drawn(draws);
         let (link, uncouples) = (PilotLink::from_values(&values), draws.uniform() > 0.0);
         let (mut out, mut through, mut open) = (0.0, 0.0, false);
-        let phi: Vec<_> = first.iter().zip(&second).map(|(a, b)| a - values[LINK_ROWS - 1] * b).collect();
+        let phi: Vec<_> = first.iter().zip(&second).map(|(a, b)| a - values[RATIO] * b).collect();
         for k in 0..STEPS {
             open = open || k >= disconnect || uncouples && link.gives_way(phi[k]);
             let moved = phi[k + 1] - phi[k];

@@ -90,7 +90,9 @@ def _dampings(frontier: LinkFrontier) -> list[float]:
 
 
 def _damping(value: float, units: UnitSystem) -> str:
-    return f"{to_text(ROTARY_DAMPING.from_si(value, units), 3)} {ROTARY_DAMPING.shown(units)}" if value else "no damping"
+    return (
+        f"{to_text(ROTARY_DAMPING.from_si(value, units), 3)} {ROTARY_DAMPING.shown(units)}" if value else "no damping"
+    )
 
 
 def _table(frontier: LinkFrontier, units: UnitSystem) -> Table:

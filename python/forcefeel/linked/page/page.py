@@ -7,24 +7,19 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from forcefeel.conclusions import capital
-from forcefeel.json_values import json_text
 from forcefeel.linked.findings import hands_text, linked_conclusions
 from forcefeel.linked.result import SIDES, LinkedRun
 from forcefeel.linked.tables import columns, linked_json, measure_rows
 from forcefeel.loader.links import LINK_TABLE
 from forcefeel.loader.parameters import with_unit
 from forcefeel.page.canvas import add_curve, drawn, frame
-from forcefeel.page.folder import OutputFolder
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, LineStyle
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import render
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import unit_text
-from forcefeel.simulation.page.page import HISTORY, NUMBERS, SIMULATION
-from forcefeel.tables.csv_table import csv_text
+from forcefeel.simulation.page.page import FOLDER, write_run
 from forcefeel.units import ANGLE, FORCE, TORQUE, Unit, UnitSystem
-
-FOLDER = OutputFolder("the simulation", (SIMULATION, HISTORY, NUMBERS))
 
 _MOST_POINTS = 4000
 """Most points of a drawn curve."""
@@ -57,10 +52,6 @@ def write_linked(run: LinkedRun, out: Path, units: UnitSystem, *, command: str =
         'simulation.html'
     """
     FOLDER.check(out)
-    history = columns(run, units)
-    heads = [f"{column.name} ({column.unit})".replace(" ()", "") for column in history]
-    rows = zip(*(column.values.tolist() for column in history), strict=True)
-    document = linked_json(run, units) | {"history": {"file": HISTORY, "columns": heads}}
     page = render(
         "linked/page/linked.html.j2",
         command=command,
@@ -71,8 +62,7 @@ def write_linked(run: LinkedRun, out: Path, units: UnitSystem, *, command: str =
         measures=_measured(run, units),
         link=_link(run, units),
     )
-    FOLDER.write(out, {HISTORY: csv_text(heads, rows, ".9g"), NUMBERS: json_text(document), SIMULATION: page})
-    return out / SIMULATION
+    return write_run(out, columns(run, units), linked_json(run, units), page)
 
 
 def _motion(run: LinkedRun, units: UnitSystem) -> go.Figure:

@@ -1,5 +1,6 @@
 """The page of a run, the template filled with plots, tables and words, and its folder."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from forcefeel.json_values import json_text
@@ -12,9 +13,9 @@ from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.page import plots as simulation_plots
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
-from forcefeel.simulation.tables import columns, run_json
+from forcefeel.simulation.tables import Column, columns, run_json
 from forcefeel.tables.csv_table import csv_text
-from forcefeel.units import UnitSystem
+from forcefeel.units import Json, UnitSystem
 
 SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
 
@@ -85,14 +86,14 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
         'run'
     """
     FOLDER.check(out)
-    history = columns(run, units)
+    page = simulation_page(run, units, law, command=command)
+    return write_run(out, columns(run, units), run_json(run, units, law), page)
+
+
+def write_run(out: Path, history: Sequence[Column], document: dict[str, Json], page: str) -> Path:
+    """Writes the folder of a run: its history, its results and its page."""
+    heads = [f"{column.name} ({column.unit})".removesuffix(" ()") for column in history]
     rows = zip(*(column.values.tolist() for column in history), strict=True)
-    heads = [f"{column.name} ({column.unit})" for column in history]
-    document = run_json(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
-    contents = {
-        HISTORY: csv_text(heads, rows, ".9g"),
-        NUMBERS: json_text(document),
-        SIMULATION: simulation_page(run, units, law, command=command),
-    }
-    FOLDER.write(out, contents)
+    results = document | {"history": {"file": HISTORY, "columns": heads}}
+    FOLDER.write(out, {HISTORY: csv_text(heads, rows, ".9g"), NUMBERS: json_text(results), SIMULATION: page})
     return out / SIMULATION
