@@ -256,7 +256,10 @@ def _cockpit_json(name: str, axes: "dict[str, LiveSession]") -> dict[str, object
 
 def _findings(running: "LiveSession") -> list[str]:
     remark = running.law.made_for_another(running.loader)
-    return [remark] if remark else []
+    link = running.settings.link
+    alone = link is not None and any(isfinite(link[row]) for row in ("priority_force", "dual_input_force"))
+    simulated = "priority and the dual-input cue of its link act in forcefeel simulate, not in a live run"
+    return [*([remark] if remark else []), *([simulated] if alone else [])]
 
 
 def _quantiles(histogram: "Histogram") -> dict[str, float]:
