@@ -20,7 +20,7 @@ def impossible(values: NDArray[np.float64]) -> dict[str, NDArray[np.bool_]]:
         low, high = values[:, INDEX[low_key]], values[:, INDEX[high_key]]
         with np.errstate(invalid="ignore"):  # both ends may be infinite, which is far apart
             close = np.isfinite(low) & np.isfinite(high) & (np.abs(high - low) <= _ROUNDING * np.abs(low))
-        ruled_out[f"{low_key} is not below {high_key}"] = ~(low < high) | close
+        ruled_out[f"{low_key} is not below {high_key}"] = ~((low < high) | np.isposinf(high)) | close
     for key, minimum in AT_LEAST:
         value = values[:, INDEX[key]]
         present = value != OFF[key]
