@@ -8,7 +8,7 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
 
-TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate")
+TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "frontier")
 TAKE_A_LOADER = {
     "analyze": (),
     "commission": ("--data", "x.csv"),
@@ -18,7 +18,6 @@ TAKE_A_LOADER = {
     "excite": ("--experiment", "servo-closed", "--fit", "k"),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
     "fly": (),
-    "frontier": (),
     "identify": ("--data", "x.csv", "--fit", "k"),
     "resonance": ("--data", "x.csv"),
     "run": (),
@@ -98,7 +97,7 @@ def test_single_loader_command_names_project_commands(forcefeel, cockpit, comman
     status, out, error = forcefeel(command, "cockpit.toml", *TAKE_A_LOADER[command])
     assert (status, out) == (2, "")
     assert "cockpit.toml: is a project, which names the loader of each axis; expected one of those loaders" in error
-    assert "forcefeel qualify, envelope and size take a project, simulate one with links" in error
+    assert "forcefeel qualify, envelope and size take a project, simulate and frontier one with links" in error
 
 
 def test_every_loader_command_is_tested():

@@ -62,7 +62,7 @@ from forcefeel.loader.text import toml_value
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
-PROJECT_COMMANDS = "forcefeel qualify, envelope and size take a project, simulate one with links"
+PROJECT_COMMANDS = "forcefeel qualify, envelope and size take a project, simulate and frontier one with links"
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
 _MOST_DOTS = 100
