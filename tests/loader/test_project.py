@@ -8,13 +8,12 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
 
-TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run")
+TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "frontier")
 ON_EACH_AXIS = ("analyze", "law", "sweep", "identify", "excite", "commission", "export")
 TAKE_A_LOADER = {
     "design": (),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
     "fly": (),
-    "frontier": (),
     "resonance": ("--data", "x.csv"),
     "schedule": ("--knots", "x.csv"),
 }

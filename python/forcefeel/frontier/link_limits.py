@@ -134,9 +134,9 @@ def link_frontier(
         >>> frontier.links["stick-pitch"].used < 0.1
         True
     """
-    if not project.links:
+    if not project.pilot_links:
         raise InputError(f"{project.path}: has no table [links]; add [links.NAME], or name the loader of one axis")
-    total = len(project.links) * (len(DELAYS) + 1)
+    total = len(project.pilot_links) * (len(DELAYS) + 1)
     done = 0
 
     def advance(name: str) -> None:
@@ -158,7 +158,9 @@ def link_frontier(
         return LinkFrontier(link, pair.law, tuple(limits), own)
 
     try:
-        return CockpitFrontier(project.name, MappingProxyType({k: frontier(link) for k, link in project.links.items()}))
+        return CockpitFrontier(
+            project.name, MappingProxyType({k: frontier(link) for k, link in project.pilot_links.items()})
+        )
     except InputError as error:
         raise InputError(f"{project.path}: {error}") from error
 
