@@ -1,5 +1,6 @@
 """All axes of a project in one loop: the bits of a simulation, periods, trips, links, host, record."""
 
+import re
 import socket
 from pathlib import Path
 
@@ -23,6 +24,9 @@ ACTIVE_CYCLES = 4000
 
 LARGEST_STEP_N = 0.1
 """Of the force of a link from sample to sample: what a hand does not feel."""
+
+SAME = 0.02
+"""Of an angle at rest, which the friction of the motor leaves open."""
 
 
 def columns(session):
@@ -145,6 +149,39 @@ def test_electronic_link_comes_and_goes_without_a_step():
         assert np.abs(force).max() > 3
         assert np.abs(np.diff(force)).max() < LARGEST_STEP_N
         assert force[-1] == 0
+
+
+def test_priority_leaves_a_side_its_own_feel_and_the_other_follows(tmp_path):
+    """By the button, then by force: the link gives nothing to who has priority, and all to the other."""
+    text = (COCKPITS / "linked-sticks.toml").read_text(encoding="utf-8")
+    text = re.sub(r"\n(priority|dual_input)_force.*", "", text)
+    with running(project_of(tmp_path, text + 'priority_force = "3 lb"\n')) as cockpit:
+        first, second = cockpit.values()
+        second.hand_force_n = 8.0
+        cockpit.wait(2000)
+        shared = columns(second)["column_angle_rad"][-1]
+        cockpit.disconnect("stick-pitch")
+        cockpit.wait(3000)
+        alone = columns(second)["column_angle_rad"][-1]
+        cockpit.connect("stick-pitch")
+        second.priority = True
+        cockpit.wait(3000)
+        rows = columns(second)
+        assert rows["link_torque_n_m"][-1] == 0
+        assert rows["column_angle_rad"][-1] == pytest.approx(alone, rel=SAME)
+        assert rows["column_angle_rad"][-1] > 1.3 * shared
+        assert columns(first)["column_angle_rad"][-1] > 0.3 * rows["column_angle_rad"][-1]
+        second.priority = False
+        cockpit.wait(3000)
+        assert columns(second)["link_torque_n_m"][-1] != 0
+        second.hand_force_n = 20.0
+        cockpit.wait(3000)
+        assert columns(second)["link_torque_n_m"][-1] == 0
+    with (
+        in_virtual_time(ff.loader.read_project(COCKPITS / "transport-column.toml")) as shaft,
+        pytest.raises(InputError, match="priority: is of an electronic link"),
+    ):
+        shaft["pitch"].priority = True
 
 
 def test_shaft_between_simulated_machines_is_opened_and_closed():

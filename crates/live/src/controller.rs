@@ -41,6 +41,8 @@ pub struct Controller {
     link: [f64; 2],
     /// Whether it was asked to hold or to open, and has not been yet.
     link_asked: Option<bool>,
+    /// Whether its priority button is pressed.
+    presses: bool,
     change: Option<Change>,
     waiting: Option<FeelRequest>,
     cycle: u64,
@@ -88,6 +90,7 @@ impl Controller {
             host: setup.host.then(|| HostControl::new(setup)),
             link: [0.0; 2],
             link_asked: None,
+            presses: false,
             change: None,
             waiting: None,
             cycle: 0,
@@ -121,6 +124,7 @@ impl Controller {
             LoopRequest::Acknowledge => self.asked.acknowledge = true,
             LoopRequest::Stop => self.asked.stop = true,
             LoopRequest::OtherAxis => self.asked.other_axis = true,
+            LoopRequest::Priority(pressed) => self.presses = *pressed,
             LoopRequest::Link(holds) => self.link_asked = Some(*holds),
             LoopRequest::Host(packet) => {
                 if let Some(host) = &mut self.host {
@@ -162,6 +166,16 @@ impl Controller {
     /// Whether its electronic link was asked to hold, or to open, since this was called last.
     pub fn link_asked(&mut self) -> Option<bool> {
         self.link_asked.take()
+    }
+
+    /// Whether its priority button is pressed.
+    pub fn presses(&self) -> bool {
+        self.presses
+    }
+
+    /// Force of the hand in N: as the supervisor estimates it, or as measured where nobody looks on.
+    pub fn hand_force(&self) -> f64 {
+        self.supervision.last().map_or(self.pilot_force, |allowed| allowed.grip.hand_force)
     }
 
     /// What one of its electronic links does to the feel in the next cycle: torque in N m and damping in N m s/rad.

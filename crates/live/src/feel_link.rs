@@ -5,13 +5,14 @@
 //!
 //! `s` goes to `s_1 s_2` by at most `h / t_f` a period; each feel is given `s T` and the damping `s c`. `T` stays as it is once a feel is gone,
 //! which jumps to its column then. So neither a start, a trip of one side, an opening nor a closing is felt as a step. A link that uncouples at
-//! its breakout is open at once.
+//! its breakout is open at once. The side with priority is given nothing, the other side all: either comes and goes over `t_f` too.
 
 use crate::controller::Controller;
-use forcefeel_model::link::{ElectronicLink, PilotLink};
+use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink, Priority};
 
 /// An electronic link in a loop.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each holds by itself")]
 pub struct FeelLink {
     /// Places of its axes.
     pub sides: [usize; 2],
@@ -28,14 +29,17 @@ pub struct FeelLink {
     share: f64,
     /// Torque on each feel at a share of one.
     torques: [f64; 2],
+    priority: Priority,
+    /// What each side is given of the link: nothing where it has priority.
+    gains: [f64; 2],
 }
 
 impl FeelLink {
-    /// A link between the axes at `sides`, with so many periods of delay.
-    pub fn new(sides: [usize; 2], link: PilotLink<f64>, delay: usize, (uncouples, opens): (bool, bool)) -> Self {
+    /// A link between the axes at `sides` with values in the order of its table, and so many periods of delay.
+    pub fn new(sides: [usize; 2], values: &[f64; LINK_ROWS], delay: usize, (uncouples, opens): (bool, bool)) -> Self {
         Self {
             sides,
-            link,
+            link: PilotLink::from_values(values),
             feels: None,
             delay,
             uncouples,
@@ -44,6 +48,8 @@ impl FeelLink {
             holds: true,
             share: 0.0,
             torques: [0.0; 2],
+            priority: Priority::from_values(values),
+            gains: [1.0; 2],
         }
     }
 
@@ -64,11 +70,18 @@ impl FeelLink {
         // Without supervisors both feels are there from the first sample on.
         let change = if begins { 1.0 } else { first.fade_share() };
         self.share = if self.uncoupled { 0.0 } else { self.share + (goal - self.share).clamp(-change, change) };
+        let button = [first.presses(), second.presses()].iter().position(|&pressed| pressed);
+        let holder = self.priority.sampled([first.hand_force(), second.hand_force()], button);
+        for (side, gain) in self.gains.iter_mut().enumerate() {
+            let goal = f64::from(u8::from(holder != Some(side)));
+            *gain += (goal - *gain).clamp(-change, change);
+        }
+        let [on_first, on_second] = self.gains.map(|gain| gain * self.share);
         let damping = feels.injected(first.period_s());
         if wanted > 0.0 {
             self.torques = [0, 1].map(|side| self.link.on_each(self.link.torque(seen[side]))[side]);
         }
-        first.link([self.share * self.torques[0], self.share * damping[0]]);
-        second.link([self.share * self.torques[1], self.share * damping[1]]);
+        first.link([on_first * self.torques[0], on_first * damping[0]]);
+        second.link([on_second * self.torques[1], on_second * damping[1]]);
     }
 }

@@ -28,6 +28,8 @@ pub enum LoopRequest {
     OtherAxis,
     /// The electronic link of this axis is to hold, or to open.
     Link(bool),
+    /// The priority button of this axis is pressed, or let go.
+    Priority(bool),
     /// What an aircraft simulator sent.
     Host(FromHost),
 }
@@ -60,6 +62,7 @@ impl LoopRequest {
             Self::Acknowledge => ("acknowledge", vec![]),
             Self::Stop => ("stop", vec![]),
             Self::OtherAxis => ("other_axis", vec![]),
+            Self::Priority(pressed) => ("priority", vec![f64::from(u8::from(*pressed))]),
             Self::Link(holds) => ("link", vec![f64::from(u8::from(*holds))]),
             Self::Host(FromHost { sequence, switches, numbers }) => {
                 let head = [f64::from(*sequence), f64::from(*switches)];
@@ -87,6 +90,7 @@ impl LoopRequest {
             ("acknowledge", []) => Self::Acknowledge,
             ("stop", []) => Self::Stop,
             ("other_axis", []) => Self::OtherAxis,
+            ("priority", &[pressed]) => Self::Priority(pressed != 0.0),
             ("link", &[holds]) => Self::Link(holds != 0.0),
             ("host", [sequence, switches, numbers @ ..]) => {
                 let numbers: &[f64; HOST_NUMBERS] = numbers.try_into().ok()?;

@@ -234,7 +234,7 @@ pub fn start_loops(
     }
     let machines = join(machines, &links)?;
     let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples, opens)| {
-        delay.map(|delay| FeelLink::new(*sides, PilotLink::from_values(values), delay, (*uncouples, *opens)))
+        delay.map(|delay| FeelLink::new(*sides, values, delay, (*uncouples, *opens)))
     });
     let links: Vec<_> = electronic.collect();
     if places == 0

@@ -256,10 +256,7 @@ def _cockpit_json(name: str, axes: "dict[str, LiveSession]") -> dict[str, object
 
 def _findings(running: "LiveSession") -> list[str]:
     remark = running.law.made_for_another(running.loader)
-    link = running.settings.link
-    alone = link is not None and any(isfinite(link[row]) for row in ("priority_force", "dual_input_force"))
-    simulated = "priority and the dual-input cue of its link act in forcefeel simulate, not in a live run"
-    return [*([remark] if remark else []), *([simulated] if alone else [])]
+    return [remark] if remark else []
 
 
 def _quantiles(histogram: "Histogram") -> dict[str, float]:

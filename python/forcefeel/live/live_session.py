@@ -261,6 +261,18 @@ class LiveSession:
         """
         self._set_link(1.0)
 
+    @property
+    def priority(self) -> bool:
+        """Whether the priority button of this axis is pressed. While it is, the other side of an electronic link follows."""
+        return self.settings.priority
+
+    @priority.setter
+    def priority(self, pressed: bool) -> None:
+        link = self.settings.link
+        if link is None or link.kind is not LinkKind.ELECTRONIC:
+            raise InputError("priority: is of an electronic link between two pilots, and this axis has none")
+        self._request("priority", [float(pressed)])
+
     def _set_link(self, holds: float) -> None:
         link = self.settings.link
         if link is None:
@@ -284,6 +296,8 @@ class LiveSession:
                 self.settings = replace(self.settings, around=dict(zip(self.settings.around, numbers, strict=True)))
             elif taken and name == "link":
                 self.settings = replace(self.settings, link_holds=bool(numbers[0]))
+            elif taken and name == "priority":
+                self.settings = replace(self.settings, priority=bool(numbers[0]))
         return taken
 
     def take_disturbance(self, name: str, sensor: int, number: float | None) -> bool:

@@ -24,6 +24,7 @@ class LoopSettings:
         fault: Fault of a simulated machine.
         link: The link of its axis in a cockpit.
         link_holds: Whether the link was last requested to hold.
+        priority: Whether the priority button is pressed.
     """
 
     loader: Loader
@@ -35,6 +36,7 @@ class LoopSettings:
     fault: str = ""
     link: Link | None = None
     link_holds: bool = True
+    priority: bool = False
 
 
 class Loop(Protocol):

@@ -36,7 +36,7 @@ class StandIn:
         self.trim_rad, self.stiffness_factor, self.shaker = 0.0, 1.0, 0.0
         self.hand_force_n, self.hand_angle_rad = 0.0, None
         self.host, self.fault = None, ""
-        self.settings = SimpleNamespace(link=None, link_holds=True)
+        self.settings = SimpleNamespace(link=None, link_holds=True, priority=False)
         self.law = SimpleNamespace(name="robust")
         self.calls, self.trips = [], ()
         self._name, self._x, self._v, self._cycle = "passive", 0.0, 0.0, 0

@@ -30,8 +30,9 @@ fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
 fn the_table_holds_its_own_values() {
     for row in LINK_TABLE {
         assert!(row.minimum_us <= row.default_us && row.default_us <= row.maximum_us, "{}", row.name);
-        let off = if row.name == "ratio" { 1.0 } else { 0.0 };
-        assert!(row.off_us.is_none_or(|value| value == off || value == f64::INFINITY), "{}", row.name);
+        let off = if row.name == "ratio" { 1.0_f64 } else { 0.0 };
+        let bits = [off, f64::INFINITY].map(f64::to_bits);
+        assert!(row.off_us.is_none_or(|value| bits.contains(&value.to_bits())), "{}", row.name);
     }
 }
 

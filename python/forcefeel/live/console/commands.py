@@ -25,7 +25,19 @@ class Plain(_Message):
     """A command without numbers. Every client may stop; all other commands require control."""
 
     do: Literal[
-        "take", "give", "stop", "acknowledge", "on", "off", "repair", "abort", "accept_host", "connect", "disconnect"
+        "take",
+        "give",
+        "stop",
+        "acknowledge",
+        "on",
+        "off",
+        "repair",
+        "abort",
+        "accept_host",
+        "connect",
+        "disconnect",
+        "take_priority",
+        "give_priority",
     ]
 
 

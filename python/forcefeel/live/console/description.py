@@ -130,7 +130,13 @@ def description(
 
 def link_json(link: Link) -> Json:
     """A link for the page."""
-    return {"name": link.name, "between": list(link.between), "kind": link.kind.value}
+    dual_input = link["dual_input_force"]
+    return {
+        "name": link.name,
+        "between": list(link.between),
+        "kind": link.kind.value,
+        "dual_input_n": dual_input if isfinite(dual_input) else None,
+    }
 
 
 def feel_json(running: LiveSession) -> dict[str, Json]:

@@ -150,6 +150,8 @@ class ConsoleSession:
                 self._break_off()
             case "repair":
                 self._running.clear_faults()
+            case "take_priority" | "give_priority":
+                self._running.priority = what == "take_priority"
             case "on" | "acknowledge" | "accept_host" | "connect" | "disconnect":
                 getattr(self._running, what)()
 
@@ -280,6 +282,7 @@ class ConsoleSession:
                 fault=running.fault,
                 host=host_json(running),
                 link_holds=running.settings.link_holds,
+                priority=running.settings.priority,
                 test=self._progress or None,
             ),
         )

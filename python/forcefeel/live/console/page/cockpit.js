@@ -48,20 +48,24 @@ function show({ name, axis, summary, cells }) {
   if (told.link && !links.has(told.link.name)) links.set(told.link.name, linkRow(told.link));
 }
 
-function linkRow({ name, between, kind }) {
+function linkRow({ name, between, kind, dual_input_n: dual }) {
   by("links").hidden = false;
   const row = by("links").tBodies[0].insertRow();
   Object.assign(row.appendChild(document.createElement("th")), { scope: "row", textContent: name });
   cell(row, kind);
   const [difference, force] = [cell(row, "–", "number"), cell(row, "–", "number")];
-  const button = cell(row, "").appendChild(document.createElement("button"));
-  button.type = "button";
+  const buttons = cell(row, "");
+  const add = (label, press) => Object.assign(buttons.appendChild(document.createElement("button")), { type: "button", textContent: label, onclick: press });
   const sides = between.map((axis) => axes.find((one) => one.name === axis));
   const holds = () => sides.every((side) => side.axis?.status?.link_holds ?? true);
-  button.onclick = () => {
+  const button = add("", () => {
     const wish = holds() ? "disconnect" : "connect";
     sides.forEach((side) => side.axis?.send({ do: wish }));
-  };
+  });
+  const priority = kind !== "electronic" ? [] : sides.map((side) => add(`Priority ${side.name}`, () => {
+    side.axis?.send({ do: side.axis.status?.priority ? "give_priority" : "take_priority" });
+  }));
+  const pushes = (axis) => Math.abs(axis.force()) / axis.told.force.scale > dual;
   return () => {
     const [one, other] = sides.map((side) => side.axis);
     if (!one?.told || !other?.told) return;
@@ -69,7 +73,9 @@ function linkRow({ name, between, kind }) {
     put(difference, `${text(apart)} ${one.told.angle.unit}`);
     const torque = one.last("link_torque_n_m");
     put(force, torque === null ? "not measured" : `${text(torque)} ${one.told.force.unit}`);
+    if (dual !== null && pushes(one) && pushes(other)) put(force, "DUAL INPUT");
     put(button, holds() ? "Disconnect" : "Connect");
+    priority.forEach((press, k) => press.setAttribute("aria-pressed", String(Boolean(sides[k].axis.status?.priority))));
     controls.link(between, holds());
   };
 }
