@@ -274,6 +274,8 @@ impl Record {
     pub fn end_chunk(&mut self) -> io::Result<()> {
         self.left = self.left.saturating_sub(CHUNK_BYTES);
         self.writer.end_chunk()?;
+        // Its rows are in the file; what follows is an index of them.
+        self.kept = self.taken;
         self.flush()
     }
 
