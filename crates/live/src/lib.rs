@@ -4,7 +4,7 @@
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
-//! | an aircraft simulator as host: what it does to the feel, its socket | [`guided`], [`host_link`] |
+//! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
 //! | the thread: waits, counts, never catches up; all axes of a cockpit, the electronic links between them | [`axes`], [`cycle`], [`clock`], [`priority`], [`feel_link`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
