@@ -2,6 +2,7 @@
 
 import re
 import socket
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ LINKED = [
     ("uncoupling", "120 lb", "-110 lb"),
     ("linked-sticks", "8 lb", "-6 lb"),
 ]
+
+FIRST_OFFICER = "stick-pitch-first-officer"
 
 ACTIVE_CYCLES = 4000
 """Until a loader at 2 kHz is active."""
@@ -250,7 +253,14 @@ def test_what_does_not_fit_is_refused_with_its_axis(tmp_path):
     analog = project_of(tmp_path, '[axes]\npitch = "elevator-1974"\nroll = "aileron-wheel"\n')
     with pytest.raises(InputError, match=r"axes.pitch: controller.period"):
         in_virtual_time(analog)
+    one_real = {"pitch": ff.live.Udp("127.0.0.1:5999")}
+    with pytest.raises(InputError, match=r"links.pitch: is a shaft .* got one of each"):
+        in_virtual_time(ff.loader.read_project(COCKPITS / "transport-column.toml"), endpoints=one_real)
     sticks = ff.loader.read_project(COCKPITS / "linked-sticks.toml")
+    slow = {FIRST_OFFICER: sticks.loaders[FIRST_OFFICER].replace({"controller.period": "1 ms"})}
+    real = {axis: ff.live.Udp("127.0.0.1:5999") for axis in sticks.loaders}
+    with pytest.raises(InputError, match=r"controller.period: expected one period for"):
+        in_virtual_time(replace(sticks, loaders={**sticks.loaders, **slow}), endpoints=real)
     with pytest.raises(InputError, match="endpoints: expected axes of the project"):
         in_virtual_time(sticks, endpoints={"roll": ff.live.Simulated()})
     with in_virtual_time(sticks) as cockpit, pytest.raises(InputError, match="link: expected one of stick-pitch"):

@@ -148,7 +148,7 @@ def check_pair(project: Project, link: str, scenario: LinkedScenario) -> None:
         InputError: As ``simulate_linked``.
     """
     joint = project.links[link]
-    loaders = project.loaders[joint.between[0]], project.loaders[joint.between[1]]
+    loaders = project.sides(joint)
     common_step(joint, loaders, scenario.first)
     delay_periods(joint, loaders)
 
@@ -178,7 +178,7 @@ class _Pair:
             known = f"one of {', '.join(project.links)}" if project.links else "a link in [links] of the project"
             raise InputError(f"link: expected {known}, got {show(link)}{suggestion(link, project.links)}")
         joint = project.links[link]
-        loaders = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
+        loaders = project.sides(joint)
         stiffest = joint if links is None else replace(joint, values=links.max(axis=0))
         step_s = common_step(stiffest, loaders, scenario.first)
         return cls(joint, loaders, (Law.of(laws[0], loaders[0]), Law.of(laws[1], loaders[1])), scenario, step_s)

@@ -171,7 +171,7 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
     ends = {axis: endpoints.get(axis, Simulated()) for axis in names}
     links, of_axis = [], dict[str, Link]()
     for joint in project.links.values():
-        sides = (project.loaders[joint.between[0]], project.loaders[joint.between[1]])
+        sides = project.sides(joint)
         links.append(
             (
                 (names.index(joint.between[0]), names.index(joint.between[1])),
@@ -181,17 +181,24 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
                 joint.joins_pilots,
             )
         )
+        shaft = joint.kind is LinkKind.MECHANICAL
+        if shaft and len({isinstance(ends[axis], Simulated) for axis in joint.between}) > 1:
+            raise InputError(
+                f"links.{joint.name}: is a shaft between {' and '.join(joint.between)}; expected two real machines or two "
+                "simulated ones, got one of each; name the other machine too"
+            )
         period = sides[0]["controller.period"]
         for axis in joint.between:
             if joint.joins_pilots:
                 of_axis[axis] = joint
             end = ends[axis]
-            if not isinstance(end, Simulated):
+            if shaft and not isinstance(end, Simulated):
                 continue
             # In real time the machine goes on after its scenario, so one of a period is as good as none.
-            scenario = end.scenario or Scenario(duration_s=period, sample_s=period)
+            given = end.scenario if isinstance(end, Simulated) else None
+            scenario = given or Scenario(duration_s=period, sample_s=period)
             step_s = common_step(joint, sides, scenario)
-            if joint.kind is LinkKind.MECHANICAL:
+            if shaft:
                 ends[axis] = Simulated(replace(scenario, step_s=step_s))
     axes = []
     for axis, loader in project.loaders.items():
@@ -200,8 +207,8 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
             made = Axis.of(loader, axis_law, ends[axis], supervised=supervised, host=listens is not None)
         except InputError as error:
             raise InputError(f"axes.{axis}: {error}") from error
-        given = endpoints.get(axis)
-        cycles = made.cycles if isinstance(given, Simulated) and given.scenario else None
+        asked = endpoints.get(axis)
+        cycles = made.cycles if isinstance(asked, Simulated) and asked.scenario else None
         stops = tuple(names.index(other) for other in project.stops[axis])
         axes.append(replace(made, name=axis, stops=stops, cycles=cycles, link=of_axis.get(axis)))
     kept = opened_record(record, record_rate_hz, most_bytes, expected_s, list(project.loaders.values()), ring=ring)

@@ -46,6 +46,11 @@ class Project:
     links: Mapping[str, Link]
     stops: Mapping[str, tuple[str, ...]]
 
+    def sides(self, link: Link) -> tuple[Loader, Loader]:
+        """The loaders of a link, in its order."""
+        first, second = link.between
+        return self.loaders[first], self.loaders[second]
+
     @property
     def pilot_links(self) -> Mapping[str, Link]:
         """The links that join the same control of two pilots, without interconnects."""
