@@ -7,9 +7,6 @@ use crate::simulated::Stepped;
 use forcefeel_model::link::PilotLink;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Times that a step is taken under a torque that ends as the last one found it.
-const CORRECTIONS: usize = 2;
-
 struct Pair {
     sides: [Box<dyn Stepped>; 2],
     link: PilotLink<f64>,
@@ -23,17 +20,14 @@ struct Pair {
 }
 
 impl Pair {
-    fn torque(&self, beyond: [f64; 2]) -> f64 {
-        if self.open { 0.0 } else { self.link.torque(beyond) }
-    }
-
     /// Goes on to the next sample of both, whose periods are one.
     fn go_on(&mut self) {
         loop {
             if self.begun {
                 self.step();
             }
-            let [on_first, on_second] = self.link.on_each(self.torque(self.beyond));
+            let torque = if self.open { 0.0 } else { self.link.torque(self.beyond) };
+            let [on_first, on_second] = self.link.on_each(torque);
             let [first, second] = &mut self.sides;
             self.begun = true;
             if first.arrive(on_first) | second.arrive(on_second) {
@@ -44,14 +38,11 @@ impl Pair {
     }
 
     fn step(&mut self) {
-        let [phi, rate] = self.beyond;
-        let mut end = self.torque([phi + self.sides[0].step_s() * rate, rate]);
         self.sides.iter_mut().for_each(|side| side.set_out());
-        for _ in 0..CORRECTIONS {
-            let ([first, second], [on_first, on_second]) = (&mut self.sides, self.link.on_each(end));
-            self.beyond = self.link.beyond(first.advance(on_first), second.advance(on_second));
-            end = self.torque(self.beyond);
-        }
+        let (h, [first, second]) = (self.sides[0].step_s(), &mut self.sides);
+        self.beyond = self.link.step(!self.open, self.beyond, h, |[on_first, on_second]| {
+            [first.advance(on_first), second.advance(on_second)]
+        });
         self.open |= self.uncouples && self.link.gives_way(self.beyond[0]);
         self.sides.iter_mut().for_each(|side| side.done());
     }

@@ -143,6 +143,21 @@ impl<S: Scalar> PilotLink<S> {
         held + (elastic - held) * self.stiffness_after / self.stiffness + self.damping * rate
     }
 
+    /// Takes a step of `h` of two columns on the link, from angle and rate of one beyond the other at its start to those at its end; `advance`
+    /// takes the step of both, the torques on them ending so, and gives angle and rate of each. It is called anew for each better torque.
+    #[inline(always)]
+    pub fn step(&self, coupled: bool, start: [S; 2], h: f64, mut advance: impl FnMut([S; 2]) -> [[S; 2]; 2]) -> [S; 2] {
+        let torque = |at: [S; 2]| if coupled { self.torque(at) } else { at[0].zero() };
+        let mut at = start;
+        let mut end = torque([at[0] + at[1].times(h), at[1]]);
+        for _ in 0..CORRECTIONS {
+            let [first, second] = advance(self.on_each(end));
+            at = self.beyond(first, second);
+            end = torque(at);
+        }
+        at
+    }
+
     /// Fastest rate in rad/s of two masses on the link, from the sum of their inverse inertias.
     pub fn rate(&self, per_inertia: S) -> S {
         (self.stiffness.max(self.stiffness_after) * per_inertia).sqrt().max(self.damping * per_inertia)
@@ -154,6 +169,9 @@ impl<S: Scalar> PilotLink<S> {
         self.breakout.less(self.elastic(phi).abs())
     }
 }
+
+/// Times that a step is taken under a torque that ends as the last one found it.
+pub const CORRECTIONS: usize = 2;
 
 /// Most periods of delay of an electronic link.
 pub const MOST_DELAY: usize = 255;

@@ -3,8 +3,7 @@
 //! `w+ = Phi w + Gamma T` exactly for each feel, eq. (11), where `T` is the mean of the link's torque at both ends of a step. The end is found twice, as
 //! in [`linked`](crate::linked), so the pair is of the second order in the step.
 
-use crate::linked::CORRECTIONS;
-use forcefeel_model::link::PilotLink;
+use forcefeel_model::link::{CORRECTIONS, PilotLink};
 use forcefeel_model::parameters::Feel;
 use forcefeel_solve::feel_transition::feel_step;
 

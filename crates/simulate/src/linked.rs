@@ -222,12 +222,10 @@ pub fn run_pair(
                 side.advance(0.0);
             }
         } else {
-            let mut end = torque([at[0] + h * at[1], at[1]]);
-            for _ in 0..CORRECTIONS {
-                let ([first, second], [on_first, on_second]) = (&mut sides, link.on_each(end));
-                at = link.beyond(first.advance(on_first), second.advance(on_second));
-                end = torque(at);
-            }
+            at = link.step(coupled, at, h, |[on_first, on_second]| {
+                let [first, second] = &mut sides;
+                [first.advance(on_first), second.advance(on_second)]
+            });
             open = open || joint.uncouples && link.gives_way(at[0]);
         }
         for side in &mut sides {
@@ -238,6 +236,3 @@ pub fn run_pair(
         }
     }
 }
-
-/// Times that a step is taken under a torque that ends as the last one found it.
-pub(crate) const CORRECTIONS: usize = 2;

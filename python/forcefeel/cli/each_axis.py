@@ -17,8 +17,6 @@ from forcefeel.errors import InputError
 if TYPE_CHECKING:
     from forcefeel.loader.project import Project
 
-RECORD = ".mcap"
-
 
 def each_axis(
     *,
@@ -97,6 +95,7 @@ def _output(path: Path, axis: str) -> Path:
 
 def _input(project: "Project", axis: str, name: str, path: Path) -> Path:
     from forcefeel.loader.project import is_project, read_project
+    from forcefeel.tables.mcap_table import RECORD
 
     if path.suffix.lower() == RECORD:
         return path / axis

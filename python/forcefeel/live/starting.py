@@ -17,12 +17,9 @@ from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.engine import engine_changes
-from forcefeel.tables.mcap_table import SIMULATED
+from forcefeel.tables.mcap_table import RECORD, SIMULATED
 from forcefeel.tables.table import MOST_BYTES
 from forcefeel.units import show
-
-RECORD = ".mcap"
-"""Suffix of a record."""
 
 MOST_RECORD_BYTES = MOST_BYTES
 """Default largest size of a record, the limit for reading: 1 hour at 1 kHz."""

@@ -11,6 +11,9 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.tables.table import Columns, LocatedColumns, Table, check_size, columns_of
 
+RECORD = ".mcap"
+"""Ending of a record."""
+
 SIMULATED = "simulated"
 """Name of a simulated machine in a record."""
 
@@ -21,7 +24,7 @@ _PISTON = {"drive_position_m": "piston_position_m"}
 
 def record_of_axis(path: Path) -> tuple[Path, str | None]:
     """File and axis of ``run.mcap/pitch``; no axis of any other path."""
-    return (path.parent, path.name) if path.parent.suffix.lower() == ".mcap" else (path, None)
+    return (path.parent, path.name) if path.parent.suffix.lower() == RECORD else (path, None)
 
 
 def read_mcap(path: Path, data: bytes, example: str) -> Table:

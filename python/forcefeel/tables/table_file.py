@@ -6,12 +6,12 @@ from forcefeel.errors import InputError
 from forcefeel.files import read_input
 from forcefeel.tables.csv_table import read_csv
 from forcefeel.tables.matlab_table import read_matlab
-from forcefeel.tables.mcap_table import read_mcap, record_of_axis
+from forcefeel.tables.mcap_table import RECORD, read_mcap, record_of_axis
 from forcefeel.tables.parquet_table import read_parquet
 from forcefeel.tables.table import MOST_BYTES, Table
 from forcefeel.units import show
 
-_READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab, ".mcap": read_mcap}
+_READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab, RECORD: read_mcap}
 """Reader by ending, of the path and the contents of a file, and of a good CSV header; path and header are for messages."""
 
 ENDINGS = tuple(_READERS)
