@@ -206,6 +206,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     let grip = |k: usize| used(&rows[k])[0] * limits.lever / limits.grip_arm;
     let angle = |k: usize| used(&rows[k])[2] / limits.base_arm;
     see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].input.emergency_stop));
+    see(Function::OtherAxis, run_of(Function::OtherAxis, &|k| rows[k].input.other_axis));
     see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].input.drive_fault));
     see(
         Function::NotANumber,

@@ -69,7 +69,8 @@ fn drawn(
     let none = Fault { kind: FaultKind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
     let mut cases = [0, 1].map(|side| {
         let of = &values[joint.between[side]..=joint.between[side]];
-        let drawn = (seed, 2 * number + u64::from(side != faulty));
+        // What a hand does is drawn by the number: each with each on the two sides.
+        let drawn = if side == faulty { (seed, number) } else { (seed.wrapping_add(1), number + number / 5) };
         match faults {
             0 => Case::legal(of, drawn),
             _ if side == faulty => Case::drawn(of, drawn, faults > 1),
