@@ -11,6 +11,9 @@ from tests import electric_witness as witness
 QUIET_RAD = np.radians(0.5)
 """Range of the column's angle in the last half second; damped, it creeps towards the stop."""
 
+NOISE_OF_STOP = 0.15
+"""Range of the load cell's force over its mean where the column rests on a stop: its noise, and that of the stop's own vibration."""
+
 
 def _light() -> ff.Loader:
     """A light feel of little damping: 400 lb in/rad, 1.5 Hz, 0.15."""
@@ -41,6 +44,22 @@ def test_a_light_feel_is_quiet_against_a_stop_and_in_a_clamp(clamped: bool) -> N
     there = loader.replace(held, si=True)
     assert _range_at_the_end(there, law.without_contact(), "1.8 lb") > 5 * QUIET_RAD
     assert _range_at_the_end(there, law, "1.8 lb") < QUIET_RAD
+
+
+@pytest.mark.parametrize(("force_n", "rise_s"), [(150.0, 0.05), (200.0, 0.3), (300.0, 1.0)])
+def test_a_stop_is_quiet_under_a_hand_that_pushes_on(force_n: float, rise_s: float) -> None:
+    """The torque stays on one side; the hand is stronger than the drive, 146 N."""
+    loader = ff.loader.electric("sidestick-pitch")
+    law = ff.Law.of("robust", loader)
+    time = np.arange(0.0, 4.0005, 5e-4)
+    scenario = ff.Scenario(ff.simulation.Recorded(time, force_n * np.minimum(time / rise_s, 1)), 4.0, 5e-4, 5e-4)
+
+    def swing(given: ff.Law) -> float:
+        force = ff.simulate(loader, scenario, given).history["load_cell_force_n"].to_numpy()[-1000:]
+        return float(np.ptp(force) / abs(force.mean()))
+
+    assert swing(law.without_contact()) > 1.5
+    assert swing(law) < NOISE_OF_STOP
 
 
 def test_a_free_release_is_the_same_with_and_without_it() -> None:

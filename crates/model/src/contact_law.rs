@@ -20,6 +20,8 @@
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
+//! - eight turns of the torque in a row by more than `2 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a stop
+//!   keeps the torque on one side;
 //! - eight slower swings in a row, up to `2 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
 //! - a push against the motion that is as stiff and over within `t_q`, or within a third of that and has turned the motion: the column
 //!   struck a stop.
@@ -59,6 +61,9 @@ const SWINGS: f64 = 2.0;
 const SLOW: f64 = 2.0;
 const SLOW_SWING: f64 = 0.25;
 const SLOW_GROWTH: f64 = 1.02;
+
+/// Turns in a row of a torque that stays on one side: what decays has fewer.
+const TURNS: f64 = 8.0;
 
 /// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
 const MOVES_RAD_PER_S: f64 = 0.05;
@@ -135,6 +140,13 @@ pub struct ContactState<S> {
     last: S,
     /// Swings in a row that count.
     swings: S,
+    /// Way of the torque, -1 or 1, its extreme on this way, the angle there, and the time since the way before ended, in s.
+    way: S,
+    turn: S,
+    turn_angle: S,
+    since_turn: S,
+    /// Turns in a row that count.
+    turns: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
 }
@@ -173,6 +185,11 @@ impl<S: Scalar> ContactState<S> {
             extreme_angle: angle,
             last: zero,
             swings: zero,
+            way: one,
+            turn: torque,
+            turn_angle: angle,
+            since_turn: one,
+            turns: zero,
             offset: zero,
         }
     }
@@ -195,6 +212,11 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
         visitor.nonlinear("contact_last", &mut self.last);
         visitor.nonlinear("contact_swings", &mut self.swings);
+        visitor.nonlinear("contact_way", &mut self.way);
+        visitor.nonlinear("contact_turn", &mut self.turn);
+        visitor.nonlinear("contact_turn_angle", &mut self.turn_angle);
+        visitor.nonlinear("contact_since_turn", &mut self.since_turn);
+        visitor.nonlinear("contact_turns", &mut self.turns);
         visitor.nonlinear("contact_offset", &mut self.offset);
     }
 }
@@ -266,7 +288,17 @@ impl<S: Scalar> ContactLaw<S> {
             & (was.before * was.side).less(-moves)
             & moves.less(now_rate * was.side);
         let touches = zero.less(was.share);
-        let noticed = !swings.less(one.times(SWINGS)) | struck | turned | (swing & touches);
+        let back = (was.turn - torque) * was.way;
+        let turns_back = self.threshold.times(2.0).less(back) & zero.less(self.threshold);
+        let counts_turn =
+            (self.environment * (angle - was.turn_angle).abs()).less(back) & was.since_turn.less(self.quick);
+        let turns = S::select(turns_back, S::select(counts_turn, was.turns + one, zero), was.turns);
+        let onward = turns_back | back.less(zero);
+        let noticed = !swings.less(one.times(SWINGS))
+            | (turns_back & !turns.less(one.times(TURNS)))
+            | struck
+            | turned
+            | (swing & touches);
 
         let side = S::select(begins, one.times_sign(torque), was.side);
         let larger = begins | (was.extreme * side).less(torque * side);
@@ -302,6 +334,11 @@ impl<S: Scalar> ContactLaw<S> {
             extreme_angle: S::select(larger, angle, was.extreme_angle),
             last: S::select(to_other_side, peak_before, was.last),
             swings,
+            way: S::select(turns_back, -was.way, was.way),
+            turn: S::select(onward, torque, was.turn),
+            turn_angle: S::select(onward, angle, was.turn_angle),
+            since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
+            turns,
             offset: was.offset,
         };
         (state, noticed & was.share.less(one.times(0.5)))
