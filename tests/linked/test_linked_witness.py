@@ -159,10 +159,15 @@ def digital():
     return ff.elevator().replace({"controller.period": PERIOD_S, "controller.delay": PERIOD_S}, si=True)
 
 
+def needed_periods(periods):
+    """Injected damping over stiffness and period."""
+    return max(periods + 2, 1.064 * (periods + 1))
+
+
 def radius(loader, stiffness, periods, injected):
     """Largest magnitude of the eigenvalues of both feels under a held torque, each angle carried on over its delay, exact."""
     inertia, damping, spring = (loader[f"feel.{name}"] for name in ("inertia", "damping", "stiffness"))
-    damping += min(stiffness * (periods + 1) * PERIOD_S, injected)
+    damping += min(stiffness * needed_periods(periods) * PERIOD_S, injected)
     held = expm(PERIOD_S * np.array([[0, 1, 0], [-spring / inertia, -damping / inertia, 1 / inertia], [0, 0, 0]]))
     largest = 0.0
     for mode in (1.0, -1.0):  # both apart, both together
@@ -211,12 +216,23 @@ def test_largest_stable_stiffness_of_an_electronic_link_is_that_of_the_eigenvalu
     assert grows(loader, (1 + BOUND) * stiffness, periods, injected)
 
 
+@pytest.mark.parametrize("periods", [1, 2, 4, 10, 15, 16, 20, 40, 100, 255])
+def test_injected_damping_takes_what_delay_and_hold_give_at_each_frequency(periods):
+    """Held torques do the work ``Re conj(z - 1) H`` on both controls, together and apart; no smaller damping takes all of it."""
+    z = np.exp(1j * np.concatenate([np.geomspace(1e-3, 0.1, 500), np.linspace(0.1, np.pi, 100_000)]))
+    own = 1 + 0.5 * (1 - 1 / z)
+    other = z**-periods * (1 + (periods + 0.5) * (1 - 1 / z))
+    given = [-np.real(np.conj(z - 1) * (own + sign * other)) / np.abs(z - 1) ** 2 for sign in (1, -1)]
+    share = np.max(given) / needed_periods(periods)
+    assert 0.99 < share <= 1
+
+
 @pytest.mark.parametrize("periods", [1, 4, 20])
 def test_injected_damping_is_that_of_delay_and_period(periods):
     """Beyond the largest stable stiffness without it: just stable with it, by the eigenvalues, and unstable with less of it."""
     loader = digital()
     stiffness = 4 * largest_stable(loader, periods, 0.0)
-    injected = stiffness * (periods + 1) * PERIOD_S
+    injected = stiffness * needed_periods(periods) * PERIOD_S
     needed = brentq(lambda damping: radius(loader, stiffness, periods, damping) - 1, 0.0, injected)
     assert not grows(loader, stiffness, periods, np.inf)
     assert not grows(loader, stiffness, periods, (1 + BOUND) * needed)

@@ -45,3 +45,32 @@ def test_legal_runs_are_not_stopped(loaders) -> None:
     outcomes = _core.supervised_faults(*loaders, seed=3, count=600, faults=0)
     assert not outcomes[:, WRONG].any()
     assert (outcomes[:, STOPPED] < 0).all()
+
+
+def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -> None:
+    """Electronic link of two sticks, breakout 4.5 N m: the other side is not stopped. Shaft of two columns: it stops with the first."""
+    project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
+    sticks = project.links["stick-pitch"]
+    pair = [open_loader(name) for name in ("sidestick-pitch", "elevator-2khz")]
+    laws = [ff.Law.of("robust", loader).sampled for loader in pair]
+    values = np.array([loader.si_values for loader in pair])
+    rows = np.array([law.rows()[0] for law in laws if law is not None])
+    shaft = ff.loader.read_project("examples/cockpit/transport-column.toml").links["pitch"]
+    links = [((0, 0), sticks.values.tolist(), 2, False), ((1, 1), shaft.values.tolist(), None, False)]
+    outcomes = _core.supervised_pair_faults(values, rows, links, seed=5, count=3000, faults=1)
+    sides = outcomes[:, 4:].reshape(len(outcomes), 2, -1)
+    faulty = outcomes[:, 1].astype(int)
+    at, other = sides[np.arange(len(sides)), faulty], sides[np.arange(len(sides)), 1 - faulty]
+    electronic = outcomes[:, 0] == 0
+    assert (at[electronic, STOPPED] >= 0).mean() > 0.7
+    assert (other[electronic, STOPPED] < 0).all()
+    stopped = ~electronic & (at[:, STOPPED] >= 0)
+    assert ((other[stopped, STOPPED] >= 0) & (other[stopped, STOPPED] <= at[stopped, STOPPED] + 1)).all()
+    assert not other[:, WRONG].any()
+    assert other[:, EXCESS].max() < MOST_ENERGY_J
+    by_hand = np.isin(at[:, KIND], [_core.fault_kinds().index(kind) for kind in ("LargestForce", "LastingForce")])
+    largest = np.array([loader["safety.absolute_force"] for loader in pair])[outcomes[:, 0].astype(int)]
+    assert (outcomes[~by_hand, 2] < largest[~by_hand]).all()
+    # Electronic: no more than the breakout, and the link's damper with both at the largest speed.
+    most = sticks["breakout"] + 2 * sticks["damping"] * pair[0]["safety.speed_limit"]
+    assert outcomes[electronic & ~by_hand, 2].max() < most / pair[0]["column.grip_arm"]

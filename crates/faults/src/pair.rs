@@ -117,7 +117,9 @@ fn go_through(joint: &Joint, mut sides: [Box<dyn Side + '_>; 2]) -> Option<[Reco
         let [on_first, on_second] = link.on_each(if open { 0.0 } else { link.torque(beyond) });
         sides[0].arrive(on_first)?;
         sides[1].arrive(on_second)?;
-        sides.iter_mut().for_each(|side| side.set_out());
+        for side in &mut sides {
+            side.set_out();
+        }
         beyond = link.step(!open, beyond, h, |[on_first, on_second]| {
             let [first, second] = &mut sides;
             [first.advance(on_first), second.advance(on_second)]

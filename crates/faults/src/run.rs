@@ -124,7 +124,14 @@ pub struct Loop<'a, D: Drive<f64>> {
     other_axis: bool,
     rows: Vec<Row>,
     arrived: Option<(SamplingPoint<f64, D>, Inputs)>,
-    step: Option<(Inputs, StepStart<f64, D>, State<f64, D>)>,
+    step: Option<Step<D>>,
+}
+
+/// A step that is taken, from where it began.
+struct Step<D: Drive<f64>> {
+    inputs: Inputs,
+    start: StepStart<f64, D>,
+    before: State<f64, D>,
 }
 
 impl<'a, D: Drive<f64>> Loop<'a, D> {
@@ -314,11 +321,11 @@ impl<D: Drive<f64>> Side for Loop<'_, D> {
         let column = &self.parameters.column;
         let rate = start.now.base_rate / column.base_arm;
         self.given -= inputs.force[0] * rate * column.grip_arm * self.shared.step_s;
-        self.step = Some((inputs, start, self.state));
+        self.step = Some(Step { inputs, start, before: self.state });
     }
 
     fn advance(&mut self, torque: f64) -> [f64; 2] {
-        let Some((inputs, start, before)) = &mut self.step else { return [self.angle(), 0.0] };
+        let Some(Step { inputs, start, before }) = &mut self.step else { return [self.angle(), 0.0] };
         inputs.link_torque[1] = torque;
         self.state = *before;
         self.machine.advance(&self.shared, &mut self.state, inputs, start);
