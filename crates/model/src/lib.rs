@@ -37,7 +37,7 @@
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
-//! | link between two pilots' controls | [`link`] |
+//! | link between two pilots' controls, and in feel computers | [`link`], [`linked_feels`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -68,6 +68,7 @@ pub mod law_inputs;
 pub mod law_vector;
 pub mod link;
 pub mod linkage;
+pub mod linked_feels;
 pub mod load_cell;
 pub mod loader;
 pub mod machine;

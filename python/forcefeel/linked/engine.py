@@ -141,6 +141,20 @@ def simulate_linked_batch(
     return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
 
 
+def linked_samples(project: Project, link: str, scenario: LinkedScenario, laws: tuple[LawLike, LawLike]) -> _Numbers:
+    """What both laws and their link were given and gave in a run, (samples, 13), a row for each sample of the scenario.
+
+    Of each side load cell, drive position, base, grip and the command; the force of both hands; 1 if the link is open.
+
+    Raises:
+        InputError: As ``simulate_linked``.
+    """
+    pair = _Pair.of(project, link, scenario, laws)
+    first, second = (loader.si_values[np.newaxis] for loader in pair.loaders)
+    names, rows = pair.run(PairValues(first, second), (), samples=True)
+    return rows[0, :, len(names) :]
+
+
 def check_pair(project: Project, link: str, scenario: LinkedScenario) -> None:
     """Refuses a link that ``simulate_linked`` cannot run.
 
@@ -184,9 +198,12 @@ class _Pair:
         return cls(joint, loaders, (Law.of(laws[0], loaders[0]), Law.of(laws[1], loaders[1])), scenario, step_s)
 
     def run(
-        self, values: PairValues, keep: Sequence[str] | None = None, threads: int = 1
+        self, values: PairValues, keep: Sequence[str] | None = None, threads: int = 1, *, samples: bool = False
     ) -> tuple[dict[str, str], _Numbers]:
-        """Name and unit of each output, and the outputs (runs, samples, outputs); all of both sides without ``keep``."""
+        """Name and unit of each output, and the outputs (runs, samples, outputs); all of both sides without ``keep``.
+
+        With ``samples`` what laws and link were given and gave follows without names.
+        """
         scenario, runs = self.scenario, len(values.first)
         names: dict[str, str] = {}
         sides = []
@@ -195,8 +212,8 @@ class _Pair:
             names |= {f"{SIDES[k]}_{name}": unit for name, unit in units.items()}
             sides.append(side)
         names |= {named(name, unit) if unit != "N m" else f"{name}_n_m": unit for name, unit in _core.linked_outputs()}
-        samples = round(scenario.first.duration_s / scenario.first.sample_s) + 1
-        if 8 * runs * samples * len(names) > MOST_HISTORY_BYTES:
+        times = round(scenario.first.duration_s / scenario.first.sample_s) + 1
+        if 8 * runs * times * len(names) > MOST_HISTORY_BYTES:
             raise InputError(
                 f"keep: histories of {runs} pairs take more than {MOST_HISTORY_BYTES >> 30} GiB; keep fewer outputs, or run fewer "
                 "pairs at once"
@@ -210,6 +227,7 @@ class _Pair:
             disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, self.step_s),
             jam=side_and_step("jam", scenario.jam, self.link, self.step_s),
             button=side_and_step("button", scenario.button, self.link, self.step_s),
+            samples=samples,
             threads=threads,
         )
 
