@@ -96,6 +96,7 @@ __all__ = [
     "start_loops",
     "stationary",
     "supervised_faults",
+    "supervised_pair_faults",
     "valve_gains",
 ]
 
@@ -737,6 +738,17 @@ def fault_kinds() -> list[str]: ...
 def supervised_faults(
     values: NDArray[np.float64],
     observers: NDArray[np.float64] | None = None,
+    *,
+    seed: int = 0,
+    first: int = 0,
+    count: int = 1000,
+    faults: int = 1,
+    threads: int = 1,
+) -> NDArray[np.float64]: ...
+def supervised_pair_faults(
+    values: NDArray[np.float64],
+    observers: NDArray[np.float64] | None,
+    links: Sequence[tuple[Sequence[int], Sequence[float], int | None, bool]],
     *,
     seed: int = 0,
     first: int = 0,

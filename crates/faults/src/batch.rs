@@ -2,10 +2,11 @@
 
 use crate::case::Case;
 use crate::oracle::{Outcome, judge};
-use crate::run::{LawOf, Moving, run};
+use crate::pair::{self, Joint, PairOutcome};
+use crate::run::{LawOf, run};
 use forcefeel_model::drive::Kind;
 use forcefeel_model::observer::NUMBERS;
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::parameters::{COUNT, DriveKind};
 use forcefeel_model::with_drive;
 use forcefeel_solve::threads::{NoThreads, each};
 
@@ -41,17 +42,37 @@ impl Loaders<'_> {
         faults: u8,
         threads: usize,
     ) -> Result<Vec<Option<Outcome>>, NoThreads> {
-        let mut outcomes = Vec::new();
-        outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
-        each(threads, (first..).zip(&mut outcomes), |(number, outcome)| {
-            *outcome = self.outcome((seed, number), faults);
-        })?;
-        Ok(outcomes)
+        many((first, count), threads, |number| self.outcome((seed, number), faults))
+    }
+
+    /// The outcomes of the cases `first..first + count` of loaders on these links.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn pair_outcomes(
+        &self,
+        joints: &[Joint],
+        seed: u64,
+        cases: (u64, u64),
+        faults: u8,
+        threads: usize,
+    ) -> Result<Vec<Option<PairOutcome>>, NoThreads> {
+        many(cases, threads, |number| pair::outcome(joints, *self, (seed, number), faults))
     }
 }
 
+fn many<T: Send>(
+    (first, count): (u64, u64),
+    threads: usize,
+    outcome: impl Fn(u64) -> Option<T> + Sync,
+) -> Result<Vec<Option<T>>, NoThreads> {
+    let mut outcomes = Vec::new();
+    outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
+    each(threads, (first..).zip(&mut outcomes), |(number, at)| *at = outcome(number))?;
+    Ok(outcomes)
+}
+
 fn of_drive<K: Kind>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<Outcome> {
-    let (limits, rows) = run::<K::Of<f64>>(case, law, kind)?;
-    let moving = Moving::of(&Parameters::from_values(&case.values), kind, &limits);
-    Some(judge(case, &limits, &moving, &rows))
+    let record = run::<K::Of<f64>>(case, law, kind)?;
+    Some(judge(case, &record.limits, &record.moving, &record.rows))
 }

@@ -104,6 +104,13 @@ impl Case {
     }
 }
 
+impl Case {
+    /// First sample of a fault.
+    pub fn onset(&self) -> Option<usize> {
+        self.faults.iter().filter(|fault| fault.kind != Kind::None).map(|fault| fault.from).min()
+    }
+}
+
 /// What a hand does in a case without a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Legal {

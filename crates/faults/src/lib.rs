@@ -10,6 +10,7 @@
 //! | a case, drawn from a seed | [`case`] |
 //! | the loop in virtual time | [`run`](mod@run) |
 //! | when the supervisor had to act, and what it never may do | [`oracle`] |
+//! | two loaders on a link, faults on one side | [`pair`] |
 //! | many cases over the cores | [`batch`] |
 #![forbid(unsafe_code)]
 
@@ -17,4 +18,5 @@ pub mod batch;
 pub mod case;
 pub mod fault;
 pub mod oracle;
+pub mod pair;
 pub mod run;

@@ -92,7 +92,7 @@ const ABOVE_LEGAL: f64 = 1.5;
 
 /// Judges a record.
 pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Outcome {
-    let onset = case.faults.iter().filter(|fault| fault.kind != Kind::None).map(|fault| fault.from).min();
+    let onset = case.onset();
     let due = due(case, limits, rows);
     let stopped = rows.iter().position(|row| row.allowed.state == SupervisorState::Tripped);
     let safe = stopped.and_then(|from| safe_from(rows, from));
@@ -263,11 +263,12 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         Function::Runaway,
         run_of(Function::Runaway, &|k| {
             // As the machine really moves, and clear of the border by a half.
-            let Row { rate, force, hand, input, allowed, .. } = rows[k];
+            let Row { rate, force, hand, shaft, input, allowed, .. } = rows[k];
             let (power, feel) = (force * limits.lever * rate, limits.inertia * input.feel_acceleration * rate);
             runs(k)
                 && allowed.follows
                 && hand == 0.0
+                && shaft == 0.0
                 && limits.light_feel * feel < -1.5 * limits.runaway_power
                 && power > 0.25 * feel
                 && (rows[k].input.sensed[0] - force).abs() < limits.hand_torque / limits.lever * 0.1

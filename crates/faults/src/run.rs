@@ -3,11 +3,12 @@
 use crate::case::Case;
 use crate::fault::FaultHistory;
 use forcefeel_model::compensator::Compensator;
-use forcefeel_model::control::Sample;
+use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Inputs, Machine, Shared};
+use forcefeel_model::feel_link::LinkedFeel;
+use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
 use forcefeel_model::observer::{NUMBERS, Observer, knows_contact, knows_friction};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
@@ -36,6 +37,10 @@ pub struct Row {
     pub force: f64,
     /// Force of the hand in N.
     pub hand: f64,
+    /// Torque of a shaft on the column in N m.
+    pub shaft: f64,
+    /// Torque of an electronic link on the feel in N m.
+    pub link: f64,
     /// Energy that was given to the hand so far, in J.
     pub given: f64,
     /// Energy in the column, the link and what moves it, in J.
@@ -49,109 +54,280 @@ pub type LawOf<'a> = Option<&'a [f64; NUMBERS]>;
 const LONGEST_STEP_S: f64 = 5e-4;
 
 /// What was recorded of a case; nothing where the loader cannot be supervised.
-pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<(Limits, Vec<Row>)> {
-    let parameters = Parameters::from_values(&case.values);
-    let period = parameters.controller.period;
-    let limits = Limits::new(&parameters, kind, period).ok()?;
-    let steps = whole((period / LONGEST_STEP_S).ceil().max(1.0));
-    #[expect(clippy::cast_precision_loss, reason = "a few steps")]
-    let step_s = period / steps as f64;
-    let delay = whole((parameters.controller.delay / step_s).round());
-    let timing = Timing { period: steps, delay };
-    let effects = Effects {
-        observer: law.is_some(),
-        known_friction: law.is_some_and(knows_friction),
-        contact_law: law.is_some_and(knows_contact),
-        sampled: true,
-        surroundings: true,
-        ..Effects::of(&case.values)
-    };
-    let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
-    let compensator = if law.is_some() {
-        Compensator::state_feedback(&parameters, [0.0; 7])
-    } else {
-        Compensator::original(&parameters)
-    };
-    let mut machine = Machine::<f64, D>::new(&parameters, compensator, &shared);
-    if let Some(numbers) = law {
-        machine = machine.with_observer(Observer::from_numbers(numbers));
+pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<Record> {
+    let mut under_test = Loop::<D>::new(case, law, kind, false)?;
+    while !under_test.done() {
+        under_test.arrive(0.0)?;
+        under_test.set_out();
+        under_test.advance(0.0);
     }
-    let equilibrium = machine.held_at(&shared, case.angle, case.angle, 1.0);
-    let mut state = machine.start(&shared, &equilibrium);
-    let mut noise = ChaCha8Rng::seed_from_u64(case.seed);
-    let mut supervisor = Supervisor::new(limits, 0.0);
-    let control = *machine.control();
-    let mut under_way = CommandDelay::holding(0.0);
-    // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
-    let mut followed = SupervisedLaw::new(&control, machine.sensors_at_rest(&shared.effects));
-    let mut rows = Vec::<Row>::with_capacity(case.samples);
-    let mut before = [FaultHistory::NONE; 2];
-    let mut given = 0.0;
-    let column = parameters.column;
-    let moving = Moving::of(&parameters, kind, &limits);
-    for sample in 0..case.samples {
-        let pushed: f64 = case.faults.iter().map(|fault| fault.force(&limits, sample)).sum();
-        let last = rows.last().map(|row| row.allowed);
+    Some(under_test.record())
+}
+
+/// What was recorded of a loader.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// Limits of its supervisor.
+    pub limits: Limits,
+    /// What can hold energy.
+    pub moving: Moving,
+    /// A row for each sample.
+    pub rows: Vec<Row>,
+}
+
+/// A supervised loader that goes through a case, as a link of two of them sees it.
+pub trait Side {
+    /// What an electronic link sees of it.
+    fn linked(&self) -> LinkedFeel;
+    /// What an electronic link gives it in the next cycle, and whether the other axis has stopped it.
+    fn link(&mut self, given: [f64; 2], other_axis: bool);
+    /// Period, and the time in which a feel comes, as a share of it.
+    fn times(&self) -> (f64, f64);
+    /// Angle of the column.
+    fn angle(&self) -> f64;
+    /// The step in s.
+    fn step_s(&self) -> f64;
+    /// Whether the next step begins with a sample.
+    fn at_sample(&self) -> bool;
+    /// Whether all of the case's samples are through.
+    fn done(&self) -> bool;
+    /// Whether the supervisor has stopped it.
+    fn stopped(&self) -> bool;
+    /// Begins a step under a torque on the column; a cycle if a sample is due. Nothing where the supervisor was not asked.
+    fn arrive(&mut self, torque: f64) -> Option<()>;
+    /// Goes on under the command that is held by now.
+    fn set_out(&mut self);
+    /// Takes the step, the torque on the column ending so: angle and rate of the column. May be taken again.
+    fn advance(&mut self, torque: f64) -> [f64; 2];
+    /// What was recorded.
+    fn record(&mut self) -> Record;
+}
+
+/// See [`Side`].
+pub struct Loop<'a, D: Drive<f64>> {
+    case: &'a Case,
+    parameters: Parameters<f64>,
+    limits: Limits,
+    moving: Moving,
+    shared: Shared,
+    timing: Timing,
+    machine: Machine<f64, D>,
+    state: State<f64, D>,
+    noise: ChaCha8Rng,
+    supervisor: Supervisor<f64>,
+    control: Control<f64>,
+    followed: SupervisedLaw<f64>,
+    under_way: CommandDelay<f64>,
+    before: [FaultHistory; 2],
+    given: f64,
+    link: [f64; 2],
+    other_axis: bool,
+    rows: Vec<Row>,
+    arrived: Option<(SamplingPoint<f64, D>, Inputs)>,
+    step: Option<(Inputs, StepStart<f64, D>, State<f64, D>)>,
+}
+
+impl<'a, D: Drive<f64>> Loop<'a, D> {
+    /// At rest; `on_shaft`: whether a shaft turns its column. Nothing where the loader cannot be supervised.
+    pub fn new(case: &'a Case, law: LawOf<'_>, kind: DriveKind, on_shaft: bool) -> Option<Self> {
+        let parameters = Parameters::from_values(&case.values);
+        let period = parameters.controller.period;
+        let limits = Limits::new(&parameters, kind, period).ok()?;
+        let steps = whole((period / LONGEST_STEP_S).ceil().max(1.0));
+        #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+        let step_s = period / steps as f64;
+        let delay = whole((parameters.controller.delay / step_s).round());
+        let timing = Timing { period: steps, delay };
+        let effects = Effects {
+            observer: law.is_some(),
+            known_friction: law.is_some_and(knows_friction),
+            contact_law: law.is_some_and(knows_contact),
+            sampled: true,
+            surroundings: true,
+            linked: on_shaft,
+            ..Effects::of(&case.values)
+        };
+        let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
+        let compensator = if law.is_some() {
+            Compensator::state_feedback(&parameters, [0.0; 7])
+        } else {
+            Compensator::original(&parameters)
+        };
+        let mut machine = Machine::<f64, D>::new(&parameters, compensator, &shared);
+        if let Some(numbers) = law {
+            machine = machine.with_observer(Observer::from_numbers(numbers));
+        }
+        let equilibrium = machine.held_at(&shared, case.angle, case.angle, 1.0);
+        let control = *machine.control();
+        Some(Self {
+            case,
+            parameters,
+            limits,
+            moving: Moving::of(&parameters, kind, &limits),
+            timing,
+            state: machine.start(&shared, &equilibrium),
+            noise: ChaCha8Rng::seed_from_u64(case.seed),
+            supervisor: Supervisor::new(limits, 0.0),
+            control,
+            // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
+            followed: SupervisedLaw::new(&control, machine.sensors_at_rest(&shared.effects)),
+            under_way: CommandDelay::holding(0.0),
+            before: [FaultHistory::NONE; 2],
+            given: 0.0,
+            link: [0.0; 2],
+            other_axis: false,
+            rows: Vec::with_capacity(case.samples),
+            arrived: None,
+            step: None,
+            shared,
+            machine,
+        })
+    }
+
+    fn inputs(&self, torque: f64) -> Inputs {
+        let sample = self.state.steps() / self.timing.period;
+        let pushed: f64 = self.case.faults.iter().map(|fault| fault.force(&self.limits, sample)).sum();
+        // What is allowed at a sample counts from the next on.
+        let last = sample.checked_sub(1).and_then(|last| self.rows.get(last)).map(|row| row.allowed);
         let share = last.map_or(0.0, |allowed| allowed.share);
         // A person pushes as the feel comes.
-        let hand = case.hand.at(sample, period) * share + pushed;
-        let neutral = last.map_or(case.angle, |allowed| allowed.neutral(case.angle));
-        let inputs = Inputs { force: [hand; 2], trim: [neutral; 2], ..Inputs::NONE };
-        for step in 0..steps {
-            let arrived = machine.arrive(&shared, &mut state, &inputs);
-            if step == 0 {
-                let now = arrived.now;
-                let sensors =
-                    machine.sampled(&shared, &state, || core::array::from_fn(|_| StandardNormal.sample(&mut noise)));
-                let mut input = SupervisorInput {
-                    sensed: sensors,
-                    missed: 0,
-                    periods: 1.0,
-                    delay: 0,
-                    late: 0,
-                    host_age: Some(0),
-                    command: 0.0,
-                    feel_acceleration: control.free_acceleration(&shared, followed.feeling(), &inputs),
-                    feel_rate: followed.feeling().motion.at[1] * control.per_delta(),
-                    emergency_stop: false,
-                    other_axis: false,
-                    drive_fault: false,
-                    requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
-                    acknowledge: false,
-                };
-                for (fault, before) in case.faults.iter().zip(&mut before) {
-                    before.see(sample, sensors);
-                    fault.spoil_sensed(before, &limits, sample, &mut input);
-                    before.shown = sensors;
-                }
-                let admitted = supervisor.admit(&input);
-                let of = admitted.map(|sensors| Sample { sensors, pilot_force: now.pilot_force });
-                let mut allowed = None;
-                let e = followed.step((&shared, &control), &inputs, of.as_ref(), |answer| {
-                    input.command = answer.command;
-                    for fault in &case.faults {
-                        fault.spoil_command(&limits, sample, &mut input);
-                    }
-                    let output = supervisor.step(&input);
-                    allowed = Some(output);
-                    LimitedCommand::from(&output)
-                });
-                let allowed = allowed?;
-                let acts = case.faults.iter().fold(e, |e, fault| fault.spoil_drive(&limits, sample, e));
-                under_way.send(sample, if allowed.enable { acts } else { 0.0 });
-                let [angle, rate] = [now.base, now.base_rate].map(|along| along / column.base_arm);
-                let stored = moving.stored(rate, now.force);
-                rows.push(Row { input, used: admitted, allowed, angle, rate, force: now.force, hand, given, stored });
-            }
-            if let Some(arriving) = timing.arriving_at(state.steps()) {
-                state.command(under_way.arriving(arriving));
-            }
-            let step_start = machine.set_out(&shared, &mut state, &inputs, arrived);
-            given -= hand * step_start.now.base_rate / column.base_arm * column.grip_arm * step_s;
-            machine.advance(&shared, &mut state, &inputs, &step_start);
+        let hand = self.case.hand.at(sample, self.limits.period) * share + pushed;
+        let neutral = last.map_or(self.case.angle, |allowed| allowed.neutral(self.case.angle));
+        let [of_link, damping] = self.link;
+        Inputs {
+            force: [hand; 2],
+            trim: [neutral; 2],
+            added_force: [of_link / self.parameters.column.grip_arm; 2],
+            added_damping: [damping; 2],
+            link_torque: [torque; 2],
+            ..Inputs::NONE
         }
     }
-    Some((limits, rows))
+
+    fn cycle(&mut self, arrived: &SamplingPoint<f64, D>, inputs: &Inputs) -> Option<()> {
+        let Self { case, limits, shared, machine, state, noise, supervisor, control, followed, .. } = self;
+        let (now, sample) = (&arrived.now, self.rows.len());
+        let sensors = machine.sampled(shared, state, || core::array::from_fn(|_| StandardNormal.sample(noise)));
+        let mut input = SupervisorInput {
+            sensed: sensors,
+            missed: 0,
+            periods: 1.0,
+            delay: 0,
+            late: 0,
+            host_age: Some(0),
+            command: 0.0,
+            feel_acceleration: control.free_acceleration(shared, followed.feeling(), inputs),
+            feel_rate: followed.feeling().motion.at[1] * control.per_delta(),
+            link_torque: self.link[0],
+            emergency_stop: false,
+            other_axis: self.other_axis,
+            drive_fault: false,
+            requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
+            acknowledge: false,
+        };
+        for (fault, before) in case.faults.iter().zip(&mut self.before) {
+            before.see(sample, sensors);
+            fault.spoil_sensed(before, limits, sample, &mut input);
+            before.shown = sensors;
+        }
+        let admitted = supervisor.admit(&input);
+        let of = admitted.map(|sensors| Sample { sensors, pilot_force: now.pilot_force });
+        let mut allowed = None;
+        let e = followed.step((shared, control), inputs, of.as_ref(), |answer| {
+            input.command = answer.command;
+            for fault in &case.faults {
+                fault.spoil_command(limits, sample, &mut input);
+            }
+            let output = supervisor.step(&input);
+            allowed = Some(output);
+            LimitedCommand::from(&output)
+        });
+        let allowed = allowed?;
+        let acts = case.faults.iter().fold(e, |e, fault| fault.spoil_drive(limits, sample, e));
+        self.under_way.send(sample, if allowed.enable { acts } else { 0.0 });
+        let [angle, rate] = [now.base, now.base_rate].map(|along| along / self.parameters.column.base_arm);
+        let (given, stored) = (self.given, self.moving.stored(rate, now.force));
+        let [hand, shaft, link] = [inputs.force[0], inputs.link_torque[0], self.link[0]];
+        let force = now.force;
+        self.rows.push(Row { input, used: admitted, allowed, angle, rate, force, hand, shaft, link, given, stored });
+        Some(())
+    }
+}
+
+impl<D: Drive<f64>> Side for Loop<'_, D> {
+    fn linked(&self) -> LinkedFeel {
+        let last = self.rows.last();
+        LinkedFeel {
+            programmed: self.followed.feeling().motion.at.map(|number| number * self.control.per_delta()),
+            share: last.map_or(0.0, |row| row.allowed.share),
+            hand_force: last.map_or(0.0, |row| row.allowed.grip.hand_force),
+            presses: false,
+            asked: None,
+        }
+    }
+
+    fn link(&mut self, given: [f64; 2], other_axis: bool) {
+        (self.link, self.other_axis) = (given, other_axis);
+    }
+
+    fn times(&self) -> (f64, f64) {
+        (self.limits.period, (self.limits.period / self.parameters.safety.fade_time).min(1.0))
+    }
+
+    fn angle(&self) -> f64 {
+        self.machine.column_angle(&self.state)
+    }
+
+    fn step_s(&self) -> f64 {
+        self.shared.step_s
+    }
+
+    fn at_sample(&self) -> bool {
+        self.timing.sample_at(self.state.steps()).is_some()
+    }
+
+    fn done(&self) -> bool {
+        self.at_sample() && self.rows.len() >= self.case.samples
+    }
+
+    fn stopped(&self) -> bool {
+        self.rows.last().is_some_and(|row| row.allowed.state == SupervisorState::Tripped)
+    }
+
+    fn arrive(&mut self, torque: f64) -> Option<()> {
+        let inputs = self.inputs(torque);
+        let due = self.at_sample();
+        let arrived = self.machine.arrive(&self.shared, &mut self.state, &inputs);
+        if due {
+            self.cycle(&arrived, &inputs)?;
+        }
+        self.arrived = Some((arrived, inputs));
+        Some(())
+    }
+
+    fn set_out(&mut self) {
+        let Some((arrived, inputs)) = self.arrived.take() else { return };
+        if let Some(arriving) = self.timing.arriving_at(self.state.steps()) {
+            self.state.command(self.under_way.arriving(arriving));
+        }
+        let start = self.machine.set_out(&self.shared, &mut self.state, &inputs, arrived);
+        let column = &self.parameters.column;
+        let rate = start.now.base_rate / column.base_arm;
+        self.given -= inputs.force[0] * rate * column.grip_arm * self.shared.step_s;
+        self.step = Some((inputs, start, self.state));
+    }
+
+    fn advance(&mut self, torque: f64) -> [f64; 2] {
+        let Some((inputs, start, before)) = &mut self.step else { return [self.angle(), 0.0] };
+        inputs.link_torque[1] = torque;
+        self.state = *before;
+        self.machine.advance(&self.shared, &mut self.state, inputs, start);
+        self.machine.column_motion(&self.shared, &self.state, start)
+    }
+
+    fn record(&mut self) -> Record {
+        Record { limits: self.limits, moving: self.moving, rows: core::mem::take(&mut self.rows) }
+    }
 }
 
 /// What can hold energy, and how much power the drive has.

@@ -135,6 +135,7 @@ impl<S: Scalar> Axis<S> {
             command: like.zero(),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
+            link_torque: like.zero(),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             other_axis: false,
             drive_fault: given.flags & DRIVE_FAULT != 0,

@@ -2,9 +2,9 @@
 
 use crate::clock::{Clock, Woken};
 use crate::cycle::Cycles;
-use crate::feel_link::FeelLink;
 use crate::request::LoopRequest;
 use core::sync::atomic::Ordering::Relaxed;
+use forcefeel_model::feel_link::FeelLink;
 use forcefeel_model::supervisor::Function;
 
 /// An axis of a loop.
@@ -23,8 +23,8 @@ pub struct Axis {
 pub struct Axes {
     /// The axes, at least one.
     pub axes: Vec<Axis>,
-    /// Electronic links between them.
-    pub links: Vec<FeelLink>,
+    /// Electronic links, each between the axes at two places.
+    pub links: Vec<([usize; 2], FeelLink)>,
     /// Beats so far, those that were missed among them.
     pub beats: u64,
 }
@@ -48,12 +48,16 @@ impl Axes {
     pub fn beat(&mut self, woken: Woken, period_ns: u64) {
         let before = self.beats;
         self.beats += 1 + woken.missed;
-        for link in &mut self.links {
-            let [first, second] = link.sides;
+        for ([first, second], link) in &mut self.links {
+            let [first, second] = [*first, *second];
             if due(self.axes[first].every, [before, self.beats], woken, period_ns).is_some()
                 && let Ok([one, other]) = self.axes.get_disjoint_mut([first, second])
             {
-                link.step(&mut one.cycles.controller, &mut other.cycles.controller);
+                let [one, other] = [&mut one.cycles.controller, &mut other.cycles.controller];
+                let sides = [one.linked(link.opens), other.linked(link.opens)];
+                let [on_one, on_other] = link.step((one.period_s(), one.fade_share()), sides);
+                one.link(on_one);
+                other.link(on_other);
             }
         }
         for axis in &mut self.axes {

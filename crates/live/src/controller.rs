@@ -10,6 +10,7 @@ use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
 use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::effects::Effects;
+use forcefeel_model::feel_link::LinkedFeel;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::host::effects::Held;
 use forcefeel_model::machine::{Inputs, Shared};
@@ -147,35 +148,22 @@ impl Controller {
         }
     }
 
-    /// Angle and rate of the programmed control, in rad and rad/s.
-    pub fn programmed(&self) -> [f64; 2] {
-        self.followed.feeling().motion.at.map(|number| number * self.control.per_delta())
-    }
-
-    /// Share of the feel that is there, 0 to 1.
-    pub fn share(&self) -> f64 {
-        self.supervision.share()
-    }
-
     /// The functions that stopped it; none of a loop that is not stopped.
     pub fn stopped_by(&self) -> Functions {
         let stopped = self.supervision.last().filter(|allowed| allowed.state == SupervisorState::Tripped);
         stopped.map_or(Functions::NONE, |allowed| allowed.tripped)
     }
 
-    /// Whether its electronic link was asked to hold, or to open, since this was called last.
-    pub fn link_asked(&mut self) -> Option<bool> {
-        self.link_asked.take()
-    }
-
-    /// Whether its priority button is pressed.
-    pub fn presses(&self) -> bool {
-        self.presses
-    }
-
-    /// Force of the hand in N: as the supervisor estimates it, or as measured where nobody looks on.
-    pub fn hand_force(&self) -> f64 {
-        self.supervision.last().map_or(self.pilot_force, |allowed| allowed.grip.hand_force)
+    /// What an electronic link sees of it; whether it `opens` as it is asked since this was called last.
+    pub fn linked(&mut self, opens: bool) -> LinkedFeel {
+        LinkedFeel {
+            programmed: self.followed.feeling().motion.at.map(|number| number * self.control.per_delta()),
+            share: self.supervision.share(),
+            // As the supervisor estimates it, or as measured where nobody looks on.
+            hand_force: self.supervision.last().map_or(self.pilot_force, |allowed| allowed.grip.hand_force),
+            presses: self.presses,
+            asked: if opens { self.link_asked.take() } else { None },
+        }
     }
 
     /// What one of its electronic links does to the feel in the next cycle: torque in N m and damping in N m s/rad.
@@ -204,6 +192,7 @@ impl Controller {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
             periods: sampled.map(|sampled| sampled.periods),
             delay: sampled.map_or(0, |sampled| sampled.delay),
+            link_torque: self.link[0],
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),

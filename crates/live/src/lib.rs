@@ -6,7 +6,7 @@
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
-//! | the thread: waits, counts, never catches up; all axes of a cockpit, the electronic links between them | [`axes`], [`cycle`], [`clock`], [`priority`], [`feel_link`] |
+//! | the thread: waits, counts, never catches up; all axes of a cockpit | [`axes`], [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
 //! | records that stay whole, the rows that they keep, room for them, the format of their files, their replay | [`record`], [`thinning`], [`whole_file`], [`room`], [`mcap`], [`mcap_writer`], [`mcap_reader`], [`replay`] |
 //!
@@ -19,7 +19,6 @@ pub mod axes;
 pub mod clock;
 pub mod controller;
 pub mod cycle;
-pub mod feel_link;
 pub mod host_control;
 pub mod host_link;
 pub mod input_output;

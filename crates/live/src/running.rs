@@ -4,7 +4,6 @@ use crate::axes::{Axes, Axis};
 use crate::clock::{AtOnce, Monotonic, nanoseconds};
 use crate::controller::Controller;
 use crate::cycle::Cycles;
-use crate::feel_link::FeelLink;
 use crate::host_link::{self, HostStatus};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask};
@@ -14,6 +13,7 @@ use crate::row::{COLUMNS, Row};
 use crate::status::Status;
 use crate::thinning::Thinning;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use forcefeel_model::feel_link::FeelLink;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::io;
@@ -40,8 +40,8 @@ pub struct AxisPlan {
 pub struct Plan {
     /// The axes, at least one.
     pub axes: Vec<AxisPlan>,
-    /// Electronic links between them.
-    pub links: Vec<FeelLink>,
+    /// Electronic links, each between the axes at two places.
+    pub links: Vec<([usize; 2], FeelLink)>,
     /// Of the clock, in s.
     pub period_s: f64,
     /// Where a host's packets come to.

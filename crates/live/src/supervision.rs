@@ -45,6 +45,8 @@ pub struct CycleStatus {
     pub periods: Option<f64>,
     /// Cycles by which they are late.
     pub delay: u32,
+    /// Torque of electronic links on the feel, in N m.
+    pub link_torque: f64,
     /// Acceleration that the feel would give with no hand on it, in rad/s².
     pub feel_acceleration: f64,
     /// Rate of the programmed control, as an angle of the column, in rad/s.
@@ -151,6 +153,7 @@ impl Supervision {
             command: 0.0,
             feel_acceleration: seen.feel_acceleration,
             feel_rate: seen.feel_rate,
+            link_torque: seen.link_torque,
             emergency_stop: seen.emergency_stop || stop,
             other_axis,
             drive_fault: false,

@@ -37,7 +37,7 @@
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
-//! | link between two pilots' controls, and in feel computers | [`link`], [`linked_feels`] |
+//! | link between two pilots' controls; an electronic one in feel computers, in a loop | [`link`], [`linked_feels`], [`feel_link`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -60,6 +60,7 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
+pub mod feel_link;
 pub mod feel_parts;
 pub mod grip_sensor;
 pub mod host;

@@ -24,8 +24,17 @@
 //! theta(t + h/2) ~ theta(t - d) + (d + h/2) (theta(t - d) - theta(t - d - h)) / h
 //! ```
 //!
-//! What is left is of the second order in `d`. Energy that a long delay still gives is taken by a damping of `k (d + h)` on each control: the bound
-//! `k <= c / d` of E. Nuno, L. Basanez, R. Ortega, Automatica 47(3) (2011) 485-495, with the hold.
+//! What is left is of the second order in `d`. With `n = d / h`, `A(z) = 1 + (1 - 1/z) / 2`, `G(z) = z^-n (1 + (n + 1/2) (1 - 1/z))`, the energy that
+//! delay and hold still give to controls that move together (`-`) and apart (`+`) is taken by a damping on each control of
+//!
+//! ```text
+//! c_i >= k h max over w of  -Re{(1/z - 1) (A(z) -+ G(z))} / |z - 1|^2,   z = exp(j w h)
+//! c_i  = k max(d + 2 h, 1.064 (d + h))
+//! ```
+//!
+//! The sum is that of J. E. Colgate, G. G. Schenkel, J. Robotic Systems 14(1) (1997) 37-47, for two controls and a held torque; the second line is above it
+//! for each `n` up to [`MOST_DELAY`]. Without the angles carried on it would be `k (d + h)`: the bound `k <= c / d` of E. Nuno, L. Basanez, R. Ortega,
+//! Automatica 47(3) (2011) 485-495, with the hold.
 
 use crate::Scalar;
 use crate::parameters::Parameter;
@@ -213,8 +222,9 @@ impl<S: Scalar> ElectronicLink<S> {
     #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
     pub fn injected(&self, h: S) -> [S; 2] {
         let PilotLink { stiffness, stiffness_after, injected_damping, ratio, .. } = self.link;
-        // c = k (d + h) with the steeper k, at most c_i
-        let damping = (stiffness.max(stiffness_after) * h.times((self.delay + 1) as f64)).min(injected_damping);
+        let periods = ((self.delay + 2) as f64).max(1.064 * (self.delay + 1) as f64);
+        // With the steeper k, at most the row.
+        let damping = (stiffness.max(stiffness_after) * h.times(periods)).min(injected_damping);
         [damping, ratio * ratio * damping]
     }
 

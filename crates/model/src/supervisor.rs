@@ -52,7 +52,7 @@ pub use sequence::SupervisorState;
 use crate::Scalar;
 use crate::transducers::SENSORS;
 use command::Command;
-use grip::GripMonitor;
+use grip::{FeelMotion, GripMonitor};
 use grip_zero::GripZero;
 pub(crate) use numbers::finite;
 use plausibility::Plausibility;
@@ -185,7 +185,8 @@ impl<S: Scalar> Supervisor<S> {
             let known = finite(input.feel_acceleration);
             let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
             let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
-            self.watch.watch(&limits, fresh, (follows, of_feel, rate), &mut functions);
+            let feel = FeelMotion { follows, acceleration: of_feel, rate, link_torque: input.link_torque };
+            self.watch.watch(&limits, fresh, feel, &mut functions);
             let shows = self.grip_zero.watch(&limits, input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
             functions = functions.with(Function::GripOffset, shows);
         }

@@ -73,6 +73,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(faults::safety_functions, module)?)?;
     module.add_function(wrap_pyfunction!(faults::fault_kinds, module)?)?;
     module.add_function(wrap_pyfunction!(faults::supervised_faults, module)?)?;
+    module.add_function(wrap_pyfunction!(faults::supervised_pair_faults, module)?)?;
     module.add_function(wrap_pyfunction!(model::parameters, module)?)?;
     module.add_function(wrap_pyfunction!(model::parts, module)?)?;
     module.add_function(wrap_pyfunction!(model::rigid, module)?)?;

@@ -6,7 +6,6 @@ use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
-use forcefeel_live::feel_link::FeelLink;
 use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
 use forcefeel_live::record::{AxisOpening, EVERY, Opening, Record, Size};
@@ -21,6 +20,7 @@ use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
 use forcefeel_live::udp::Udp;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
+use forcefeel_model::feel_link::FeelLink;
 use forcefeel_model::link::{LINK_ROWS, PilotLink};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::supervisor::SupervisorState;
@@ -234,12 +234,10 @@ pub fn start_loops(
     }
     let machines = join(machines, &links)?;
     let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples, opens)| {
-        delay.map(|delay| FeelLink::new(*sides, values, delay, (*uncouples, *opens)))
+        delay.map(|delay| (*sides, FeelLink::new(values, delay, (*uncouples, *opens))))
     });
     let links: Vec<_> = electronic.collect();
-    if places == 0
-        || links.iter().any(|link| link.sides[0] == link.sides[1] || link.sides.iter().any(|&side| side >= places))
-    {
+    if places == 0 || links.iter().any(|(sides, _)| sides[0] == sides[1] || sides.iter().any(|&side| side >= places)) {
         return Err(refused("axes: expected one or more, and links between two of them"));
     }
     let of_axes = rest.into_iter().zip(machines);

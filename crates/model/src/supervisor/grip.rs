@@ -18,7 +18,7 @@
 //! `motion_limit`, would throw itself at the link when it is stopped.
 //!
 //! A column that swings with no hand on it from side to side by more than `swing_limit`, each time by nine tenths of the last, swings on for
-//! good: a hand that kept it swinging would have a tenth of the drive's torque.
+//! good: a hand that kept it swinging, its own or another pilot's over a link, would have a tenth of the drive's torque.
 //!
 //! With no hand on it a column gains speed only where its feel drives it. Where the feel brakes it, `P_f < 0`, and the drive does not
 //! take half of that, `P > P_f / 2`, the column runs away: `|tau + f|` small for as long as the table has it. A valve stuck open is of
@@ -45,6 +45,19 @@ pub struct GripEstimate<S> {
     pub rate: S,
     /// Energy in J that the hand is given otherwise than by the feel, what a stop from now on gives included.
     pub energy: S,
+}
+
+/// How the feel moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FeelMotion<S> {
+    /// Whether the law is what moves the column.
+    pub follows: bool,
+    /// Acceleration with no hand on it, in rad/s².
+    pub acceleration: S,
+    /// In rad/s.
+    pub rate: S,
+    /// Of electronic links, in N m.
+    pub link_torque: S,
 }
 
 /// What is remembered of it.
@@ -89,13 +102,13 @@ impl<S: Scalar> GripMonitor<S> {
         }
     }
 
-    /// What is wrong at the grip; `follows`: the law is what moves it.
+    /// What is wrong at the grip.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
         limits: &Limits<S>,
         Fresh { sensed: [force, _, angle], periods }: Fresh<S>,
-        (follows, feel_acceleration, feel_rate): (bool, S, S),
+        FeelMotion { follows, acceleration: feel_acceleration, rate: feel_rate, link_torque }: FeelMotion<S>,
         functions: &mut Functions,
     ) {
         let one = force.constant(1.0);
@@ -132,7 +145,8 @@ impl<S: Scalar> GripMonitor<S> {
         let hand = self.torque + self.friction(limits);
         let hand = self.hand.holds(!below(hand.abs(), limits.hand_torque), CONFIRMED);
         let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
-        let swings = self.swing.goes_on(limits, (angle, self.lagged[0]), [self.torque, self.lagged[1]]);
+        let moves = self.torque.abs().max(link_torque.abs());
+        let swings = self.swing.goes_on(limits, (angle, self.lagged[0]), [moves, self.lagged[1]]);
         let too_much = below(limits.energy[0], energy) || (follows && self.thrown(limits));
         let gives = self.gives.holds(too_much, CONFIRMED);
         *functions = functions
@@ -195,7 +209,7 @@ struct Swing<S> {
     /// Angle at which it turned last, and by how much it had moved to there.
     turned_at: S,
     last: S,
-    /// Largest torque of the hand and of the drive since it turned.
+    /// Largest torque of the hands and of the drive since it turned.
     torques: [S; 2],
     /// Swings in a row of nearly the same size.
     undamped: u32,
@@ -210,7 +224,7 @@ const SWINGS: u32 = 3;
 const KEEPS_SWINGING: f64 = 0.1;
 
 impl<S: Scalar> Swing<S> {
-    /// At an angle, with its lagged rate, under these torques of hand and drive.
+    /// At an angle, with its lagged rate, under these torques of hands and drive.
     #[inline(always)]
     fn goes_on(&mut self, limits: &Limits<S>, (angle, lagged): (S, S), torques: [S; 2]) -> bool {
         for (most, torque) in self.torques.iter_mut().zip(torques) {

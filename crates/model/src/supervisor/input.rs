@@ -25,6 +25,8 @@ pub struct SupervisorInput<S> {
     pub feel_acceleration: S,
     /// Rate of the programmed control, as an angle of the column, in rad/s.
     pub feel_rate: S,
+    /// Torque in N m of electronic links on the feel: with it another pilot moves the column.
+    pub link_torque: S,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// Another axis stopped, and this one is to stop with it.

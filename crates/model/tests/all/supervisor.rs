@@ -24,6 +24,7 @@ fn still(requested: RequestedMode) -> SupervisorInput<f64> {
         command: 0.0,
         feel_acceleration: 0.0,
         feel_rate: 0.0,
+        link_torque: 0.0,
         emergency_stop: false,
         other_axis: false,
         drive_fault: false,
@@ -412,6 +413,7 @@ fn single_precision_does_the_same() {
         command: 1.0,
         feel_acceleration: 0.0,
         feel_rate: 0.0,
+        link_torque: 0.0,
         emergency_stop: false,
         other_axis: false,
         drive_fault: false,
@@ -500,7 +502,8 @@ fn a_column_that_is_thrown_faster_than_its_feel_is_stopped_before_it_is_too_fast
 #[test]
 fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel() {
     let of = limits();
-    for (damping, fades) in [(0.0, true), (0.2, false)] {
+    // The third is kept swinging by another pilot over a link.
+    for (damping, share, fades) in [(0.0, 0.0, true), (0.2, 0.0, false), (0.0, 0.5, false)] {
         let (mut supervisor, input) = active();
         let (mut shares, mut told) = (vec![], false);
         let omega = 2.0 * core::f64::consts::TAU;
@@ -514,6 +517,7 @@ fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel
             let force = of.inertia * acceleration / of.lever;
             now.sensed = [force, angle(time) * of.lever + force * of.link[0], angle(time) * of.base_arm, 0.0];
             now.feel_rate = (angle(time + PERIOD) - angle(time)) / PERIOD;
+            now.link_torque = share * force * of.lever;
             let allowed = supervisor.step(&now);
             assert_eq!(allowed.state, SupervisorState::Active, "{:?}", allowed.cause);
             told |= allowed.acting.has(Function::Swing);

@@ -1,0 +1,126 @@
+//! A case of two loaders on a link: faults on one side, another hand on the other.
+
+use crate::batch::Loaders;
+use crate::case::Case;
+use crate::fault::{Fault, Kind as FaultKind};
+use crate::oracle::{Outcome, judge};
+use crate::run::{LawOf, Loop, Record, Side};
+use forcefeel_model::drive::Kind;
+use forcefeel_model::feel_link::FeelLink;
+use forcefeel_model::link::{LINK_ROWS, PilotLink};
+use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::with_drive;
+
+/// A link of two loaders.
+#[derive(Debug, Clone, Copy)]
+pub struct Joint {
+    /// Places of its loaders.
+    pub between: [usize; 2],
+    /// Its values, in the order of the table of links.
+    pub values: [f64; LINK_ROWS],
+    /// Periods of delay of an electronic link; nothing of a shaft.
+    pub delay: Option<usize>,
+    /// Whether it stays open once it has given way.
+    pub uncouples: bool,
+}
+
+/// What came of a case, side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct PairOutcome {
+    /// Which of the links.
+    pub joint: usize,
+    /// Side with the faults.
+    pub faulty: usize,
+    /// What came of each side.
+    pub sides: [Outcome; 2],
+    /// Largest force of the link at the grip of the other side from the fault on, in N, and its largest step in a period.
+    pub force: [f64; 2],
+}
+
+/// The case of a number with so many faults, 0 to 2; nothing where a loader cannot be supervised.
+pub fn outcome(joints: &[Joint], loaders: Loaders<'_>, (seed, number): (u64, u64), faults: u8) -> Option<PairOutcome> {
+    let count = u64::try_from(joints.len()).ok()?;
+    let place = usize::try_from(number / 2 % count).ok()?;
+    let (faulty, joint) = (usize::try_from(number % 2).ok()?, &joints[place]);
+    let cases = drawn(joint, loaders.values, (seed, number / 2 / count * 2 + number % 2), (faulty, faults));
+    let of = |side: usize| loaders.observers.map(|laws| &laws[joint.between[side]]);
+    let on_shaft = joint.delay.is_none();
+    let records = go_through(joint, [begun(&cases[0], of(0), on_shaft)?, begun(&cases[1], of(1), on_shaft)?])?;
+    let sides = [0, 1].map(|side| {
+        let Record { limits, moving, rows } = &records[side];
+        Outcome { loader: joint.between[side], ..judge(&cases[side], limits, moving, rows) }
+    });
+    let from = cases[faulty].onset().unwrap_or(0);
+    let other = &records[1 - faulty];
+    let of_link: Vec<f64> =
+        other.rows[from..].iter().map(|row| (row.shaft + row.link) / other.limits.grip_arm).collect();
+    let largest = of_link.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+    let step = of_link.windows(2).fold(0.0, |most: f64, two| most.max((two[1] - two[0]).abs()));
+    Some(PairOutcome { joint: place, faulty, sides, force: [largest, step] })
+}
+
+/// A case for each side, both from the same angle.
+fn drawn(
+    joint: &Joint,
+    values: &[[f64; COUNT]],
+    (seed, number): (u64, u64),
+    (faulty, faults): (usize, u8),
+) -> [Case; 2] {
+    let none = Fault { kind: FaultKind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
+    let mut cases = [0, 1].map(|side| {
+        let of = &values[joint.between[side]..=joint.between[side]];
+        let drawn = (seed, 2 * number + u64::from(side != faulty));
+        match faults {
+            0 => Case::legal(of, drawn),
+            _ if side == faulty => Case::drawn(of, drawn, faults > 1),
+            _ => Case { faults: [none; 2], ..Case::drawn(of, drawn, false) },
+        }
+    });
+    let Case { angle, samples, .. } = cases[faulty];
+    let other = &mut cases[1 - faulty];
+    (other.angle, other.samples) = (angle, samples);
+    cases
+}
+
+fn begun<'a>(case: &'a Case, law: LawOf<'_>, on_shaft: bool) -> Option<Box<dyn Side + 'a>> {
+    let kind = DriveKind::of(&case.values);
+    with_drive!(kind, K => of_drive::<K>(case, law, kind, on_shaft))
+}
+
+fn of_drive<'a, K: Kind>(case: &'a Case, law: LawOf<'_>, kind: DriveKind, on_shaft: bool) -> Option<Box<dyn Side + 'a>>
+where
+    K::Of<f64>: 'a,
+{
+    Some(Box::new(Loop::<K::Of<f64>>::new(case, law, kind, on_shaft)?))
+}
+
+/// Both loops in turn, as a cockpit runs them: an electronic link opens where a side is stopped, a shaft takes the other side with it.
+fn go_through(joint: &Joint, mut sides: [Box<dyn Side + '_>; 2]) -> Option<[Record; 2]> {
+    let link = PilotLink::from_values(&joint.values);
+    let mut feels = joint.delay.map(|delay| FeelLink::new(&joint.values, delay, (joint.uncouples, true)));
+    let (mut open, h) = (feels.is_some(), sides[0].step_s());
+    let mut beyond = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
+    loop {
+        if sides[0].at_sample() {
+            if sides[0].done() {
+                return Some(sides.map(|mut side| side.record()));
+            }
+            let given = feels
+                .as_mut()
+                .map_or([[0.0; 2]; 2], |feels| feels.step(sides[0].times(), [sides[0].linked(), sides[1].linked()]));
+            let stopped = [sides[0].stopped(), sides[1].stopped()];
+            for (side, given) in given.into_iter().enumerate() {
+                sides[side].link(given, feels.is_none() && stopped[1 - side] && !stopped[side]);
+            }
+        }
+        let [on_first, on_second] = link.on_each(if open { 0.0 } else { link.torque(beyond) });
+        sides[0].arrive(on_first)?;
+        sides[1].arrive(on_second)?;
+        sides.iter_mut().for_each(|side| side.set_out());
+        beyond = link.step(!open, beyond, h, |[on_first, on_second]| {
+            let [first, second] = &mut sides;
+            [first.advance(on_first), second.advance(on_second)]
+        });
+        open |= joint.uncouples && link.gives_way(beyond[0]);
+    }
+}
