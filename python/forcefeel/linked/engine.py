@@ -1,6 +1,6 @@
 """Runs of two linked loaders on the Rust engine."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
@@ -61,7 +61,8 @@ def simulate_linked(
     time = np.arange(rows.shape[1]) * scenario.first.sample_s
     data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows[0].T, strict=True)}
     whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
-    measures = _measures(whole, loaders[0]["column.grip_arm"])
+    values = {str(name): whole[name].to_numpy() for name in whole.data_vars}
+    measures = link_measures(np.asarray(time, dtype=np.float64), values, loaders[0]["column.grip_arm"])
     history = whole.where(whole["time_s"] < measures.diverged_at_s)
     return LinkedRun(pair.link, loaders, pair.laws, scenario, measures, history)
 
@@ -246,9 +247,8 @@ class _Pair:
         return {name: units[name] for name in kept}, side
 
 
-def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:
-    time = history["time_s"].to_numpy()
-    values = {str(name): history[name].to_numpy() for name in history.data_vars}
+def link_measures(time: _Numbers, values: Mapping[str, _Numbers], grip_arm: float) -> LinkMeasures:
+    """The measures of a run from its outputs by name; ``grip_arm`` of the first loader."""
     angles = [values[f"{side}_column_angle_rad"] for side in SIDES]
     known = np.all(np.abs(angles) < _core.BOUND_RAD, axis=0)
     until = len(time) if known.all() else int(np.argmin(known))
