@@ -24,6 +24,7 @@ __all__ = [
     "ArgumentError",
     "BoardAxis",
     "ExportedLaw",
+    "ExportedPair",
     "FlownFeel",
     "FmuVariable",
     "GainLaw",
@@ -278,12 +279,24 @@ class ExportedLaw:
         states: int,
         period_s: float,
         single: bool,
+        linked: bool = False,
         curve: tuple[_Array, _Array] | None = None,
         cancellation: Sequence[float] | None = None,
     ) -> Self: ...
     def source(self, name: str) -> LawSource: ...
     def added(self, flights: _Array) -> _Array: ...
     def answers(self, inputs: _Array, settings: Sequence[tuple[int, int]]) -> _Array: ...
+
+@final
+class ExportedPair:
+    """Two laws on an electronic link, traced or run for reference."""
+
+    def __new__(
+        cls, first: ExportedLaw, second: ExportedLaw, values: _Array, *, delay: int, uncouples: bool
+    ) -> Self: ...
+    def source(self, name: str) -> str: ...
+    def answers(self, inputs: _Array) -> _Array: ...
+    def link_answers(self, inputs: _Array) -> _Array: ...
 
 @final
 class BoardAxis:
@@ -481,6 +494,7 @@ def simulate_linked(
     disconnect: int | None = None,
     jam: tuple[int, int] | None = None,
     button: tuple[int, int] | None = None,
+    samples: bool = False,
     threads: int = 1,
 ) -> _Array:
     """Outputs (pairs, samples, outputs) of pairs of loaders joined by links: of the first, of the second, ``linked_outputs``.
@@ -488,7 +502,8 @@ def simulate_linked(
     A side is its simulation, and the values and the law of each pair, the law by name, as gains or as observers. Both have one
     step, one period and one length. ``values``: of each link, in the order of ``link_parameters``; ``delay``: periods of an
     electronic link, a mechanical one without; ``uncouples``: what has given way stays open; ``disconnect``: a step; ``jam``: side
-    0 or 1, and a step; ``button``: likewise, who has priority from then on.
+    0 or 1, and a step; ``button``: likewise, who has priority from then on. With ``samples`` numbers of the last sample follow: of
+    each side four sensors and the command, the force of both hands, and 1 if the link is open.
     """
 
 def parts() -> list[tuple[str, str]]: ...

@@ -134,7 +134,7 @@ def test_band_has_a_table(pages, results):
 def test_a_histogram_holds_every_run(results):
     result = results["tolerances"]
     spread = summarize(result).spreads["overshoot"]
-    drawn, beyond = histogram(result.runs["overshoot"].values, spread, UnitSystem.US, "#D55E00")
+    drawn, beyond = histogram(result.runs["overshoot"].values, spread, "Overshoot", UnitSystem.US, "#D55E00")
     shown = sum(float(np.sum(bar.y)) for bar in drawn.data if bar.type == "bar")
     assert shown + 100 * beyond / 600 == pytest.approx(100)
 

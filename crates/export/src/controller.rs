@@ -13,7 +13,9 @@ use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
 use forcefeel_model::known_friction::FrictionState;
-use forcefeel_model::law_inputs::{ADDED as ADDED_RANGES, SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
+use forcefeel_model::law_inputs::{
+    ADDED as ADDED_RANGES, SHAKER_SWING, STIFFNESS_FACTOR as FACTOR_RANGE, TRIM as TRIM_RANGE, sensed,
+};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
@@ -56,14 +58,49 @@ pub const FLIGHT: [&str; 11] = [
 /// The place of the first of [`FLIGHT`], beyond all that a controller remembers.
 pub const FIRST_OF_FLIGHT: usize = 1 << 15;
 
+/// What a link is given, in this order: angles and rates of both controls at ages, hands, and flags.
+pub const LINK: [&str; 24] = [
+    "now.angle[0]",
+    "now.rate[0]",
+    "now.angle[1]",
+    "now.rate[1]",
+    "last.angle[0]",
+    "last.rate[0]",
+    "last.angle[1]",
+    "last.rate[1]",
+    "then.angle[0]",
+    "then.rate[0]",
+    "then.angle[1]",
+    "then.rate[1]",
+    "before.angle[0]",
+    "before.rate[0]",
+    "before.angle[1]",
+    "before.rate[1]",
+    "hand[0]",
+    "hand[1]",
+    "button[0]",
+    "button[1]",
+    "disconnect",
+    "open",
+    "by_force[0]",
+    "by_force[1]",
+];
+
+/// The place of the first of [`LINK`], beyond the flight.
+pub const FIRST_OF_LINK: usize = FIRST_OF_FLIGHT + FLIGHT.len();
+
 const FORCE: usize = 0;
 const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
+pub(crate) const STIFFNESS_FACTOR: usize = TRIM + 1;
 const SHARE: usize = 7;
-const ADDED: usize = 8;
+pub(crate) const ADDED: usize = 8;
 
-/// The name of a place: of an input, then of a number that a controller remembers, or of the flight.
+/// The name of a place: of an input, then of a number that a controller remembers, of the flight, or of a link.
 pub fn name_of(place: usize) -> &'static str {
+    if let Some(k) = place.checked_sub(FIRST_OF_LINK) {
+        return LINK[k];
+    }
     if let Some(k) = place.checked_sub(FIRST_OF_FLIGHT) {
         return FLIGHT[k];
     }
@@ -95,6 +132,8 @@ pub struct Job {
     pub cancellation: Option<Cancellation>,
     /// The controller's period in s.
     pub period_s: f64,
+    /// Whether force, spring and damping beside the feel are inputs without a surface, too.
+    pub linked: bool,
     /// Whether the target computes in single precision.
     pub single: bool,
 }
@@ -134,6 +173,7 @@ impl Job {
         Shared {
             effects: Effects {
                 observer: true,
+                surroundings: effects.surroundings || self.linked,
                 known_friction: self.observers.iter().any(knows_friction),
                 contact_law: self.observers.iter().any(knows_contact),
                 ..effects
@@ -146,7 +186,7 @@ impl Job {
     }
 
     /// The parameters of a setting, or of all in one bank, made of numbers by `number`.
-    fn parameters<S: Scalar>(&self, number: impl Fn(&dyn Fn(usize) -> f64) -> S) -> Parameters<S> {
+    pub(crate) fn parameters<S: Scalar>(&self, number: impl Fn(&dyn Fn(usize) -> f64) -> S) -> Parameters<S> {
         Parameters::from_values(&core::array::from_fn(|k| number(&|setting| self.values[setting][k])))
     }
 
@@ -164,7 +204,7 @@ impl Job {
             base,
             grip,
             TRIM_RANGE,
-            STIFFNESS_FACTOR,
+            FACTOR_RANGE,
             SHAKER_SWING,
             (0.0, 1.0),
             added_force,
@@ -226,7 +266,7 @@ impl Job {
             if self.values.len() > 1 {
                 inputs.fade = [input_as_f64(SHARE); 2];
             }
-            if self.has_surface() {
+            if self.linked || self.has_surface() {
                 let added = [&mut inputs.added_force, &mut inputs.added_stiffness, &mut inputs.added_damping];
                 for (k, input) in added.into_iter().enumerate() {
                     *input = [input_as_f64(ADDED + k); 2];
@@ -486,31 +526,58 @@ fn next(feeling: &FeelState<Trace>, remembered: &LawState<Trace>) -> Vec<(usize,
 
 /// What a controller answers sample by sample, from rest at the first sample's sensors: command, torque, displacement, rate.
 pub fn answers(job: &Job, given: &[Given]) -> Vec<[f64; ANSWERS]> {
-    with_drive!(job.kind(), K => if job.single { run::<f32, K>(job, 0.0, given) } else { run::<f64, K>(job, 0.0, given) })
+    let Some(first) = given.first() else { return Vec::new() };
+    if job.single { run(job, 0.0f32, first, given) } else { run(job, 0.0f64, first, given) }
 }
 
-fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> Vec<[f64; ANSWERS]> {
-    let shared = job.shared();
-    let parts: Vec<_> = (0..job.values.len())
-        .map(|setting| {
-            let parameters = job.parameters(|of| like.constant(of(setting)));
-            let law = job.observer(|_, of| like.constant(of(setting)));
-            (parameters, law, control::<S, K>(&parameters, law, &shared))
-        })
-        .collect();
-    let Some(first) = given.first() else { return Vec::new() };
-    let sensors = |given: &Given| core::array::from_fn(|k| like.constant(given.inputs[k]));
-    let start = &parts[first.settings.0].2;
-    let still = job.still(&shared).map(|pair| pair.map(|of| like.constant(of[first.settings.0])));
-    let shown = [BASE, FORCE, TRIM].map(|place| like.constant(first.inputs[place]));
-    let (mut feeling, mut remembered) = resting(start, &still, shown);
-    let mut outputs = Vec::with_capacity(given.len());
-    for one in given {
-        let (from, to) = one.settings;
-        let mut control = parts[from].2;
-        control.fade_to(&parts[to].0, Some(&parts[to].1));
+fn run<S: Scalar + Into<f64>>(job: &Job, like: S, first: &Given, given: &[Given]) -> Vec<[f64; ANSWERS]> {
+    let mut controller = Controller::new(job, like, first);
+    given.iter().map(|one| controller.step(one).map(Into::into)).collect()
+}
+
+/// A controller that computes.
+#[derive(Debug)]
+pub struct Controller<S: Scalar> {
+    shared: Shared,
+    parts: Vec<(Parameters<S>, Observer<S>, Control<S>)>,
+    state: (FeelState<S>, LawState<S>),
+    like: S,
+}
+
+impl<S: Scalar> Controller<S> {
+    /// At rest at a sample's sensors.
+    pub fn new(job: &Job, like: S, first: &Given) -> Self {
+        with_drive!(job.kind(), K => Self::with::<K>(job, like, first))
+    }
+
+    fn with<K: Kind>(job: &Job, like: S, first: &Given) -> Self {
+        let shared = job.shared();
+        let parts: Vec<_> = (0..job.values.len())
+            .map(|setting| {
+                let parameters = job.parameters(|of| like.constant(of(setting)));
+                let law = job.observer(|_, of| like.constant(of(setting)));
+                (parameters, law, control::<S, K>(&parameters, law, &shared))
+            })
+            .collect();
+        let from = first.settings.0;
+        let still = job.still(&shared).map(|pair| pair.map(|of| like.constant(of[from])));
+        let shown = [BASE, FORCE, TRIM].map(|place| like.constant(first.inputs[place]));
+        let state = resting(&parts[from].2, &still, shown);
+        Self { shared, parts, state, like }
+    }
+
+    /// Angle and rate of the programmed control.
+    pub fn programmed(&self) -> [S; 2] {
+        self.state.0.motion.at
+    }
+
+    /// A period: command, torque, displacement, rate.
+    pub fn step(&mut self, given: &Given) -> [S; ANSWERS] {
+        let (from, to) = given.settings;
+        let mut control = self.parts[from].2;
+        control.fade_to(&self.parts[to].0, Some(&self.parts[to].1));
         let [.., trim, stiffness_factor, shaker, fade, added_force, added_stiffness, added_damping] =
-            one.inputs.map(|input| [input; 2]);
+            given.inputs.map(|input| [input; 2]);
         let inputs = Inputs {
             trim,
             stiffness_factor,
@@ -521,14 +588,14 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
             added_damping,
             ..Inputs::NONE
         };
-        let sample = Sample { sensors: sensors(one), pilot_force: like.zero() };
-        let mut torque = like;
-        let e = control.command(&shared, (&mut feeling, &mut remembered), &inputs, &sample, |answer| {
+        let sensors = core::array::from_fn(|k| self.like.constant(given.inputs[k]));
+        let sample = Sample { sensors, pilot_force: self.like.zero() };
+        let mut torque = self.like;
+        let e = control.command(&self.shared, (&mut self.state.0, &mut self.state.1), &inputs, &sample, |answer| {
             torque = answer.torque;
             None
         });
-        let [delta, rate] = feeling.motion.at;
-        outputs.push([control.within_range(e), torque, delta, rate].map(Into::into));
+        let [delta, rate] = self.programmed();
+        [control.within_range(e), torque, delta, rate]
     }
-    outputs
 }

@@ -43,11 +43,7 @@ impl Source {
         let mut writer = Writer::new(name, job.single);
         let (step_text, operations) = program(&mut writer, &step, &states, true);
         let (reset_text, _) = program(&mut writer, &reset, &states, false);
-        let hinge_moment = if job.has_surface() {
-            program(&mut writer, &job.hinge_moment(), &BTreeSet::new(), true).0
-        } else {
-            String::new()
-        };
+        let hinge_moment = if job.has_surface() { body_of(&mut writer, &job.hinge_moment()) } else { String::new() };
         let (same, own) = writer.data(job.values.len());
         let name = |&place: &usize| (name_of(place).to_owned(), is_flag(place));
         let ranges = job.ranges();
@@ -63,6 +59,11 @@ impl Source {
             operations,
         }
     }
+}
+
+/// The lines of a program without states.
+pub fn body_of(writer: &mut Writer, of: &Program) -> String {
+    program(writer, of, &BTreeSet::new(), true).0
 }
 
 /// The states that a program reads, directly or by others.

@@ -13,6 +13,7 @@
 //! | [`operands`] | what each is made of as C writes it |
 //! | [`body`] | the lines of a function of C |
 //! | [`writer`] | numbers, tables and functions that all of them share |
+//! | [`pair`] | two controllers and the electronic link between them |
 //! | [`emit`] | the parts of the files: functions, states, a setting's numbers |
 #![forbid(unsafe_code)]
 
@@ -22,5 +23,6 @@ pub mod controller;
 pub mod dots;
 pub mod emit;
 pub mod operands;
+pub mod pair;
 pub mod trace;
 pub mod writer;

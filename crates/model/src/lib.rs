@@ -37,7 +37,7 @@
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
-//! | link between two pilots' controls; an electronic one in a loop | [`link`], [`feel_link`] |
+//! | link between two pilots' controls; an electronic one in feel computers, in a loop | [`link`], [`linked_feels`], [`feel_link`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -69,6 +69,7 @@ pub mod law_inputs;
 pub mod law_vector;
 pub mod link;
 pub mod linkage;
+pub mod linked_feels;
 pub mod load_cell;
 pub mod loader;
 pub mod machine;

@@ -236,31 +236,44 @@ impl<S: Scalar> ElectronicLink<S> {
 
 /// Which of two pilots has priority: by a button, else by a force above `F_p`, kept until it is below half of it.
 #[derive(Debug, Clone, Copy)]
-pub struct Priority {
-    takes: f64,
-    puts_in: f64,
-    by_force: Option<usize>,
+pub struct Priority<S: Scalar = f64> {
+    takes: S,
+    puts_in: S,
+    /// Whether each pilot has it by force.
+    pub by_force: [S::Mask; 2],
 }
 
-impl Priority {
+impl<S: Scalar> Priority<S> {
     /// From values in the order of [`LINK_TABLE`].
-    pub fn from_values(&[.., takes, puts_in]: &[f64; LINK_ROWS]) -> Self {
-        Self { takes, puts_in, by_force: None }
+    pub fn from_values(&[.., takes, puts_in]: &[S; LINK_ROWS]) -> Self {
+        Self { takes, puts_in, by_force: [takes.less(takes); 2] }
     }
 
-    /// At a sample, from the force of each hand and who presses the button: who has priority.
-    pub fn sampled(&mut self, hands: [f64; 2], button: Option<usize>) -> Option<usize> {
-        let [first, second] = hands.map(f64::abs);
-        let stronger = usize::from(second > first);
-        self.by_force = match self.by_force {
-            Some(side) if hands[side].abs() >= self.takes / 2.0 => Some(side),
-            _ => (first.max(second) > self.takes).then_some(stronger),
-        };
-        button.or(self.by_force)
+    /// At a sample, from the force of each hand and who presses the button, the first before the second: who has priority.
+    #[inline(always)]
+    pub fn of_hands(&mut self, hands: [S; 2], pressed: [S::Mask; 2]) -> [S::Mask; 2] {
+        let [first, second] = hands.map(S::abs);
+        let above = |limit: S| [limit.less(first), limit.less(second)];
+        let (held, taken) = (above(self.takes.times(0.5)), above(self.takes));
+        let kept = [0, 1].map(|side: usize| self.by_force[side] & held[side]);
+        let newly = !(kept[0] | kept[1]) & (taken[0] | taken[1]);
+        let stronger = first.less(second);
+        self.by_force = [kept[0] | newly & !stronger, kept[1] | newly & stronger];
+        let by_force = self.by_force.map(|side| side & !(pressed[0] | pressed[1]));
+        [pressed[0] | by_force[0], pressed[1] & !pressed[0] | by_force[1]]
     }
 
     /// Whether both pilots put in.
-    pub fn dual_input(&self, hands: [f64; 2]) -> bool {
-        hands.iter().all(|hand| hand.abs() > self.puts_in)
+    #[inline(always)]
+    pub fn dual_input(&self, hands: [S; 2]) -> S::Mask {
+        let [first, second] = hands.map(|hand| self.puts_in.less(hand.abs()));
+        first & second
+    }
+}
+
+impl Priority<f64> {
+    /// At a sample, from the force of each hand and who presses the button: who has priority.
+    pub fn sampled(&mut self, hands: [f64; 2], button: Option<usize>) -> Option<usize> {
+        self.of_hands(hands, [0, 1].map(|side| button == Some(side))).iter().position(|&has| has)
     }
 }

@@ -1,11 +1,13 @@
 //! A law as C, and what it must answer.
 
-use crate::arrays::rows;
+use crate::arrays::{rows, vector};
 use crate::errors::refused;
 use crate::simulate::spring_curve;
 use forcefeel_export::controller::{ANSWERS, FLIGHT, Given, INPUTS, Job, answers};
 use forcefeel_export::emit::Source;
+use forcefeel_export::pair::{GivenPair, LINK_ANSWERS, PAIR_ANSWERS, Pair};
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
+use forcefeel_model::link::{LINK_ROWS, MOST_DELAY};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS};
 use forcefeel_model::parameters::COUNT;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -37,13 +39,15 @@ pub struct ExportedLaw(Job);
 impl ExportedLaw {
     /// Values of the parameter table and the law's numbers, a row each setting; a law has `states`, and runs every `period_s`.
     #[new]
-    #[pyo3(signature = (values, observers, *, states, period_s, single, curve = None, cancellation = None))]
+    #[pyo3(signature = (values, observers, *, states, period_s, single, linked = false, curve = None, cancellation = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray2<'_, f64>,
         observers: PyReadonlyArray2<'_, f64>,
         states: usize,
         period_s: f64,
         single: bool,
+        linked: bool,
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
     ) -> PyResult<Self> {
@@ -57,7 +61,7 @@ impl ExportedLaw {
         let period_s = crate::limits::step(period_s)?;
         let curve = curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?;
         let cancellation = cancellation.as_ref().map(Cancellation::from_numbers);
-        Ok(Self(Job { values, observers, states, curve, cancellation, period_s, single }))
+        Ok(Self(Job { values, observers, states, curve, cancellation, period_s, linked, single }))
     }
 
     /// The law as C, whose names begin with `name`.
@@ -91,5 +95,71 @@ impl ExportedLaw {
             inputs.into_iter().zip(settings).map(|(inputs, settings)| Given { inputs, settings }).collect();
         let outputs = py.detach(|| answers(&self.0, &given));
         PyArray1::from_vec(py, outputs.into_flattened()).reshape([given.len(), ANSWERS])
+    }
+}
+
+/// Two laws on an electronic link.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct ExportedPair(Pair);
+
+#[pymethods]
+impl ExportedPair {
+    /// Two laws that are linked, of one period and precision; `values` of the link, in the order of its table.
+    #[new]
+    #[pyo3(signature = (first, second, values, *, delay, uncouples))]
+    fn new(
+        first: &ExportedLaw,
+        second: &ExportedLaw,
+        values: PyReadonlyArray1<'_, f64>,
+        delay: usize,
+        uncouples: bool,
+    ) -> PyResult<Self> {
+        let jobs = [first.0.clone(), second.0.clone()];
+        let alike = jobs[0].period_s.to_bits() == jobs[1].period_s.to_bits() && jobs[0].single == jobs[1].single;
+        if !alike || !jobs.iter().all(|job| job.linked) {
+            return Err(refused("second: expected two linked laws of one period and one precision"));
+        }
+        if !(1..=MOST_DELAY).contains(&delay) {
+            return Err(refused(format!("delay: expected 1 to {MOST_DELAY} periods, got {delay}")));
+        }
+        Ok(Self(Pair { jobs, values: vector::<LINK_ROWS>("values", &values)?, delay, uncouples }))
+    }
+
+    /// Body of a sample of the link in C, whose names begin with `name`.
+    fn source(&self, py: Python<'_>, name: &str) -> String {
+        py.detach(|| self.0.source(name))
+    }
+
+    /// Answers (samples, 16) of a pair in the first settings: of both laws as `ExportedLaw.answers`, of the link as `link_answers`.
+    ///
+    /// `inputs` (samples, 27): of both laws, then hands, buttons and disconnect.
+    fn answers<'py>(&self, py: Python<'py>, inputs: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        const LAWS: usize = 2 * INPUTS.len();
+        let rows = rows::<{ LAWS + 5 }>("inputs", &inputs)?;
+        let law = |inputs: &[f64]| Given { inputs: core::array::from_fn(|k| inputs[k]), settings: (0, 0) };
+        let given: Vec<GivenPair> = rows
+            .iter()
+            .map(|row| GivenPair {
+                laws: [law(row), law(&row[INPUTS.len()..])],
+                hands: [row[LAWS], row[LAWS + 1]],
+                pressed: [row[LAWS + 2] > 0.0, row[LAWS + 3] > 0.0],
+                disconnect: row[LAWS + 4] > 0.0,
+            })
+            .collect();
+        let answers = py.detach(|| self.0.answers(&given));
+        PyArray1::from_vec(py, answers.into_flattened()).reshape([given.len(), PAIR_ANSWERS])
+    }
+
+    /// Force at each grip, damping on each feel, and 1 where each pilot has priority, where the link gives way, where it is open (samples, 8).
+    ///
+    /// `inputs` (samples, 9): angle and rate of both programmed controls, hands, buttons and disconnect.
+    fn link_answers<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = rows::<9>("inputs", &inputs)?;
+        let answers = py.detach(|| self.0.link_answers(&rows));
+        PyArray1::from_vec(py, answers.into_flattened()).reshape([rows.len(), LINK_ANSWERS])
     }
 }

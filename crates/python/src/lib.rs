@@ -47,6 +47,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
     module.add_class::<export::ExportedLaw>()?;
+    module.add_class::<export::ExportedPair>()?;
     module.add_class::<export::LawSource>()?;
     module.add_class::<firmware::BoardAxis>()?;
     module.add_function(wrap_pyfunction!(firmware::board_sources, module)?)?;

@@ -9,7 +9,7 @@ use crate::simulate::Simulation;
 use crate::solve::feels;
 use forcefeel_model::link::{LINK_ROWS, LINK_TABLE, MOST_DELAY, PilotLink};
 use forcefeel_model::parameters::COUNT;
-use forcefeel_simulate::linked::{JOINT_OUTPUTS, Joint};
+use forcefeel_simulate::linked::{JOINT_OUTPUTS, Joint, SAMPLED};
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -38,8 +38,9 @@ pub fn linked_outputs() -> Vec<(&'static str, &'static str)> {
 ///
 /// `values`: of the link of each pair. `delay`: periods of an electronic link; a mechanical one without. `disconnect`: a step; `jam`: the first side
 /// or the second, and a step; `button`: likewise, who has priority from then on.
+/// `samples`: what laws and link were given and gave at the last sample follows: of each side sensors and command; hands; 1 if open.
 #[pyfunction]
-#[pyo3(signature = (first, second, values, *, delay = None, uncouples = false, disconnect = None, jam = None, button = None, threads = 1))]
+#[pyo3(signature = (first, second, values, *, delay = None, uncouples = false, disconnect = None, jam = None, button = None, samples = false, threads = 1))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub fn simulate_linked<'py>(
     py: Python<'py>,
@@ -51,11 +52,12 @@ pub fn simulate_linked<'py>(
     disconnect: Option<usize>,
     jam: Option<(usize, usize)>,
     button: Option<(usize, usize)>,
+    samples: bool,
     threads: usize,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let joints: Vec<Joint> = rows::<LINK_ROWS>("values", &values)?
         .into_iter()
-        .map(|values| Joint { values, delay, uncouples, disconnect, jam, button })
+        .map(|values| Joint { values, delay, uncouples, disconnect, jam, button, samples })
         .collect();
     if delay.is_some_and(|delay| !(1..=MOST_DELAY).contains(&delay)) {
         return Err(refused(format!("delay: expected 1 to {MOST_DELAY} periods, got {delay:?}")));
@@ -85,7 +87,9 @@ pub fn simulate_linked<'py>(
     if delay.is_some() && jobs.iter().any(|job| job.shared.timing.is_none()) {
         return Err(refused("delay: expected loaders with a digital controller for an electronic link"));
     }
-    let columns = jobs.iter().map(|job| job.outputs.len()).sum::<usize>() + JOINT_OUTPUTS.len();
+    let columns = jobs.iter().map(|job| job.outputs.len()).sum::<usize>()
+        + JOINT_OUTPUTS.len()
+        + if samples { SAMPLED } else { 0 };
     let histories = PyArray3::zeros(py, [joints.len(), jobs[0].samples(), columns], false);
     let mut writable = histories.readwrite();
     let into = writable.as_slice_mut()?;

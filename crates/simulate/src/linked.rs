@@ -8,8 +8,10 @@
 use crate::batch::Job;
 use crate::noise::Noise;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::link::{ElectronicLink, LINK_ROWS, PilotLink, Priority};
+use forcefeel_model::link::{LINK_ROWS, PilotLink, Priority};
+use forcefeel_model::linked_feels::{LinkInputs, LinkedFeels};
 use forcefeel_model::machine::{Inputs, Machine, Memory, Shared, State, StepStart};
+use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::outputs::Output;
 
 /// What joins two loaders, and what happens to it.
@@ -27,7 +29,13 @@ pub struct Joint {
     pub jam: Option<(usize, usize)>,
     /// Which pilot presses the priority button, and from which step on.
     pub button: Option<(usize, usize)>,
+    /// Whether [`SAMPLED`] numbers follow the outputs of the joint.
+    pub samples: bool,
 }
+
+/// What the laws and an electronic link were given and gave at the last sample: of each side the sensors and the command; the force of each
+/// hand; 1 where the link is open.
+pub const SAMPLED: usize = 2 * (SENSORS + 1) + 3;
 
 /// What there is of a pair at a sample, beside the outputs of each: torque of the link on each column or feel in N m, force of each hand in N, 1
 /// where the link has given way or is open; the pilot with priority, 1 or 2, else 0; 1 where both put in; and the angle that is commanded: of the
@@ -49,7 +57,9 @@ pub trait Side {
     fn angle(&self) -> f64;
     /// Angle and rate of the programmed control.
     fn programmed(&self) -> [f64; 2];
-    /// Begins a step, under a torque on the column, or under one in N m and a damping on the feel.
+    /// Arm of the grip.
+    fn grip_arm(&self) -> f64;
+    /// Begins a step, under a torque on the column, or under a force at the grip in N and a damping on the feel.
     fn begin(&mut self, step: usize, on_column: f64, on_feel: [f64; 2]);
     /// Takes the step that has begun, the torque on the column ending so: angle and rate of the column. May be taken again.
     fn advance(&mut self, torque: f64) -> [f64; 2];
@@ -59,6 +69,8 @@ pub trait Side {
     fn hand_force(&self) -> f64;
     /// Adds the outputs at the start of the step that has begun.
     fn outputs(&self, to: &mut Vec<f64>);
+    /// Adds sensors and command of the last sample, under a digital controller.
+    fn sampled(&self, to: &mut Vec<f64>);
     /// The column jams after the step that has begun.
     fn jam(&mut self);
 }
@@ -73,6 +85,8 @@ struct Loader<'a, D: Drive<f64>> {
     noise: Noise,
     step: Option<Step<D>>,
     grip_arm: f64,
+    /// Sensors and command of the last sample.
+    sampled: [f64; SENSORS + 1],
 }
 
 /// A step that has begun.
@@ -108,6 +122,7 @@ where
         noise,
         step: None,
         grip_arm: parameters.column.grip_arm,
+        sampled: [0.0; SENSORS + 1],
     })
 }
 
@@ -120,15 +135,26 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         self.machine.programmed_motion(&self.state)
     }
 
-    fn begin(&mut self, step: usize, on_column: f64, [torque, damping]: [f64; 2]) {
+    fn grip_arm(&self) -> f64 {
+        self.grip_arm
+    }
+
+    fn begin(&mut self, step: usize, on_column: f64, [force, damping]: [f64; 2]) {
         let given = self.job.inputs;
         let mut inputs = given.get(step).copied().unwrap_or_else(|| given[given.len() - 1].end());
         inputs.link_torque = [on_column; 2];
-        inputs.added_force = inputs.added_force.map(|force| force + torque / self.grip_arm);
+        inputs.added_force = inputs.added_force.map(|other| other + force);
         inputs.added_damping = inputs.added_damping.map(|other| other + damping);
-        let noise = &mut self.noise;
-        let start =
-            self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, || noise.next::<f64>(()));
+        let (noise, mut normal) = (&mut self.noise, [0.0; SENSORS]);
+        let start = self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, || {
+            normal = noise.next::<f64>(());
+            normal
+        });
+        if let Some(sample) = self.shared.timing.and_then(|timing| timing.sample_at(step)) {
+            let sensors = self.machine.sampled(&self.shared, &self.state, || normal);
+            let command = self.machine.control().within_range(self.memory.command(sample));
+            self.sampled = [0, 1, 2, 3, 4].map(|k| sensors.get(k).copied().unwrap_or(command));
+        }
         self.step = Some(Step { inputs, start, before: self.state });
     }
 
@@ -156,6 +182,10 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         to.extend(self.job.outputs.iter().map(|&output| Output::at(output).of(&start.now, per_base)));
     }
 
+    fn sampled(&self, to: &mut Vec<f64>) {
+        to.extend(self.sampled);
+    }
+
     fn jam(&mut self) {
         if let Some(Step { start, .. }) = &self.step {
             self.machine.jam(start);
@@ -173,13 +203,16 @@ pub fn run_pair(
     rows: &mut Vec<f64>,
 ) {
     let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
-    let mut electronic =
-        joint.delay.map(|delay| ElectronicLink::new(link, delay, [sides[0].programmed(), sides[1].programmed()]));
-    let injected = electronic.as_ref().map_or([0.0; 2], |electronic| electronic.injected(job.shared.period_s()));
-    let (mut priority, mut holder) = (Priority::from_values(&joint.values), None);
+    let mut electronic = joint.delay.map(|delay| {
+        let (timing, arms) = ((delay, job.shared.period_s()), [sides[0].grip_arm(), sides[1].grip_arm()]);
+        let resting = [sides[0].programmed(), sides[1].programmed()];
+        LinkedFeels::new(&joint.values, timing, joint.uncouples, arms, resting)
+    });
+    let (priority, mut holder) = (Priority::from_values(&joint.values), None);
     let mut open = false;
     let mut at = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
-    let mut on_feel = [[0.0; 2]; 2];
+    let (mut on_feel, mut torques, mut sampled_hands) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
+    let mut gives_way = false;
     for step in 0..=steps {
         open = open || joint.disconnect.is_some_and(|disconnect| step >= disconnect);
         let coupled = !open && joint.delay.is_none();
@@ -187,18 +220,17 @@ pub fn run_pair(
         let start = torque(at);
         let sampled = job.shared.timing.and_then(|timing| timing.sample_at(step));
         if let (Some(electronic), Some(_)) = (&mut electronic, sampled) {
-            let seen = electronic.sampled([sides[0].programmed(), sides[1].programmed()]);
-            at = seen[0];
-            open = open || joint.uncouples && seen.iter().any(|&[phi, _]| link.gives_way(phi));
-            let on = |side: usize| [link.on_each(link.torque(seen[side]))[side], injected[side]];
-            on_feel = [0, 1].map(|side| if open { [0.0; 2] } else { on(side) });
             // As of the step before: a controller has no newer force.
-            let button = joint.button.and_then(|(side, from)| (step >= from).then_some(side));
-            holder = priority.sampled([sides[0].hand_force(), sides[1].hand_force()], button);
-            if let Some(side) = holder {
-                // The other control follows the one with priority, which has its own feel alone.
-                on_feel[side] = [0.0; 2];
-            }
+            sampled_hands = [sides[0].hand_force(), sides[1].hand_force()];
+            let given = electronic.sampled(&LinkInputs {
+                motion: [sides[0].programmed(), sides[1].programmed()],
+                hands: sampled_hands,
+                pressed: [0, 1].map(|side| joint.button.is_some_and(|(by, from)| by == side && step >= from)),
+                disconnect: open,
+            });
+            on_feel = [0, 1].map(|side: usize| [given.forces[side], given.damping[side]]);
+            (torques, open, gives_way) = (given.torques, electronic.open, given.gives_way);
+            holder = given.priority.iter().position(|&has| has);
         }
         let on_columns = link.on_each(start);
         for (side, (on_column, on_feel)) in sides.iter_mut().zip(on_columns.into_iter().zip(on_feel)) {
@@ -210,12 +242,20 @@ pub fn run_pair(
             }
             let hands = [0, 1].map(|side: usize| sides[side].hand_force());
             let angles = [0, 1].map(|side: usize| sides[side].angle());
-            rows.extend([on_feel[0][0] + on_columns[0], on_feel[1][0] + on_columns[1]]);
+            rows.extend([torques[0] + on_columns[0], torques[1] + on_columns[1]]);
             rows.extend(hands);
-            rows.push(f64::from(u8::from(open || link.gives_way(at[0]))));
+            let beyond = if joint.delay.is_some() { gives_way } else { link.gives_way(at[0]) };
+            rows.push(f64::from(u8::from(open || beyond)));
             rows.push(holder.map_or(0.0, |side| if side == 0 { 1.0 } else { 2.0 }));
             rows.push(f64::from(u8::from(priority.dual_input(hands))));
             rows.push(holder.map_or(f64::midpoint(angles[0], angles[1]), |side| angles[side]));
+            if joint.samples {
+                for side in &sides {
+                    side.sampled(rows);
+                }
+                rows.extend(sampled_hands);
+                rows.push(f64::from(u8::from(open)));
+            }
         }
         if joint.delay.is_some() {
             for side in &mut sides {

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 def each_axis(
     *,
-    of_axis: Callable[[Any, str], Any] = lambda options, _: options,
+    of_axis: Callable[["Project", Any, str], Any] = lambda _, options, __: options,
     unless: Callable[["Project"], bool] = lambda _: False,
+    of_links: Callable[["Project", Any], dict[str, Any]] | None = None,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Lets a command take a project: it runs on the loader of each axis, and writes into a folder or file of its name.
 
@@ -31,12 +32,16 @@ def each_axis(
     Args:
         of_axis: What else the options of an axis have for themselves.
         unless: Whether the command takes a project as a whole.
+        of_links: What it does with the links afterwards, from its options; the results stand under ``links``.
     """
-    return lambda run: _on_each(run, of_axis, unless)
+    return lambda run: _on_each(run, of_axis, unless, of_links)
 
 
 def _on_each(
-    run: Callable[..., None], of_axis: Callable[[Any, str], Any], unless: Callable[["Project"], bool]
+    run: Callable[..., None],
+    of_axis: Callable[["Project", Any, str], Any],
+    unless: Callable[["Project"], bool],
+    of_links: Callable[["Project", Any], dict[str, Any]] | None,
 ) -> Callable[..., None]:
     default = signature(run).parameters["options"].default
 
@@ -49,7 +54,7 @@ def _on_each(
         if path is None or project is None or unless(project):
             run(path, options=options)
             return
-        of_axes = {axis: of_axis(_of_axis(project, axis, options), axis) for axis in project.loaders}
+        of_axes = {axis: of_axis(project, _of_axis(project, axis, options), axis) for axis in project.loaders}
         results, worst = {}, 0
         for axis, own in of_axes.items():
             printed = StringIO()
@@ -63,8 +68,9 @@ def _on_each(
             except SystemExit as ended:
                 worst = max(worst, int(ended.code or 0))
             results[axis] = json.loads(printed.getvalue()) if options.json else None
+        links = {} if of_links is None else of_links(project, options)
         if options.json:
-            print_json({"project": project.name, "axes": results})
+            print_json({"project": project.name, "axes": results} | ({"links": links} if links else {}))
         elif alone := judged_alone(project.loaders):
             print("", *alone, sep="\n")
         if worst:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.options import OUTPUT, FolderOptions, JsonOptions, LawOption, LoaderOptions, LoaderOrProject, option
@@ -13,6 +13,7 @@ from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
     from forcefeel.export import Exported, Target
+    from forcefeel.loader.project import Project
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +40,13 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     ] = None
     name: Annotated[str, option("Prefix of file names and of the names in them, a C identifier.", ASKED)] = "loader"
     single: Annotated[bool, option("With --to c or firmware: single precision (float).", ASKED)] = False
+    linked: Annotated[
+        bool,
+        option(
+            "With --to c: the law takes force, spring and damping beside the feel, as an electronic link of a project gives them.",
+            ASKED,
+        ),
+    ] = False
     target: Annotated[
         str | None,
         option(
@@ -61,7 +69,7 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
         loader = self.loader(path)
         feel = None if self.knots is None else read_knots(self.knots).feel
         try:
-            return Exported.of(self.law, loader, self.name, feel)
+            return replace(Exported.of(self.law, loader, self.name, feel), linked=self.linked)
         except InputError as error:
             raise _spelled(error) from error
 
@@ -81,12 +89,36 @@ def _spelled(error: InputError) -> InputError:
     return error
 
 
-def _of_axis(options: ExportOptions, axis: str) -> ExportOptions:
+def _of_axis(project: "Project", options: ExportOptions, axis: str) -> ExportOptions:
     """The options with names of the axis, so that the code of several axes goes into one program."""
-    return replace(options, name=f"{options.name}_{axis.replace('-', '_')}")
+    own = axis.replace("-first-officer", "-2").replace("-", "_")
+    electronic = any(axis in link.between for link in project.links.values() if link.kind == "electronic")
+    return replace(options, name=f"{options.name}_{own}", linked=options.to == "c" and (options.linked or electronic))
 
 
-@each_axis(of_axis=_of_axis)
+def _of_links(project: "Project", options: ExportOptions) -> dict[str, Any]:
+    """Writes the code of the links of a project."""
+    from forcefeel.export import PairExport, write_pair
+
+    if options.to != "c":
+        return {}
+    results = {}
+    for link in project.links.values():
+        own = {axis: _of_axis(project, options, axis) for axis in link.between}
+        first, second = (own[axis].exported(project.paths[axis]) for axis in link.between)
+        pair = PairExport.of(project, link, options.name, (first, second))
+        out = options.out / f"{link.name}-link"
+        with all_or_nothing("export", silent=options.json) as bar:
+            bar.describe(f"link {link.name}")
+            files = write_pair(pair, out, replace=options.replace, single=options.single)
+        if not options.json:
+            print(f"\n{link.name}-link\n{link.kind} link of {' and '.join(link.between)}")
+            print(*(f"- {name}" for name in files), f"folder: {out}", sep="\n")
+        results[link.name] = {"folder": str(out), "files": list(files)}
+    return results
+
+
+@each_axis(of_axis=_of_axis, of_links=_of_links)
 def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     """Export a law as C, firmware, FMU, matrices or a parameter sheet, with test vectors that prove equal results.
 
@@ -96,6 +128,8 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
 
     if options.single and options.to not in {"c", "firmware"}:
         raise InputError(f"--single: is for --to c and firmware, and --to is {options.to}; leave it out")
+    if options.linked and options.to != "c":
+        raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
     target = Target(options.to)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from forcefeel.choice import Choice, LawScores, Score
     from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
+    from forcefeel.loader.project import Project
 
 AUTO, REPORT = "auto", "report"
 _FOLDER = Path("forcefeel-law")
@@ -120,7 +121,7 @@ class LawOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions,
                 raise InputError(f"{name}: {why}")
 
 
-def _of_axis(options: LawOptions, axis: str) -> LawOptions:
+def _of_axis(_: "Project", options: LawOptions, axis: str) -> LawOptions:
     """The options with the folder of an axis where none is given; a law of the report has no folder."""
     return options if options.out or options.law == REPORT else replace(options, out=_FOLDER / axis)
 

@@ -79,7 +79,7 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         InputError: If the law is not a sampled one, or does not stabilize the loader, so that there is no reference.
     """
     law, numbers = exported.law, exported.sampled()
-    traced = traced_law(exported.loader, law, numbers, single=single)
+    traced = traced_law(exported.loader, law, numbers, single=single, linked=exported.linked)
     source = traced.source(exported.name)
     inputs, pairs = golden_inputs(exported)
     if single:
@@ -89,12 +89,15 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         [traced.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
     )
     fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
-    columns = _ALWAYS + _CHANGING * (numbers.settings > 1) + _ADDED * has_surface(exported.loader)
+    added = exported.linked or has_surface(exported.loader)
+    columns = _ALWAYS + _CHANGING * (numbers.settings > 1) + _ADDED * added
     fields |= {
         "samples": len(inputs),
         "part": PART,
         "columns": columns,
-        "added": has_surface(exported.loader),
+        "added": added,
+        "linked": exported.linked,
+        "surface": has_surface(exported.loader),
         "flight": {name: unit for name, (unit, *_) in _FLIGHT.items()},
         **(_golden_flights(traced, single=single) if has_surface(exported.loader) else {}),
         "given": spelled_rows(inputs[:, [INPUTS.index(name) for name in columns]], single=single),
@@ -126,7 +129,7 @@ def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) 
     }
 
 
-def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -> ExportedLaw:
+def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool, linked: bool = False) -> ExportedLaw:
     """The law and its feel for the tracer."""
     feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
     return ExportedLaw(
@@ -135,6 +138,7 @@ def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -
         states=numbers.states,
         period_s=numbers.period_s,
         single=single,
+        linked=linked,
         curve=loader.force_curve.arrays if loader.force_curve else None,
         cancellation=law.cancellation.numbers if law.cancellation else None,
     )
@@ -169,7 +173,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     noise[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
     noise[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
     noise[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
-    if has_surface(loader):
+    if exported.linked or has_surface(loader):
         beside = [0.1 * force, loader["feel.stiffness"], loader["feel.damping"]]
         noise[:, 8:] = beside * random.uniform(-0.5, 1, (PART, 3))
     pairs = [(0, 0)] * (2 * PART)

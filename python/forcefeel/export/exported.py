@@ -26,6 +26,7 @@ class Exported:
         loader: The loader.
         law: Its law, for one setting of the feel or many.
         name: Prefix of file names and C identifiers.
+        linked: Whether the law in C takes a force, a spring and a damping beside the feel, as of an electronic link.
 
     Raises:
         InputError: If the law was designed for another loader, rate or drive, is an analog law for a digital controller, has a
@@ -40,6 +41,7 @@ class Exported:
     loader: Loader
     law: Law
     name: str = "loader"
+    linked: bool = False
 
     def __post_init__(self) -> None:
         if not _IDENTIFIER.fullmatch(self.name) or len(self.name) > _LONGEST_NAME:

@@ -7,6 +7,7 @@ from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import firmware_files, firmware_names
 from forcefeel.export.fmu_files import fmu_files, fmu_names
 from forcefeel.export.matlab import matlab_files, matlab_names
+from forcefeel.export.pair_code import PairExport, pair_files, pair_names
 from forcefeel.export.parameter_sheet import SHEET, parameter_sheet
 from forcefeel.export.target import Target
 from forcefeel.page.folder import OutputFolder
@@ -81,5 +82,31 @@ def write_export(
     folder = export_folder(target, exported.name, triple=triple)
     folder.check(out, replace=replace)
     files = _files(exported, target, single=single, triple=triple)
+    folder.write(out, files)
+    return {name: out / name for name in files}
+
+
+def write_pair(pair: PairExport, out: Path, *, replace: bool = False, single: bool = False) -> dict[str, Path]:
+    """Write the C of a link beside the folders of its axes; of a shaft a note.
+
+    Args:
+        pair: The link with the exported laws of its sides.
+        out: The folder.
+        replace: Whether the new files may take the place of others.
+        single: Whether the target computes in single precision.
+
+    Raises:
+        InputError: If the pair cannot be simulated, or as ``write_export``.
+
+    Example:
+        >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
+        >>> laws = [ff.export.Exported.of("robust", loader, f"side_{k}") for k, loader in enumerate(project.loaders.values())]
+        >>> pair = ff.export.PairExport.of(project, project.links["pitch"], "cockpit", tuple(laws))
+        >>> list(ff.export.write_pair(pair, Path("pitch-link")))
+        ['README.md']
+    """
+    folder = OutputFolder("the export", pair_names(pair.name, electronic=pair.electronic), plots=False)
+    folder.check(out, replace=replace)
+    files = pair_files(pair, single=single)
     folder.write(out, files)
     return {name: out / name for name in files}

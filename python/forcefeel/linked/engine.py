@@ -1,6 +1,6 @@
 """Runs of two linked loaders on the Rust engine."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
@@ -61,7 +61,8 @@ def simulate_linked(
     time = np.arange(rows.shape[1]) * scenario.first.sample_s
     data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows[0].T, strict=True)}
     whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
-    measures = _measures(whole, loaders[0]["column.grip_arm"])
+    values = {str(name): whole[name].to_numpy() for name in whole.data_vars}
+    measures = link_measures(np.asarray(time, dtype=np.float64), values, loaders[0]["column.grip_arm"])
     history = whole.where(whole["time_s"] < measures.diverged_at_s)
     return LinkedRun(pair.link, loaders, pair.laws, scenario, measures, history)
 
@@ -141,6 +142,20 @@ def simulate_linked_batch(
     return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
 
 
+def linked_samples(project: Project, link: str, scenario: LinkedScenario, laws: tuple[LawLike, LawLike]) -> _Numbers:
+    """What both laws and their link were given and gave in a run, (samples, 13), a row for each sample of the scenario.
+
+    Of each side load cell, drive position, base, grip and the command; the force of both hands; 1 if the link is open.
+
+    Raises:
+        InputError: As ``simulate_linked``.
+    """
+    pair = _Pair.of(project, link, scenario, laws)
+    first, second = (loader.si_values[np.newaxis] for loader in pair.loaders)
+    names, rows = pair.run(PairValues(first, second), (), samples=True)
+    return rows[0, :, len(names) :]
+
+
 def check_pair(project: Project, link: str, scenario: LinkedScenario) -> None:
     """Refuses a link that ``simulate_linked`` cannot run.
 
@@ -184,9 +199,12 @@ class _Pair:
         return cls(joint, loaders, (Law.of(laws[0], loaders[0]), Law.of(laws[1], loaders[1])), scenario, step_s)
 
     def run(
-        self, values: PairValues, keep: Sequence[str] | None = None, threads: int = 1
+        self, values: PairValues, keep: Sequence[str] | None = None, threads: int = 1, *, samples: bool = False
     ) -> tuple[dict[str, str], _Numbers]:
-        """Name and unit of each output, and the outputs (runs, samples, outputs); all of both sides without ``keep``."""
+        """Name and unit of each output, and the outputs (runs, samples, outputs); all of both sides without ``keep``.
+
+        With ``samples`` what laws and link were given and gave follows without names.
+        """
         scenario, runs = self.scenario, len(values.first)
         names: dict[str, str] = {}
         sides = []
@@ -195,8 +213,8 @@ class _Pair:
             names |= {f"{SIDES[k]}_{name}": unit for name, unit in units.items()}
             sides.append(side)
         names |= {named(name, unit) if unit != "N m" else f"{name}_n_m": unit for name, unit in _core.linked_outputs()}
-        samples = round(scenario.first.duration_s / scenario.first.sample_s) + 1
-        if 8 * runs * samples * len(names) > MOST_HISTORY_BYTES:
+        times = round(scenario.first.duration_s / scenario.first.sample_s) + 1
+        if 8 * runs * times * len(names) > MOST_HISTORY_BYTES:
             raise InputError(
                 f"keep: histories of {runs} pairs take more than {MOST_HISTORY_BYTES >> 30} GiB; keep fewer outputs, or run fewer "
                 "pairs at once"
@@ -210,6 +228,7 @@ class _Pair:
             disconnect=None if scenario.disconnect_s is None else on_step(scenario.disconnect_s, self.step_s),
             jam=side_and_step("jam", scenario.jam, self.link, self.step_s),
             button=side_and_step("button", scenario.button, self.link, self.step_s),
+            samples=samples,
             threads=threads,
         )
 
@@ -228,9 +247,8 @@ class _Pair:
         return {name: units[name] for name in kept}, side
 
 
-def _measures(history: xr.Dataset, grip_arm: float) -> LinkMeasures:
-    time = history["time_s"].to_numpy()
-    values = {str(name): history[name].to_numpy() for name in history.data_vars}
+def link_measures(time: _Numbers, values: Mapping[str, _Numbers], grip_arm: float) -> LinkMeasures:
+    """The measures of a run from its outputs by name; ``grip_arm`` of the first loader."""
     angles = [values[f"{side}_column_angle_rad"] for side in SIDES]
     known = np.all(np.abs(angles) < _core.BOUND_RAD, axis=0)
     until = len(time) if known.all() else int(np.argmin(known))

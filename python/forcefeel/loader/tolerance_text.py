@@ -58,11 +58,20 @@ def read(key: str, given: object, value: float, known: Mapping[str, Parameter] =
     """
     if complaint := unsuited(key, known):
         raise InputError(complaint)
-    reader = _Reader(TABLE[key], value)
     try:
-        return reader.share(given) if isinstance(given, str) else reader.table(given)
+        return of_row(TABLE[key], given, value)
     except InputError as error:
         raise InputError(f"tolerances.{key}: {error}") from error
+
+
+def of_row(row: Parameter, given: object, value: float) -> Tolerance:
+    """A tolerance of a row of any table, whose value in SI units is ``value``.
+
+    Raises:
+        InputError: If it has another form, or a share of nothing.
+    """
+    reader = _Reader(row, value)
+    return reader.share(given) if isinstance(given, str) else reader.table(given)
 
 
 @dataclass(frozen=True)

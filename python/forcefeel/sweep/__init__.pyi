@@ -1,5 +1,9 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
+from forcefeel.sweep.linked_plan import LinkedSweep as LinkedSweep
+from forcefeel.sweep.linked_result import LinkedSweepResult as LinkedSweepResult
+from forcefeel.sweep.linked_result import run_linked_sweep as run_linked_sweep
+from forcefeel.sweep.page.linked_page import write_linked_sweep as write_linked_sweep
 from forcefeel.sweep.page.page import write_sweep as write_sweep
 from forcefeel.sweep.plan import Sweep as Sweep
 from forcefeel.sweep.result import SweepResult as SweepResult

@@ -94,8 +94,8 @@ class Sweep:
         expect("vary", self.vary, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "20 %"}')
         expect("grids", self.grids, Mapping, 'values by part.name such as {"feel.stiffness": "300..900 N m/rad:20"}')
         if self.runs is not None:
-            _check_whole("runs", self.runs, 1, MOST_RUNS)
-        _check_whole("seed", self.seed, 0, LARGEST_SEED)
+            check_whole("runs", self.runs, 1, MOST_RUNS)
+        check_whole("seed", self.seed, 0, LARGEST_SEED)
         axes = {key: _axis(key, values) for key, values in self.grids.items()}
         if len(axes) > _MOST_AXES:
             remedy = "vary the others, --vary and --runs"
@@ -105,7 +105,7 @@ class Sweep:
                 raise InputError(f"{key}: given as a grid and to vary; leave one out")
         if self.vary and axes and self.runs is None:
             raise InputError("vary: at a grid say how many machines stand at each point (--runs), or leave it out")
-        drawn = _tolerances(self.loader, self.vary) if not axes or self.runs is not None else {}
+        drawn = loader_tolerances(self.loader, self.vary) if not axes or self.runs is not None else {}
         varied = {key: values for key, values in drawn.items() if key not in axes}
         object.__setattr__(self, "axes", MappingProxyType(axes))
         object.__setattr__(self, "varied", MappingProxyType(varied))
@@ -237,7 +237,8 @@ def _unravel(points: NDArray[np.int64], shape: tuple[int, ...]) -> tuple[NDArray
     return tuple(np.unravel_index(points, shape)) if shape else ()
 
 
-def _check_whole(name: str, value: object, least: int, most: int) -> None:
+def check_whole(name: str, value: object, least: int, most: int) -> None:
+    """Refuse what is no whole number from ``least`` to ``most``."""
     if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
         raise InputError(f"{name}: expected a whole number from {least:,} to {most:,}, got {show(value)}")
 
@@ -266,7 +267,7 @@ def _without_effect(loader: Loader, axes: Mapping[str, tuple[float, ...]]) -> li
     return [f"grid: {line}" for key, line in without_effect(values).items() if key in axes]
 
 
-def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
+def loader_tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
     """The loader's tolerances with the requested changes."""
     try:
         tolerances = {

@@ -117,14 +117,19 @@ def summarize(result: SweepResult) -> Summary:
     counts = {status: result.count(status) for status in STATUSES}
     random = bool(result.sweep.varied) and not result.sweep.axes
     return Summary(
-        shares=tuple(_share(status, count, result.sweep.total, random) for status, count in counts.items()),
+        shares=tuple(share_of(status, count, result.sweep.total, random) for status, count in counts.items()),
         spreads={
-            name: _spread(name, result.finite(name), getattr(result.nominal, name), measure_unit(name, drive))
+            name: spread_of(name, result.finite(name), getattr(result.nominal, name), measure_unit(name, drive))
             for name in measures
         },
-        correlations=_correlations(result.sample, measures, (*sweep.axes, *sweep.varied)),
-        chance=float(ndtri((1 + CONFIDENCE) / 2)) / math.sqrt(max(result.sample.sizes["run"] - 1, 1)),
+        correlations=rank_correlations(result.sample, measures, (*sweep.axes, *sweep.varied)),
+        chance=chance_of(result.sample.sizes["run"]),
     )
+
+
+def chance_of(runs: int) -> float:
+    """Bound of the rank correlation of independent quantities in 95 of 100 sweeps of so many runs."""
+    return float(ndtri((1 + CONFIDENCE) / 2)) / math.sqrt(max(runs - 1, 1))
 
 
 @cache
@@ -140,21 +145,23 @@ def measure_name(measure: str) -> str:
     return _NAMES.get(measure) or NAMES[measure].partition(" (")[0]
 
 
-def _share(status: str, count: int, total: int, random: bool) -> Share:
+def share_of(status: str, count: int, total: int, random: bool) -> Share:
+    """A share of the runs, with its interval if they are a random sample."""
     share = count / total
     if not random:
         return Share(status, count, share, math.nan, math.nan)
     return Share(status, count, share, *wilson_interval(count, total))
 
 
-def _spread(name: str, finite: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
+def spread_of(name: str, finite: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
+    """Spread of a measure over its finite values."""
     if not len(finite):
         return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
     lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0), overwrite_input=True).tolist()
     return Spread(name, nominal, len(finite), lowest, highest, tuple(quantiles), measured_in)
 
 
-def _correlations(runs: xr.Dataset, measures: Sequence[str], parameters: Sequence[str]) -> xr.DataArray:
+def rank_correlations(runs: xr.Dataset, measures: Sequence[str], parameters: Sequence[str]) -> xr.DataArray:
     """Spearman's rank correlations over the runs that have the measure."""
     ranks: dict[bytes, NDArray[np.float64]] = {}
     table = np.full((len(measures), len(parameters)), np.nan)

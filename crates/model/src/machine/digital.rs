@@ -95,6 +95,12 @@ impl<S: Scalar, M> run::RunState<S, M> {
 }
 
 impl<S: Scalar> Memory<S> {
+    /// The command of sample number `sample`, while it is under way.
+    #[inline(always)]
+    pub fn command(&self, sample: usize) -> S {
+        self.under_way.arriving(sample)
+    }
+
     /// What the law remembers.
     #[inline(always)]
     pub fn control(&self) -> &LawState<S> {

@@ -98,12 +98,14 @@ def _distributions(
 ) -> tuple[Picture, ...]:
     pictures = []
     for name in measures:
-        drawn, beyond = sweep_plots.histogram(result.finite(name), summary.spreads[name], units, sweep_plots.color(law))
+        spread = summary.spreads[name]
+        along = sweep_plots.axis_title(name, spread.unit, units)
+        drawn, beyond = sweep_plots.histogram(result.finite(name), spread, along, units, sweep_plots.color(law))
         many = (
             f"{beyond:,} run{'s' if beyond > 1 else ''} farther out, up to the highest of the table" if beyond else ""
         )
         remark = f"Not in view: {many}." if many else ""
-        middle = _middle(summary.spreads[name], units)
+        middle = _middle(spread, units)
         pictures.append(Picture.of(f"spread-{name}", sweep_plots.title(name), middle, drawn, remark))
     return tuple(pictures)
 

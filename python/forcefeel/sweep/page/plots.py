@@ -100,8 +100,12 @@ def filled(picture: go.Figure, x: NDArray[np.float64], edges: dict[str, NDArray[
         )
 
 
-def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, hue: str) -> tuple[go.Figure, int]:
+def histogram(
+    values: NDArray[np.float64], spread: Spread, along: str, system: UnitSystem, hue: str
+) -> tuple[go.Figure, int]:
     """Distribution of a measure: share of the runs over its value, the middle nine of ten full, median and nominal marked.
+
+    The title of the axis is ``along``.
 
     Returns:
         The plot, and the number of runs outside its range.
@@ -139,7 +143,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     frame(picture, 320, top=34, hover="closest")
     picture.update_layout(bargap=0, barmode="overlay")
     picture.update_xaxes(
-        title_text=axis_title(spread.measure, spread.unit, system),
+        title_text=along,
         range=[(low * scale) - width, (high * scale) + width],
     )
     picture.update_yaxes(title_text="Runs, %", range=[0, top])
