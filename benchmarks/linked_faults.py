@@ -24,6 +24,7 @@ from forcefeel import _core
 from forcefeel.linked.joint import delay_periods
 from forcefeel.loader.links import AfterBreakout, LinkKind
 
+PROJECTS = "linked-sticks", "transport", "uncoupling", "helicopter"
 COCKPITS = Path(__file__).parent.parent / "examples/cockpit"
 LINK, FAULTY, FORCE, STEP, SIDES = 0, 1, 2, 3, 4
 """Columns of the outcomes; from the last on those of both sides."""
@@ -48,7 +49,7 @@ class Pair:
 
 def pairs() -> list[Pair]:
     """The links of the ready projects."""
-    projects = [ff.loader.read_project(path) for path in sorted(COCKPITS.glob("*.toml"))]
+    projects = [ff.loader.read_project(COCKPITS / f"{name}.toml") for name in PROJECTS]
     return [
         Pair(f"{project.name}, {link.name}", link, project.sides(link))
         for project in projects

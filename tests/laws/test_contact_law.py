@@ -12,7 +12,7 @@ QUIET_RAD = np.radians(0.5)
 """Range of the column's angle in the last half second; damped, it creeps towards the stop."""
 
 NOISE_OF_STOP = 0.15
-"""Range of the load cell's force over its mean where the column rests on a stop: its noise, and that of the stop's own vibration."""
+"""Range of the load cell's force over its mean where the column rests on a stop: its noise, and the stop's own vibration."""
 
 
 def _light() -> ff.Loader:

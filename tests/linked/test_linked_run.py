@@ -175,3 +175,21 @@ def test_impossible_scenario_is_refused(first, more, told):
 def test_project_without_that_link_is_refused():
     with pytest.raises(InputError, match="link: expected one of pitch, got 'pich'; did you mean pitch"):
         ff.linked.simulate_linked(project("uncoupling"), "pich", ff.linked.LinkedScenario(Scenario()))
+
+
+def test_friction_holds_the_collective_of_both_pilots():
+    """3 lb in each feel computer; between them the shaft turns by 0.2 deg under 2 lb."""
+    cockpit = project("helicopter")
+    assert ff.loader.axes.rule_axis("collective-first-officer") == "collective"
+    time = np.arange(0.0, 6.001, 0.001)
+
+    def angles(force_n):
+        raised = ff.simulation.Recorded(time, np.interp(time, [0, 0.5, 3, 3.1], [0, force_n, force_n, 0]))
+        scenario = ff.linked.LinkedScenario(ff.Scenario(raised, 6.0, 5e-4, 5e-4))
+        history = ff.linked.simulate_linked(cockpit, "collective", scenario, "robust").history
+        return [np.degrees(history[f"{side}_column_angle_rad"].to_numpy()) for side in ("first", "second")]
+
+    assert max(np.abs(angle).max() for angle in angles(2 * LB)) < 0.2
+    for angle in angles(7 * LB):
+        assert angle[5000] > 3
+        assert angle[-1] > 0.9 * angle[6500]

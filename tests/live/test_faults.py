@@ -48,7 +48,7 @@ def test_legal_runs_are_not_stopped(loaders) -> None:
 
 
 def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -> None:
-    """Electronic link of two sticks, breakout 4.5 N m: the other side is not stopped. Shaft of two columns: it stops with the first."""
+    """Electronic link of two sticks: the other side is not stopped. Shaft of two columns: it stops with the first."""
     project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
     sticks = project.links["stick-pitch"]
     pair = [open_loader(name) for name in ("sidestick-pitch", "elevator-2khz")]

@@ -135,7 +135,7 @@ def test_pilot_force_rule_depends_on_axis():
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        (("--axis", "tail"), "--axis: expected pitch, roll, yaw or stick, got 'tail'"),
+        (("--axis", "tail"), "--axis: expected pitch, roll, yaw, stick or collective, got 'tail'"),
         (("--angle", "0 deg"), "release_rad: expected an angle above 0, up to 90 deg, got 0 deg"),
         (("--set", "motor.inertia=1 kg m^2"), "motor.inertia: is of a loader with an electric drive"),
     ],

@@ -3,21 +3,11 @@
 use crate::case::Case;
 use crate::oracle::{Outcome, judge};
 use crate::pair::{self, Joint, PairOutcome};
-use crate::run::{LawOf, run};
+use crate::run::{LawOf, Loaders, run};
 use forcefeel_model::drive::Kind;
-use forcefeel_model::observer::NUMBERS;
-use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::parameters::DriveKind;
 use forcefeel_model::with_drive;
 use forcefeel_solve::threads::{NoThreads, each};
-
-/// Loaders with a law each: one with an observer, or none for the original loop.
-#[derive(Debug, Clone, Copy)]
-pub struct Loaders<'a> {
-    /// Values, in the order of the parameter table.
-    pub values: &'a [[f64; COUNT]],
-    /// Numbers of the laws.
-    pub observers: Option<&'a [[f64; NUMBERS]]>,
-}
 
 impl Loaders<'_> {
     /// The case of a number with so many faults, 0 to 2; nothing where the loader cannot be supervised.

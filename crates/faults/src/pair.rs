@@ -1,10 +1,9 @@
 //! A case of two loaders on a link: faults on one side, another hand on the other.
 
-use crate::batch::Loaders;
 use crate::case::Case;
 use crate::fault::{Fault, Kind as FaultKind};
 use crate::oracle::{Outcome, judge};
-use crate::run::{LawOf, Loop, Record, Side};
+use crate::run::{LawOf, Loaders, Loop, Record, Side};
 use forcefeel_model::drive::Kind;
 use forcefeel_model::feel_link::FeelLink;
 use forcefeel_model::link::{LINK_ROWS, PilotLink};

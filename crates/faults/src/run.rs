@@ -10,7 +10,7 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_link::LinkedFeel;
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
 use forcefeel_model::observer::{NUMBERS, Observer, knows_contact, knows_friction};
-use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
 use forcefeel_model::supervisor::{
     Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
@@ -49,6 +49,15 @@ pub struct Row {
 
 /// A law: with an observer, or the loader's original loop.
 pub type LawOf<'a> = Option<&'a [f64; NUMBERS]>;
+
+/// Loaders with a law each: one with an observer, or none for the original loop.
+#[derive(Debug, Clone, Copy)]
+pub struct Loaders<'a> {
+    /// Values, in the order of the parameter table.
+    pub values: &'a [[f64; COUNT]],
+    /// Numbers of the laws.
+    pub observers: Option<&'a [[f64; NUMBERS]]>,
+}
 
 /// Steps of the machine in a period, and how long one may be at most.
 const LONGEST_STEP_S: f64 = 5e-4;

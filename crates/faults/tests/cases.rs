@@ -1,7 +1,7 @@
 //! Faults in the report's loader under its original loop: each is stopped in time, and nothing goes beyond its bounds.
 
-use forcefeel_faults::batch::Loaders;
 use forcefeel_faults::fault::Kind;
+use forcefeel_faults::run::Loaders;
 use forcefeel_model::parameters::{Controller, Parameters};
 
 #[test]

@@ -3,10 +3,10 @@
 use crate::arrays::rows;
 use crate::errors::{refused, threads as answered};
 use crate::model::drive_of;
-use forcefeel_faults::batch::Loaders;
 use forcefeel_faults::fault::Kind;
 use forcefeel_faults::oracle::Outcome;
 use forcefeel_faults::pair::{Joint, PairOutcome};
+use forcefeel_faults::run::Loaders;
 use forcefeel_model::link::LINK_ROWS;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};

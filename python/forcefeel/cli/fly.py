@@ -13,7 +13,7 @@ from forcefeel.cli.scenario_text import seconds, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import check_output_file, write_whole
-from forcefeel.loader.axes import AXIS_OF, RuleAxis, rule_axis, usual_axis
+from forcefeel.loader.axes import AXIS_OF, FlightAxis, flight_axis, usual_axis
 from forcefeel.units import AIRSPEED, ANGLE, ANGULAR_VELOCITY, FORCE, LOAD_FACTOR, Json, Unit, UnitSystem, to_text
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
         ),
     ] = "c172p"
     axis: Annotated[
-        RuleAxis | None,
+        FlightAxis | None,
         option(
             "Control that the loader is: pitch, roll or yaw.",
             FLIGHT,
@@ -135,7 +135,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
         from forcefeel.fly.control_data import control_data
 
         loader = self.loader(path)
-        axis = self.axis or rule_axis(usual_axis(loader.name))
+        axis = self.axis or flight_axis(usual_axis(loader.name))
         data = control_data(self.aircraft, axis)
         speed = data.speed_m_per_s if self.speed is None else value("--speed", self.speed, "m/s", "100 kt")
         altitude = data.altitude_m if self.altitude is None else value("--altitude", self.altitude, "m", "3000 ft")
@@ -285,7 +285,7 @@ _RANGES = {
 
 
 def _print_control(terminal: Terminal, case: "FlightCase") -> None:
-    built_for = rule_axis(usual_axis(case.loader.name))
+    built_for = flight_axis(usual_axis(case.loader.name))
     though = (
         "" if built_for == case.axis or case.loader.name not in AXIS_OF else f", though it is built for {built_for}"
     )

@@ -23,9 +23,9 @@ class SizeOptions(AngleOptions, LoaderOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel size``."""
 
     axis: Annotated[
-        Literal["pitch", "roll", "yaw", "stick"] | None,
+        Literal["pitch", "roll", "yaw", "stick", "collective"] | None,
         option(
-            "Control of the cockpit. 14 CFR 25.143(d) limits the forces of each except a stick's.",
+            "Control of the cockpit. 14 CFR 25.143(d) limits the forces of each except a stick's and a collective's.",
             ASKED,
             default="axis of the built-in loader, otherwise pitch",
         ),

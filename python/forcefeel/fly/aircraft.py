@@ -25,7 +25,7 @@ import numpy as np
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.fly.control_data import control_data
-from forcefeel.loader.axes import RuleAxis
+from forcefeel.loader.axes import FlightAxis
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.inputs.flight import FLIGHT_UNITS, WITHOUT
 
@@ -82,7 +82,7 @@ class Aircraft:
         altitude_m: float,
         load_factor: float = 1.0,
         *,
-        axis: RuleAxis = "pitch",
+        axis: FlightAxis = "pitch",
         sideslip_rad: float = 0.0,
         tab_rad: float = 0.0,
     ) -> None:

@@ -13,7 +13,7 @@ from forcefeel.fly.run import FlightOptions, Flown, Pilot, fly
 from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
-from forcefeel.loader.axes import RuleAxis
+from forcefeel.loader.axes import FlightAxis
 from forcefeel.loader.loader import Loader
 from forcefeel.units import AIRSPEED, FORCE, LOAD_FACTOR
 
@@ -76,7 +76,7 @@ class FlightCase:
     speed_m_per_s: float
     altitude_m: float
     law: LawLike = None
-    axis: RuleAxis = "pitch"
+    axis: FlightAxis = "pitch"
 
     @cached_property
     def trim(self) -> Aircraft:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from forcefeel.errors import InputError, suggestion
-from forcefeel.loader.axes import RuleAxis
+from forcefeel.loader.axes import FlightAxis
 from forcefeel.units import parse
 
 _FOLDER = files("forcefeel") / "data" / "aircraft"
@@ -47,7 +47,7 @@ class ControlData:
         trim_rate_rad_per_s: Rate of the tab of a transport aircraft; none if it is not known, and for others.
     """
 
-    axis: RuleAxis
+    axis: FlightAxis
     model: str
     surface: dict[str, Any]
     stiffness: str
@@ -67,7 +67,7 @@ def known() -> list[str]:
     return sorted(path.name.removesuffix(".toml") for path in _FOLDER.iterdir() if path.name.endswith(".toml"))
 
 
-def control_data(name: str, axis: RuleAxis = "pitch") -> ControlData:
+def control_data(name: str, axis: FlightAxis = "pitch") -> ControlData:
     """The data of a control of a known aircraft, or of a file.
 
     Raises:

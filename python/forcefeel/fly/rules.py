@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import BaseModel, Field, model_validator
 
 from forcefeel.fly.control_data import ControlData
-from forcefeel.loader.axes import RuleAxis
+from forcefeel.loader.axes import FlightAxis
 from forcefeel.qualification.tolerance import STRICT
 from forcefeel.units import FORCE, Json, Unit, UnitSystem, factor, parse, quantity
 
@@ -91,7 +91,7 @@ class FlightRule(BaseModel):
     number: str
     name: str
     document: str
-    axis: RuleAxis = "pitch"
+    axis: FlightAxis = "pitch"
     category: Literal["light", "transport", "military"] | None = None
     grip: Literal["wheel", "stick"] | None = None
     tolerances: tuple[FlightTolerance, ...] = ()

@@ -7,16 +7,19 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Literal
 
-RuleAxis = Literal["pitch", "roll", "yaw"]
+FlightAxis = Literal["pitch", "roll", "yaw"]
+RuleAxis = Literal[FlightAxis, "collective"]
 
 _STICK = "stick-"
 
+_COLLECTIVE = "collective"
+
 _SECOND = "-first-officer"
 
-_FIRST_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll")
+_FIRST_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll", _COLLECTIVE)
 
 PROJECT_AXES = (*_FIRST_AXES, *(f"{axis}{_SECOND}" for axis in _FIRST_AXES))
-"""Names of the axes: of wheel and pedals, and of a stick; of a second pilot likewise."""
+"""Names of the axes: of column, wheel and pedals, of a stick, and of a collective lever; of a second pilot likewise."""
 
 HYDRAULIC_AXES: Mapping[str, str] = MappingProxyType({"elevator-2khz": "pitch", "elevator-1974": "pitch"})
 """The built-in loaders with a valve, and the axis of each."""
@@ -51,14 +54,19 @@ def judged_alone(axes: Iterable[str]) -> tuple[str, ...]:
 
 
 def control_of(axis: str) -> str:
-    """Which control an axis is of where sticks count as one: ``pitch``, ``roll``, ``yaw`` or ``stick``."""
+    """Which control an axis is of where sticks count as one: ``pitch``, ``roll``, ``yaw``, ``collective`` or ``stick``."""
     return "stick" if axis.startswith(_STICK) else motion_axis(axis)
+
+
+def flight_axis(axis: str) -> FlightAxis:
+    """The axis of the aircraft that a control moves; pitch of a collective, which no flight has."""
+    of: dict[str, FlightAxis] = {"pitch": "pitch", "roll": "roll", "yaw": "yaw"}
+    return of.get(motion_axis(axis).removeprefix(_STICK), "pitch")
 
 
 def rule_axis(axis: str) -> RuleAxis:
     """The axis of a qualification rule, which has no rows of a stick's own."""
-    of: dict[str, RuleAxis] = {"pitch": "pitch", "roll": "roll", "yaw": "yaw"}
-    return of[motion_axis(axis).removeprefix(_STICK)]
+    return "collective" if motion_axis(axis) == _COLLECTIVE else flight_axis(axis)
 
 
 def usual_axis(name: str) -> str:

@@ -11,9 +11,9 @@ from forcefeel.qualification.rules import load_rules
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import ANGLE, show, to_text
 
-Axis = Literal["pitch", "roll", "yaw", "stick"]
+Axis = Literal["pitch", "roll", "yaw", "stick", "collective"]
 AXES: tuple[str, ...] = get_args(Axis)
-"""The controls; the rule's limits are for wheels and pedals, so there are none for a stick."""
+"""The controls; the rule's limits are for wheels and pedals, so there are none for a stick or a collective."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class SizingPlan:
 
     Attributes:
         loader: The loader.
-        axis: The control: ``pitch``, ``roll``, ``yaw`` or ``stick``.
+        axis: The control: ``pitch``, ``roll``, ``yaw``, ``stick`` or ``collective``.
         release_rad: Angle of the release, rad.
 
     Raises:

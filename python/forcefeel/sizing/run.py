@@ -24,8 +24,8 @@ def size_drive(loader: Loader, axis: str | None = None, release_rad: float | Non
 
     Args:
         loader: The loader, with a motor or a valve.
-        axis: Which control it is: ``pitch``, ``roll``, ``yaw`` or ``stick``; that of a built-in loader of its name, else pitch, if
-            not given. The limits of 14 CFR 25.143(d) go by it.
+        axis: Which control it is: ``pitch``, ``roll``, ``yaw``, ``stick`` or ``collective``; that of a built-in loader of its
+            name, else pitch, if not given. The limits of 14 CFR 25.143(d) go by it.
         release_rad: Angle in rad of the release; half the throw's shorter side, 10 deg without stops, if not given.
 
     Returns:

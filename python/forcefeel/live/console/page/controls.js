@@ -1,4 +1,4 @@
-// The controls of both pilots: columns and sticks from the side, wheels from behind, pedals from above; links between them.
+// The controls of both pilots: columns, sticks and levers from the side, wheels from behind, pedals from above; links between them.
 
 const PARTS = {
   pitch: { label: "column", draw: '<line class="rod" x1="0" y1="40" x2="0" y2="-28"></line><rect class="grip" x="-8" y="-44" width="16" height="26" rx="7"></rect>', move: (at) => `rotate(${at} 0 40)` },
@@ -6,6 +6,7 @@ const PARTS = {
   yaw: { label: "pedals", draw: '<g class="left"><rect class="grip" x="-34" y="-16" width="24" height="34" rx="4"></rect></g><g class="right"><rect class="grip" x="10" y="-16" width="24" height="34" rx="4"></rect></g>' },
   "stick-pitch": { label: "stick, pitch", draw: '<line class="rod" x1="0" y1="40" x2="0" y2="0"></line><rect class="grip" x="-7" y="-26" width="14" height="34" rx="6"></rect>', move: (at) => `rotate(${at} 0 40)` },
   "stick-roll": { label: "stick, roll", draw: '<line class="rod" x1="0" y1="40" x2="0" y2="0"></line><rect class="grip" x="-9" y="-26" width="18" height="34" rx="8"></rect>', move: (at) => `rotate(${at} 0 40)` },
+  collective: { label: "collective", draw: '<line class="rod" x1="-38" y1="34" x2="18" y2="14"></line><rect class="grip" x="12" y="4" width="30" height="14" rx="6" transform="rotate(-20 27 11)"></rect>', move: (at) => `rotate(${-at} -38 34)` },
 };
 const SECOND = "-first-officer";
 const [WIDTH, HEIGHT] = [170, 130];
