@@ -133,7 +133,7 @@ impl Legal {
 /// Samples of a case without a fault.
 const LEGAL_SAMPLES: usize = 4000;
 /// Share of the force that may last to which a hand pushes.
-const HARDEST: f64 = 0.9;
+pub(crate) const HARDEST: f64 = 0.9;
 /// Arms by which the envelope judges a law: mass in kg, damping in N s/m and stiffness in N/m at the grip; light, loose, firm.
 const ARMS: [[f64; 3]; 3] = [[0.8, 5.5, 30.0], [1.0, 10.0, 50.0], [3.0, 40.0, 1000.0]];
 

@@ -1,13 +1,14 @@
 //! A case of two loaders on a link: faults on one side, another hand on the other.
 
-use crate::case::Case;
+use crate::case::{Case, HARDEST};
 use crate::fault::{Fault, Kind as FaultKind};
 use crate::oracle::{Outcome, judge};
-use crate::run::{LawOf, Loaders, Loop, Record, Side};
+use crate::run::{LawOf, Loaders, Loop, Moving, Record, Side};
 use forcefeel_model::drive::Kind;
 use forcefeel_model::feel_link::FeelLink;
 use forcefeel_model::link::{LINK_ROWS, PilotLink};
-use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::supervisor::Limits;
 use forcefeel_model::with_drive;
 
 /// A link of two loaders.
@@ -41,7 +42,7 @@ pub fn outcome(joints: &[Joint], loaders: Loaders<'_>, (seed, number): (u64, u64
     let count = u64::try_from(joints.len()).ok()?;
     let place = usize::try_from(number / 2 % count).ok()?;
     let (faulty, joint) = (usize::try_from(number % 2).ok()?, &joints[place]);
-    let cases = drawn(joint, loaders.values, (seed, number / 2 / count * 2 + number % 2), (faulty, faults));
+    let cases = drawn(joint, loaders.values, (seed, number / 2 / count * 2 + number % 2), (faulty, faults))?;
     let of = |side: usize| loaders.observers.map(|laws| &laws[joint.between[side]]);
     let on_shaft = joint.delay.is_none();
     let records = go_through(joint, [begun(&cases[0], of(0), on_shaft)?, begun(&cases[1], of(1), on_shaft)?])?;
@@ -64,7 +65,7 @@ fn drawn(
     values: &[[f64; COUNT]],
     (seed, number): (u64, u64),
     (faulty, faults): (usize, u8),
-) -> [Case; 2] {
+) -> Option<[Case; 2]> {
     let none = Fault { kind: FaultKind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
     let mut cases = [0, 1].map(|side| {
         let of = &values[joint.between[side]..=joint.between[side]];
@@ -79,7 +80,16 @@ fn drawn(
     let Case { angle, samples, .. } = cases[faulty];
     let other = &mut cases[1 - faulty];
     (other.angle, other.samples) = (angle, samples);
-    cases
+    if faults == 0 {
+        for case in &mut cases {
+            // The other pilot may hold the column off the stop that would take what the drive cannot.
+            let (parameters, kind) = (Parameters::from_values(&case.values), DriveKind::of(&case.values));
+            let limits = Limits::new(&parameters, kind, parameters.controller.period).ok()?;
+            let most = HARDEST * Moving::of(&parameters, kind, &limits).holds() / parameters.column.grip_arm;
+            case.hand.force = case.hand.force.clamp(-most, most);
+        }
+    }
+    Some(cases)
 }
 
 fn begun<'a>(case: &'a Case, law: LawOf<'_>, on_shaft: bool) -> Option<Box<dyn Side + 'a>> {

@@ -394,6 +394,11 @@ impl Moving {
         self.power.max(self.torque * rate)
     }
 
+    /// Largest torque in N m about the column's pivot that the drive holds; of a valve more than any hand's.
+    pub fn holds(&self) -> f64 {
+        if self.torque > 0.0 { self.torque } else { f64::INFINITY }
+    }
+
     /// Energy in J at a rate of the column and a force of the link.
     pub fn stored(&self, rate: f64, force: f64) -> f64 {
         0.5 * self.inertia * rate * rate + 0.5 * self.softness * force * force
