@@ -143,7 +143,7 @@ pub struct Job {
 pub struct Program {
     /// The operations.
     pub graph: Graph,
-    /// Command, torque that the feel hears, displacement and rate of the feel.
+    /// Command, torque that the feel receives, displacement and rate of the feel.
     pub outputs: Vec<(&'static str, u32)>,
     /// What must be numbers, or nothing of the period is kept: the outputs, the command before it is limited.
     pub numbers: Vec<u32>,
@@ -410,7 +410,7 @@ fn control<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, sha
     *machine::<S, K>(parameters, law, shared).control()
 }
 
-/// What a law remembers in equilibrium: its state, then the drive's position, the torque that the feel hears and the feel's displacement;
+/// What a law remembers in equilibrium: its state, then the drive's position, the torque that the feel receives and the feel's displacement;
 /// each with base, load cell and neutral at zero, per displacement of the base, per force that the load cell shows and per angle of the neutral.
 type Still<T> = [[T; 1 + SHOWN]; MOST_STATES + 3];
 

@@ -83,7 +83,7 @@ impl Case {
             kind,
             from: between((0.0, BEGINS)) as usize,
             sensor: between((0.0, 2.999)) as usize,
-            way: if between((-1.0, 1.0)) < 0.0 { -1.0 } else { 1.0 },
+            direction: if between((-1.0, 1.0)) < 0.0 { -1.0 } else { 1.0 },
             size: between((0.0, 1.0)),
         });
         let &Parameters { feel, column, .. } = &parameters;
@@ -180,7 +180,7 @@ impl Case {
             phase,
             lets_go: if does == Legal::Releases { whole(between((1600.0, 3200.0))) } else { usize::MAX },
         };
-        let none = Fault { kind: Kind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
+        let none = Fault { kind: Kind::None, from: 0, sensor: 0, direction: 1.0, size: 0.0 };
         Self {
             loader,
             values: parameters.values(),

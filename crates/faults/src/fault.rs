@@ -103,8 +103,8 @@ pub struct Fault {
     pub from: usize,
     /// Which sensor.
     pub sensor: usize,
-    /// Which way, -1 or 1.
-    pub way: f64,
+    /// Its direction, -1 or 1.
+    pub direction: f64,
     /// How much, 0 to 1.
     pub size: f64,
 }
@@ -180,12 +180,12 @@ impl Fault {
             Kind::FeelNotANumber => input.feel_acceleration = f64::NAN,
             Kind::OutOfRange => {
                 let range = [limits.range[0], limits.range[1], limits.range[2] * limits.base_arm][k];
-                input.sensed[k] = self.way * range * (1.001 + self.size);
+                input.sensed[k] = self.direction * range * (1.001 + self.size);
             }
             Kind::Jump => {
                 let [force, position, angle] = limits.plausible;
                 let implausible = [force, position, angle * limits.base_arm][k];
-                input.sensed[k] += self.way * implausible * (4.0 + 20.0 * self.size);
+                input.sensed[k] += self.direction * implausible * (4.0 + 20.0 * self.size);
             }
             Kind::Silence => {
                 before.missed += 1;
@@ -198,7 +198,7 @@ impl Fault {
                 let of_sensor = [1.0 / limits.link[0], 1.0, 1.0 / limits.lever * per_angle[2]][k];
                 #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
                 let share = (since as f64 * limits.period / 0.5).min(1.0);
-                input.sensed[k] += self.way * whole * of_sensor * share;
+                input.sensed[k] += self.direction * whole * of_sensor * share;
             }
             Kind::Overrun => {
                 before.late += 1;
@@ -223,7 +223,7 @@ impl Fault {
             }
             Kind::Spike if since == 0 => {
                 let range = [limits.range[0], limits.range[1], limits.range[2] * limits.base_arm][k];
-                input.sensed[k] = (input.sensed[k] + self.way * range * self.size).clamp(-range, range);
+                input.sensed[k] = (input.sensed[k] + self.direction * range * self.size).clamp(-range, range);
             }
             Kind::Reversed => input.sensed[k] = -input.sensed[k],
             _ => {}
@@ -232,7 +232,7 @@ impl Fault {
 
     /// What the drive makes of a command, in V or A.
     pub fn spoil_drive(&self, limits: &Limits, sample: usize, command: f64) -> f64 {
-        let full = self.way * limits.command;
+        let full = self.direction * limits.command;
         match self.kind {
             Kind::DriveHardover if self.is_there(sample) => full * (0.1 + 0.9 * self.size),
             Kind::DriveOffset if self.is_there(sample) => command + full * (0.02 + 0.4 * self.size),
@@ -245,7 +245,7 @@ impl Fault {
         if !self.is_there(sample) {
             return;
         }
-        let full = self.way * limits.command;
+        let full = self.direction * limits.command;
         match self.kind {
             Kind::LawNotANumber => input.command = [f64::NAN, f64::NEG_INFINITY][usize::from(self.size > 0.5)],
             Kind::HardOver => input.command = full * (0.2 + 2.0 * self.size),
@@ -259,7 +259,7 @@ impl Fault {
                 let half = 1 + (self.size * 20.0) as usize;
                 input.command = full * if ((sample - self.from) / half).is_multiple_of(2) { 1.5 } else { -1.5 };
             }
-            Kind::Huge => input.command = self.way * 1e300,
+            Kind::Huge => input.command = self.direction * 1e300,
             _ => {}
         }
     }
@@ -270,8 +270,8 @@ impl Fault {
             return 0.0;
         }
         match self.kind {
-            Kind::LargestForce => self.way * limits.absolute_force * (1.2 + 2.0 * self.size),
-            Kind::LastingForce => self.way * limits.force_limit * (1.2 + 2.0 * self.size),
+            Kind::LargestForce => self.direction * limits.absolute_force * (1.2 + 2.0 * self.size),
+            Kind::LastingForce => self.direction * limits.force_limit * (1.2 + 2.0 * self.size),
             _ => 0.0,
         }
     }

@@ -100,8 +100,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let cuts = |k: usize| rows[k].input.emergency_stop;
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);
-        let way = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };
-        wrong.unsafe_ = safe.is_none_or(|at| at > by + way) && by + way < rows.len();
+        let stopping = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };
+        wrong.unsafe_ = safe.is_none_or(|at| at > by + stopping) && by + stopping < rows.len();
     }
     // Once safe, it stays so.
     wrong.unsafe_ |=

@@ -40,8 +40,8 @@ pub struct PairOutcome {
 /// The case of a number with so many faults, 0 to 2; nothing where a loader cannot be supervised.
 pub fn outcome(joints: &[Joint], loaders: Loaders<'_>, (seed, number): (u64, u64), faults: u8) -> Option<PairOutcome> {
     let count = u64::try_from(joints.len()).ok()?;
-    let place = usize::try_from(number / 2 % count).ok()?;
-    let (faulty, joint) = (usize::try_from(number % 2).ok()?, &joints[place]);
+    let index = usize::try_from(number / 2 % count).ok()?;
+    let (faulty, joint) = (usize::try_from(number % 2).ok()?, &joints[index]);
     let cases = drawn(joint, loaders.values, (seed, number / 2 / count * 2 + number % 2), (faulty, faults))?;
     let of = |side: usize| loaders.observers.map(|laws| &laws[joint.between[side]]);
     let on_shaft = joint.delay.is_none();
@@ -56,7 +56,7 @@ pub fn outcome(joints: &[Joint], loaders: Loaders<'_>, (seed, number): (u64, u64
         other.rows[from..].iter().map(|row| (row.shaft + row.link) / other.limits.grip_arm).collect();
     let largest = of_link.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
     let step = of_link.windows(2).fold(0.0, |most: f64, two| most.max((two[1] - two[0]).abs()));
-    Some(PairOutcome { joint: place, faulty, sides, force: [largest, step] })
+    Some(PairOutcome { joint: index, faulty, sides, force: [largest, step] })
 }
 
 /// A case for each side, both from the same angle.
@@ -66,7 +66,7 @@ fn drawn(
     (seed, number): (u64, u64),
     (faulty, faults): (usize, u8),
 ) -> Option<[Case; 2]> {
-    let none = Fault { kind: FaultKind::None, from: 0, sensor: 0, way: 1.0, size: 0.0 };
+    let none = Fault { kind: FaultKind::None, from: 0, sensor: 0, direction: 1.0, size: 0.0 };
     let mut cases = [0, 1].map(|side| {
         let of = &values[joint.between[side]..=joint.between[side]];
         // What a hand does is drawn by the number: each with each on the two sides.

@@ -60,7 +60,7 @@ pub const ACKNOWLEDGED: u32 = 4;
 pub struct Output<S> {
     /// To the drive, in V or A.
     pub command: S,
-    /// That the feel hears, in N m.
+    /// That the feel receives, in N m.
     pub torque: S,
     /// Of the feel after the period, rad and rad/s.
     pub feel: [S; 2],

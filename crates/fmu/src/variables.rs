@@ -141,7 +141,7 @@ pub fn seen(kind: Kind, drive: DriveKind) -> Vec<Signal> {
     });
     let own = match kind {
         Kind::Loader => vec![],
-        Kind::Law => vec![command(drive), sampled("feel_torque", "N m", "torque that the feel computer hears")],
+        Kind::Law => vec![command(drive), sampled("feel_torque", "N m", "torque that the feel computer receives")],
         Kind::Machine => SENSED.to_vec(),
     };
     of_simulation.chain(own).collect()

@@ -136,7 +136,7 @@ impl Controller {
         }
     }
 
-    /// A supervisor starts nothing before it was asked for off: so off counts for a cycle, as it does for the first, even where another wish
+    /// A supervisor starts nothing before it was asked for off: so off counts for a cycle, as it does for the first, even where another request
     /// comes within it.
     fn request(&mut self, request: RequestedMode) {
         if request == RequestedMode::Off {

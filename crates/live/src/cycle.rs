@@ -18,9 +18,9 @@ pub struct Cycles {
     pub controller: Controller,
     /// The machine.
     pub machine: Box<dyn InputOutput>,
-    /// Wishes with the cycle before which each is taken, in order; those of a replay.
+    /// Requests with the cycle before which each is taken, in order; those of a replay.
     pub plan: Vec<(u64, LoopRequest)>,
-    /// Wishes of the moment.
+    /// Requests of the moment.
     pub requests: Consumer<LoopRequest>,
     /// Packets of a host, and what it is told.
     pub host: Option<HostRings>,

@@ -18,7 +18,7 @@ pub struct Contents {
     pub about: BTreeMap<String, String>,
     /// Lists of numbers that stand before the first row: what the loop was made of.
     pub setup: Vec<(String, Vec<f64>)>,
-    /// Wishes, each with the cycle from which it counts.
+    /// Requests, each with the cycle from which it counts.
     pub requests: Vec<(u64, LoopRequest)>,
     /// Names of the columns.
     pub columns: Vec<String>,

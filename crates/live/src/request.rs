@@ -1,4 +1,4 @@
-//! What is asked of a running loop. Wishes go through a ring, by value, and into the record with the cycle that took them.
+//! What is asked of a running loop. Requests go through a ring, by value, and into the record with the cycle that took them.
 
 use forcefeel_model::host::FromHost;
 use forcefeel_model::host::packet::HOST_NUMBERS;

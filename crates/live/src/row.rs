@@ -51,7 +51,7 @@ columns! {
     feel_angle_rad;
     /// Its rate.
     feel_rate_rad_per_s;
-    /// Torque that the feel computer hears: of a law with an observer, its estimate of the pilot's.
+    /// Torque that the feel computer receives: of a law with an observer, its estimate of the pilot's.
     feel_torque_n_m;
     /// Trimmed neutral.
     neutral_rad;

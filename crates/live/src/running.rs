@@ -28,7 +28,7 @@ pub struct AxisPlan {
     pub controller: Controller,
     /// The machine.
     pub machine: Box<dyn InputOutput>,
-    /// Wishes with the cycle before which each is taken.
+    /// Requests with the cycle before which each is taken.
     pub requests: Vec<(u64, LoopRequest)>,
     /// Beats of the clock from one of its cycles to the next.
     pub every: u64,
@@ -81,8 +81,8 @@ struct Recorded {
 
 /// Rows for which the ring has room: 3 s of a loop at 5 kHz.
 const ROWS: usize = 1 << 14;
-/// Wishes and disturbances for which it has.
-const WISHES: usize = 64;
+/// Requests and disturbances for which it has.
+const REQUESTS: usize = 64;
 /// How long what takes the rows sleeps, and so what a process that is killed loses of its record; by the clock the ring has room for 3 s.
 const NAP: Duration = Duration::from_millis(5);
 /// The same in virtual time, where the ring is full after some 6 ms; each time it wakes, it may cost a cycle some 50 us.
@@ -105,16 +105,16 @@ impl Running {
         let mut run = Axes { axes: Vec::new(), links, beats: 0 };
         let (mut kept, mut running) = (Vec::new(), Vec::new());
         for AxisPlan { controller, machine, requests: plan, every: beats, stops } in axes {
-            let (requests, taken_wishes) = RingBuffer::new(WISHES);
-            let (disturbances, taken_disturbances) = RingBuffer::new(WISHES);
+            let (requests, taken_requests) = RingBuffer::new(REQUESTS);
+            let (disturbances, taken_disturbances) = RingBuffer::new(REQUESTS);
             let (rows, told_rows) = RingBuffer::new(ROWS);
-            let (taken, told_wishes) = RingBuffer::new(WISHES);
+            let (taken, told_requests) = RingBuffer::new(REQUESTS);
             let (status, in_memory) = (Arc::new(Status::default()), Arc::new(Mutex::default()));
             let cycles = Cycles {
                 controller,
                 machine,
                 plan,
-                requests: taken_wishes,
+                requests: taken_requests,
                 host: of_host.as_mut().and_then(Iterator::next),
                 disturbances: taken_disturbances,
                 rows,
@@ -125,7 +125,7 @@ impl Running {
             };
             run.axes.push(Axis { cycles, every: beats, stops, stopped: false });
             let (rows, thinning) = (told_rows, Thinning::new(every));
-            kept.push(KeptAxis { rows, requests: told_wishes, thinning, in_memory: Arc::clone(&in_memory) });
+            kept.push(KeptAxis { rows, requests: told_requests, thinning, in_memory: Arc::clone(&in_memory) });
             running.push(Self {
                 asks: Mutex::new((requests, disturbances)),
                 status,
@@ -185,7 +185,7 @@ impl Running {
         self.granted.get()
     }
 
-    /// What was heard of a host; nothing where none is listened to.
+    /// What was received of a host; nothing where none is listened to.
     pub fn host_status(&self) -> Option<&HostStatus> {
         self.host_status.as_deref()
     }

@@ -140,8 +140,8 @@ pub struct ContactState<S> {
     last: S,
     /// Swings in a row that count.
     swings: S,
-    /// Way of the torque, -1 or 1, its extreme on this way, the angle there, and the time since the way before ended, in s.
-    way: S,
+    /// Direction in which the torque changes, -1 or 1, its extreme so far, the angle there, and the time in s since the last turn.
+    direction: S,
     turn: S,
     turn_angle: S,
     since_turn: S,
@@ -185,7 +185,7 @@ impl<S: Scalar> ContactState<S> {
             extreme_angle: angle,
             last: zero,
             swings: zero,
-            way: one,
+            direction: one,
             turn: torque,
             turn_angle: angle,
             since_turn: one,
@@ -212,7 +212,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
         visitor.nonlinear("contact_last", &mut self.last);
         visitor.nonlinear("contact_swings", &mut self.swings);
-        visitor.nonlinear("contact_way", &mut self.way);
+        visitor.nonlinear("contact_direction", &mut self.direction);
         visitor.nonlinear("contact_turn", &mut self.turn);
         visitor.nonlinear("contact_turn_angle", &mut self.turn_angle);
         visitor.nonlinear("contact_since_turn", &mut self.since_turn);
@@ -288,7 +288,7 @@ impl<S: Scalar> ContactLaw<S> {
             & (was.before * was.side).less(-moves)
             & moves.less(now_rate * was.side);
         let touches = zero.less(was.share);
-        let back = (was.turn - torque) * was.way;
+        let back = (was.turn - torque) * was.direction;
         let turns_back = self.threshold.times(2.0).less(back) & zero.less(self.threshold);
         let counts_turn =
             (self.environment * (angle - was.turn_angle).abs()).less(back) & was.since_turn.less(self.quick);
@@ -334,7 +334,7 @@ impl<S: Scalar> ContactLaw<S> {
             extreme_angle: S::select(larger, angle, was.extreme_angle),
             last: S::select(to_other_side, peak_before, was.last),
             swings,
-            way: S::select(turns_back, -was.way, was.way),
+            direction: S::select(turns_back, -was.direction, was.direction),
             turn: S::select(onward, torque, was.turn),
             turn_angle: S::select(onward, angle, was.turn_angle),
             since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),

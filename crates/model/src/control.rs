@@ -118,7 +118,7 @@ pub struct Sample<S> {
 pub struct ControlOutput<S> {
     /// Command, before anything limits it.
     pub command: S,
-    /// Torque that the feel computer hears: of a law with an observer, its estimate of the pilot's.
+    /// Torque that the feel computer receives: of a law with an observer, its estimate of the pilot's.
     pub torque: S,
     /// Rate of the column's base over the last period in m/s.
     pub base_rate: S,

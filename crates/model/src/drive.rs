@@ -46,9 +46,9 @@ use crate::run::Shared;
 pub struct Coupling<S: Scalar> {
     /// Acceleration of the base per newton of the link's force.
     pub base_per_force: S,
-    /// Acceleration of the feel per newton that it hears at once, without a lag or a sample between.
+    /// Acceleration of the feel per newton that it receives at once, without a lag or a sample between.
     pub feel_per_force: S,
-    /// Whether it hears the load cell so.
+    /// Whether it receives the load cell so.
     pub direct: S::Mask,
 }
 

@@ -4,13 +4,13 @@
 //!
 //! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
 //! `g` what was learnt beyond it, `g_-`, `g_+` its bounds, `h` what is trusted of it · `U` what both may be off by · `v_s` slow · `l` leak ·
-//! `T_o` torque that the observer estimates · `T` torque that the feel computer hears · `a` gain · `q` torque of a hand · `c` blur · `d` trust
+//! `T_o` torque that the observer estimates · `T` torque that the feel computer receives · `a` gain · `q` torque of a hand · `c` blur · `d` trust
 //!
 //! | | |
 //! |---|---|
 //! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
 //! | `(F + g) [s-, s+]`, `s-+ = sat(2 (v -+ v_s) / v_s)` | torques of the friction that the rate allows: all at rest, one in motion |
-//! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is heard drifts to what is measured, with the hand off to nothing |
+//! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is received drifts to what is measured, with the hand off to nothing |
 //! | `T+ = T'`, as near as `T_o - f + (F + g) [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
 //! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
 //! | `h+ = h + d (g - h)` there | trusted once it has held for a while |
@@ -74,7 +74,7 @@ const ONE_WAY: f64 = 0.8;
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrictionState<S> {
-    /// Torque that the feel computer heard last.
+    /// Torque that the feel computer received last.
     pub feel_torque: S,
     /// Friction that was learnt beyond what is stated.
     pub learnt: S,
@@ -87,7 +87,7 @@ pub struct FrictionState<S> {
 }
 
 impl<S: Scalar> FrictionState<S> {
-    /// Nothing learnt yet, the hand's torque as it is heard.
+    /// Nothing learnt yet, the hand's torque as it is received.
     #[inline(always)]
     pub fn initial(feel_torque: S) -> Self {
         Self {
@@ -143,7 +143,7 @@ impl<S: Scalar> KnownFriction<S> {
         Self::take(|| zero)
     }
 
-    /// What is recalled at the next sample, what is heard now among it, and the friction that the observer's plant is told.
+    /// What is recalled at the next sample, what is received now among it, and the friction that the observer's plant is told.
     #[inline(always)]
     pub fn friction_torque(
         &self,

@@ -1,4 +1,4 @@
-//! Load cell: what the feel computer hears of the pilot, the right-hand side of eq. (12).
+//! Load cell: what the feel computer receives of the pilot, the right-hand side of eq. (12).
 //!
 //! `K_1` transducer gain · `F_c` load cell force · `e_F` its signal · `G_max` scale of the computer
 //!

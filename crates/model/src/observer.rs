@@ -1,7 +1,7 @@
 //! Sampled law with an observer, as data: what a digital controller runs in place of fixed gains.
 //!
 //! `xi` its state · `y = [F_c, x_p, theta, F_g]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate ·
-//! `e` command · `T` torque that the feel computer hears
+//! `e` command · `T` torque that the feel computer receives
 //!
 //! | | |
 //! |---|---|

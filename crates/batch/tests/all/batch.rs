@@ -277,7 +277,7 @@ fn fixed_law_meets_each_loader_and_gains_are_told_its_geometry() {
 }
 
 #[test]
-fn only_a_law_that_hears_more_than_the_position_loop_feeds_back() {
+fn only_a_law_that_receives_more_than_the_position_loop_feeds_back() {
     let p = Parameters::elevator();
     assert!(!Law::Original.feeds_back());
     assert!(!Law::Fixed(Compensator::original(&p)).feeds_back());

@@ -144,7 +144,7 @@ fn law_replayed_on_its_samples_gives_the_currents_of_the_run() {
         let law = Sampled::estimating(&p, gains, PERIOD, 0.3);
         let (_, found) = run(&job(&inputs, &[p.values()], Law::Observers(&[law.numbers()])), 1);
         let history: Vec<&[f64]> = rows(&found, &inputs).collect();
-        // The amplifier answers a command up to its largest current, and the law hears what it answers.
+        // The amplifier answers a command up to its largest current, and the law receives what it answers.
         let range = p.amplifier.current_limit / p.amplifier.admittance;
         let (mut xi, mut cut) = (Sampled::at_neutral(), 0);
         for step in (0..inputs.len() - TIMING.delay).step_by(TIMING.period) {

@@ -45,7 +45,7 @@ pub struct Hydraulic<S> {
     base_impulse: S,
     /// `r c kappa / I`: the same for the feel.
     feel_impulse: S,
-    /// `A` where the feel computer hears the load cell directly, zero where the load cell is sampled or lags.
+    /// `A` where the feel computer receives the load cell directly, zero where the load cell is sampled or lags.
     direct: S,
     per_area: S,
 }

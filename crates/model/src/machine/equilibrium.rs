@@ -117,7 +117,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let (center, reach) = (theta * feel.per_angle, feel.per_angle.times(SEARCH_RAD));
             let free = bisect((center - reach, center + reach), Equilibrium::neutral(center.zero()), |delta| {
                 let conditions = FeelConditions::at_rest(neutral, stiffness_factor, delta);
-                let driven = self.heard(shared, x_b, delta, &conditions);
+                let driven = self.received(shared, x_b, delta, &conditions);
                 self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
             });
             // At a hard stop the feel takes any torque.
@@ -168,7 +168,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         })
     }
 
-    /// Whether the feel computer hears nothing of the load cell, as in a servo on its own.
+    /// Whether the feel computer receives nothing of the load cell, as in a servo on its own.
     fn is_deaf(&self) -> bool {
         let arm = self.control.law.load_cell_arm;
         !S::any(arm.zero().less(arm.abs()))
@@ -180,8 +180,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
     }
 
-    /// Effort at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
-    fn heard(&self, shared: &Shared, x_b: S, delta: S, conditions: &FeelConditions<S>) -> (S, S) {
+    /// Effort at which the feel computer receives what its spring asks for at a programmed displacement, and the link's stretch.
+    fn received(&self, shared: &Shared, x_b: S, delta: S, conditions: &FeelConditions<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, conditions)
@@ -190,7 +190,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let by_feel = self.control.observer.feel_torque_at_rest(delta, trimmed(effects, conditions.neutral));
             self.observed_equilibrium(effects, x_b, spring - by_feel)
         } else {
-            self.heard_equilibrium(spring)
+            self.received_equilibrium(spring)
         }
     }
 
@@ -240,13 +240,13 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         -pull / self.column.per_pilot_force
     }
 
-    /// Effort at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
-    fn heard_equilibrium(&self, torque: S) -> (S, S) {
+    /// Effort at which the load cell is received as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
+    fn received_equilibrium(&self, torque: S) -> (S, S) {
         let effort = self.drive.effort(-torque / self.control.law.load_cell_arm - self.transducers.offset[0]);
         (effort, self.drive.stretch_at_rest(effort))
     }
 
-    /// Effort and stretch at which an observer hears the torque `T` of the sensors in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_g F_g`.
+    /// Effort and stretch at which an observer receives the torque `T` of the sensors in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_g F_g`.
     ///
     /// Where the drive hangs free within the link's play, there is no effort, and the law says where it hangs.
     fn observed_equilibrium(&self, effects: &Effects, x_b: S, torque: S) -> (S, S) {

@@ -1,6 +1,6 @@
 //! Loaders held where the feel asks for more than the drive gives, under a law with an observer.
 //!
-//! `e` command as the amplifier answers it · `y` what is sampled · `xi` state of the law · `T` torque that it hears · `delta`, `delta'`
+//! `e` command as the amplifier answers it · `y` what is sampled · `xi` state of the law · `T` torque that it receives · `delta`, `delta'`
 //! the feel · `x` how far the command is beyond its limit, as a displacement, and `a_w` how fast the feel gives way by it
 //!
 //! The state that a law settles at by itself, `xi = R [y; delta]`, is that of the command that it asks for. At a limit it is told

@@ -1,4 +1,4 @@
-//! What sensors measure and show in a step under the analog law, and what the feel computer hears of it.
+//! What sensors measure and show in a step under the analog law, and what the feel computer receives of it.
 
 use super::step::Stage;
 use super::{Machine, Snapshot, State};
@@ -14,7 +14,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         [now.force, now.position, now.base, now.force.zero()]
     }
 
-    /// The same with the force at the grip, of which only a digital controller hears.
+    /// The same with the force at the grip, of which only a digital controller receives.
     #[inline(always)]
     pub(super) fn measured_at_grip(
         &self,
@@ -61,9 +61,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         (shown, base_rate)
     }
 
-    /// Torque that an analog feel computer hears where the load cell shows `force`.
+    /// Torque that an analog feel computer receives where the load cell shows `force`.
     #[inline(always)]
-    pub(super) fn heard_torque(&self, force: S, now: &Snapshot<S, D>) -> S {
+    pub(super) fn received_torque(&self, force: S, now: &Snapshot<S, D>) -> S {
         self.control.law.feel_torque(self.drive.feel_force(force, now))
     }
 }

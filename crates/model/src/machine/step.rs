@@ -134,7 +134,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         } else {
             let ([force, piston, base, _], base_rate) = self.shown(stage, now);
             let conditions = self.feel_conditions(effects, stage.state, stage.inputs, stage.moment);
-            let torque = self.heard_torque(force, now);
+            let torque = self.received_torque(force, now);
             let fade = stage.moment.of(stage.inputs.fade);
             let computer = self.feel_computer(stage.shared, fade);
             feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &conditions)];

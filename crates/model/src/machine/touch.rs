@@ -106,7 +106,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let end = self.look(&shared.effects, &step_start.side, &state.slow, state, (pilot_force, delta.zero()));
         let ([force, ..], _) = self.shown(&stage, &end);
         let conditions = self.feel_conditions(&shared.effects, state, inputs, StepFraction::End);
-        let torque = self.heard_torque(force, &end);
+        let torque = self.received_torque(force, &end);
         self.feel_computer(shared, inputs.fade[1]).acceleration((delta, delta.zero()), torque, &conditions)
     }
 }

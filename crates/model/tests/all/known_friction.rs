@@ -47,16 +47,16 @@ fn output(law: &Observer<f64>, torque: f64, rate: f64, feel_torque: f64) -> LawO
 }
 
 #[test]
-fn in_motion_the_friction_is_told_to_the_plant_and_the_hand_is_heard_whatever_was_heard_before() {
+fn in_motion_the_friction_is_told_to_the_plant_and_the_hand_is_received_whatever_was_received_before() {
     let law = law(LEVEL, 0.01);
     for rate in [0.1, 1.0, -0.1, -1.0] {
         for feel_torque in [-20.0, 0.0, 20.0] {
             let output = output(&law, 2.0, rate, feel_torque);
             // f is within (v_s / v)^2 / 2 of F.
             assert_within(output.friction, LEVEL * rate.signum(), LEVEL * SLOW * SLOW / rate / rate);
-            // What was heard is as near as the level may be off.
-            let heard = 2.0 + (feel_torque * 0.99 - 2.0).clamp(-UNCERTAIN, UNCERTAIN);
-            assert_within(output.torque, heard, LEVEL * SLOW * SLOW / rate / rate);
+            // What was received is as near as the level may be off.
+            let received = 2.0 + (feel_torque * 0.99 - 2.0).clamp(-UNCERTAIN, UNCERTAIN);
+            assert_within(output.torque, received, LEVEL * SLOW * SLOW / rate / rate);
             let next = law.next(&[0.0; MOST_STATES], &[0.0; SAMPLED], 0.0, Some(output.friction));
             assert_within(next[0], -0.25 * output.friction, 1e-15);
         }
@@ -64,7 +64,7 @@ fn in_motion_the_friction_is_told_to_the_plant_and_the_hand_is_heard_whatever_wa
 }
 
 #[test]
-fn at_rest_what_is_heard_stays_until_the_friction_cannot_hold_it() {
+fn at_rest_what_is_received_stays_until_the_friction_cannot_hold_it() {
     let (law, play) = (law(LEVEL, 0.0), LEVEL + UNCERTAIN);
     let mut feel_torque = 0.0;
     for (torque, expected) in
@@ -76,7 +76,7 @@ fn at_rest_what_is_heard_stays_until_the_friction_cannot_hold_it() {
 }
 
 #[test]
-fn at_rest_what_is_heard_drifts_to_what_is_measured_under_a_hand_and_else_to_nothing() {
+fn at_rest_what_is_received_drifts_to_what_is_measured_under_a_hand_and_else_to_nothing() {
     let (leak, torque) = (0.025, 2.0);
     let law = law(LEVEL, leak);
     for (push, end) in [(HAND + 1.0, torque), (HAND - 1.0, 0.0)] {
@@ -109,7 +109,7 @@ fn at(law: &Observer<f64>, [torque, rate]: [f64; 2], state: FrictionState<f64>) 
 }
 
 #[test]
-fn law_without_friction_beside_one_with_it_hears_all() {
+fn law_without_friction_beside_one_with_it_receives_all() {
     let law = law(0.0, 0.0);
     for rate in [0.0, 1e-3, -2.0] {
         let output = output(&law, 1.7, rate, -5.0);

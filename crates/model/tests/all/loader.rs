@@ -136,7 +136,7 @@ fn state_feedback_weighs_every_state_and_shows_the_computer_the_pilots_torque() 
 }
 
 #[test]
-fn open_amplifier_hears_nothing() {
+fn open_amplifier_receives_nothing() {
     let law = Compensator::<f64>::none(&Parameters::elevator());
     assert_near(law.command(&[1.0; 7]), 0.0, 0.0);
     assert_near(law.feel_torque(1.0), 0.0, 0.0);

@@ -124,7 +124,7 @@ fn machine_held_at_an_angle_is_at_rest() {
 fn force_below_breakaway_moves_nothing_and_one_above_does() {
     let mut p = everything();
     p.linkage.backlash = 0.0;
-    // A law that hears the pilot's force would move the servo under the resting column.
+    // A law that receives the pilot's force would move the servo under the resting column.
     let deaf = core::array::from_fn(|k| if k == 6 { 0.0 } else { GAINS[k] });
     for run in
         [None, Some(deaf)].into_iter().flat_map(|gains| [None, Some(TIMING)].map(|timing| Run::new(&p, gains, timing)))

@@ -155,7 +155,7 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
     let p = Parameters::elevator();
     let (area, arm) = (p.actuator.area, p.column.base_arm);
     for _ in 0..DRAWS {
-        // It hears neither the base's rate nor the pilot's force.
+        // It receives neither the base's rate nor the pilot's force.
         let [piston, pressure, delta, delta_rate, base] = random(&mut draws);
         let law = Compensator::state_feedback(&p, [piston, pressure, delta, delta_rate, base, 0.0, 0.0]);
         let mut numbers = [0.0; NUMBERS];

@@ -7,7 +7,7 @@ use forcefeel_model::observer::{MOST_STATES, NUMBERS, SAMPLED};
 use forcefeel_model::parameters::Parameters;
 use nalgebra::{SMatrix, SVector};
 
-/// Gains of the size that the design gives, deaf to the pilot's force, which no observer hears.
+/// Gains of the size that the design gives, deaf to the pilot's force, which no observer receives.
 pub const DEAF: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, 0.0];
 
 /// Places in a row of `[xi; y; delta; delta']`, and in one of `[y; e]`.
@@ -56,7 +56,7 @@ impl Sampled {
     }
 
     /// The same with two estimates that leak: of what is missing at the command, which takes up all but a tenth of a constant
-    /// command, and of what the load cell shows beyond the stretch of the link, a share of which the feel computer hears.
+    /// command, and of what the load cell shows beyond the stretch of the link, a share of which the feel computer receives.
     pub fn estimating(p: &Parameters<f64>, gains: [f64; 7], period_s: f64, share: f64) -> Self {
         let mut law = Self::repeating(p, gains, period_s);
         let arm = p.column.base_arm;

@@ -35,7 +35,7 @@ impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
         (before - self.feel_impulse) * balance.pressure
     }
 
-    /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
+    /// Where the feel receives the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
     fn feel_force(&self, force: S, now: &RunSnapshot<S, Flow<S>>) -> S {
         force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
