@@ -187,7 +187,7 @@ def linked_sweep_conclusions(result: LinkedSweepResult, units: UnitSystem) -> Co
         low, high = (_text(name, spread.quantile(share), units) for share in (0.05, 0.95))
         ranking = [f"{key} ({rho:+.2f})" for key, rho in result.ranking(name)[:_LISTED]]
         influence = f" Largest effects: {', '.join(ranking)}." if ranking else ""
-        sentences.append(f"{LINKED_MEASURES[name][0].capitalize()}: {low} to {high} in nine of ten pairs.{influence}")
+        sentences.append(f"{LINKED_MEASURES[name][0].capitalize()}, nine of ten pairs: {low} to {high}.{influence}")
     if diverged.runs:
         interval = interval_text(diverged.low, diverged.high)
         sentences.insert(0, f"{diverged.runs:,} pairs diverged; of all such pairs {interval} do.")
