@@ -2,7 +2,12 @@
 
 import asyncio
 import math
+import os
+import select
 import struct
+import time
+import tty
+from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
@@ -11,7 +16,10 @@ import forcefeel as ff
 from tests.live.bus_wire import tapped
 from tests.live.test_bus import yoke
 
-moteus = pytest.importorskip("moteus")
+moteus, can = pytest.importorskip("moteus"), pytest.importorskip("can")
+
+HEARTBEAT, SET_STATE, ESTIMATES, SET_MODE, SET_TORQUE = 0x01, 0x07, 0x09, 0x0B, 0x0E
+"""Messages of CANSimple, by the maker's documents."""
 
 PADDING = 0x50
 FIRST_SOURCE, SOURCES = 96, 16
@@ -87,6 +95,96 @@ def test_driver_writes_the_frames_of_the_makers_client():
             expected = client.make_stop(query=True).data
         assert frame.rstrip(bytes([PADDING])) == expected.rstrip(bytes([PADDING]))
     assert enabled > 1000
+
+
+@contextmanager
+def slcan(port):
+    bus = can.Bus(interface="slcan", channel=port, bitrate=1_000_000, sleep_after_open=0.05)
+    try:
+        yield bus
+    finally:
+        bus.shutdown()
+
+
+def received(bus, number, timeout_s=5.0):
+    """The next frame of this number."""
+    end = time.monotonic() + timeout_s
+    while time.monotonic() < end:
+        message = bus.recv(0.1)
+        if message is not None and message.arbitration_id == number:
+            return bytes(message.data)
+    raise AssertionError(f"no frame {number:#x}")
+
+
+@pytest.mark.parametrize(("kind", "expired"), [("odrive", 1 << 24), ("odrive-0.5", 1 << 11)])
+def test_python_can_drives_the_emulated_odrive_until_its_watchdog(kind, expired):
+    node = 5
+    with ff.live.BusEmulator([yoke(kind, node=node)]) as emulator, slcan(emulator.port) as bus:
+
+        def write(command, data):
+            bus.send(can.Message(arbitration_id=node << 5 | command, data=data, is_extended_id=False))
+
+        def ask(command):
+            bus.send(can.Message(arbitration_id=node << 5 | command, is_remote_frame=True, dlc=8, is_extended_id=False))
+            return received(bus, node << 5 | command)
+
+        before, _ = struct.unpack("<ff", ask(ESTIMATES))
+        write(SET_MODE, struct.pack("<II", 1, 1))
+        write(SET_STATE, struct.pack("<I", 8))
+        for _ in range(30):
+            write(SET_TORQUE, struct.pack("<f", 0.5))
+            after, velocity = struct.unpack("<ff", ask(ESTIMATES))
+            time.sleep(0.002)
+        assert after > before + 1e-4
+        assert velocity > 0
+        time.sleep(0.3)
+        while bus.recv(0) is not None:
+            pass
+        error, state = struct.unpack_from("<IB", received(bus, node << 5 | HEARTBEAT))
+        assert (error, state) == (expired, 1)
+        write(SET_STATE, struct.pack("<I", 8))  # refused until errors are cleared
+        assert emulator.commands == [0.0]
+
+
+@pytest.mark.parametrize("kind", ["odrive", "odrive-0.5"])
+def test_driver_writes_can_simple_as_python_can_does(kind):
+    """Each line of our driver is that of python-can for the message of the maker's documents with the same content."""
+    node, loader = 5, yoke(kind, node=5)
+    with ff.live.BusEmulator([loader], real_time=False) as emulator, tapped(emulator.port) as (port, lines):
+        with ff.live.start(loader, "robust", endpoint=replace(loader.bus, port=port), real_time=False) as session:
+            session.on()
+            session.wait(2000)
+    ours = [line for line in lines if line[:1] in b"tTrR" and line]
+    messages = read_by_python_can(ours)
+    commands = [message.arbitration_id & 0x1F for message in messages if message.arbitration_id >> 5 == node]
+    first = commands.index(SET_MODE)
+    assert bytes(next(m for m in messages if m.arbitration_id == node << 5 | SET_MODE).data) == struct.pack("<II", 1, 1)
+    assert commands[first : first + 4] == [SET_MODE, SET_STATE, SET_TORQUE, ESTIMATES]
+    torques = [m for m in messages if m.arbitration_id == node << 5 | SET_TORQUE]
+    assert len(torques) > 1900
+    assert any(struct.unpack("<f", m.data)[0] != 0.0 for m in torques)
+    assert all(m.is_remote_frame for m in messages if m.arbitration_id in (node << 5 | ESTIMATES, 0x700 | node))
+
+
+def read_by_python_can(lines):
+    """Lines as python-can's own adapter reads them, which writes the same lines again."""
+    near, far = os.openpty()
+    tty.setraw(near)
+    bus = can.Bus(interface="slcan", channel=os.ttyname(far), bitrate=1_000_000, sleep_after_open=0.05)
+    messages = []
+    try:
+        while select.select([near], [], [], 0.05)[0]:
+            os.read(near, 4096)
+        for line in lines:
+            os.write(near, line + b"\r")
+            messages.append(bus.recv(2.0))
+            bus.send(messages[-1])
+            assert os.read(near, 4096).rstrip(b"\r") == line
+        return messages
+    finally:
+        bus.shutdown()
+        os.close(near)
+        os.close(far)
 
 
 def all_floats():

@@ -116,6 +116,8 @@ pub enum Action {
 pub trait Node {
     /// Takes a frame at a time in s, and answers; whether it was a command for it.
     fn take(&mut self, frame: &Frame, shown: &Shown, now_s: f64, send: Send) -> bool;
+    /// What it sends by itself, at a time in s.
+    fn tick(&mut self, _now_s: f64, _send: Send) {}
     /// What it does to its machine at a time in s.
     fn action(&mut self, now_s: f64) -> Action;
     /// Has the drive fail, with the maker's code.

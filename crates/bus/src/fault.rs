@@ -45,6 +45,10 @@ impl core::fmt::Display for Fault {
 
 /// What is added to the fault codes of a moteus.
 pub const MOTEUS: u16 = 100;
+/// What is added to the number of an error's bit of an ODrive with firmware 0.5.
+pub const ODRIVE_5: u16 = 300;
+/// The same with firmware 0.6.
+pub const ODRIVE_6: u16 = 400;
 
 /// Number, name and remedy of each fault.
 pub const FAULTS: &[(u16, &str, &str)] = &[
@@ -71,4 +75,36 @@ pub const FAULTS: &[(u16, &str, &str)] = &[
     (146, "moteus: timing violation", "lower servo.pwm_rate_hz"),
     (147, "moteus: BEMF feedforward without acceleration limit", "set servo.bemf_feedforward to 0"),
     (148, "moteus: invalid limits", "check servopos.position_min and max"),
+    (300, "ODrive: invalid state", "calibrate motor and encoder with odrivetool"),
+    (306, "ODrive: motor failed", "read axis.motor.error with odrivetool"),
+    (307, "ODrive: sensorless estimator failed", "use an encoder"),
+    (308, "ODrive: encoder failed", "read axis.encoder.error with odrivetool"),
+    (309, "ODrive: controller failed", "read axis.controller.error; check vel_limit and overspeed"),
+    (312, "ODrive: lower end stop pressed", "move the column off the end stop"),
+    (313, "ODrive: upper end stop pressed", "move the column off the end stop"),
+    (314, "ODrive: emergency stop requested", "release the stop, then acknowledge"),
+    (317, "ODrive: homing without end stop", "do not home the axis"),
+    (318, "ODrive: over temperature", "cool the drive, or lower the torque"),
+    (319, "ODrive: unknown position", "calibrate the encoder with odrivetool"),
+    (400, "ODrive: initializing", "wait until the drive has started"),
+    (401, "ODrive: system error", "restart the drive; read its error with odrivetool"),
+    (402, "ODrive: timing error", "read the error with odrivetool"),
+    (403, "ODrive: missing estimate", "calibrate the encoder with odrivetool"),
+    (404, "ODrive: bad configuration", "check the configuration with odrivetool"),
+    (405, "ODrive: driver fault", "check the motor's wiring and the supply"),
+    (406, "ODrive: missing input", "check the configured input"),
+    (408, "ODrive: DC bus over voltage", "absorb regenerated power: fit a brake resistor"),
+    (409, "ODrive: DC bus under voltage", "check the supply"),
+    (410, "ODrive: DC bus over current", "raise dc_max_positive_current, or lower the torque"),
+    (411, "ODrive: DC bus over regenerated current", "fit a brake resistor, or raise dc_max_negative_current"),
+    (412, "ODrive: current limit violation", "raise current_hard_max, or lower the torque"),
+    (413, "ODrive: motor over temperature", "cool the motor, or lower the torque"),
+    (414, "ODrive: inverter over temperature", "cool the drive, or lower the torque"),
+    (415, "ODrive: velocity limit violation", "raise vel_limit"),
+    (416, "ODrive: position limit violation", "move the column within the limits"),
+    (425, "ODrive: emergency stop requested", "release the stop, then acknowledge"),
+    (426, "ODrive: spinout detected", "check the encoder, and calibrate it"),
+    (427, "ODrive: brake resistor disarmed", "check the brake resistor"),
+    (428, "ODrive: thermistor disconnected", "check the thermistor's wiring"),
+    (430, "ODrive: calibration error", "calibrate with odrivetool"),
 ];

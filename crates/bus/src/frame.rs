@@ -14,8 +14,8 @@ pub struct Frame {
     pub remote: bool,
     /// Whether it is a frame of CAN FD.
     pub fd: bool,
-    size: u8,
-    bytes: [u8; MOST_BYTES],
+    pub(crate) size: u8,
+    pub(crate) bytes: [u8; MOST_BYTES],
 }
 
 impl Frame {

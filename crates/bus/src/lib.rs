@@ -6,7 +6,7 @@
 //! | what a drive may complain of, by name | [`fault`] |
 //! | a CAN frame, and the lines of a serial adapter that carry it | [`frame`], [`line`] |
 //! | revolutions and torque of a drive in the loader's units, and back | [`scale`] |
-//! | moteus: the loop's side, and a node that answers as one | [`moteus`], [`moteus_node`] |
+//! | moteus, ODrive: the loop's side, and a node that answers as one | [`moteus`], [`moteus_node`], [`odrive`], [`odrive_node`] |
 //!
 //! A new bus is a codec with its node here, and a row in [`protocol::Protocol`].
 #![no_std]
@@ -20,5 +20,7 @@ pub mod frame;
 pub mod line;
 pub mod moteus;
 pub mod moteus_node;
+pub mod odrive;
+pub mod odrive_node;
 pub mod protocol;
 pub mod scale;

@@ -3,6 +3,7 @@
 //! | adapter | a frame | |
 //! |---|---|---|
 //! | fdcanusb | `can send 8001 01000A b F *5B`, `rcv 100 2400 E F` | a check sum of 8 bits, where the other end takes one |
+//! | slcan | `t02E4CDCC4C3E`, a request `r0298`; `T` and `R` with 29 bits | classic CAN, ends with CR; BEL is an error |
 
 use crate::frame::{Frame, MOST_BYTES};
 use moteus_protocol::CanFdFrame;
@@ -18,6 +19,8 @@ pub const LINE: usize = MAX_LINE_LENGTH + 16;
 pub enum Adapter {
     /// The fdcanusb of mjbots, and a moteus at a serial port.
     Fdcanusb,
+    /// Lawicel's lines, which most USB adapters of classic CAN have.
+    Slcan,
 }
 
 impl Adapter {
@@ -25,6 +28,7 @@ impl Adapter {
     pub fn has_sums(self) -> bool {
         match self {
             Self::Fdcanusb => true,
+            Self::Slcan => false,
         }
     }
 
@@ -32,6 +36,8 @@ impl Adapter {
     pub fn opening(self) -> &'static [u8] {
         match self {
             Self::Fdcanusb => b"",
+            // Closed, 1 Mbit/s, open.
+            Self::Slcan => b"C\rS8\rO\r",
         }
     }
 }
@@ -74,11 +80,15 @@ impl Lines {
                 let count = encode_can_send(&can_fd(frame), &options, &mut bytes).unwrap_or(0);
                 (bytes, count)
             }
+            Adapter::Slcan => slcan(frame),
         }
     }
 
     /// The bytes of a frame that an adapter gives, and their number.
     pub fn give(&self, frame: &Frame) -> ([u8; LINE], usize) {
+        if self.adapter == Adapter::Slcan {
+            return slcan(frame);
+        }
         let mut line = Text::new();
         line.put(b"rcv ");
         line.hex(frame.id, if frame.id > 0xffff { 8 } else { 4 });
@@ -91,6 +101,10 @@ impl Lines {
     /// The bytes by which an adapter says that it has sent a frame, or could not; their number.
     pub fn acknowledge(&self, sent: bool) -> ([u8; LINE], usize) {
         let mut line = Text::new();
+        if self.adapter == Adapter::Slcan {
+            line.put(if sent { b"\r" } else { b"\x07" });
+            return (line.bytes, line.count);
+        }
         line.put(if sent { b"OK" } else { b"ERR bus off" });
         self.end(line)
     }
@@ -108,6 +122,10 @@ impl Lines {
 
     /// Takes a byte: the line that it ends, if it does.
     pub fn take(&mut self, byte: u8) -> Option<Line> {
+        if byte == BELL && self.adapter == Adapter::Slcan {
+            (self.count, self.spoiled) = (0, false);
+            return Some(Line::Error);
+        }
         if byte != b'\n' && byte != b'\r' {
             self.spoiled |= self.count == LINE;
             if !self.spoiled {
@@ -123,6 +141,9 @@ impl Lines {
 
     fn read(&mut self, count: usize) -> Line {
         let line = self.line;
+        if self.adapter == Adapter::Slcan {
+            return slcan_of(&line[..count]).map_or(Line::Other, Line::Frame);
+        }
         let (text, summed, good) = strip_checksum(&line[..count]);
         if if summed { !good } else { self.checked && text.starts_with(b"rcv") } {
             return Line::Other;
@@ -145,6 +166,51 @@ fn frame_of(line: &[u8]) -> Line {
         let id = came.arbitration_id & 0x1fff_ffff;
         Line::Frame(Frame::fd(id, came.payload()))
     })
+}
+
+/// The line of an error of slcan.
+const BELL: u8 = 7;
+
+fn slcan(frame: &Frame) -> ([u8; LINE], usize) {
+    let mut line = Text::new();
+    let kind: &[u8] = match (frame.remote, frame.extended) {
+        (false, false) => b"t",
+        (false, true) => b"T",
+        (true, false) => b"r",
+        (true, true) => b"R",
+    };
+    line.put(kind);
+    line.hex(frame.id, if frame.extended { 8 } else { 3 });
+    // A request states the length of its answer.
+    let count = if frame.remote { 8 } else { frame.data().len().min(8) };
+    line.hex(u32::try_from(count).unwrap_or(0), 1);
+    frame.data().iter().take(8).for_each(|&byte| line.hex(u32::from(byte), 2));
+    line.put(b"\r");
+    (line.bytes, line.count)
+}
+
+fn slcan_of(line: &[u8]) -> Option<Frame> {
+    let (&kind, rest) = line.split_first()?;
+    let (remote, extended) = (kind == b'r' || kind == b'R', kind == b'T' || kind == b'R');
+    if !(remote || extended || kind == b't') {
+        return None;
+    }
+    let (id, rest) = rest.split_at_checked(if extended { 8 } else { 3 })?;
+    let (count, digits) = rest.split_first()?;
+    let count = usize::try_from(hex(&[*count])?).ok().filter(|count| *count <= 8)?;
+    let mut data = [0; 8];
+    if !remote {
+        // An adapter may add the time behind the data.
+        for (byte, pair) in data[..count].iter_mut().zip(digits.get(..2 * count)?.chunks_exact(2)) {
+            *byte = u8::try_from(hex(pair)?).ok()?;
+        }
+    }
+    let id = hex(id).filter(|id| *id <= if extended { 0x1fff_ffff } else { 0x7ff })?;
+    Some(Frame { extended, remote, ..Frame::new(id, if remote { &[] } else { &data[..count] }) })
+}
+
+fn hex(digits: &[u8]) -> Option<u32> {
+    digits.iter().try_fold(0, |number, &digit| Some(number << 4 | char::from(digit).to_digit(16)?))
 }
 
 fn can_fd(frame: &Frame) -> CanFdFrame {

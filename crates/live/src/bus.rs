@@ -16,6 +16,7 @@ use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::{Scale, Wiring};
 use forcefeel_model::control::Sample;
 use forcefeel_model::parameters::Parameters;
+use std::cmp::Reverse;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -27,7 +28,7 @@ const SILENT: u32 = 16;
 const PATIENCE: Duration = Duration::from_millis(100);
 const TRIES: usize = 3;
 /// How long an answer is waited for in virtual time.
-const VIRTUAL_PATIENCE: Duration = Duration::from_secs(2);
+const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
 /// A node as a loader file has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +76,9 @@ impl Bus {
                 None => carrier.wait(left),
             }
         }
-        answers.sort_by_key(|identity: &Identity| (identity.node, identity.serial));
-        answers.dedup();
+        // Of one node the fullest answer first; two nodes of a number differ by their serial number.
+        answers.sort_by_key(|it: &Identity| (it.node, it.serial, Reverse(it.registers)));
+        answers.dedup_by_key(|it| (it.node, it.serial));
         answers
     }
 

@@ -87,6 +87,8 @@ struct Axis {
     damping: [f64; 2],
     command: f64,
     period: usize,
+    /// Time of its machine in s.
+    time_s: f64,
 }
 
 /// A loader at a node: its setup, kind and number, and how it is wired.
@@ -171,15 +173,17 @@ impl Axis {
             damping: [damping, parameters.current_loop.current_limit],
             command: 0.0,
             period,
+            time_s: 0.0,
         }
     }
 
-    /// Steps of the machine, with what the drive does at a time.
-    fn advance(&mut self, steps: usize, now_s: f64) {
+    /// Steps of the machine, with what the drive does.
+    fn advance(&mut self, steps: usize) {
         for _ in 0..steps {
+            self.time_s += self.machine.step_s();
             let speed = self.shown.velocity;
             let [per_speed, most] = self.damping;
-            self.command = match self.node.action(now_s) {
+            self.command = match self.node.action(self.time_s) {
                 Action::Free => 0.0,
                 Action::Torque(torque) => self.scale.command(torque),
                 Action::Damp => (-per_speed * self.scale.speed(speed)).clamp(-most, most),
@@ -209,7 +213,6 @@ struct Wire {
 impl Wire {
     fn run(mut self, by_clock: bool) {
         let begun = Instant::now();
-        let mut steps = vec![0.0; self.axes.len()];
         let mut bytes = [0; 512];
         while !self.shared.end.load(Relaxed) {
             let asked = core::mem::take(&mut *locked(&self.shared.asked));
@@ -218,21 +221,20 @@ impl Wire {
             }
             if by_clock {
                 let now_s = begun.elapsed().as_secs_f64();
-                for (axis, taken) in self.axes.iter_mut().zip(&mut steps) {
-                    let step_s = axis.machine.step_s();
-                    *taken = f64::max(*taken, now_s - MOST_BEHIND_S);
-                    while *taken + step_s <= now_s {
-                        *taken += step_s;
-                        axis.advance(1, *taken);
+                for axis in &mut self.axes {
+                    axis.time_s = axis.time_s.max(now_s - MOST_BEHIND_S);
+                    while axis.time_s + axis.machine.step_s() <= now_s {
+                        axis.advance(1);
                     }
                 }
             }
+            // Where machines wait for commands, what they send by themselves is still of the clock.
+            self.tick(if by_clock { 0.0 } else { begun.elapsed().as_secs_f64() });
             *locked(&self.shared.seen) = self.axes.iter().map(|axis| [axis.command, axis.machine.angle()]).collect();
             let count = self.serial.read(&mut bytes);
-            let now_s = begun.elapsed().as_secs_f64();
             for &byte in &bytes[..count] {
                 if let Some(Line::Frame(frame)) = self.lines.take(byte) {
-                    self.frame(&frame, now_s, by_clock);
+                    self.frame(&frame, by_clock);
                 }
             }
             if count == 0 {
@@ -256,7 +258,20 @@ impl Wire {
         }
     }
 
-    fn frame(&mut self, frame: &Frame, now_s: f64, by_clock: bool) {
+    /// What the nodes send by themselves.
+    fn tick(&mut self, more_s: f64) {
+        let cut = matches!(self.fault, Some((WireFault::Gone | WireFault::BusOff | WireFault::Lost, 1)));
+        for axis in &mut self.axes {
+            axis.node.tick(axis.time_s + more_s, &mut |frame| {
+                let (bytes, count) = self.lines.give(frame);
+                if !cut {
+                    self.serial.write(&bytes[..count]);
+                }
+            });
+        }
+    }
+
+    fn frame(&mut self, frame: &Frame, by_clock: bool) {
         let fault = self.fault.map(|(fault, _)| fault);
         let sent = fault != Some(WireFault::BusOff);
         let (bytes, count) = self.lines.acknowledge(sent);
@@ -268,9 +283,9 @@ impl Wire {
             let mut answers = vec![];
             let axis = &mut self.axes[place];
             let shown = axis.shown;
-            let commanded = axis.node.take(frame, &shown, now_s, &mut |answer| answers.push(*answer));
+            let commanded = axis.node.take(frame, &shown, axis.time_s, &mut |answer| answers.push(*answer));
             if commanded && !by_clock {
-                axis.advance(axis.period, now_s);
+                axis.advance(axis.period);
             }
             for answer in answers {
                 self.answer(&answer);

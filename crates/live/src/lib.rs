@@ -3,7 +3,7 @@
 //! | question | file |
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
-//! | or on a bus of drives: their nodes, the port, a port with emulated drives | [`bus`], [`carrier`], [`serial`], [`emulator`] |
+//! | or on a bus of drives: their nodes, the port, a port with emulated drives | [`bus`], [`carrier`], [`serial`], `socket_can`, [`emulator`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
@@ -41,6 +41,8 @@ pub mod serial;
 pub mod setup;
 pub mod simulated;
 pub mod simulated_pair;
+#[cfg(target_os = "linux")]
+pub mod socket_can;
 pub mod status;
 pub mod supervision;
 pub mod thinning;

@@ -2,14 +2,18 @@
 
 use crate::errors::refused;
 use forcefeel_bus::fault::Fault;
+use forcefeel_bus::line::Adapter;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::Wiring;
 use forcefeel_live::bus::{Bus, NodeSettings, OnBus};
-use forcefeel_live::carrier::SerialAdapter;
+use forcefeel_live::carrier::{Carrier, SerialAdapter};
 use forcefeel_live::setup::Setup;
+#[cfg(target_os = "linux")]
+use forcefeel_live::socket_can::SocketCan;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -39,14 +43,22 @@ impl Ports {
         let (settings, port) = (node.settings()?, &node.1);
         let named = |why: String| PyOSError::new_err(format!("{port}: {why}"));
         if !self.0.contains_key(port) {
-            let carrier = SerialAdapter::open(Path::new(port), settings.protocol.adapter());
-            let carrier = carrier.map_err(|error| named(error.to_string()))?;
-            self.0.insert(port.clone(), Arc::new(Mutex::new(Bus::new(Box::new(carrier)))));
+            let carrier = open(port, settings.protocol.adapter()).map_err(|error| named(error.to_string()))?;
+            self.0.insert(port.clone(), Arc::new(Mutex::new(Bus::new(carrier))));
         }
         let period_s = by_clock.then(|| setup.period_s());
         let bus = &self.0[port];
         py.detach(|| OnBus::connect(bus, &setup.parameters(), &settings, period_s)).map_err(named)
     }
+}
+
+/// The carrier at a port: an interface of CAN where it is no path.
+fn open(port: &str, adapter: Adapter) -> io::Result<Box<dyn Carrier>> {
+    #[cfg(target_os = "linux")]
+    if !port.contains('/') {
+        return Ok(Box::new(SocketCan::open(port)?));
+    }
+    Ok(Box::new(SerialAdapter::open(Path::new(port), adapter)?))
 }
 
 /// Name and remedy of a fault of drive or bus by its number; nothing of zero.

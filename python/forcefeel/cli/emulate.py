@@ -23,7 +23,7 @@ class EmulateOptions(LoaderOptions, OutputOptions):
     """The options of ``forcefeel emulate``."""
 
     bus: Annotated[
-        Literal["moteus"] | None,
+        Literal["moteus", "odrive", "odrive-0.5"] | None,
         option(
             "Kind of drive, for a loader without the table [bus]: with load cell and column encoder at the drive.",
             BUS,
@@ -44,9 +44,9 @@ class EmulateOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOptions()) -> None:
     """Run a loader's simulated machine behind its drive's bus: a serial port that any client of the drive opens.
 
-    Prints the port, then the table [bus] of each loader. The port of a moteus has the lines of the fdcanusb adapter, with check
-    sums: forcefeel run --machine bus opens it, as do moteus_tool and the Python package moteus. Of a project
-    all axes are on one bus.
+    Prints the port, then the table [bus] of each loader. forcefeel run --machine bus opens it. So does any client: of
+    moteus, whose port has the lines of the fdcanusb adapter, moteus_tool and the Python package moteus; of ODrive, whose port is an
+    slcan adapter, python-can with interface="slcan". Of a project all axes are on one bus.
 
     Example: forcefeel emulate desktop-yoke --bus moteus --port yoke-bus
     """

@@ -128,7 +128,7 @@ class BusEmulator:
         self._emulator.break_wire(fault or "", every, by)
 
     def fail(self, code: int, axis: int = 0) -> None:
-        """Have a drive fail with a code of its maker, such as 40, under voltage, of a moteus."""
+        """Have a drive fail: with a code of a moteus, such as 40, under voltage, or with a bit of the error of an ODrive."""
         self._emulator.fail(axis, code)
 
     def restart(self, axis: int = 0) -> None:

@@ -25,13 +25,13 @@ class Bus:
     """Where a loader's drive is, and what is wired to it.
 
     Attributes:
-        kind: ``moteus``, or ``udp`` for a machine over the network.
+        kind: ``moteus``; ``odrive`` with firmware 0.6 or ``odrive-0.5``; or ``udp`` for a machine over the network.
         port: Serial port of the adapter, such as ``/dev/ttyACM0``; of ``udp`` its address, ``host:port``.
         node: Number of the drive on the bus.
         gear: Turns of the motor per turn that the drive states; negative if they run against each other.
         zero_rad: Angle that the drive states with the column at neutral.
-        watchdog_s: Time without a command after which the drive damps by itself.
-        load_cell_n: Force of the load cell at the end of the drive's analog input; ``None`` without one.
+        watchdog_s: Time without a command after which a moteus damps by itself; an ODrive has a setting of its own.
+        load_cell_n: Force of the load cell at the end of the input's range; ``None`` without one.
         column_gear: Turns of the column per turn of its encoder at the drive; ``None`` without one.
         column_zero_rad: Angle of that encoder with the column at neutral.
         grip_sensor_n: As ``load_cell_n``, of the force sensor at the grip.
@@ -98,7 +98,7 @@ class Bus:
 
 
 _FILE: Mapping[str, tuple[str, str, str, str]] = {
-    "kind": ("kind", "", "moteus", "moteus, or udp for a machine over the network"),
+    "kind": ("kind", "", "moteus", "moteus, odrive, odrive-0.5, or udp for a machine over the network"),
     "port": ("port", "", "/dev/ttyACM0", "serial port of the adapter; of udp host:port"),
     "node": ("node", "", "1", "number of the drive on the bus"),
     "gear": (
@@ -108,8 +108,8 @@ _FILE: Mapping[str, tuple[str, str, str, str]] = {
         "turns of the motor per turn that the drive states; negative if they run against each other",
     ),
     "zero": ("zero_rad", "rad", "0 deg", "angle that the drive states with the column at neutral"),
-    "watchdog": ("watchdog_s", "s", "100 ms", "time without a command after which the drive damps by itself"),
-    "load_cell": ("load_cell_n", "N", "400 N", "force at the end of the drive's analog input; none unless given"),
+    "watchdog": ("watchdog_s", "s", "100 ms", "time without a command after which a moteus damps by itself"),
+    "load_cell": ("load_cell_n", "N", "400 N", "force at the end of the input's range; none unless given"),
     "column_gear": ("column_gear", "", "1", "turns of the column per turn of its encoder; none unless given"),
     "column_zero": ("column_zero_rad", "rad", "0 deg", "angle of that encoder with the column at neutral"),
     "grip_sensor": ("grip_sensor_n", "N", "100 N", "the same of the force sensor at the grip"),
