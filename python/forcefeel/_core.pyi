@@ -23,6 +23,7 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "BoardAxis",
+    "BusEmulator",
     "ExportedLaw",
     "ExportedPair",
     "FlownFeel",
@@ -42,11 +43,13 @@ __all__ = [
     "ThreadsError",
     "ValveStatics",
     "board_sources",
+    "bus_kinds",
     "channels",
     "column_grip_force",
     "compliant",
     "design_plant",
     "discretize",
+    "drive_fault",
     "electric_plant",
     "fault_kinds",
     "feel_frequencies",
@@ -666,7 +669,7 @@ class LiveLoop:
 
     def request(self, name: str, numbers: Sequence[float]) -> bool: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool: ...
-    def status(self) -> tuple[int, int, int, int, int, int, int, bool]: ...
+    def status(self) -> tuple[int, int, int, int, int, int, int, int, bool]: ...
     def recorded(self) -> tuple[int, int, str | None]: ...
     def host_status(self) -> tuple[str, int, int, tuple[str, float | None] | None, str | None] | None: ...
     def history(self, since: float, most: int) -> _Array: ...
@@ -682,6 +685,27 @@ class LiveMachine:
     def read(self) -> list[float] | None: ...
     def write(self, command: float, enable: bool) -> None: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
+
+_Node: TypeAlias = tuple[
+    str, str, int, tuple[float, float, float | None, tuple[float, float] | None, float | None], float
+]
+
+@final
+class BusEmulator:
+    """Machines of loaders as nodes of a bus, behind a pseudo terminal."""
+
+    def __new__(cls, nodes: Sequence[tuple[LiveSetup, _Node, _Script | None]], *, by_clock: bool = True) -> Self: ...
+    @property
+    def port(self) -> Path: ...
+    def break_wire(self, name: str, every: int, by: int) -> None: ...
+    def fail(self, axis: int, code: int) -> None: ...
+    def restart(self, axis: int) -> None: ...
+    def disturb(self, axis: int, name: str, sensor: int = 0, number: float | None = None) -> None: ...
+    def seen(self) -> list[list[float]]: ...
+    def end(self) -> None: ...
+
+def bus_kinds() -> list[tuple[str, int, int]]: ...
+def drive_fault(number: int) -> tuple[str, str] | None: ...
 
 @final
 class LockStep:
@@ -707,7 +731,7 @@ def start_loops(
         tuple[
             LiveSetup,
             _Script | None,
-            str | None,
+            str | _Node | None,
             Sequence[_Requested],
             int,
             Sequence[int],

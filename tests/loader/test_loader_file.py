@@ -473,7 +473,7 @@ def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str
             [("[pilot]", '["a.b\\nc"]\n"d e" = 1\n[pilot]')],
             [
                 r"'a.b\nc': unknown key; known are name, source, drive, amplifier, valve, actuator, linkage, column, "
-                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, surface, pilot, safety, tolerances"
+                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, surface, pilot, safety, tolerances, bus"
             ],
         ),
         ([('name = "elevator-1974"', "")], ['name: missing value; add name = "elevator"']),

@@ -13,6 +13,11 @@ pub trait InputOutput: Send {
     /// Sends a command on its way.
     fn write(&mut self, command: &Command);
 
+    /// Number of what drive or bus complain of now, in the table of faults.
+    fn fault(&self) -> u16 {
+        0
+    }
+
     /// What is asked of a machine that is simulated; a real one has a hand of its own.
     fn disturb(&mut self, _: Disturbance) {}
 }
@@ -30,6 +35,8 @@ pub struct Sampled {
     pub delay: u32,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
+    /// Number of what the drive complains of, in the table of faults; zero where all is well.
+    pub drive_fault: u16,
 }
 
 /// What goes out.

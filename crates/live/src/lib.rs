@@ -3,6 +3,7 @@
 //! | question | file |
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
+//! | or on a bus of drives: their nodes, the port, a port with emulated drives | [`bus`], [`carrier`], [`serial`], `socket_can`, [`emulator`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
@@ -16,9 +17,12 @@
 #![forbid(unsafe_code)]
 
 pub mod axes;
+pub mod bus;
+pub mod carrier;
 pub mod clock;
 pub mod controller;
 pub mod cycle;
+pub mod emulator;
 pub mod host_control;
 pub mod host_link;
 pub mod input_output;
@@ -32,9 +36,12 @@ pub mod request;
 pub mod room;
 pub mod row;
 pub mod running;
+pub mod serial;
 pub mod setup;
 pub mod simulated;
 pub mod simulated_pair;
+#[cfg(target_os = "linux")]
+pub mod socket_can;
 pub mod status;
 pub mod supervision;
 pub mod thinning;

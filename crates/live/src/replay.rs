@@ -203,9 +203,10 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
         }
         let sensors = [row.load_cell_force_n, row.drive_position_m, row.column_base_m, row.grip_force_n];
         let sample = Sample { sensors, pilot_force: row.pilot_force_n };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of cycles")]
-        let delay = row.delay as u32;
-        let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop: row.emergency_stop != 0.0 };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers")]
+        let (delay, drive_fault) = (row.delay as u32, row.drive_fault as u16);
+        let emergency_stop = row.emergency_stop != 0.0;
+        let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop, drive_fault };
         controller.link([row.link_torque_n_m, row.link_damping_n_m_s_per_rad]);
         let (_, again) = controller.step((row.sampled != 0.0).then_some(&sampled), missed);
         replayed.cycles += 1;

@@ -93,6 +93,8 @@ columns! {
     delay;
     /// Whether the emergency stop was pressed.
     emergency_stop;
+    /// Number of what the drive complained of, in the table of faults; zero where all was well.
+    drive_fault;
     /// Beats that were missed before this cycle.
     missed;
     /// How late the thread woke.

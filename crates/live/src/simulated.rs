@@ -251,7 +251,13 @@ where
         self.recent[self.samples % RECENT] = sensors;
         let sensors = self.recent[self.samples.wrapping_sub(late) % RECENT];
         let delay = u32::try_from(late).unwrap_or(u32::MAX);
-        Some(Sampled { sample: Sample { sensors, pilot_force }, periods: 1.0, delay, emergency_stop: false })
+        Some(Sampled {
+            sample: Sample { sensors, pilot_force },
+            periods: 1.0,
+            delay,
+            emergency_stop: false,
+            drive_fault: 0,
+        })
     }
 
     fn step_s(&self) -> f64 {

@@ -19,6 +19,8 @@ pub struct Status {
     pub state: AtomicU32,
     /// The supervisor's trips.
     pub trips: AtomicU32,
+    /// What drive or bus complained of last, in the table of faults; zero once nothing is tripped and all is well.
+    pub drive_fault: AtomicU32,
     /// The loop is asked to end.
     pub end: AtomicBool,
     /// It has ended.

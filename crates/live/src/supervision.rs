@@ -53,6 +53,8 @@ pub struct CycleStatus {
     pub feel_rate: f64,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
+    /// Whether the drive complains.
+    pub drive_fault: bool,
     /// Beats that were missed before.
     pub missed: u64,
     /// Samples since the host's last packet; nothing where there is no host.
@@ -156,7 +158,7 @@ impl Supervision {
             link_torque: seen.link_torque,
             emergency_stop: seen.emergency_stop || stop,
             other_axis,
-            drive_fault: false,
+            drive_fault: seen.drive_fault,
             requested: request,
             acknowledge,
         };

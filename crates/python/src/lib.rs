@@ -2,6 +2,8 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod bus;
+mod emulator;
 mod errors;
 mod export;
 mod faults;
@@ -105,6 +107,9 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<live::LiveSetup>()?;
     module.add_class::<live::LiveLoop>()?;
     module.add_class::<live::LiveMachine>()?;
+    module.add_class::<emulator::BusEmulator>()?;
+    module.add_function(wrap_pyfunction!(bus::bus_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(bus::drive_fault, module)?)?;
     module.add_class::<lockstep::LockStep>()?;
     module.add_function(wrap_pyfunction!(host::host_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(host::host_packet, module)?)?;

@@ -1,6 +1,7 @@
 //! A loader live.
 
 use crate::arrays::{rows, vector};
+use crate::bus::{NodeOf, Ports};
 use crate::errors::{ThreadsError, refused};
 use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
@@ -134,13 +135,13 @@ impl RecordOf {
     }
 }
 
-/// An axis: what its loop is made of, script of a simulated machine, address of a real one, planned requests, beats of the clock in its
-/// period, places of the axes that stop with it, prefix of its topics in a record and what is written about it.
+/// An axis: what its loop is made of, script of a simulated machine, address of a real one or its node on a bus, planned requests, beats
+/// of the clock in its period, places of the axes that stop with it, prefix of its topics in a record and what is written about it.
 #[derive(FromPyObject)]
 pub struct AxisOf<'py>(
     PyRef<'py, LiveSetup>,
     Option<ScriptOf<'py>>,
-    Option<String>,
+    Option<RealMachine>,
     Vec<Requested>,
     u64,
     Vec<usize>,
@@ -151,6 +152,15 @@ pub struct AxisOf<'py>(
 #[derive(FromPyObject)]
 pub struct LinkOf([usize; 2], [f64; LINK_ROWS], Option<usize>, bool, bool);
 
+/// A machine that is not in this process.
+#[derive(FromPyObject)]
+pub enum RealMachine {
+    /// On a bus.
+    Node(NodeOf),
+    /// Over the network, at an address.
+    Address(String),
+}
+
 /// What is at the other end of an axis.
 enum Other {
     Simulated(Box<dyn Stepped>),
@@ -158,8 +168,18 @@ enum Other {
 }
 
 /// Connects to the machine of an axis, or makes a simulated one.
-fn machine(setup: &mut Setup, script: Script, address: Option<String>, by_clock: bool) -> PyResult<Other> {
-    if let Some(address) = address {
+fn machine(
+    py: Python<'_>,
+    setup: &mut Setup,
+    script: Script,
+    real: Option<RealMachine>,
+    ports: &mut Ports,
+    by_clock: bool,
+) -> PyResult<Other> {
+    if let Some(RealMachine::Node(node)) = real {
+        return Ok(Other::Real(Box::new(ports.connect(py, &node, setup, by_clock)?)));
+    }
+    if let Some(RealMachine::Address(address)) = real {
         let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
         let address = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
         let address = address.ok_or_else(|| no("is no address".to_string()))?;
@@ -195,13 +215,14 @@ fn join(machines: Vec<Other>, links: &[LinkOf]) -> PyResult<Vec<Box<dyn InputOut
     Ok(all.collect())
 }
 
-/// Starts a loop with all its axes, each over UDP where it has an address, else with the machine simulated; gives each axis.
+/// Starts a loop with all its axes, each over UDP where it has an address, on a bus where it has a node, else with the machine simulated; gives each axis.
 ///
 /// `period_s`: of the clock. `host`: where an aircraft simulator is listened to.
 #[pyfunction]
 #[pyo3(signature = (axes, period_s, *, links = vec![], host = None, real_time = true, beats = None, record = None, history = 120_000))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub fn start_loops(
+    py: Python<'_>,
     axes: Vec<AxisOf<'_>>,
     period_s: f64,
     links: Vec<LinkOf>,
@@ -215,13 +236,14 @@ pub fn start_loops(
     let host = host.transpose()?;
     let places = axes.len();
     let (mut machines, mut openings, mut rest) = (vec![], vec![], vec![]);
-    for AxisOf(setup, script, address, requests, every, stops, (prefix, about)) in axes {
+    let mut ports = Ports::default();
+    for AxisOf(setup, script, real, requests, every, stops, (prefix, about)) in axes {
         let mut setup = setup.setup.clone();
         let place = machines.len();
         let linked = links.iter().any(|link| link.2.is_none() && link.0.contains(&place));
         let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
         let script = Script { stream: place as u64, linked, ..script };
-        machines.push(machine(&mut setup, script, address, real_time)?);
+        machines.push(machine(py, &mut setup, script, real, &mut ports, real_time)?);
         setup.host = host.is_some();
         let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
         let requests = requests.collect::<PyResult<_>>()?;
@@ -282,14 +304,14 @@ impl LiveLoop {
         Ok(self.running.disturb(disturbance_of(name, sensor, number)?))
     }
 
-    /// Cycles, beats, missed ones, cycles without a sample, rows that were lost, place of the state, bits of the trips, whether it has
-    /// ended.
-    fn status(&self) -> (u64, u64, u64, u64, u64, u32, u32, bool) {
+    /// Cycles, beats, missed ones, cycles without a sample, rows that were lost, place of the state, bits of the trips, number of what
+    /// the drive complains of, whether it has ended.
+    fn status(&self) -> (u64, u64, u64, u64, u64, u32, u32, u32, bool) {
         let status = self.running.status();
         let [cycles, beats, missed, silent, lost] =
             [&status.cycles, &status.beats, &status.missed, &status.silent, &status.lost].map(|it| it.load(Relaxed));
-        let (state, trips) = (status.state.load(Relaxed), status.trips.load(Relaxed));
-        (cycles, beats, missed, silent, lost, state, trips, status.ended.load(Relaxed))
+        let [state, trips, fault] = [&status.state, &status.trips, &status.drive_fault].map(|it| it.load(Relaxed));
+        (cycles, beats, missed, silent, lost, state, trips, fault, status.ended.load(Relaxed))
     }
 
     /// Bytes of the record, rows that it lacks because it ended before the loop, and why it did, if it did.

@@ -40,6 +40,7 @@ _COMMANDS = {
     "excite": f"{_LOADER} --fit PARAMETERS",
     "commission": f"{_LOADER} --data FILE",
     "run": _LOADER,
+    "emulate": _LOADER,
     "bridge": "SIMULATOR",
     "fly": _LOADER,
     "export": f"{_LOADER} --to TARGET",

@@ -3,7 +3,7 @@
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isfinite, pi
@@ -30,6 +30,8 @@ from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
     from forcefeel.live import Histogram, LiveCockpit, LiveSession, Udp
+    from forcefeel.loader.bus import Bus
+    from forcefeel.loader.loader import Loader
 
 LIVE = Group("Live run", sort_key=10)
 CONSOLE = Group("Console", sort_key=20)
@@ -45,10 +47,11 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
     machine: Annotated[
         str | None,
         option(
-            "Machine over the network, such as 127.0.0.1:5005; of a project pitch=127.0.0.1:5005, with commas between axes.",
+            "Machine over the network, such as 127.0.0.1:5005, or bus: the drive of the file's table [bus]. Of a project "
+            "pitch=127.0.0.1:5005 or pitch=bus, with commas between axes, or bus for all.",
             LIVE,
             default="simulated",
-            metavar="HOST:PORT",
+            metavar="MACHINE",
         ),
     ] = None
     host: Annotated[
@@ -100,7 +103,7 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
-    from forcefeel.live import LiveSession, Simulated, Udp, start, start_cockpit
+    from forcefeel.live import LiveSession, Simulated, start, start_cockpit
     from forcefeel.live.starting import MOST_RECORD_BYTES
 
     lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
@@ -121,9 +124,11 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         "expected_s": lasts,
     }
     if project is not None:
-        running: LiveSession | LiveCockpit = start_cockpit(project, laws, endpoints=_machines(options.machine), **given)
+        running: LiveSession | LiveCockpit = start_cockpit(
+            project, laws, endpoints=_machines(options.machine, project.loaders), **given
+        )
     else:
-        endpoint = Simulated() if options.machine is None else Udp(options.machine)
+        endpoint = Simulated() if options.machine is None else _machine(options.machine, loaders[""])
         running = start(loaders[""], laws[""], endpoint=endpoint, **given)
     axes = {"": running} if isinstance(running, LiveSession) else dict(running)
     with running, stop_signals() as ended, _console(running, axes, options):
@@ -140,22 +145,42 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         raise SystemExit(BAD_ANSWER)
 
 
-def _machines(given: str | None) -> "dict[str, Udp]":
+BUS = "bus"
+
+
+def _machine(given: str, loader: "Loader") -> "Udp | Bus":
+    """The machine at an address, or on the loader's bus.
+
+    Raises:
+        InputError: If the address is invalid, or the loader has no bus.
+    """
+    from forcefeel.live import Udp
+
+    if given != BUS:
+        return Udp(given)
+    if loader.bus is None:
+        raise InputError(f"--machine: {loader.name} has no table [bus]; add it to its file, as in docs/how-to/bus.md")
+    return loader.bus
+
+
+def _machines(given: str | None, loaders: "Mapping[str, Loader]") -> "dict[str, Udp | Bus]":
     """The machines of a project's axes.
 
     Raises:
         InputError: If an axis or an address is missing.
     """
-    from forcefeel.live import Udp
-
-    machines = {}
+    if given == BUS:
+        return {axis: _machine(BUS, loader) for axis, loader in loaders.items()}
+    machines: dict[str, Udp | Bus] = {}
     for text in [] if given is None else given.split(","):
         axis, equals, address = text.strip().partition("=")
         if not equals:
             raise InputError(
-                f"--machine: expected an axis and its address, such as pitch=127.0.0.1:5005, got {text.strip()}"
+                f"--machine: expected an axis and its address, such as pitch=127.0.0.1:5005, or bus for all, got {text.strip()}"
             )
-        machines[axis] = Udp(address)
+        if axis not in loaders:
+            raise InputError(f"--machine: expected an axis out of {', '.join(loaders)}, got {axis}")
+        machines[axis] = _machine(address, loaders[axis])
     return machines
 
 
@@ -240,6 +265,7 @@ def _json(running: "LiveSession") -> dict[str, object]:
         "record_ended": state.record_ended or None,
         **({} if running.host is None else {"host": asdict(running.host)}),
         "trips": [trip.name for trip in running.trips],
+        "drive_fault": state.drive_fault or None,
         **{
             name: {key: value if isfinite(value) else None for key, value in _quantiles(quantiles).items()}
             for name, quantiles in of.items()
@@ -303,3 +329,5 @@ def _show_axis(console: Terminal, axis: str, running: "LiveSession") -> None:
         console.print(f"- {axis}{lost:,} rows were lost", highlight=False)
     for trip in running.trips:
         console.print(f"- {axis}tripped: {trip.name}. {trip.sentence}", style="bold red", highlight=False)
+    if state.drive_fault:
+        console.print(f"- {axis}drive: {state.drive_fault}", style="bold red", highlight=False)

@@ -3,8 +3,8 @@
 ``start(loader, law=None, *, endpoint=Simulated(), real_time=True, supervised=True, host=None, record=None, record_rate_hz=None,
 most_bytes=2**30, ring=False) -> LiveSession``, a context manager: leaving it ends the loop with the drive off and closes the
 record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``docs/reference/host.md``. ``endpoint`` is
-``Simulated(scenario=None)``, the nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine with the packets of
-``docs/reference/live.md``.
+``Simulated(scenario=None)``, the nonlinear machine in the loop's own thread, ``Udp(address)``, a machine with the packets of
+``docs/reference/live.md``, or a drive on a bus, ``loader.bus``.
 
 ``LiveSession`` is thread-safe, and only ``wait`` waits for the loop:
 
@@ -24,7 +24,8 @@ record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``
 ``inject_fault(fault, sensor=None, by=0)``, ``clear_faults()``
     Faults of a simulated machine, from ``FAULTS`` and ``SENSORS``.
 ``state``
-    ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, unrecorded_rows, record_ended, ended)``;
+    ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, unrecorded_rows, record_ended, ended,
+    drive_fault)``;
     name is one of ``STATES``.
 ``host``
     ``HostState(listens, address, packets, refused, silent_s, share, waiting)``, or ``None``.
@@ -44,7 +45,7 @@ record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``
 axis to ``LiveSession`` with ``on``, ``off``, ``stop``, ``acknowledge``, ``wait`` of all, ``disconnect`` and ``connect`` of links.
 
 ``read_live_record(path)`` returns a record's table; ``replay(path)`` runs it again and compares every bit. ``Machine(loader)`` is
-the simulated machine for use in another process.
+the simulated machine for use in another process; ``BusEmulator(loaders)`` is such machines behind a bus.
 
 Example:
     >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:

@@ -1,5 +1,6 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
+from forcefeel.live.bus import BusEmulator as BusEmulator
 from forcefeel.live.cockpit import LiveCockpit as LiveCockpit
 from forcefeel.live.cockpit import start_cockpit as start_cockpit
 from forcefeel.live.console.server import Console as Console

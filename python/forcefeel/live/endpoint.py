@@ -1,8 +1,9 @@
-"""Endpoints of a loop: a simulated or a real machine."""
+"""Endpoints of a loop: a simulated or a real machine, over the network or on a bus of drives."""
 
 from dataclasses import dataclass
 
 from forcefeel.errors import InputError
+from forcefeel.loader.bus import UDP, Bus, Engine
 from forcefeel.simulation import Scenario
 from forcefeel.units import show
 
@@ -48,5 +49,19 @@ class Udp:
             raise InputError(f"address: expected host:port, such as 127.0.0.1:5005, got {show(self.address)}")
 
 
-Endpoint = Simulated | Udp
-"""Either endpoint."""
+Endpoint = Simulated | Udp | Bus
+"""Any endpoint; ``loader.bus`` is that of a loader file."""
+
+
+def machine_of(endpoint: Udp | Bus) -> str | Engine:
+    """A real machine in the engine's form."""
+    if isinstance(endpoint, Udp):
+        return endpoint.address
+    return Udp(endpoint.port).address if endpoint.kind == UDP else endpoint.engine
+
+
+def named(endpoint: Udp | Bus) -> str:
+    """A real machine in a record."""
+    if isinstance(endpoint, Udp) or endpoint.kind == UDP:
+        return endpoint.address if isinstance(endpoint, Udp) else endpoint.port
+    return f"{endpoint.kind} {endpoint.node} at {endpoint.port}"

@@ -10,6 +10,7 @@ from typing import Literal, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law
 from forcefeel.live.loop_settings import Loop, LoopSettings
@@ -317,7 +318,7 @@ class LiveSession:
     @property
     def state(self) -> State:
         """Snapshot of the loop."""
-        cycles, beats, missed, silent, lost, state, trips, ended = self.loop.status()
+        cycles, beats, missed, silent, lost, state, trips, fault, ended = self.loop.status()
         recorded, unrecorded, record_ended = self.loop.recorded()
         return State(
             cycle=cycles,
@@ -331,6 +332,7 @@ class LiveSession:
             unrecorded_rows=unrecorded,
             record_ended=record_ended or "",
             ended=ended,
+            drive_fault="; ".join(_core.drive_fault(fault) or ()),
         )
 
     @property

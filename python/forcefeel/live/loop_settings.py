@@ -50,8 +50,8 @@ class Loop(Protocol):
         """Send an input to a simulated machine; return whether the ring had space."""
         ...
 
-    def status(self) -> tuple[int, int, int, int, int, int, int, bool]:
-        """Cycles, periods, missed, silent, lost, state, trips, ended."""
+    def status(self) -> tuple[int, int, int, int, int, int, int, int, bool]:
+        """Cycles, periods, missed, silent, lost, state, trips, number of the drive's fault, ended."""
         ...
 
     def recorded(self) -> tuple[int, int, str | None]:

@@ -10,10 +10,12 @@ from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.files import check_output_file
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.live.endpoint import Endpoint, Simulated, Udp
+from forcefeel.live.bus import check_bus
+from forcefeel.live.endpoint import Endpoint, Simulated, machine_of, named
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
+from forcefeel.loader.bus import Bus
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.engine import engine_changes
@@ -51,7 +53,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     Args:
         loader: The loader, with a digital controller of 250 Hz to 5 kHz.
         law: The law, as in ``Law.of``; default: the law of the loader's drive.
-        endpoint: The machine: ``Simulated()`` or ``Udp("host:port")``.
+        endpoint: The machine: ``Simulated()``, ``Udp("host:port")``, or a drive on a bus, such as ``loader.bus``.
         real_time: Run by the clock; otherwise as fast as possible.
         supervised: Whether the supervisor is active. Without it the law drives from the first sample: only for comparison with a
             simulation, never with a machine.
@@ -72,7 +74,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
 
     Raises:
         InputError: If the loader has no such controller, the law does not fit it, an address, a port or the file cannot be used,
-            or the disk lacks space for the record.
+            or the disk lacks space for the record; if a bus has no such node, two of its number, or one that cannot be driven.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
@@ -124,6 +126,8 @@ class Axis:
             InputError: As ``start``.
         """
         driven_by = live_law(law, loader)
+        if isinstance(endpoint, Bus):
+            check_bus(endpoint, loader, driven_by)
         scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
         setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario, host=host)
         period, _ = steps.timing or (1, 0)
@@ -175,7 +179,7 @@ def launch(
                 (
                     axis.setup,
                     axis.script,
-                    axis.endpoint.address if isinstance(axis.endpoint, Udp) else None,
+                    None if isinstance(axis.endpoint, Simulated) else machine_of(axis.endpoint),
                     axis.requests,
                     beats,
                     list(axis.stops),
@@ -311,7 +315,7 @@ def about_run(loader: Loader, law: str, endpoint: Endpoint) -> dict[str, str]:
         "loader": loader.name,
         "loader_hash": loader.fingerprint,
         "drive": loader.drive,
-        "machine": endpoint.address if isinstance(endpoint, Udp) else SIMULATED,
+        "machine": SIMULATED if isinstance(endpoint, Simulated) else named(endpoint),
         "law": law,
         "period_s": repr(loader["controller.period"]),
     }

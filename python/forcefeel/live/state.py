@@ -32,6 +32,7 @@ class State:
         unrecorded_rows: Rows missing because the record ended before the loop, as on a full disk.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.
+        drive_fault: Last fault of the drive or its bus, and its remedy; empty once trips are cleared and the drive is well.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
@@ -51,6 +52,7 @@ class State:
     unrecorded_rows: int
     record_ended: str
     ended: bool
+    drive_fault: str = ""
 
 
 @dataclass(frozen=True)

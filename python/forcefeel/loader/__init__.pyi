@@ -3,6 +3,7 @@
 from forcefeel.loader.built_in import digital_elevator as digital_elevator
 from forcefeel.loader.built_in import electric as electric
 from forcefeel.loader.built_in import elevator as elevator
+from forcefeel.loader.bus import Bus as Bus
 from forcefeel.loader.curves import Curve as Curve
 from forcefeel.loader.loader import Loader as Loader
 from forcefeel.loader.loader import load as load

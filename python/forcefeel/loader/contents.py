@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from forcefeel.loader import consistency
+from forcefeel.loader.bus import UDP, Bus
 from forcefeel.loader.curves import Curve
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.loader.tolerances import Tolerance
@@ -20,6 +21,7 @@ class Contents:
         values: SI values by ``part.name``, of the rows that its drive has.
         curves: Curves by name, SI units.
         tolerances: Tolerances by ``part.name``, SI units.
+        bus: Where its drive is, if it says.
     """
 
     name: str
@@ -27,6 +29,7 @@ class Contents:
     values: Mapping[str, float]
     curves: Mapping[str, Curve]
     tolerances: Mapping[str, Tolerance]
+    bus: Bus | None = None
 
     @property
     def drive(self) -> str:
@@ -40,7 +43,16 @@ def misfits(contents: Contents) -> list[str]:
         *_unprintable(contents),
         *consistency.complaints(contents.values),
         *check_tolerances(contents.tolerances, contents.values),
+        *_without_motor(contents),
     ]
+
+
+def _without_motor(contents: Contents) -> list[str]:
+    """A line where a valve would be on a bus of motors."""
+    bus = contents.bus
+    if bus is None or bus.kind == UDP or contents.drive == ELECTRIC:
+        return []
+    return [f'bus: expected drive = "{ELECTRIC}" for kind = "{bus.kind}", got "{contents.drive}"; say kind = "{UDP}"']
 
 
 def _unprintable(contents: Contents) -> list[str]:

@@ -35,7 +35,7 @@ from forcefeel import _core
 from forcefeel._core import Parameter
 from forcefeel.errors import MOST_LINES, InputError, nearest
 from forcefeel.files import MOST_TEXT_BYTES, read_input
-from forcefeel.loader import curve_text, tolerance_text
+from forcefeel.loader import bus, curve_text, tolerance_text
 from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
@@ -63,8 +63,8 @@ from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
 PROJECT_COMMANDS = (
-    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run and export take "
-    "a project"
+    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run, emulate "
+    "and export take a project"
 )
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
@@ -148,7 +148,7 @@ def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
         except InputError as error:
             complaints.append(str(error))
     curves = {name: curve for name in CURVES if (curve := stated["feel"][name]) is not None}
-    contents = Contents(top["name"], top["source"], values, curves, tolerances)
+    contents = Contents(top["name"], top["source"], values, curves, tolerances, top["bus"])
     return contents, complaints or misfits(contents) or beyond(tolerances)
 
 
@@ -206,6 +206,7 @@ def _schema(drive: str) -> type[BaseModel]:
         stated = any(row.off_si is None for row in main_rows(part, drive).values())
         tables[part] = (rows, ... if stated else rows())
     tables["tolerances"] = (Annotated[dict[str, Any], BeforeValidator(tolerance_text.entries)], {})
+    tables["bus"] = (Annotated[Any, BeforeValidator(bus.read)], None)
     return create_model(
         "LoaderFile", __config__=_STRICT, name=(str, ...), source=(str, ""), drive=(str, drive), **tables
     )
@@ -323,7 +324,7 @@ def _hint(drive: str, *place: str) -> str:
     """What may have been meant by an unknown key."""
     keys = {part: [*main_rows(part, drive), *alternatives(part)] for part in parts(drive)}
     keys["feel"] += CURVES
-    known = keys[place[0]] if len(place) > 1 else ["name", "source", "drive", *parts(drive), "tolerances"]
+    known = keys[place[0]] if len(place) > 1 else ["name", "source", "drive", *parts(drive), "tolerances", "bus"]
     name = place[-1]
     (other,) = (candidate for candidate in DRIVES if candidate != drive)
     if name in (parts(other) if len(place) == 1 else main_rows(place[0], other)):

@@ -15,6 +15,7 @@ from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, UnknownKeyError, expect, expect_number
 from forcefeel.loader import tolerance_text
+from forcefeel.loader.bus import Bus
 from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES, Curve
 from forcefeel.loader.curves import check as check_curve
@@ -74,6 +75,7 @@ class Loader(Mapping[str, float]):
             straight beyond its ends. ``None`` for none, as below.
         stiffness_factor: Factor on the spring over dynamic pressure in Pa; beyond its ends as at the nearest end.
         tolerances: How far values of the machine that was built may lie from these, by ``part.name``; read-only.
+        bus: The bus that its drive is on, for a live loop; ``None`` where the file has none.
 
     A loader is a mapping from the rows that a loader of its drive has to their SI values: ``loader["linkage.stiffness"]``,
     ``list(loader)``, ``dict(loader)``, ``"linkage.stiffness" in loader``.
@@ -95,6 +97,7 @@ class Loader(Mapping[str, float]):
     force_curve: Curve | None = field(default=None, repr=False)
     stiffness_factor: Curve | None = field(default=None, repr=False)
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict, repr=False)
+    bus: Bus | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         expect("name", self.name, str, "text")
@@ -123,8 +126,8 @@ class Loader(Mapping[str, float]):
         return isinstance(other, Loader) and self._parts() == other._parts()
 
     def __hash__(self) -> int:
-        name, source, values, *curves, tolerances = self._parts()
-        return hash((name, source, *values, *curves, frozenset(tolerances.items())))
+        name, source, values, *curves, tolerances, bus = self._parts()
+        return hash((name, source, *values, *curves, frozenset(tolerances.items()), bus))
 
     def __repr__(self) -> str:
         frequency, ratio = _core.feel_frequency(self.si_values)
@@ -206,11 +209,11 @@ class Loader(Mapping[str, float]):
 
     def _parts(self) -> tuple[Any, ...]:
         """Everything that the loader holds, as plain data."""
-        held = self.force_curve, self.stiffness_factor, dict(self.tolerances)
+        held = self.force_curve, self.stiffness_factor, dict(self.tolerances), self.bus
         return self.name, self.source, self.si_values.tolist(), *held
 
     def _contents(self) -> Contents:
-        return Contents(self.name, self.source, self._by_key(), self.curves, self.tolerances)
+        return Contents(self.name, self.source, self._by_key(), self.curves, self.tolerances, self.bus)
 
     def _by_key(self) -> dict[str, float]:
         own = table(self.drive)
@@ -351,7 +354,7 @@ class Loader(Mapping[str, float]):
             if key in tolerances:
                 tolerances[key] = tolerances[key].about(float(values[INDEX[key]]))
         force = self.force_curve and Curve(self.force_curve.x, tuple(scale * y for y in self.force_curve.y))
-        return _unchecked(self.name, self.source, values, force, self.stiffness_factor, tolerances)
+        return _unchecked(self.name, self.source, values, force, self.stiffness_factor, tolerances, self.bus)
 
     def as_json(self, system: UnitSystem) -> dict[str, Json]:
         """The numbers by ``part.name``; optional rows and curves only where given."""
@@ -387,7 +390,7 @@ def _angle_per_force(
 def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:
     """A loader whose values may lie beyond the ranges of the parameter table."""
     loader = object.__new__(Loader)
-    force_curve, stiffness_factor, tolerances = others
+    force_curve, stiffness_factor, tolerances, bus = others
     _freeze(
         loader,
         name=name,
@@ -396,6 +399,7 @@ def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:
         force_curve=force_curve,
         stiffness_factor=stiffness_factor,
         tolerances=tolerances,
+        bus=bus,
     )
     return loader
 
@@ -431,7 +435,9 @@ def load(path: str | Path) -> Loader:
 def of_contents(contents: Contents) -> Loader:
     """The loader with the contents of a loader file."""
     values = np.array([contents.values.get(key, absent(row)) for key, row in TABLE.items()])
-    return Loader(contents.name, contents.source, values, **contents.curves, tolerances=contents.tolerances)
+    return Loader(
+        contents.name, contents.source, values, **contents.curves, tolerances=contents.tolerances, bus=contents.bus
+    )
 
 
 def _check_range(key: str, value: float, drive: str) -> None:

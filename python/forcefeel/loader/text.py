@@ -4,13 +4,14 @@ import math
 from collections.abc import Mapping
 
 from forcefeel._core import Parameter
-from forcefeel.loader import curve_text, tolerance_text
+from forcefeel.loader import bus, curve_text, tolerance_text
 from forcefeel.loader.contents import Contents
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
     ALTERNATIVES,
     DIGITS,
     DRIVES,
+    ELECTRIC,
     TABLE,
     alternatives,
     is_switch,
@@ -60,6 +61,7 @@ def write(contents: Contents, units: UnitSystem) -> str:
             curve_text.write(row, curves.get(row.name), units) for row in CURVES.values() if part == "feel"
         ],
         tolerances=[f"{key} = {tolerance_text.write(TABLE[key], it, units)}" for key, it in tolerances.items()],
+        bus=bus.write(contents.bus, units) if contents.bus or contents.drive == ELECTRIC else [],
     )
 
 

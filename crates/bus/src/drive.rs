@@ -1,0 +1,125 @@
+//! What every bus of drives has: a cycle's command, a node's answer, and both sides of a protocol.
+
+use crate::fault::Fault;
+use crate::frame::Frame;
+
+/// The number that all nodes answer.
+pub const ALL_NODES: u8 = 0x7f;
+
+/// What a cycle asks of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ask {
+    /// Cycle of the loop.
+    pub cycle: u64,
+    /// Torque in N m at what the drive states as its output.
+    pub torque: f64,
+    /// Whether it is to be powered.
+    pub enable: bool,
+    /// Time without a command after which the drive damps by itself, in s.
+    pub watchdog_s: f64,
+}
+
+/// What a node states; not a number where it states nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Cycle that it answers, where the protocol carries one.
+    pub answers: Option<u64>,
+    /// Position in revolutions.
+    pub position: f64,
+    /// Velocity in revolutions per second.
+    pub velocity: f64,
+    /// Torque in N m.
+    pub torque: f64,
+    /// Whether it is powered.
+    pub powered: bool,
+    /// What it complains of.
+    pub fault: Fault,
+    /// Load cell, a share of its range from 0 to 1; column's encoder in revolutions; force sensor at the grip like the load cell.
+    pub sensors: [f64; 3],
+}
+
+impl State {
+    /// Nothing is stated.
+    pub const NONE: Self = Self {
+        answers: None,
+        position: f64::NAN,
+        velocity: f64::NAN,
+        torque: f64::NAN,
+        powered: false,
+        fault: Fault::NONE,
+        sensors: [f64::NAN; 3],
+    };
+}
+
+/// What a node states of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Identity {
+    /// Its number on the bus.
+    pub node: u8,
+    /// Model of the hardware.
+    pub model: u32,
+    /// Version of the firmware: three bytes, or the maker's number.
+    pub firmware: u32,
+    /// Version of its registers.
+    pub registers: u32,
+    /// Serial number.
+    pub serial: [u32; 3],
+}
+
+/// Where frames go.
+pub type Send<'a> = &'a mut dyn FnMut(&Frame);
+
+/// The loop's side of a protocol, for one node.
+pub trait Codec {
+    /// The node's number.
+    fn node(&self) -> u8;
+    /// The frames of a cycle.
+    fn ask(&mut self, ask: &Ask, send: Send);
+    /// What a frame completes of the node's state.
+    fn take(&mut self, frame: &Frame) -> Option<State>;
+    /// Asks a node what it is.
+    fn who(&self, node: u8, send: Send);
+    /// A node's answer to that.
+    fn identity(&self, frame: &Frame) -> Option<Identity>;
+    /// Whether a node can be driven.
+    ///
+    /// # Errors
+    /// What was expected of it.
+    fn accepts(&self, identity: &Identity) -> Result<(), &'static str>;
+}
+
+/// What a node's machine shows at an instant, in the units of the node.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shown {
+    /// Position in revolutions.
+    pub position: f64,
+    /// Velocity in revolutions per second.
+    pub velocity: f64,
+    /// Torque in N m.
+    pub torque: f64,
+    /// As of [`State::sensors`].
+    pub sensors: [f64; 3],
+}
+
+/// What a node does to its machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Action {
+    /// Nothing: the motor turns freely.
+    Free,
+    /// A torque in N m.
+    Torque(f64),
+    /// It resists motion.
+    Damp,
+}
+
+/// The other side: a node that answers as the drive would.
+pub trait Node {
+    /// Takes a frame at a time in s, and answers; whether it was a command for it.
+    fn take(&mut self, frame: &Frame, shown: &Shown, now_s: f64, send: Send) -> bool;
+    /// What it sends by itself, at a time in s.
+    fn tick(&mut self, _now_s: f64, _send: Send) {}
+    /// What it does to its machine at a time in s.
+    fn action(&mut self, now_s: f64) -> Action;
+    /// Has the drive fail, with the maker's code.
+    fn fail(&mut self, code: u16);
+}

@@ -1,0 +1,5 @@
+//! Codecs, nodes and lines of buses.
+
+mod damaged;
+mod moteus;
+mod scale;

@@ -1,0 +1,295 @@
+//! Drives on a bus: one port, a node for each axis, in units of the loader.
+//!
+//! Each cycle writes its command, and asks for the node's state in the same breath; the answer is the sample of the next cycle. So a
+//! sample is answered a period after it was taken, which is the least `controller.delay`.
+//!
+//! A command that is lost leaves the drive with the one before, until its own watchdog damps it. An answer that is lost, damaged,
+//! repeated or late counts as the supervisor has it of any machine.
+
+use crate::carrier::Carrier;
+use crate::input_output::{Command, InputOutput, Sampled};
+use forcefeel_bus::drive::{ALL_NODES, Ask, Codec, Identity, State};
+use forcefeel_bus::fault::Fault;
+use forcefeel_bus::frame::Frame;
+use forcefeel_bus::line::Line;
+use forcefeel_bus::protocol::Protocol;
+use forcefeel_bus::scale::{Scale, Wiring};
+use forcefeel_model::control::Sample;
+use forcefeel_model::parameters::Parameters;
+use std::cmp::Reverse;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Cycles whose commands are remembered, as many as a moteus tells apart.
+const REMEMBERED: usize = 16;
+/// Cycles without an answer after which a node counts as silent.
+const SILENT: u32 = 16;
+/// How long a node is waited for, and how often it is asked.
+const PATIENCE: Duration = Duration::from_millis(100);
+const TRIES: usize = 3;
+/// How long an answer is waited for in virtual time.
+const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
+
+/// A node as a loader file has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeSettings {
+    /// Kind of drive.
+    pub protocol: Protocol,
+    /// Its number.
+    pub node: u8,
+    /// Gear, zero, sensors.
+    pub wiring: Wiring,
+    /// Time without a command after which the drive damps by itself, in s.
+    pub watchdog_s: f64,
+}
+
+/// A port with its nodes.
+pub struct Bus {
+    carrier: Box<dyn Carrier>,
+    nodes: Vec<Tap>,
+    error: bool,
+}
+
+/// A node, and what it has answered.
+struct Tap {
+    codec: Box<dyn Codec + Send>,
+    state: State,
+    fresh: bool,
+}
+
+impl Bus {
+    /// A bus without nodes.
+    pub fn new(carrier: Box<dyn Carrier>) -> Self {
+        Self { carrier, nodes: vec![], error: false }
+    }
+
+    /// Asks a node what it is, or all where the number is that of all; what answers within a time.
+    pub fn who(&mut self, codec: &dyn Codec, node: u8, patience: Duration) -> Vec<Identity> {
+        let Self { carrier, error, .. } = self;
+        codec.who(node, &mut |frame| carrier.send(frame));
+        let (begun, mut answers) = (Instant::now(), vec![]);
+        while let Some(left) = patience.checked_sub(begun.elapsed()) {
+            match carrier.next() {
+                Some(Line::Frame(frame)) => answers.extend(codec.identity(&frame)),
+                Some(Line::Error) => *error = true,
+                Some(Line::Other) => {}
+                None => carrier.wait(left),
+            }
+        }
+        // Of one node the fullest answer first; two nodes of a number differ by their serial number.
+        answers.sort_by_key(|it: &Identity| (it.node, it.serial, Reverse(it.registers)));
+        answers.dedup_by_key(|it| (it.node, it.serial));
+        answers
+    }
+
+    /// Finds a node that can be driven.
+    ///
+    /// # Errors
+    /// What was expected, what is there.
+    fn find(&mut self, codec: &dyn Codec, of: &NodeSettings) -> Result<(), String> {
+        let node = of.node;
+        let numbers = of.protocol.nodes();
+        if !numbers.contains(&node) || (0..self.nodes.len()).any(|place| self.nodes[place].codec.node() == node) {
+            let (first, last) = (numbers.start(), numbers.end());
+            return Err(format!("node: expected {first} to {last}, each for one axis, got {node}; change [bus] node"));
+        }
+        let mut answers = vec![];
+        for tried in 0..TRIES {
+            self.error = false;
+            answers = self.who(codec, node, PATIENCE);
+            if !answers.is_empty() {
+                break;
+            }
+            if self.error && tried == 0 {
+                self.carrier.without_sums();
+            }
+        }
+        match answers.as_slice() {
+            [] => {
+                let there = self.who(codec, ALL_NODES, PATIENCE);
+                let there: Vec<_> = there.iter().map(|identity| identity.node.to_string()).collect();
+                let there =
+                    if there.is_empty() { "no other node".to_string() } else { format!("node {}", there.join(", ")) };
+                let why = if self.error { "the adapter reports a bus error" } else { "no answer" };
+                Err(format!(
+                    "expected node {node}, got {why} from it and {there}; check power, cable, adapter and [bus] node"
+                ))
+            }
+            [identity] => codec.accepts(identity).map_err(|expected| {
+                format!("node {node}: expected {expected}, got register map {}", identity.registers)
+            }),
+            several => Err(format!(
+                "expected one node {node}, got {}; give each a number of its own with the maker's tool",
+                several.len()
+            )),
+        }
+    }
+
+    fn ask(&mut self, place: usize, ask: &Ask) {
+        let Self { carrier, nodes, .. } = self;
+        nodes[place].codec.ask(ask, &mut |frame: &Frame| carrier.send(frame));
+    }
+
+    /// Takes all that has come.
+    fn pump(&mut self) {
+        while let Some(line) = self.carrier.next() {
+            match line {
+                Line::Frame(frame) => {
+                    self.error = false;
+                    for tap in &mut self.nodes {
+                        let Some(state) = tap.codec.take(&frame) else { continue };
+                        // One that is repeated, or that a later one has overtaken, is no news.
+                        if state.answers.is_none() || state.answers > tap.state.answers {
+                            (tap.state, tap.fresh) = (state, true);
+                        }
+                    }
+                }
+                Line::Error => self.error = true,
+                Line::Other => {}
+            }
+        }
+    }
+}
+
+/// An axis on a bus.
+pub struct OnBus {
+    bus: Arc<Mutex<Bus>>,
+    place: usize,
+    scale: Scale,
+    watchdog_s: f64,
+    /// Period of a loop by the clock in s.
+    period_s: Option<f64>,
+    /// Commands so far, the first of which only asks.
+    asked: u64,
+    /// When each of the last was written, and whether it enabled.
+    written: [(Instant, bool); REMEMBERED],
+    /// Command that the last sample answered.
+    answered: u64,
+    silent: u32,
+    fault: Fault,
+}
+
+impl OnBus {
+    /// Finds the node of an axis, stopped, and asks for its first sample.
+    ///
+    /// # Errors
+    /// If the node is not there, is there twice, or cannot be driven.
+    pub fn connect(
+        bus: &Arc<Mutex<Bus>>,
+        parameters: &Parameters<f64>,
+        settings: &NodeSettings,
+        period_s: Option<f64>,
+    ) -> Result<Self, String> {
+        let mut opened = locked(bus);
+        let Wiring { load_cell, column, grip, .. } = settings.wiring;
+        let codec = settings.protocol.codec(settings.node, [load_cell.is_some(), column.is_some(), grip.is_some()]);
+        opened.find(&*codec, settings)?;
+        opened.nodes.push(Tap { codec, state: State::NONE, fresh: false });
+        let place = opened.nodes.len() - 1;
+        let mut made = Self {
+            bus: Arc::clone(bus),
+            place,
+            scale: Scale::new(parameters, settings.wiring),
+            watchdog_s: settings.watchdog_s,
+            period_s,
+            asked: 0,
+            written: [(Instant::now(), false); REMEMBERED],
+            answered: 0,
+            silent: 0,
+            fault: Fault::NONE,
+        };
+        opened.ask(place, &made.ask(0.0, false));
+        let begun = Instant::now();
+        while !opened.nodes[place].fresh && begun.elapsed() < PATIENCE {
+            opened.carrier.wait(PATIENCE.saturating_sub(begun.elapsed()));
+            opened.pump();
+        }
+        let state = opened.nodes[place].state;
+        drop(opened);
+        let node = settings.node;
+        if state.answers.is_none() && state.position.is_nan() {
+            return Err(format!("node {node}: expected an answer to a stop, got none; check cable and bit rate"));
+        }
+        if state.fault.is_some() {
+            return Err(format!("node {node}: expected a stopped drive without a fault, got {}", state.fault));
+        }
+        Ok(made)
+    }
+
+    /// The next command.
+    fn ask(&mut self, torque: f64, enable: bool) -> Ask {
+        let cycle = self.asked;
+        self.written[remembered(cycle)] = (Instant::now(), enable);
+        self.asked += 1;
+        Ask { cycle, torque, enable, watchdog_s: self.watchdog_s }
+    }
+
+    /// What is wrong with a state: also where the drive stopped though it was enabled.
+    fn fault_of(&self, state: &State, answered: u64) -> Fault {
+        let enabled = |cycle: u64| self.written[remembered(cycle)].1;
+        let stopped = answered > 0 && enabled(answered) && enabled(answered - 1) && !state.powered;
+        if stopped && !state.fault.is_some() { Fault::RESTARTED } else { state.fault }
+    }
+}
+
+impl InputOutput for OnBus {
+    fn read(&mut self) -> Option<Sampled> {
+        let mut bus = locked(&self.bus);
+        bus.pump();
+        if self.period_s.is_none() {
+            let begun = Instant::now();
+            while !bus.nodes[self.place].fresh
+                && let Some(left) = VIRTUAL_PATIENCE.checked_sub(begun.elapsed())
+            {
+                bus.carrier.wait(left);
+                bus.pump();
+            }
+        }
+        let tap = &mut bus.nodes[self.place];
+        let (state, fresh) = (tap.state, core::mem::take(&mut tap.fresh));
+        let error = bus.error;
+        drop(bus);
+        if !fresh {
+            self.silent = self.silent.saturating_add(1);
+            self.fault = match self.fault {
+                _ if error => Fault::BUS,
+                _ if self.silent >= SILENT => Fault::SILENT,
+                before => before,
+            };
+            return None;
+        }
+        self.silent = 0;
+        let newest = self.asked - 1;
+        let answered = state.answers.unwrap_or(newest);
+        self.fault = self.fault_of(&state, answered);
+        let since = self.written[remembered(answered)].0.duration_since(self.written[remembered(self.answered)].0);
+        self.answered = answered;
+        Some(Sampled {
+            sample: Sample { sensors: self.scale.sensors(&state), pilot_force: f64::NAN },
+            periods: self.period_s.map_or(1.0, |period| (since.as_secs_f64() / period).max(1.0)),
+            delay: u32::try_from(newest - answered).unwrap_or(u32::MAX),
+            emergency_stop: false,
+            drive_fault: self.fault.0,
+        })
+    }
+
+    fn write(&mut self, command: &Command) {
+        let torque = self.scale.torque(command.command);
+        let ask = self.ask(torque, command.enable);
+        locked(&self.bus).ask(self.place, &ask);
+    }
+
+    fn fault(&self) -> u16 {
+        self.fault.0
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "below the number that is remembered")]
+fn remembered(cycle: u64) -> usize {
+    (cycle % REMEMBERED as u64) as usize
+}
+
+/// The bus: its axes are in one thread, and none waits for another.
+fn locked(bus: &Mutex<Bus>) -> MutexGuard<'_, Bus> {
+    bus.lock().unwrap_or_else(PoisonError::into_inner)
+}

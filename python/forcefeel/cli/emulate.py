@@ -1,0 +1,110 @@
+"""``forcefeel emulate``."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Group
+
+from forcefeel.cli.options import LoaderOptions, LoaderOrProject, OutputOptions, option
+from forcefeel.cli.scenario_text import seconds
+from forcefeel.cli.stop_signals import stop_signals
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.loader.loader import Loader
+
+BUS = Group("Bus", sort_key=10)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmulateOptions(LoaderOptions, OutputOptions):
+    """The options of ``forcefeel emulate``."""
+
+    bus: Annotated[
+        Literal["moteus", "odrive", "odrive-0.5"] | None,
+        option(
+            "Kind of drive, for a loader without the table [bus]: with load cell and column encoder at the drive.",
+            BUS,
+            default="that of the file's table [bus]",
+        ),
+    ] = None
+    port: Annotated[
+        Path | None,
+        option(
+            "Path of a link to the port, for the loader file.", BUS, default="a pseudo terminal of the system's name"
+        ),
+    ] = None
+    duration: Annotated[
+        str | None, option("Duration, such as '10 s'.", BUS, default="until Ctrl-C", metavar="TIME")
+    ] = None
+
+
+def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOptions()) -> None:
+    """Run a loader's simulated machine behind its drive's bus: a serial port that any client of the drive opens.
+
+    Prints the port, then the table [bus] of each loader. forcefeel run --machine bus opens it. So does any client: of
+    moteus, whose port has the lines of the fdcanusb adapter, moteus_tool and the Python package moteus; of ODrive, whose port is an
+    slcan adapter, python-can with interface="slcan". Of a project all axes are on one bus.
+
+    Example: forcefeel emulate desktop-yoke --bus moteus --port yoke-bus
+    """
+    from forcefeel.live import BusEmulator
+
+    lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
+    project = options.project(path)
+    loaders = {"": options.loader(path)} if project is None else dict(project.loaders)
+    wired = [_on_bus(loader, options, node) for node, loader in enumerate(loaders.values(), 1)]
+    with stop_signals() as stopped, BusEmulator(wired) as emulator:
+        port = emulator.port if options.port is None else _link(options.port, emulator.port)
+        try:
+            _show(wired, port, options)
+            stopped.wait(None if lasts == float("inf") else lasts)
+        finally:
+            if options.port is not None:
+                options.port.unlink(missing_ok=True)
+
+
+def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
+    """Prints the port and the tables at once: others wait for them."""
+    from forcefeel.loader.bus import write
+
+    tables = {
+        loader.name: [
+            line.split("  #")[0].rstrip()
+            for line in write(loader.bus and replace(loader.bus, port=port), options.units)
+            if not line.startswith("# ")
+        ]
+        for loader in loaders
+    }
+    if options.json:
+        print(json.dumps({"port": port, "buses": tables}), flush=True)
+        return
+    print(f"port: {port}", flush=True)
+    for name, lines in tables.items():
+        print(f"\n# {name}", *lines, sep="\n", flush=True)
+
+
+def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
+    """A loader with a bus: its own, or that which is asked for."""
+    from forcefeel.loader.bus import Bus
+
+    if options.bus is None or loader.bus is not None:
+        return loader
+    return replace(loader, bus=Bus(options.bus, "pty", node, load_cell_n=loader["safety.force_range"], column_gear=1.0))
+
+
+def _link(link: Path, port: str) -> str:
+    """A link to the port; one that an emulator left is replaced.
+
+    Raises:
+        InputError: If there is something else.
+    """
+    if link.is_symlink() and str(link.readlink()).startswith("/dev/"):
+        link.unlink()
+    try:
+        link.symlink_to(port)
+    except OSError as error:
+        raise InputError(f"--port: cannot make a link at {link}: {error.strerror}; name another path") from error
+    return str(link.absolute())

@@ -1,0 +1,140 @@
+"""Drives on a bus: what a loop needs of them, and machines emulated behind one."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self, get_args
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.torque_mode import TORQUE_MODE
+from forcefeel.live.setup import live_law, made_of, script_of
+from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.loader import Loader, check_electric
+from forcefeel.simulation.scenario import Scenario
+from forcefeel.units import show
+
+WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off"]
+WIRE_FAULTS = get_args(WireFault)
+
+
+def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
+    """Check that a law can run with the sensors of a bus, and the loader with its delay.
+
+    Raises:
+        InputError: If the law needs sensors that the drive lacks, or the delay is shorter than a period.
+    """
+    if bus.kind == UDP:
+        return
+    check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
+    if not bus.senses and law.name != TORQUE_MODE:
+        raise InputError(
+            f"law: {law.name} requires a load cell and an encoder at the column, and [bus] has none; use {TORQUE_MODE}, or add "
+            "load_cell and column_gear"
+        )
+    period, delay = loader["controller.period"], loader["controller.delay"]
+    if delay < period * (1 - 1e-9):
+        raise InputError(
+            f"controller.delay: a bus answers a period later: expected at least {1e3 * period:g} ms, got {1e3 * delay:g} ms; "
+            "change it in the loader file"
+        )
+
+
+class BusEmulator:
+    """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens.
+
+    Args:
+        loaders: The loaders, each with a ``bus`` whose node is its own; its port is not used.
+        scenario: Inputs of their machines, as in a simulation.
+        real_time: Whether the machines go on by the clock. Otherwise each takes a period at a command for its node, for a loop in
+            virtual time.
+
+    Raises:
+        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; without pseudo terminals.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> yoke = ff.loader.electric("desktop-yoke")
+        >>> yoke = replace(yoke, bus=ff.loader.Bus("moteus", "pty", load_cell_n=400.0, column_gear=1.0))
+        >>> with ff.live.BusEmulator([yoke], real_time=False) as emulator:
+        ...     bus = replace(yoke.bus, port=emulator.port)
+        ...     with ff.live.start(yoke, "robust", endpoint=bus, real_time=False) as running:
+        ...         running.on()
+        ...         running.wait(3000)
+        ...         running.state.name
+        'active'
+    """
+
+    def __init__(self, loaders: Sequence[Loader], *, scenario: Scenario | None = None, real_time: bool = True) -> None:
+        nodes = []
+        for loader in loaders:
+            bus = loader.bus
+            if bus is None or bus.kind == UDP:
+                raise InputError(
+                    f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
+                )
+            check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
+            setup, steps = made_of(loader, live_law(None, loader), supervised=False, scenario=scenario)
+            nodes.append((setup, bus.engine, script_of(steps, scenario) if scenario else None))
+        kinds, numbers = ([node[1][place] for node in nodes] for place in (0, 2))
+        if len(set(kinds)) != 1 or len(set(numbers)) < len(numbers):
+            raise InputError("loaders: expected one or more of one kind of bus, each with a node of its own")
+        try:
+            self._emulator = _core.BusEmulator(nodes, by_clock=real_time)
+        except OSError as error:
+            raise InputError(f"cannot emulate a bus: {error}") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """Close the port."""
+        self._emulator.end()
+
+    @property
+    def port(self) -> str:
+        """Path of the pseudo terminal."""
+        return str(Path(self._emulator.port))
+
+    @property
+    def commands(self) -> list[float]:
+        """Command of each machine's drive, A."""
+        return [command for command, _ in self._emulator.seen()]
+
+    @property
+    def angles_rad(self) -> list[float]:
+        """Angle of each machine's column, rad."""
+        return [angle for _, angle in self._emulator.seen()]
+
+    def break_wire(self, fault: WireFault | None, every: int = 1, by: int = 1) -> None:
+        """Break the wire, or mend it with ``None``.
+
+        Args:
+            fault: One of ``lost``, ``late``, ``repeated``, ``corrupt``, of answers; ``gone``, the node; ``bus_off``, the adapter.
+            every: Of so many answers one.
+            by: Commands by which a late answer is late.
+
+        Raises:
+            InputError: If the fault is unknown.
+        """
+        if fault is not None and fault not in WIRE_FAULTS:
+            raise InputError(f"fault: expected one of {', '.join(WIRE_FAULTS)}, got {show(fault)}")
+        self._emulator.break_wire(fault or "", every, by)
+
+    def fail(self, code: int, axis: int = 0) -> None:
+        """Have a drive fail: with a code of a moteus, such as 40, under voltage, or with a bit of the error of an ODrive."""
+        self._emulator.fail(axis, code)
+
+    def restart(self, axis: int = 0) -> None:
+        """Have a drive lose its supply for a moment."""
+        self._emulator.restart(axis)
+
+    def push(self, force_n: float, axis: int = 0) -> None:
+        """Set the force of a hand at the grip, N."""
+        self._emulator.disturb(axis, "force", number=force_n)

@@ -1,0 +1,281 @@
+"""Drives on a bus, emulated: runs, faults of the wire and of the drive, bad input."""
+
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runs
+
+run = runs("run")
+
+QUIET = dict.fromkeys(
+    [f"{sensor}.{of}" for sensor in ("load_cell", "potentiometer", "column_sensor") for of in ("noise", "resolution")]
+)
+SENSED = {"load_cell_n": 400.0, "column_gear": 1.0}
+
+
+KINDS = ("moteus", "odrive", "odrive-0.5")
+
+
+def yoke(kind="moteus", *, quiet=False, **bus):
+    loader = ff.loader.electric("desktop-yoke").replace(QUIET if quiet else {})
+    return replace(loader, bus=ff.loader.Bus(kind, "pty", **(SENSED | bus)))
+
+
+def unhurried_yoke():
+    """A yoke that a busy machine runs in real time."""
+    slower = {"controller.period": "1 ms", "controller.delay": "1 ms"}
+    return yoke().replace(slower | {"safety.overrun_time": "1 s", "safety.silence_time": "200 ms"})
+
+
+def activate(session):
+    """Switch the law on; again where the machine was too busy to have it."""
+    for _ in range(10):
+        session.off()
+        session.acknowledge()
+        session.wait(20)
+        session.on()
+        until(lambda: session.state.name in ("active", "tripped"))
+        if session.state.name == "active":
+            return
+    raise AssertionError(session.trips)
+
+
+@contextmanager
+def running(loader, law="robust", *, real_time=False):
+    """A loop of a loader, and the machine at the other end of its bus."""
+    with ff.live.BusEmulator([loader], real_time=real_time) as emulator:
+        bus = replace(loader.bus, port=emulator.port)
+        with ff.live.start(loader, law, endpoint=bus, real_time=real_time) as session:
+            yield session, emulator
+
+
+def until(holds, timeout_s=20.0):
+    end = time.monotonic() + timeout_s
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def column(session, name):
+    return session.history()[:, session.columns.index(name)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("wiring", [{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
+def test_run_over_bus_equals_run_in_process(kind, wiring):
+    loader = yoke(kind, quiet=True, **wiring)
+    with running(loader) as (session, emulator):
+        session.on()
+        session.wait(3000)
+        emulator.push(8.0)
+        session.wait(16_000)
+        over_bus = [column(session, name)[-1000:] for name in ("column_angle_rad", "command", "feel_angle_rad")]
+        overshoots = [column(session, "column_angle_rad").max()]
+        assert session.state.name == "active"
+    with ff.live.start(loader, "robust", real_time=False) as session:
+        session.on()
+        session.wait(3000)
+        session.hand_force_n = 8.0
+        session.wait(16_000)
+        overshoots.append(column(session, "column_angle_rad").max())
+        in_process = [column(session, name)[-1000:] for name in ("column_angle_rad", "command", "feel_angle_rad")]
+    # A push comes anywhere within a period, and rises over 0.05 s.
+    assert overshoots[0] == pytest.approx(overshoots[1], rel=1e-3)
+    for there, here in zip(over_bus, in_process, strict=True):
+        # At rest under the force; a drive states 32 bits of a turn, 6e-8, and 16 of a force, which the law's rates make noise of.
+        assert there.mean() == pytest.approx(here.mean(), rel=1e-3)
+        assert np.abs(there - here).max() < 0.1 * np.abs(here).max()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_torque_mode_runs_with_drive_encoder_alone(kind):
+    loader = yoke(kind, load_cell_n=None, column_gear=None)
+    with running(loader, "torque-mode") as (session, emulator):
+        session.on()
+        session.wait(3000)
+        emulator.push(8.0)
+        session.wait(6000)
+        assert session.state.name == "active"
+        torque = 8.0 * loader["column.grip_arm"]
+        # The feel's spring holds the hand, less what the link's stretch leaves.
+        assert emulator.angles_rad[0] == pytest.approx(torque / loader["feel.stiffness"], rel=0.02)
+    with pytest.raises(ff.InputError, match="load_cell"), running(loader):
+        pass
+
+
+@pytest.mark.parametrize(("fault", "every"), [("lost", 7), ("corrupt", 7), ("repeated", 3), ("late", 5)])
+def test_a_bad_answer_now_and_then_leaves_the_loader_active(fault, every):
+    with running(yoke()) as (session, emulator):
+        session.on()
+        session.wait(3000)
+        emulator.break_wire(fault, every)
+        session.wait(70)
+        emulator.break_wire(None)
+        session.wait(100)
+        assert session.state.name == "active", session.trips
+        lost = 1 - column(session, "sampled")[-180:]
+        # The next answer overtakes a late one. A machine that is busy may lose some more.
+        assert (lost.sum() > 2) == (fault != "repeated")
+
+
+def test_answers_that_are_all_late_show_their_delay():
+    with running(unhurried_yoke(), real_time=True) as (session, emulator):
+        emulator.break_wire("late")
+        session.wait(1000)
+        assert np.nanmedian(column(session, "delay")[-500:]) == 1
+
+
+@pytest.mark.parametrize(
+    ("fault", "name"), [("lost", "node silent"), ("gone", "node silent"), ("bus_off", "bus error")]
+)
+def test_silence_damps_the_column_and_nothing_re_engages_by_itself(fault, name):
+    loader = unhurried_yoke()
+    with running(loader, real_time=True) as (session, emulator):
+        activate(session)
+        emulator.push(8.0)
+        session.wait(400)
+        emulator.break_wire(fault)
+        until(lambda: session.state.name == "tripped")
+        assert "sensors silent" in session.state.trips
+        until(lambda: session.state.drive_fault.startswith(name))
+        if fault != "lost":  # the node hears nothing either: its own watchdog damps
+            time.sleep(2 * loader.bus.watchdog_s)
+            emulator.push(-2.0)
+            until(lambda: emulator.commands[0] > 0.01)  # against the motion, to negative angles
+        emulator.push(0.0)
+        emulator.break_wire(None)
+        session.wait(400)
+        assert session.state.name == "tripped"
+        until(lambda: emulator.commands[0] == 0.0)
+        session.acknowledge()
+        session.wait(400)
+        assert (session.state.name, emulator.commands[0]) == ("off", 0.0)
+        assert session.state.drive_fault == ""
+
+
+@pytest.mark.parametrize(
+    ("kind", "code", "name"),
+    [
+        ("moteus", 40, "moteus: under voltage"),
+        ("moteus", 33, "moteus: motor driver fault"),
+        ("moteus", None, "drive stopped by itself"),
+        ("odrive", 9, "ODrive: DC bus under voltage"),
+        ("odrive", None, "drive stopped by itself"),
+        ("odrive", 24, "drive watchdog"),
+        ("odrive-0.5", 6, "ODrive: motor failed"),
+        ("odrive-0.5", 11, "drive watchdog"),
+    ],
+)
+def test_drive_fault_trips_by_name_and_in_the_record(kind, code, name, tmp_path):
+    loader = yoke(kind)
+    record = tmp_path / "run.mcap"
+    with ff.live.BusEmulator([loader], real_time=False) as emulator:
+        bus = replace(loader.bus, port=emulator.port)
+        with ff.live.start(loader, "robust", endpoint=bus, real_time=False, record=record) as session:
+            session.on()
+            session.wait(3000)
+            emulator.restart() if code is None else emulator.fail(code)
+            until(lambda: session.state.name == "tripped")
+            assert "drive fault" in session.state.trips
+            assert session.state.drive_fault.startswith(name)
+            until(lambda: emulator.commands[0] == 0.0)
+    assert ff.live.replay(record).same
+    assert ff.live.read_live_record(record).about["machine"] == f"{kind} 1 at {emulator.port}"
+
+
+def test_axes_of_one_bus_run_in_one_loop(tmp_path):
+    (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "roll.toml"\npitch = "pitch.toml"\n', encoding="utf-8")
+    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+    with ff.live.BusEmulator(list(wired.values()), real_time=False) as emulator:
+        for axis, loader in wired.items():
+            named = replace(loader, name=f"my-{axis}", bus=replace(loader.bus, port=emulator.port))
+            (tmp_path / f"{axis}.toml").write_text(named.to_toml(), encoding="utf-8")
+        project = ff.loader.read_project(tmp_path / "cockpit.toml")
+        ends = {axis: loader.bus for axis, loader in project.loaders.items()}
+        with ff.live.start_cockpit(project, "robust", endpoints=ends, real_time=False) as cockpit:
+            cockpit.on()
+            cockpit.wait(3000)
+            emulator.push(6.0, 1)
+            cockpit.wait(8000)
+            assert {session.state.name for session in cockpit.values()} == {"active"}
+            roll, pitch = (column(session, "column_angle_rad")[-1] for session in cockpit.values())
+            assert [roll, pitch] == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart
+            assert abs(roll) < 1e-3 < pitch
+            # What stops a loader by hand stops the other too.
+            cockpit["pitch"].stop()
+            cockpit.wait(500)
+            assert {session.state.name for session in cockpit.values()} == {"tripped"}
+
+
+@pytest.mark.parametrize(("there", "asked"), [("odrive", "odrive-0.5"), ("odrive-0.5", "odrive")])
+def test_other_firmware_is_refused_by_name(there, asked):
+    with ff.live.BusEmulator([yoke(there)]) as emulator:
+        bus = replace(yoke(asked).bus, port=emulator.port)
+        with pytest.raises(
+            ff.InputError, match=rf'expected firmware 0\.{6 if asked == "odrive" else 5}.*say kind = "{there}"'
+        ):
+            ff.live.start(yoke(asked), endpoint=bus)
+
+
+def test_bad_node_is_refused_by_name():
+    loader = yoke(node=3)
+    with ff.live.BusEmulator([loader]) as emulator:
+        for change, part in (
+            ({"node": 4}, "expected node 4, got no answer from it and node 3"),
+            ({"port": "/dev/null"}, "serial"),
+        ):
+            bus = replace(loader.bus, **({"port": emulator.port} | change))
+            with pytest.raises(ff.InputError, match=part):
+                ff.live.start(loader, endpoint=bus)
+        bus = replace(loader.bus, port=emulator.port)
+        with ff.live.start(loader, endpoint=bus), pytest.raises(ff.InputError, match="another program has it open"):
+            ff.live.start(loader, endpoint=bus)
+    with pytest.raises(ff.InputError, match=r"controller\.delay"):
+        ff.live.start(loader.replace({"controller.delay": "0 ms"}), endpoint=bus)
+    with pytest.raises(ff.InputError, match="add the table"):
+        ff.live.BusEmulator([ff.loader.electric("desktop-yoke")])
+
+
+@pytest.mark.parametrize(
+    ("lines", "part"),
+    [
+        ('kind = "odrive2"\nport = "a"', "kind: expected"),
+        ('kind = "moteus"', "port: missing value"),
+        ('kind = "moteus"\nport = "a"\nnode = 200', "node: expected 1 to 95"),
+        ('kind = "moteus"\nport = "a"\nload_cell = "3 m"', "load_cell: expected"),
+        ('kind = "moteus"\nport = "a"\nwatchdog = "2 s"', "watchdog: expected up to"),
+        ('kind = "moteus"\nport = "a"\ngear = 0', "gear: expected"),
+        ('kind = "moteus"\nport = "a"\nspeed = 1', "speed: unknown key"),
+    ],
+)
+def test_bad_bus_of_a_file_exits_with_status_2(run, tmp_path, lines, part):
+    path = tmp_path / "yoke.toml"
+    path.write_text(f"{ff.loader.electric('desktop-yoke').to_toml()}\n[bus]\n{lines}\n", encoding="utf-8")
+    status, out, err = run(str(path), "--machine", "bus", "--headless")
+    assert (status, out) == (2, "")
+    assert f"bus: {part}" in err
+
+
+def test_bus_of_a_file_comes_back_and_a_valve_has_none(run, tmp_path):
+    loader = yoke(gear=-2.0, zero_rad=0.1, watchdog_s=0.05, grip_sensor_n=50.0)
+    path = tmp_path / "yoke.toml"
+    path.write_text(loader.to_toml(), encoding="utf-8")
+    bus = ff.load(path).bus
+    for name in ("gear", "zero_rad", "watchdog_s", "load_cell_n", "column_gear", "grip_sensor_n"):
+        assert getattr(bus, name) == pytest.approx(getattr(loader.bus, name), rel=1e-11)  # written with 12 digits
+    assert ff.load(path).replace({"feel.stiffness": "5 N m/rad"}).bus == bus
+    with pytest.raises(ff.InputError, match="electric"):
+        replace(ff.digital_elevator(), bus=ff.loader.Bus("moteus", "a"))
+    status, _, err = run("desktop-yoke", "--machine", "bus", "--headless")
+    assert status == 2
+    assert "[bus]" in err
+
+
+def test_missing_can_interface_is_refused_by_name():
+    with pytest.raises(ff.InputError, match="cannot start: can9: "):
+        ff.live.start(yoke(), endpoint=replace(yoke().bus, port="can9"))
