@@ -23,8 +23,8 @@
 //! - eight turns of the torque in a row by more than `2 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a stop
 //!   keeps the torque on one side;
 //! - eight slower swings in a row, up to `2 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
-//! - a push against the motion that is as stiff and over within `t_q`, or within a third of that and has turned the motion: the column
-//!   struck a stop.
+//! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
+//!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way.
 //!
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by
@@ -73,6 +73,9 @@ pub const SMOOTHING_S: f64 = 0.004;
 
 /// Time constant in s of the rate before a push: it lags the torque, whose observer is not at once there.
 const BEFORE_S: f64 = 0.008;
+
+/// Share of its largest torque by which a blow falls: one about the threshold is none.
+const DISTINCT: f64 = 0.5;
 
 /// Longest push that turns the motion, in `t_q`.
 const SHORT: f64 = 1.0 / 3.0;
@@ -132,6 +135,8 @@ pub struct ContactState<S> {
     push: S,
     /// Rate before it in rad/s.
     before: S,
+    /// Angle in rad at which it began.
+    began_angle: S,
     /// Largest torque of it in N m.
     extreme: S,
     /// Angle there in rad.
@@ -181,6 +186,7 @@ impl<S: Scalar> ContactState<S> {
             since: one,
             push: -one,
             before: zero,
+            began_angle: angle,
             extreme: torque,
             extreme_angle: angle,
             last: zero,
@@ -208,6 +214,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_since", &mut self.since);
         visitor.nonlinear("contact_push", &mut self.push);
         visitor.nonlinear("contact_before", &mut self.before);
+        visitor.nonlinear("contact_began_angle", &mut self.began_angle);
         visitor.nonlinear("contact_extreme", &mut self.extreme);
         visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
         visitor.nonlinear("contact_last", &mut self.last);
@@ -281,9 +288,10 @@ impl<S: Scalar> ContactLaw<S> {
             S::select(slow, was.swings, zero),
         );
         let moves = one.times(MOVES_RAD_PER_S);
-        let struck = over & quick & stiff & zero.less(was.push);
-        let turned = over
-            & hard
+        let rose = (self.environment * (was.extreme_angle - was.began_angle).abs()).less(peak_before);
+        let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
+        let struck = blow & quick & stiff & zero.less(was.push);
+        let turned = blow
             & was.since.less(self.quick.times(SHORT))
             & (was.before * was.side).less(-moves)
             & moves.less(now_rate * was.side);
@@ -330,6 +338,7 @@ impl<S: Scalar> ContactLaw<S> {
             since,
             push: S::select(begins, against, S::select(pushes, was.push, zero)),
             before: S::select(begins, rate, was.before),
+            began_angle: S::select(begins, angle, was.began_angle),
             extreme: S::select(larger, torque, was.extreme),
             extreme_angle: S::select(larger, angle, was.extreme_angle),
             last: S::select(to_other_side, peak_before, was.last),
