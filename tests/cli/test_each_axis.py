@@ -66,3 +66,25 @@ def test_what_one_axis_refuses_is_refused_with_its_name(forcefeel, cockpit, word
     status, _, error = forcefeel(command, "cockpit.toml", *more)
     assert status == 2
     assert message in error
+
+
+def test_law_of_the_report_is_refused_before_any_axis_is_designed(forcefeel, cockpit):
+    status, out, error = forcefeel("law", "cockpit.toml", "--law", "report")
+    assert (status, out) == (2, "")
+    assert "axes.roll:" in error
+
+
+def test_identification_of_axes_on_a_shaft_says_so(forcefeel, tmp_path):
+    """Two columns on a shaft that is closed: twice the inertia moves."""
+    axes = "".join(f'{axis} = "elevator-2khz"\n' for axis in ("pitch", "pitch-first-officer"))
+    link = '[links.pitch]\nbetween = ["pitch", "pitch-first-officer"]\nstiffness = "4000 lb in/rad"\n'
+    (tmp_path / "pair.toml").write_text(f"[axes]\n{axes}{link}", encoding="utf-8")
+    with ff.live.start_cockpit(
+        ff.loader.read_project(tmp_path / "pair.toml"), "robust", real_time=False, record=tmp_path / "run.mcap"
+    ) as running:
+        running.on()
+        running.wait(4000)
+        running["pitch"].hand_force_n = 60.0
+        running.wait(2000)
+    _, out, _ = forcefeel("identify", "pair.toml", "--data", "run.mcap", "--fit", "J_c")
+    assert "pitch and pitch-first-officer are joined by a shaft" in out

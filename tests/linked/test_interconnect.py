@@ -102,3 +102,18 @@ def test_wheel_has_a_link_of_both_pilots_and_an_interconnect(tmp_path):
         }
     assert angles["roll"] == pytest.approx(angles["roll-first-officer"], rel=0.2)  # the twist of the shaft
     assert angles["yaw"] > 0.004
+
+
+def test_check_of_an_interconnect_is_refused(project):
+    with pytest.raises(
+        InputError, match=r"expected a link that joins one control of two pilots .* the interconnect aileron-rudder"
+    ):
+        ff.linked.check_link(project, "aileron-rudder", "robust")
+    with pytest.raises(InputError, match="got 'aileron'"):
+        ff.linked.check_link(project, "aileron", "robust")
+
+
+def test_frontier_of_interconnects_alone_says_so(forcefeel, project):
+    status, _, error = forcefeel("frontier", project.path)
+    assert status == 2
+    assert "has interconnects alone; add a link between two pilots' controls" in error

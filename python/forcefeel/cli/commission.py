@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
-from forcefeel.cli.each_axis import each_axis
+from forcefeel.cli.each_axis import each_axis, shaft_notes
 from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
 from forcefeel.cli.options import (
     EDITION,
@@ -130,7 +130,7 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         return self.read(self.data)
 
 
-@each_axis()
+@each_axis(notes=shaft_notes)
 def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
     """Commission a loader: identify it from bench data, choose the law, check the envelope, run the rule's tests.
 

@@ -23,6 +23,7 @@ def each_axis(
     of_axis: Callable[["Project", Any, str], Any] = lambda _, options, __: options,
     unless: Callable[["Project"], bool] = lambda _: False,
     of_links: Callable[["Project", Any], dict[str, Any]] | None = None,
+    notes: Callable[["Project"], list[str]] = lambda _: [],
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Lets a command take a project: it runs on the loader of each axis, and writes into a folder or file of its name.
 
@@ -33,8 +34,9 @@ def each_axis(
         of_axis: What else the options of an axis have for themselves.
         unless: Whether the command takes a project as a whole.
         of_links: What it does with the links afterwards, from its options; the results stand under ``links``.
+        notes: What is to be known of a project before the work; with ``--json`` under ``notes``.
     """
-    return lambda run: _on_each(run, of_axis, unless, of_links)
+    return lambda run: _on_each(run, of_axis, unless, of_links, notes)
 
 
 def _on_each(
@@ -42,6 +44,7 @@ def _on_each(
     of_axis: Callable[["Project", Any, str], Any],
     unless: Callable[["Project"], bool],
     of_links: Callable[["Project", Any], dict[str, Any]] | None,
+    notes: Callable[["Project"], list[str]],
 ) -> Callable[..., None]:
     default = signature(run).parameters["options"].default
 
@@ -55,7 +58,9 @@ def _on_each(
             run(path, options=options)
             return
         of_axes = {axis: of_axis(project, _of_axis(project, axis, options), axis) for axis in project.loaders}
-        results, worst = {}, 0
+        results, worst, known = {}, 0, notes(project)
+        if known and not options.json:
+            print(*known, sep="\n")
         for axis, own in of_axes.items():
             printed = StringIO()
             if not options.json:
@@ -70,13 +75,26 @@ def _on_each(
             results[axis] = json.loads(printed.getvalue()) if options.json else None
         links = {} if of_links is None else of_links(project, options)
         if options.json:
-            print_json({"project": project.name, "axes": results} | ({"links": links} if links else {}))
+            beside = {"links": links, "notes": known}
+            print_json(
+                {"project": project.name, "axes": results} | {key: value for key, value in beside.items() if value}
+            )
         elif alone := judged_alone(project.loaders):
             print("", *alone, sep="\n")
         if worst:
             raise SystemExit(worst)
 
     return on_each
+
+
+def shaft_notes(project: "Project") -> list[str]:
+    """A note for each shaft of a project whose axes are identified one by one."""
+    return [
+        f"{' and '.join(link.between)} are joined by a shaft: data recorded while it was closed have both columns in them. Take "
+        "them with the shaft disconnected."
+        for link in project.links.values()
+        if link.kind == "mechanical"
+    ]
 
 
 def _of_axis(project: "Project", axis: str, options: JsonOptions) -> JsonOptions:

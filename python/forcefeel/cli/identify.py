@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group
 
 from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
-from forcefeel.cli.each_axis import each_axis
+from forcefeel.cli.each_axis import each_axis, shaft_notes
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import ORIGINAL, chosen_law
 from forcefeel.cli.options import (
@@ -126,7 +126,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         return chosen_law(self.law, loader)
 
 
-@each_axis()
+@each_axis(notes=shaft_notes)
 def run(path: LoaderOrProject = None, /, *, options: IdentifyOptions) -> None:
     """Estimate loader parameters and standard errors from bench data.
 

@@ -121,8 +121,19 @@ class LawOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions,
                 raise InputError(f"{name}: {why}")
 
 
-def _of_axis(_: "Project", options: LawOptions, axis: str) -> LawOptions:
-    """The options with the folder of an axis where none is given; a law of the report has no folder."""
+def _of_axis(project: "Project", options: LawOptions, axis: str) -> LawOptions:
+    """The options with the folder of an axis where none is given; a law of the report has no folder.
+
+    Raises:
+        InputError: If the law of the report is asked for an electric loader, before any axis is designed.
+    """
+    if options.law == REPORT:
+        from forcefeel.loader.loader import check_hydraulic
+
+        try:
+            check_hydraulic(project.loaders[axis], "recursion (22)")
+        except InputError as error:
+            raise InputError(f"{project.path}: axes.{axis}: {error}") from error
     return options if options.out or options.law == REPORT else replace(options, out=_FOLDER / axis)
 
 

@@ -135,7 +135,10 @@ def link_frontier(
         True
     """
     if not project.pilot_links:
-        raise InputError(f"{project.path}: has no table [links]; add [links.NAME], or name the loader of one axis")
+        has = "has interconnects alone" if project.links else "has no table [links]"
+        raise InputError(
+            f"{project.path}: {has}; add a link between two pilots' controls [links.NAME], or name the loader of one axis"
+        )
     total = len(project.pilot_links) * (len(DELAYS) + 1)
     done = 0
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
 from forcefeel.linked.engine import simulate_linked
 from forcefeel.linked.result import SIDES, LinkedRun
@@ -30,7 +31,7 @@ from forcefeel.loader.project import Project
 from forcefeel.qualification.own_checks import OwnCheck
 from forcefeel.simulation.inputs import Recorded, Release
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import ANGLE, FORCE, RATIO, ROTARY_STIFFNESS, Unit
+from forcefeel.units import ANGLE, FORCE, RATIO, ROTARY_STIFFNESS, Unit, show
 
 BREAKOUT, STIFFNESS = 0.05, 0.1
 """Largest deviations from the rows of the link, as shares."""
@@ -67,13 +68,17 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
         law: Law of both loaders, as for ``simulate_linked``.
 
     Raises:
-        InputError: As ``simulate_linked``.
+        InputError: If the link is an interconnect, whose two axes have no common angle; or as ``simulate_linked``.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
         >>> [check.passed for check in ff.linked.check_link(project, "pitch", "robust")]
         [True, True, True, True, True, True, True]
     """
+    if name not in project.pilot_links:
+        known = ", ".join(project.pilot_links) or "a link of two pilots in [links]"
+        what = f"the interconnect {name}" if name in project.links else show(name)
+        raise InputError(f"name: expected a link that joins one control of two pilots ({known}), got {what}")
     link = project.links[name]
 
     def run(scenario: LinkedScenario) -> LinkedRun:
