@@ -23,6 +23,7 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "BoardAxis",
+    "BusDrive",
     "BusEmulator",
     "ExportedLaw",
     "FlownFeel",
@@ -43,6 +44,7 @@ __all__ = [
     "ValveStatics",
     "board_sources",
     "bus_kinds",
+    "bus_nodes",
     "channels",
     "column_grip_force",
     "compliant",
@@ -688,6 +690,15 @@ class BusEmulator:
     def seen(self) -> list[list[float]]: ...
     def end(self) -> None: ...
 
+@final
+class BusDrive:
+    """The drive of a loader on its bus, without a loop."""
+
+    def __new__(cls, setup: LiveSetup, node: _Node) -> Self: ...
+    def exchange(self, command: float, enable: bool) -> tuple[list[float], int] | None: ...
+    def round_trips(self, count: int) -> list[float]: ...
+
+def bus_nodes(node: _Node) -> list[tuple[int, int, int, int, str]]: ...
 def bus_kinds() -> list[tuple[str, int, int]]: ...
 def drive_fault(number: int) -> tuple[str, str] | None: ...
 

@@ -216,6 +216,25 @@ impl OnBus {
         Ok(made)
     }
 
+    /// Sends a command, and waits for the state that answers it: sensors, fault and time that it took; nothing if none comes.
+    pub fn exchange(&mut self, command: f64, enable: bool) -> Option<(Sampled, Fault, Duration)> {
+        let begun = Instant::now();
+        self.write(&Command { cycle: 0, command, enable, state: 0 });
+        let sampled = self.read()?;
+        Some((sampled, self.fault, begun.elapsed()))
+    }
+
+    /// So many exchanges with the drive off, one a period: the time that each answer took in s, infinite where none came.
+    pub fn round_trips(&mut self, count: usize, period: Duration) -> Vec<f64> {
+        let mut due = Instant::now();
+        let exchanges = (0..count).map(|_| {
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            due = (due + period).max(Instant::now());
+            self.exchange(0.0, false).map_or(f64::INFINITY, |(_, _, took)| took.as_secs_f64())
+        });
+        exchanges.collect()
+    }
+
     /// The next command.
     fn ask(&mut self, torque: f64, enable: bool) -> Ask {
         let cycle = self.asked;
