@@ -3,7 +3,7 @@
 use crate::bus::{NodeOf, Ports, opened};
 use crate::live::LiveSetup;
 use forcefeel_bus::drive::{ALL_NODES, Identity};
-use forcefeel_live::bus::OnBus;
+use forcefeel_live::bus::{OnBus, Played};
 use forcefeel_model::transducers::SENSORS;
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -18,10 +18,18 @@ pub struct BusDrive {
 
 #[pymethods]
 impl BusDrive {
+    /// `by_clock`: whether currents are played by the clock; else as fast as they are answered.
     #[new]
-    fn new(py: Python<'_>, setup: &LiveSetup, node: NodeOf) -> PyResult<Self> {
+    #[pyo3(signature = (setup, node, *, by_clock = true))]
+    fn new(py: Python<'_>, setup: &LiveSetup, node: NodeOf, by_clock: bool) -> PyResult<Self> {
         let period = Duration::from_secs_f64(setup.setup().period_s());
-        Ok(Self { drive: Mutex::new(Ports::default().connect(py, &node, setup.setup(), false)?), period })
+        Ok(Self { drive: Mutex::new(Ports::default().connect(py, &node, setup.setup(), by_clock)?), period })
+    }
+
+    /// Plays currents in A, one a period, within a distance in m of the drive's end: load cell, drive, base, grip, current, time of each;
+    /// why it ended early, if it did.
+    fn play(&self, py: Python<'_>, currents: Vec<f64>, most: f64) -> (Vec<Played>, Option<String>) {
+        py.detach(|| locked(&self.drive).play(&currents, most))
     }
 
     /// Sends a command in A, and waits for its answer: sensors of a sample, number of the drive's fault; nothing if none comes.

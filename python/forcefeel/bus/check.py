@@ -27,6 +27,7 @@ _TRAVEL_RAD = 0.02
 """Angle of the column at which a direction counts as found: 1 deg."""
 _STEP_S = 0.002
 _CLEARED_S = 0.5
+_TRIES = 3
 _ODRIVE_S = 0.25
 """By then the heartbeat of an ODrive has told that its watchdog, 0.1 s, has run out."""
 
@@ -52,7 +53,7 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
         ...     print(error)
         desktop-yoke: expected a drive on a bus; add the table [bus] with kind, port and node to its file
     """
-    bus = _bus_of(loader)
+    bus = bus_of(loader)
     setup, _ = made_of(loader, live_law(None, loader), supervised=False)
     try:
         nodes = tuple(BusNode(*node) for node in _core.bus_nodes(bus.engine))
@@ -70,7 +71,12 @@ def with_delay(loader: Loader, delay: BusDelay) -> Loader:
     return loader.replace({"controller.delay": delay.delay_s}, si=True)
 
 
-def _bus_of(loader: Loader) -> Bus:
+def bus_of(loader: Loader) -> Bus:
+    """The bus of a loader's drive.
+
+    Raises:
+        InputError: If it has none.
+    """
     bus = loader.bus
     if bus is None or bus.kind == UDP:
         raise InputError(
@@ -131,24 +137,31 @@ class _Directions:
     drive: _core.BusDrive
 
     def found(self) -> tuple[Finding, ...]:
+        for _ in range(_TRIES):
+            moved, whole = self._moved()
+            if whole:
+                return self._judged(moved)
+        return (Finding("motor", False, "a fault, or no answer, while it was powered", "check cable and supply"),)
+
+    def _moved(self) -> tuple[NDArray[np.float64], bool]:
+        """Change of the sensors under a current that rises until the column moves; whether all answers came."""
         start = self.drive.exchange(0.0, enable=False)
-        rows = []
+        if start is None:
+            return np.empty((0, 4)), False
+        rows, begun = [start[0]], time.monotonic()
         most = _SHARE * self.loader["current_loop.current_limit"]
-        begun = time.monotonic()
         try:
-            while start is not None and (share := (time.monotonic() - begun) / _RAMP_S) < 1:
+            while (share := (time.monotonic() - begun) / _RAMP_S) < 1:
                 answer = self.drive.exchange(share * most, enable=True)
                 if answer is None or answer[1]:
-                    break
+                    return np.empty((0, 4)), False
                 rows.append(answer[0])
                 if abs(self._angle(answer[0][1] - start[0][1])) > _TRAVEL_RAD:
                     break
                 time.sleep(_STEP_S)
         finally:
             _stop(self.drive)
-        if start is None or not rows:
-            return (Finding("motor", False, "no answer while the drive was powered", "check cable and supply"),)
-        return self._judged(np.array(rows) - np.array(start[0]))
+        return np.array(rows) - np.array(start[0]), True
 
     def _angle(self, position: float) -> float:
         """Angle of the column where the drive's end is, with a stiff link."""

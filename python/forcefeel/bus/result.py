@@ -84,9 +84,9 @@ class BusCheck:
         >>> yoke = ff.loader.electric("desktop-yoke")
         >>> yoke = replace(yoke, bus=ff.loader.Bus("moteus", "pty", load_cell_n=400.0, column_gear=1.0))
         >>> with ff.live.BusEmulator([yoke]) as emulator:
-        ...     check = ff.bus.check_bus(replace(yoke, bus=replace(yoke.bus, port=emulator.port)), move=True)
-        >>> check.ok, len(check.directions)
-        (True, 3)
+        ...     check = ff.bus.check_bus(replace(yoke, bus=replace(yoke.bus, port=emulator.port)))
+        >>> [node.node for node in check.nodes], check.directions
+        ([1], ())
     """
 
     nodes: tuple[BusNode, ...]
