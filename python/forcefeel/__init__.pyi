@@ -2,6 +2,7 @@
 
 from forcefeel import bench as bench
 from forcefeel import bridge as bridge
+from forcefeel import bus as bus
 from forcefeel import choice as choice
 from forcefeel import commission as commission
 from forcefeel import design as design

@@ -23,6 +23,7 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "BoardAxis",
+    "BusDrive",
     "BusEmulator",
     "ExportedLaw",
     "ExportedPair",
@@ -44,6 +45,7 @@ __all__ = [
     "ValveStatics",
     "board_sources",
     "bus_kinds",
+    "bus_nodes",
     "channels",
     "column_grip_force",
     "compliant",
@@ -704,6 +706,16 @@ class BusEmulator:
     def seen(self) -> list[list[float]]: ...
     def end(self) -> None: ...
 
+@final
+class BusDrive:
+    """The drive of a loader on its bus, without a loop."""
+
+    def __new__(cls, setup: LiveSetup, node: _Node, *, by_clock: bool = True) -> Self: ...
+    def play(self, currents: Sequence[float], most: float) -> tuple[list[list[float]], str | None]: ...
+    def exchange(self, command: float, enable: bool) -> tuple[list[float], int] | None: ...
+    def round_trips(self, count: int) -> list[float]: ...
+
+def bus_nodes(node: _Node) -> list[tuple[int, int, int, int, str]]: ...
 def bus_kinds() -> list[tuple[str, int, int]]: ...
 def drive_fault(number: int) -> tuple[str, str] | None: ...
 

@@ -150,10 +150,13 @@ def test_python_can_drives_the_emulated_odrive_until_its_watchdog(kind, expired)
 def test_driver_writes_can_simple_as_python_can_does(kind):
     """Each line of our driver is that of python-can for the message of the maker's documents with the same content."""
     node, loader = 5, yoke(kind, node=5)
-    with ff.live.BusEmulator([loader], real_time=False) as emulator, tapped(emulator.port) as (port, lines):
-        with ff.live.start(loader, "robust", endpoint=replace(loader.bus, port=port), real_time=False) as session:
-            session.on()
-            session.wait(2000)
+    with (
+        ff.live.BusEmulator([loader], real_time=False) as emulator,
+        tapped(emulator.port) as (port, lines),
+        ff.live.start(loader, "robust", endpoint=replace(loader.bus, port=port), real_time=False) as session,
+    ):
+        session.on()
+        session.wait(2000)
     ours = [line for line in lines if line[:1] in b"tTrR" and line]
     messages = read_by_python_can(ours)
     commands = [message.arbitration_id & 0x1F for message in messages if message.arbitration_id >> 5 == node]

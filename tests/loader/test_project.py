@@ -11,6 +11,7 @@ from forcefeel.loader.built_in import BUILT_IN
 TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "emulate", "frontier")
 ON_EACH_AXIS = ("analyze", "law", "sweep", "identify", "excite", "commission", "export")
 TAKE_A_LOADER = {
+    "bus": (),
     "design": (),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
     "fly": (),

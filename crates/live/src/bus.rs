@@ -8,6 +8,7 @@
 
 use crate::carrier::Carrier;
 use crate::input_output::{Command, InputOutput, Sampled};
+use crate::priority::ask;
 use forcefeel_bus::drive::{ALL_NODES, Ask, Codec, Identity, State};
 use forcefeel_bus::fault::Fault;
 use forcefeel_bus::frame::Frame;
@@ -16,8 +17,11 @@ use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::{Scale, Wiring};
 use forcefeel_model::control::Sample;
 use forcefeel_model::parameters::Parameters;
+use forcefeel_model::transducers::SENSORS;
 use std::cmp::Reverse;
+use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Cycles whose commands are remembered, as many as a moteus tells apart.
@@ -25,8 +29,10 @@ const REMEMBERED: usize = 16;
 /// Cycles without an answer after which a node counts as silent.
 const SILENT: u32 = 16;
 /// How long a node is waited for, and how often it is asked.
-const PATIENCE: Duration = Duration::from_millis(100);
+const PATIENCE: Duration = Duration::from_millis(200);
 const TRIES: usize = 3;
+/// How long its first state is waited for.
+const FIRST_ANSWER: Duration = Duration::from_secs(1);
 /// How long an answer is waited for in virtual time.
 const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
@@ -151,6 +157,9 @@ impl Bus {
     }
 }
 
+/// Load cell in N, drive's end and column's base in m, force sensor at the grip in N, current in A, time in s.
+pub type Played = [f64; SENSORS + 2];
+
 /// An axis on a bus.
 pub struct OnBus {
     bus: Arc<Mutex<Bus>>,
@@ -159,12 +168,16 @@ pub struct OnBus {
     watchdog_s: f64,
     /// Period of a loop by the clock in s.
     period_s: Option<f64>,
+    /// Whether an answer is waited for.
+    waits: bool,
     /// Commands so far, the first of which only asks.
     asked: u64,
     /// When each of the last was written, and whether it enabled.
     written: [(Instant, bool); REMEMBERED],
     /// Command that the last sample answered.
     answered: u64,
+    /// Current of the motor in A, as the drive states it.
+    current: f64,
     silent: u32,
     fault: Fault,
 }
@@ -192,16 +205,20 @@ impl OnBus {
             scale: Scale::new(parameters, settings.wiring),
             watchdog_s: settings.watchdog_s,
             period_s,
+            waits: period_s.is_none(),
             asked: 0,
             written: [(Instant::now(), false); REMEMBERED],
             answered: 0,
+            current: 0.0,
             silent: 0,
             fault: Fault::NONE,
         };
         opened.ask(place, &made.ask(0.0, false));
         let begun = Instant::now();
-        while !opened.nodes[place].fresh && begun.elapsed() < PATIENCE {
-            opened.carrier.wait(PATIENCE.saturating_sub(begun.elapsed()));
+        while !opened.nodes[place].fresh
+            && let Some(left) = FIRST_ANSWER.checked_sub(begun.elapsed())
+        {
+            opened.carrier.wait(left);
             opened.pump();
         }
         let state = opened.nodes[place].state;
@@ -214,6 +231,69 @@ impl OnBus {
             return Err(format!("node {node}: expected a stopped drive without a fault, got {}", state.fault));
         }
         Ok(made)
+    }
+
+    /// Sends a command, and waits for the state that answers it: sensors, fault and time that it took; nothing if none comes.
+    pub fn exchange(&mut self, command: f64, enable: bool) -> Option<(Sampled, Fault, Duration)> {
+        let begun = Instant::now();
+        self.waits = true;
+        self.write(&Command { cycle: 0, command, enable, state: 0 });
+        let sampled = self.read()?;
+        Some((sampled, self.fault, begun.elapsed()))
+    }
+
+    /// Gives the drive these currents in A, one a period by the clock where there is one, and stops it: what the sensors showed and the
+    /// current in A as each came, and when it was sent in s; why it ended early, if it did.
+    ///
+    /// One that is late is not made up for: those after it are as late. One that is too late is a matter of the drive's watchdog. The drive's end stays within a distance in m of where it began.
+    pub fn play(&mut self, currents: &[f64], most: f64) -> (Vec<Played>, Option<String>) {
+        first(|| self.played(currents, most))
+    }
+
+    fn played(&mut self, currents: &[f64], most: f64) -> (Vec<Played>, Option<String>) {
+        let (mut rows, mut ended) = (Vec::with_capacity(currents.len()), None);
+        let begun = Instant::now();
+        let mut due = begun;
+        for &current in currents {
+            if let Some(period_s) = self.period_s {
+                let now = Instant::now();
+                thread::sleep(due.saturating_duration_since(now));
+                due = due.max(now) + Duration::from_secs_f64(period_s);
+            }
+            let sent_s = begun.elapsed().as_secs_f64();
+            let Some((sampled, fault, _)) = self.exchange(current, true) else {
+                ended = Some("the drive did not answer; check cable and supply".to_string());
+                break;
+            };
+            let [force, position, base, grip] = sampled.sample.sensors;
+            rows.push([force, position, base, grip, self.current, sent_s]);
+            let start = rows[0][1];
+            if fault.is_some() {
+                ended = Some(fault.to_string());
+                break;
+            }
+            if (position - start).abs() > most {
+                ended = Some(format!("the drive's end moved by more than {most:.3} m; lower the limits of the signal"));
+                break;
+            }
+        }
+        let _ = self.exchange(0.0, false);
+        (rows, ended)
+    }
+
+    /// So many exchanges with the drive off, one a period: the time that each answer took in s, infinite where none came.
+    pub fn round_trips(&mut self, count: usize, period: Duration) -> Vec<f64> {
+        first(|| self.timed(count, period))
+    }
+
+    fn timed(&mut self, count: usize, period: Duration) -> Vec<f64> {
+        let mut due = Instant::now();
+        let exchanges = (0..count).map(|_| {
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            due = (due + period).max(Instant::now());
+            self.exchange(0.0, false).map_or(f64::INFINITY, |(_, _, took)| took.as_secs_f64())
+        });
+        exchanges.collect()
     }
 
     /// The next command.
@@ -236,7 +316,7 @@ impl InputOutput for OnBus {
     fn read(&mut self) -> Option<Sampled> {
         let mut bus = locked(&self.bus);
         bus.pump();
-        if self.period_s.is_none() {
+        if self.waits {
             let begun = Instant::now();
             while !bus.nodes[self.place].fresh
                 && let Some(left) = VIRTUAL_PATIENCE.checked_sub(begun.elapsed())
@@ -262,6 +342,7 @@ impl InputOutput for OnBus {
         let newest = self.asked - 1;
         let answered = state.answers.unwrap_or(newest);
         self.fault = self.fault_of(&state, answered);
+        self.current = self.scale.command(state.torque);
         let since = self.written[remembered(answered)].0.duration_since(self.written[remembered(self.answered)].0);
         self.answered = answered;
         Some(Sampled {
@@ -282,6 +363,17 @@ impl InputOutput for OnBus {
     fn fault(&self) -> u16 {
         self.fault.0
     }
+}
+
+/// Works in a thread that runs before others, as far as the system lets it.
+fn first<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            let (_granted, _held) = ask();
+            work()
+        });
+        worker.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "below the number that is remembered")]

@@ -4,6 +4,7 @@
 //! for its node: then a loop in virtual time and its machine go together, and repeat to the bit.
 
 use crate::input_output::{Command, Disturbance};
+use crate::priority::ask;
 use crate::serial::Serial;
 use crate::setup::Setup;
 use crate::simulated::{Script, Stepped, simulated};
@@ -106,7 +107,8 @@ impl Emulator {
         let sees = Arc::clone(&shared);
         let axes = move || places.into_iter().map(Axis::new).collect::<Vec<_>>();
         let thread = thread::Builder::new().name("forcefeel-emulator".into()).spawn(move || {
-            // Of the emulator's thread: what is in a machine stays there.
+            // By the clock a machine is not held up by others.
+            let _held = by_clock.then(ask);
             Wire {
                 serial,
                 lines: Lines::new(adapter),

@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex};
 /// A node: kind, port, number; gear, zero, range of the load cell, turns and zero of the column's encoder, range of the grip's sensor;
 /// watchdog in s.
 #[derive(FromPyObject)]
-pub struct NodeOf(String, String, u8, (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>), f64);
+pub struct NodeOf(String, pub String, u8, (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>), f64);
 
 impl NodeOf {
     /// The node in the engine's form.
@@ -43,13 +43,19 @@ impl Ports {
         let (settings, port) = (node.settings()?, &node.1);
         let named = |why: String| PyOSError::new_err(format!("{port}: {why}"));
         if !self.0.contains_key(port) {
-            let carrier = open(port, settings.protocol.adapter()).map_err(|error| named(error.to_string()))?;
-            self.0.insert(port.clone(), Arc::new(Mutex::new(Bus::new(carrier))));
+            let bus = opened(port, settings.protocol.adapter())?;
+            self.0.insert(port.clone(), Arc::new(Mutex::new(bus)));
         }
         let period_s = by_clock.then(|| setup.period_s());
         let bus = &self.0[port];
         py.detach(|| OnBus::connect(bus, &setup.parameters(), &settings, period_s)).map_err(named)
     }
+}
+
+/// The bus at a port.
+pub fn opened(port: &str, adapter: Adapter) -> PyResult<Bus> {
+    let carrier = open(port, adapter).map_err(|error| PyOSError::new_err(format!("{port}: {error}")))?;
+    Ok(Bus::new(carrier))
 }
 
 /// The carrier at a port: an interface of CAN where it is no path.

@@ -3,6 +3,7 @@
 
 mod arrays;
 mod bus;
+mod bus_drive;
 mod emulator;
 mod errors;
 mod export;
@@ -108,6 +109,8 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<live::LiveLoop>()?;
     module.add_class::<live::LiveMachine>()?;
     module.add_class::<emulator::BusEmulator>()?;
+    module.add_class::<bus_drive::BusDrive>()?;
+    module.add_function(wrap_pyfunction!(bus_drive::bus_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(bus::bus_kinds, module)?)?;
     module.add_function(wrap_pyfunction!(bus::drive_fault, module)?)?;
     module.add_class::<lockstep::LockStep>()?;

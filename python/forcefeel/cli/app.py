@@ -41,6 +41,7 @@ _COMMANDS = {
     "commission": f"{_LOADER} --data FILE",
     "run": _LOADER,
     "emulate": _LOADER,
+    "bus": _LOADER,
     "bridge": "SIMULATOR",
     "fly": _LOADER,
     "export": f"{_LOADER} --to TARGET",

@@ -41,6 +41,7 @@ _EXAMPLES = {
 ASKED = Group("Request", sort_key=10)
 SIGNAL = Group("Signal", sort_key=20)
 LIMITS = Group("Limits", sort_key=30)
+MACHINE = Group("Machine", sort_key=40)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,6 +145,15 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         ),
     ] = None
     law: BenchLawOption = None
+    machine: Annotated[
+        Literal["bus"] | None,
+        option(
+            "Play the signal on the drive of the file's table [bus], and write what its sensors show: the motor moves the column. "
+            "For motor-open at the controller's rate.",
+            MACHINE,
+            default="none: the file has the signal alone",
+        ),
+    ] = None
     out: Annotated[Path, option("CSV file for the bench.", OUTPUT)] = Path("forcefeel-excite.csv")
     replace: Annotated[bool, option("Replace an existing file.", OUTPUT)] = False
 
@@ -193,8 +203,9 @@ class ExciteOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
     """Design the bench signal that determines the chosen parameters best within the limits of the loader.
 
-    Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it. Exit status 1 if the experiment
-    cannot separate the parameters (no file is written) or does not determine one.
+    Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it; with --machine bus the drive
+    plays the signal, and they are there. Exit status 1 if the experiment cannot separate the parameters (no file is written) or
+    does not determine one.
 
     Example: forcefeel excite elevator --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
     """
@@ -203,6 +214,9 @@ def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
     from forcefeel.bench.excitation.bench_file import check_excitation_file
     from forcefeel.bench.excitation.excite import USUAL
     from forcefeel.bench.experiments import Experiment, check_experiment
+    from forcefeel.bench.record_csv import record_csv
+    from forcefeel.bus.bench_record import play
+    from forcefeel.files import write_whole
 
     check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
     given = None if options.experiment is None else Experiment.read(options.experiment)
@@ -220,7 +234,11 @@ def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
             print(f"forcefeel: {error}", file=sys.stderr)
             raise SystemExit(BAD_ANSWER) from None
         bar.describe("file")
-        write_excitation(excitation, options.out, options.units, replace=options.replace)
+        if options.machine is None:
+            write_excitation(excitation, options.out, options.units, replace=options.replace)
+        else:
+            bar.describe("record")
+            write_whole(options.out, record_csv(play(excitation)))
     answer(
         {"file": options.out},
         lambda: excitation_json(excitation, options.units),

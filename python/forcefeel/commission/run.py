@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from forcefeel.bench.identification.result import Identification
+from forcefeel.bench.record_csv import record_csv
 from forcefeel.bench.record_file import read_bench_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
@@ -19,7 +20,7 @@ from forcefeel.commission.law_for import choose_law
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.qualification_step import run_tests
 from forcefeel.commission.result import Commission, EnvelopeResult, Identified, LawChosen, RuleTests
-from forcefeel.commission.simulated_bench import BenchTime, record_csv, simulated_records
+from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, STEPS, TESTS, State, digest
 from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.settings import Settings

@@ -1,6 +1,5 @@
 """Records of a simulated machine in place of a bench: ``--simulate-bench TRUTH.toml``."""
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from forcefeel.bench.channels import GRIP_FORCE, channel_unit
+from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.excitation import Excitation, ExcitationPlan, excite
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.bench_of import check_bench
@@ -23,7 +22,6 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, a_drive
 from forcefeel.loader.sensors import has_grip_sensor, without_grip_sensor
-from forcefeel.units import UnitSystem
 
 MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -162,13 +160,3 @@ def lagged(values: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
     slope, decay = np.diff(values) / turn, np.exp(-turn)
     behind = lfilter([1.0], [1.0, -decay], np.concatenate([[0.0], -slope * (1 - decay)]))  # f - x
     return np.asarray(values + behind)
-
-
-def record_csv(record: BenchRecord) -> str:
-    """A record as a file for ``identify``, SI units, ten digits."""
-    columns = {name: channel_unit(name) for name in record.channels}
-    head = ",".join(("time (s)", *(f"{name} ({unit.shown(UnitSystem.SI)})" for name, unit in columns.items())))
-    values = [unit.from_si(1.0, UnitSystem.SI) * record.channels[name] for name, unit in columns.items()]
-    rows = io.StringIO()
-    np.savetxt(rows, np.column_stack([record.time_s, *values]), "%.10g", ",")
-    return f"# experiment: {record.experiment}\n{head}\n{rows.getvalue()}"

@@ -1,7 +1,14 @@
-//! A cycle allocates nothing: with the machine simulated, over UDP, while the feel changes, while it trips, under a host.
+//! A cycle allocates nothing: with the machine simulated, over UDP, on a bus, while the feel changes, while it trips, under a host.
 
 use crate::loader::setup;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use forcefeel_bus::drive::{Node, Shown};
+use forcefeel_bus::frame::Frame;
+use forcefeel_bus::line::Line;
+use forcefeel_bus::protocol::Protocol;
+use forcefeel_bus::scale::Wiring;
+use forcefeel_live::bus::{Bus, NodeSettings, OnBus};
+use forcefeel_live::carrier::Carrier;
 use forcefeel_live::clock::{AtOnce, Clock, Woken};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::cycle::Cycles;
@@ -16,7 +23,8 @@ use forcefeel_model::host::FromHost;
 use forcefeel_model::host::packet::switches::{ACTIVE, AUTOPILOT, JAM, PUSHER, TRIM_RUNAWAY};
 use forcefeel_model::parameters::TABLE;
 use rtrb::RingBuffer;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -93,6 +101,58 @@ fn a_cycle_over_udp_allocates_nothing() {
     let machine = Udp::connect(address, Some(setup.period_s())).expect("a socket");
     let mut loop_ = cycles(&setup, Box::new(machine), &[LoopRequest::On], &[]);
     run(&mut loop_, 200, &mut AtOnce::new(setup.period_s()));
+}
+
+/// A bus whose node answers at once; its drive fails after so many frames.
+struct Answering {
+    node: Box<dyn Node + Send>,
+    answers: [Option<Frame>; 4],
+    fails_after: u32,
+}
+
+impl Carrier for Answering {
+    fn send(&mut self, frame: &Frame) {
+        self.fails_after = self.fails_after.saturating_sub(1);
+        if self.fails_after == 0 {
+            self.node.fail(33);
+        }
+        let shown = Shown { sensors: [0.5, 0.0, 0.5], ..Shown::default() };
+        let answers = &mut self.answers;
+        self.node.take(frame, &shown, 0.0, &mut |answer| {
+            if let Some(free) = answers.iter_mut().find(|place| place.is_none()) {
+                *free = Some(*answer);
+            }
+        });
+    }
+
+    fn next(&mut self) -> Option<Line> {
+        self.answers.iter_mut().find_map(Option::take).map(Line::Frame)
+    }
+
+    fn wait(&self, most: Duration) {
+        std::thread::sleep(most);
+    }
+}
+
+#[test]
+fn a_cycle_on_a_bus_allocates_nothing() {
+    let (setup, mut connected) = (setup(), 0);
+    for (name, protocol) in Protocol::ALL {
+        let node = protocol.node(1);
+        let carrier = Answering { node, answers: [None; 4], fails_after: 1000 };
+        let bus = Arc::new(Mutex::new(Bus::new(Box::new(carrier))));
+        let wiring = Wiring { gear: 1.0, zero: 0.0, load_cell: Some(400.0), column: Some([1.0, 0.0]), grip: None };
+        let settings = NodeSettings { protocol, node: 1, wiring, watchdog_s: 0.1 };
+        let machine = OnBus::connect(&bus, &setup.parameters(), &settings, Some(setup.period_s()));
+        // A heartbeat tells the older ODrive, and this bus has no time.
+        let Ok(machine) = machine else { continue };
+        connected += 1;
+        let mut loop_ = cycles(&setup, Box::new(machine), &[LoopRequest::On], &[]);
+        run(&mut loop_, 2000, &mut AtOnce::new(setup.period_s()));
+        let silent = loop_.status.silent.load(std::sync::atomic::Ordering::Relaxed);
+        assert!(silent == 0, "{name}: {silent} cycles without a sample");
+    }
+    assert_eq!(connected, 2);
 }
 
 #[test]

@@ -1,0 +1,198 @@
+"""The first minutes with a drive: its nodes, how fast it answers, whether it stops by itself, which way it counts."""
+
+import time
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.bus.host import check_host
+from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
+from forcefeel.errors import InputError
+from forcefeel.live.setup import live_law, made_of
+from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.loader import Loader, check_electric
+from forcefeel.units import to_text
+
+COMMANDS = 1000
+"""Commands by which delay and jitter are measured."""
+
+_QUANTILE = 0.99
+_SHARE = 0.1
+"""Of the motor's largest current, the most by which a direction is tested."""
+_RAMP_S = 1.0
+_TRAVEL_RAD = 0.02
+"""Angle of the column at which a direction counts as found: 1 deg."""
+_STEP_S = 0.002
+_CLEARED_S = 0.5
+_TRIES = 3
+_ODRIVE_S = 0.25
+"""By then the heartbeat of an ODrive has told that its watchdog, 0.1 s, has run out."""
+
+
+def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
+    """Check the drive of a loader on its bus.
+
+    The drive is powered without torque for the test of its watchdog.
+
+    Args:
+        loader: The loader, with a ``bus`` of a drive.
+        move: Whether the directions are tested: the motor moves the column by about 1 deg, with at most a tenth of its current.
+            Nothing may be in the way.
+
+    Raises:
+        InputError: If the loader has no such bus, or the node is missing, double, of another firmware, or has a fault.
+
+    Example:
+        >>> yoke = ff.loader.electric("desktop-yoke")
+        >>> try:
+        ...     ff.bus.check_bus(yoke)
+        ... except ff.InputError as error:
+        ...     print(error)
+        desktop-yoke: expected a drive on a bus; add the table [bus] with kind, port and node to its file
+    """
+    bus = bus_of(loader)
+    setup, _ = made_of(loader, live_law(None, loader), supervised=False)
+    try:
+        nodes = tuple(BusNode(*node) for node in _core.bus_nodes(bus.engine))
+        drive = _core.BusDrive(setup, bus.engine)
+    except OSError as error:
+        raise InputError(f"bus: {error}") from error
+    delay = _delay(drive.round_trips(COMMANDS), loader["controller.period"])
+    watchdog = _watchdog(drive, bus)
+    directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
+    return BusCheck(nodes, delay, watchdog, directions, check_host())
+
+
+def with_delay(loader: Loader, delay: BusDelay) -> Loader:
+    """The loader with the measured delay."""
+    return loader.replace({"controller.delay": delay.delay_s}, si=True)
+
+
+def bus_of(loader: Loader) -> Bus:
+    """The bus of a loader's drive.
+
+    Raises:
+        InputError: If it has none.
+    """
+    bus = loader.bus
+    if bus is None or bus.kind == UDP:
+        raise InputError(
+            f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
+        )
+    check_electric(loader, "a drive on a bus", "a machine over the network states its delay in each sample")
+    return bus
+
+
+def _delay(times: list[float], period: float) -> BusDelay:
+    answered = np.array([took for took in times if took < float("inf")])
+    if not len(answered):
+        nan = float("nan")
+        return BusDelay(0, len(times), nan, nan, nan, nan)
+    p99 = float(np.quantile(answered, _QUANTILE))
+    # A sample is answered in the first cycle that has it.
+    return BusDelay(
+        len(answered), len(times), float(np.median(answered)), p99, float(answered.max()), ceil(p99 / period) * period
+    )
+
+
+def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
+    """Powers the drive without torque, is silent for twice the watchdog, and looks whether the drive noticed."""
+    name = "drive watchdog"
+    before = [drive.exchange(0.0, enable=True) for _ in range(3)][-1]
+    silence = 2 * bus.watchdog_s if bus.kind == "moteus" else _ODRIVE_S
+    time.sleep(silence)
+    after = [drive.exchange(0.0, enable=True) for _ in range(2)][-1]
+    _stop(drive)
+    if before is None or after is None:
+        return Finding(name, False, "no answer while the drive was powered", "check cable and supply")
+    if before[1]:
+        return Finding(name, False, "; ".join(_core.drive_fault(before[1]) or ()), "clear the fault first")
+    stopped = "; ".join(_core.drive_fault(after[1]) or ())
+    if stopped.startswith("drive watchdog"):
+        return Finding(name, True, f"stopped by itself within {to_text(silence, 3)} s", "")
+    remedy = (
+        "set watchdog in [bus]"
+        if bus.kind == "moteus"
+        else "with odrivetool set axis.config.enable_watchdog and watchdog_timeout = 0.1"
+    )
+    return Finding(name, False, stopped or f"still powered after {to_text(silence, 3)} s without a command", remedy)
+
+
+def _stop(drive: _core.BusDrive) -> None:
+    """Stops the drive, and waits until it has cleared its fault."""
+    until = time.monotonic() + _CLEARED_S
+    while (answer := drive.exchange(0.0, enable=False)) is not None and answer[1] and time.monotonic() < until:
+        time.sleep(_STEP_S)
+
+
+@dataclass(frozen=True)
+class _Directions:
+    """A test of the directions: a torque that rises until the column moves."""
+
+    loader: Loader
+    bus: Bus
+    drive: _core.BusDrive
+
+    def found(self) -> tuple[Finding, ...]:
+        for _ in range(_TRIES):
+            moved, whole = self._moved()
+            if whole:
+                return self._judged(moved)
+        return (Finding("motor", False, "a fault, or no answer, while it was powered", "check cable and supply"),)
+
+    def _moved(self) -> tuple[NDArray[np.float64], bool]:
+        """Change of the sensors under a current that rises until the column moves; whether all answers came."""
+        start = self.drive.exchange(0.0, enable=False)
+        if start is None:
+            return np.empty((0, 4)), False
+        rows, begun = [start[0]], time.monotonic()
+        most = _SHARE * self.loader["current_loop.current_limit"]
+        try:
+            while (share := (time.monotonic() - begun) / _RAMP_S) < 1:
+                answer = self.drive.exchange(share * most, enable=True)
+                if answer is None or answer[1]:
+                    return np.empty((0, 4)), False
+                rows.append(answer[0])
+                if abs(self._angle(answer[0][1] - start[0][1])) > _TRAVEL_RAD:
+                    break
+                time.sleep(_STEP_S)
+        finally:
+            _stop(self.drive)
+        return np.array(rows) - np.array(start[0]), True
+
+    def _angle(self, position: float) -> float:
+        """Angle of the column where the drive's end is, with a stiff link."""
+        return position / (self.loader["linkage.ratio"] * self.loader["column.base_arm"])
+
+    def _judged(self, moved: NDArray[np.float64]) -> tuple[Finding, ...]:
+        force, position, base, _ = moved[-1]
+        angle = float(self._angle(position))
+        if abs(angle) < _TRAVEL_RAD:
+            stated = f"moved by {to_text(np.degrees(angle), 3)} deg at {_SHARE:.0%} of its current"
+            return (Finding("motor", False, stated, "free the column; check gear and motor.torque_constant"),)
+        findings = [
+            Finding(
+                "motor",
+                angle > 0,
+                f"{to_text(np.degrees(angle), 3)} deg",
+                "" if angle > 0 else "calibrate the drive: its torque and its position have opposite signs",
+            )
+        ]
+        if self.bus.column_gear is not None:
+            ratio = base / (position / self.loader["linkage.ratio"])
+            ok = bool(0.5 < ratio < 2)  # the link's stretch is small; another gear is not
+            remedy = "negate column_gear, or gear, in [bus]" if ratio < 0 else "check column_gear in [bus]"
+            findings.append(
+                Finding("column encoder", ok, f"{to_text(ratio, 3)} of the motor's angle", "" if ok else remedy)
+            )
+        if self.bus.load_cell_n is not None:
+            # The motor pushes the column: of the greatest push, whatever the link swings.
+            force = float(moved[np.argmax(np.abs(moved[:, 0])), 0])
+            ok = bool(force * angle > 0)
+            findings.append(
+                Finding("load cell", ok, f"{to_text(force, 3)} N", "" if ok else "negate load_cell in [bus]")
+            )
+        return tuple(findings)

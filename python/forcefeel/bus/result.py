@@ -1,0 +1,101 @@
+"""What a check of a bus finds."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A property, whether it is as it should be, and the remedy where it is not.
+
+    Attributes:
+        name: The property.
+        ok: Whether it is as it should be.
+        stated: What was found.
+        remedy: The remedy, often a command; empty if it is well.
+
+    Example:
+        >>> ff.bus.Finding("memory lock", True, "unlimited", "").ok
+        True
+    """
+
+    name: str
+    ok: bool
+    stated: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class BusNode:
+    """What a node states of itself.
+
+    Attributes:
+        node: Its number.
+        model, firmware, registers: Numbers of its maker; zero where it states none.
+        serial: Serial number, hexadecimal.
+
+    Example:
+        >>> ff.bus.BusNode(1, 1, 266, 5, "000003e9").node
+        1
+    """
+
+    node: int
+    model: int
+    firmware: int
+    registers: int
+    serial: str
+
+
+@dataclass(frozen=True)
+class BusDelay:
+    """Times from a command to its answer, with the drive off.
+
+    Attributes:
+        answers: Number of answers; the others were lost.
+        commands: Number of commands.
+        median_s, p99_s, worst_s: Of the answers.
+        delay_s: Whole periods from a sample to the command that answers it: the value for ``controller.delay``.
+
+    Example:
+        >>> ff.bus.BusDelay(1000, 1000, 1e-4, 2e-4, 3e-4, 1e-3).delay_s
+        0.001
+    """
+
+    answers: int
+    commands: int
+    median_s: float
+    p99_s: float
+    worst_s: float
+    delay_s: float
+
+
+@dataclass(frozen=True)
+class BusCheck:
+    """A check of a loader's bus.
+
+    Attributes:
+        nodes: The nodes that answered.
+        delay: Delay and jitter.
+        watchdog: Whether the drive stops by itself when its commands stop.
+        directions: Whether motor and sensors count in one direction; empty if nothing was moved.
+        host: Properties of this computer.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> yoke = ff.loader.electric("desktop-yoke")
+        >>> yoke = replace(yoke, bus=ff.loader.Bus("moteus", "pty", load_cell_n=400.0, column_gear=1.0))
+        >>> with ff.live.BusEmulator([yoke]) as emulator:
+        ...     check = ff.bus.check_bus(replace(yoke, bus=replace(yoke.bus, port=emulator.port)))
+        >>> [node.node for node in check.nodes], check.directions
+        ([1], ())
+    """
+
+    nodes: tuple[BusNode, ...]
+    delay: BusDelay
+    watchdog: Finding
+    directions: tuple[Finding, ...]
+    host: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether bus and drive are well; the host is not counted."""
+        return self.delay.answers > 0 and self.watchdog.ok and all(finding.ok for finding in self.directions)

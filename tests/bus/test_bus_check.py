@@ -1,0 +1,101 @@
+"""``forcefeel bus``: nodes, delay, watchdog, directions, host."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.bus import check, host
+from tests.command_line import runs
+from tests.live.test_bus import KINDS, until, yoke
+
+run = runs("bus")
+
+WRONG = {
+    "column encoder": {"column_gear": -1.0},
+    "load cell": {"load_cell_n": -400.0},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("wrong", ["", *WRONG])
+def test_check_finds_node_watchdog_and_directions(kind, wrong):
+    loader = yoke(kind, node=4)
+    with ff.live.BusEmulator([loader]) as emulator:
+        bus = replace(loader.bus, port=emulator.port, **WRONG.get(wrong, {}))
+        found = ff.bus.check_bus(replace(loader, bus=bus), move=True)
+        until(lambda: emulator.commands[0] == 0.0)
+    assert [node.node for node in found.nodes] == [4]
+    assert found.watchdog.ok, found.watchdog
+    assert [finding.name for finding in found.directions] == ["motor", "column encoder", "load cell"]
+    assert [finding.name for finding in found.directions if not finding.ok] == ([wrong] if wrong else [])
+    assert found.ok == (not wrong)
+    assert found.delay.answers > 0.9 * found.delay.commands
+    assert 0 < found.delay.median_s <= found.delay.p99_s <= found.delay.worst_s
+    periods = found.delay.delay_s / loader["controller.period"]
+    assert periods == round(periods) >= 1
+
+
+def test_command_writes_measured_delay(run, tmp_path):
+    loader = yoke()
+    with ff.live.BusEmulator([loader]) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        (tmp_path / "yoke.toml").write_text(wired.to_toml(), encoding="utf-8")
+        status, out, err = run("yoke.toml", "--out", "measured.toml", "--json")
+        assert (status, err) == (0, "")
+        found = json.loads(out)
+        assert found["watchdog"]["ok"]
+        assert found["directions"] == []
+        measured = ff.load(tmp_path / "measured.toml")
+        assert measured["controller.delay"] == pytest.approx(found["delay"]["delay_s"], rel=1e-9)  # written with digits
+        assert (measured.bus.port, measured.bus.node) == (wired.bus.port, wired.bus.node)
+        status, out, _ = run("yoke.toml", "--move")
+        assert status == 0
+        for part in ("Nodes", "controller.delay", "drive watchdog", "column encoder", "real-time kernel"):
+            assert part in out
+        status, _, err = run("yoke.toml", "--out", "measured.toml")
+        assert status == 2
+        assert "--replace" in err
+
+
+def test_loader_without_bus_and_missing_port_exit_with_status_2(run, tmp_path):
+    status, _, err = run("desktop-yoke")
+    assert status == 2
+    assert "[bus]" in err
+    (tmp_path / "yoke.toml").write_text(yoke().to_toml().replace('"pty"', '"./nowhere"'), encoding="utf-8")
+    status, _, err = run("yoke.toml")
+    assert status == 2
+    assert "./nowhere" in err
+
+
+@pytest.mark.parametrize(
+    ("fault", "part"), [(0, "still powered"), (140, "under voltage"), (None, "no answer"), (4, "stopped by itself")]
+)
+def test_watchdog_that_does_not_act_is_found(fault, part, monkeypatch):
+    monkeypatch.setattr(check.time, "sleep", lambda _: None)
+
+    class Drive:
+        asked = 0
+
+        def exchange(self, command, enable):
+            self.asked += 1
+            assert command == 0.0
+            return None if fault is None else ([0.0] * 4, fault if enable and self.asked > 3 else 0)
+
+    finding = check._watchdog(Drive(), yoke().bus)
+    assert finding.ok == (fault == 4)
+    assert part in finding.stated
+    assert bool(finding.remedy) == (not finding.ok)
+
+
+def test_host_findings_have_a_remedy_unless_they_are_well(monkeypatch):
+    for finding in ff.bus.check_host():
+        assert finding.stated
+        assert bool(finding.remedy) == (not finding.ok), finding
+    monkeypatch.setattr(host.os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(host.resource, "getrlimit", lambda _: (0, 0))
+    monkeypatch.setattr(host, "_read", lambda _: "")
+    bad = {finding.name: finding.remedy for finding in ff.bus.check_host() if not finding.ok}
+    assert {"isolated processor", "memory lock", "real-time priority"} <= set(bad)
+    assert "memlock" in bad["memory lock"]
