@@ -3,6 +3,10 @@
 import json
 from pathlib import Path
 
+import pytest
+
+import forcefeel as ff
+
 EXAMPLES = Path("examples/cockpit").resolve()
 
 
@@ -28,3 +32,9 @@ def test_project_without_links_and_options_of_one_loader_are_refused(forcefeel, 
         status, out, error = forcefeel("frontier", f"{EXAMPLES}/{name}.toml", *options, "--out", str(tmp_path / name))
         assert (status, out) == (2, "")
         assert told in error
+
+
+def test_delays_are_whole_periods():
+    project = ff.loader.read_project(f"{EXAMPLES}/linked-sticks.toml")
+    with pytest.raises(ff.InputError, match=r"delays: expected whole periods from 1 to 255, got \[0\]"):
+        ff.frontier.link_frontier(project, "robust", delays=[0])

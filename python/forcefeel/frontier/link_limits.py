@@ -4,7 +4,7 @@ Both loaders run under their law, hands off, without their optional rows: noise,
 stiffness is stable if the swing after a small push decays. The limit is found ``_PARTS`` stiffnesses at a time.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from types import MappingProxyType
@@ -13,6 +13,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel._core import MOST_LINK_DELAY
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -28,7 +29,7 @@ from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import PERCENT, ROTARY_DAMPING, ROTARY_STIFFNESS, SECONDS, UnitSystem, to_text
 
 DELAYS = (1, 2, 4, 10, 20, 40)
-"""Periods."""
+"""Periods of delay of a frontier."""
 
 DAMPING = (0.0, 0.5, 1.0)
 """Injected damping as shares of the damping of the less damped feel."""
@@ -56,7 +57,7 @@ class LinkLimit:
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
-        >>> links = ff.frontier.link_frontier(project, "robust").links
+        >>> links = ff.frontier.link_frontier(project, "robust", delays=[1]).links
         >>> round(links["stick-pitch"].limits[0].stiffness_n_m_per_rad, -3)
         17000.0
     """
@@ -78,7 +79,7 @@ class LinkFrontier:
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
-        >>> links = ff.frontier.link_frontier(project, "robust").links
+        >>> links = ff.frontier.link_frontier(project, "robust", delays=[1]).links
         >>> round(links["stick-pitch"].used, 3)
         0.018
     """
@@ -114,6 +115,7 @@ def link_frontier(
     project: Project,
     law: LawLike = None,
     *,
+    delays: Sequence[int] = DELAYS,
     threads: int | None = None,
     progress: Callable[[str, int, int], None] = lambda what, done, total: None,
 ) -> CockpitFrontier:
@@ -122,15 +124,16 @@ def link_frontier(
     Args:
         project: The project.
         law: Law of both loaders, as for ``Law.of``.
+        delays: One-way delays, in periods.
         threads: Number of threads; default: all cores.
         progress: Called with the link and the numbers of completed and of all runs.
 
     Raises:
-        InputError: If the project has no link, or its loaders have no digital controller of one period.
+        InputError: If the project has no link, a delay is none, or its loaders have no digital controller of one period.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
-        >>> frontier = ff.frontier.link_frontier(project, "robust")
+        >>> frontier = ff.frontier.link_frontier(project, "robust", delays=[1])
         >>> frontier.links["stick-pitch"].used < 0.1
         True
     """
@@ -139,7 +142,9 @@ def link_frontier(
         raise InputError(
             f"{project.path}: {has}; add a link between two pilots' controls [links.NAME], or name the loader of one axis"
         )
-    total = len(project.pilot_links) * (len(DELAYS) + 1)
+    if not delays or not all(isinstance(delay, int) and 1 <= delay <= MOST_LINK_DELAY for delay in delays):
+        raise InputError(f"delays: expected whole periods from 1 to {MOST_LINK_DELAY}, got {list(delays)}")
+    total = len(project.pilot_links) * (len(delays) + 1)
     done = 0
 
     def advance(name: str) -> None:
@@ -151,7 +156,7 @@ def link_frontier(
         pair = _Bare.of(project, link, law)
         period, damping = pair.loaders[0]["controller.period"], pair.damping
         limits: list[LinkLimit] = []
-        for periods in DELAYS:
+        for periods in delays:
             limits += pair.limits(periods * period, [share * damping for share in DAMPING], threads)
             advance(link.name)
         own = None

@@ -66,7 +66,7 @@ def write_links(
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
-        >>> frontier = ff.frontier.link_frontier(project, "robust")
+        >>> frontier = ff.frontier.link_frontier(project, "robust", delays=[1])
         >>> ff.frontier.write_links(frontier, Path("links"), ff.UnitSystem.US).name
         'frontier.html'
     """
