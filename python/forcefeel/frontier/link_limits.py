@@ -129,7 +129,7 @@ def link_frontier(
         progress: Called with the link and the numbers of completed and of all runs.
 
     Raises:
-        InputError: If the project has no link, a delay is none, or its loaders have no digital controller of one period.
+        InputError: If the project has no link, a delay is out of range, or its loaders have no digital controller of one period.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
