@@ -79,7 +79,7 @@ def _on_each(
             print_json(
                 {"project": project.name, "axes": results} | {key: value for key, value in beside.items() if value}
             )
-        elif alone := judged_alone(project.loaders):
+        elif of_links is None and (alone := judged_alone(project.loaders)):
             print("", *alone, sep="\n")
         if worst:
             raise SystemExit(worst)
