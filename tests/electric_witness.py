@@ -209,6 +209,8 @@ class Touch:
         self.place = self.extreme = (0.0, 0.0)  # angle, torque
         self.offset = 0.0
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
+        self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
+        self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
 
     def notice(self, h, torque, column):
@@ -233,20 +235,31 @@ class Touch:
             self.swings = self.swings + 0.25 if slow and stiff and peak_before > 1.02 * self.last else 0
         elif not slow:
             self.swings = 0
-        struck = over and quick and stiff and self.push > 0
+        back = (self.turn[1] - self.torque) * self.way
+        turned_back = back > 2 * self.least
+        if turned_back:
+            hard_turn = back > self.environment * abs(self.angle - self.turn[0]) and self.since_turn < self.quick
+            self.way, self.turns = -self.way, self.turns + 1 if hard_turn else 0
+        self.since_turn = 0.0 if turned_back else min(self.since_turn + h, 1.0)
+        if turned_back or back < 0:
+            self.turn = (self.angle, self.torque)
+        pushed_on = turned_back and self.turns >= 8
+        rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
+        blow = over and hard and rose and abs(fell) > 0.5 * peak_before
+        struck = blow and quick and stiff and self.push > 0
         turned = self.before * self.side < -0.05 and turns * self.side > 0.05
-        turned = turned and over and hard and self.since < self.quick / 3
+        turned = turned and blow and self.since < self.quick / 3
         self.struck_at = self.extreme[0]
         if other:
             self.last = peak_before
         if begins:
             self.side, self.since, self.before = math.copysign(1.0, self.torque), 0.0, self.rate
-            self.push = 1 if self.rate * self.side < -0.05 else -1
+            self.push, self.began = 1 if self.rate * self.side < -0.05 else -1, self.angle
         else:
             self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
         if begins or self.torque * self.side > self.extreme[1] * self.side:
             self.extreme = (self.angle, self.torque)
-        return self.swings >= 2 or struck or turned or (swing and self.share > 0)
+        return self.swings >= 2 or pushed_on or struck or turned or (swing and self.share > 0)
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""

@@ -14,6 +14,9 @@ QUIET_RAD = np.radians(0.5)
 NOISE_OF_STOP = 0.15
 """Range of the load cell's force over its mean where the column rests on a stop: its noise, and the stop's own vibration."""
 
+SAME_M = 1e-5
+"""Of the drive's position, at rest and from run to run: a hundredth of the swing."""
+
 
 def _light() -> ff.Loader:
     """A light feel of little damping: 400 lb in/rad, 1.5 Hz, 0.15."""
@@ -97,12 +100,14 @@ def test_a_hand_that_is_stronger_than_the_drive_lets_go_of_a_column_that_is_not_
     assert column[let_go].min() > -0.53 * stop
 
 
+QUIET = {
+    f"{sensor}.{row}": 0.0
+    for sensor in ("load_cell", "potentiometer", "column_sensor")
+    for row in ("noise", "resolution")
+}
+
+
 def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> None:
-    quiet = {
-        f"{sensor}.{row}": 0.0
-        for sensor in ("load_cell", "potentiometer", "column_sensor")
-        for row in ("noise", "resolution")
-    }
     stop = {
         "column.stop_high": np.radians(5.0),
         "column.stop_stiffness": 6e4,
@@ -110,7 +115,7 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
         "feel.hard_stop_high": np.pi,
     }
     loader = ff.loader.electric("elevator-electric").replace(
-        _light_feel() | stop | quiet | {"motor.cogging_torque": 0.0}, si=True
+        _light_feel() | stop | QUIET | {"motor.cogging_torque": 0.0}, si=True
     )
     law = ff.Law.of("robust", loader)
     force, duration = 8.0, 0.5
@@ -120,6 +125,25 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     depth = angle.max() - np.radians(5.0)
     assert depth > 1e-3  # it struck, with some 80 N
     assert np.abs(angle - found).max() < 0.01 * depth
+
+
+@pytest.mark.parametrize("rests", [True, False])
+def test_an_independent_integrator_finds_the_same_rest_under_a_hand_that_pushes_on(rests: bool) -> None:
+    """200 N into the stop of a stick: the drive swings by 1.3 mm without the part for contact, by 3 um with it."""
+    stop = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}
+    loader = ff.loader.electric("sidestick-pitch").replace(stop | QUIET, si=True).replace({"feel.breakout": None})
+    made = ff.Law.of("robust", loader)
+    law = made if rests else made.without_contact()
+    time = np.arange(0.0, 1.2003, 5e-4)
+
+    def hand(at: float) -> float:
+        return 200.0 * min(at / 0.3, 1.0)
+
+    scenario = ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), 1.2, 5e-4, 5e-4)
+    run = ff.simulate(loader, scenario, law).history["drive_position_m"].to_numpy()
+    found = witness.simulate(loader, law.sampled, hand, 1.2, rtol=1e-7)["drive_position_m"]  # far below the swing
+    assert np.abs(run - found).max() < SAME_M
+    assert [np.ptp(position[-400:]) < SAME_M for position in (run, found)] == [rests] * 2
 
 
 def test_the_noise_of_the_torque_is_that_of_a_simulated_observer() -> None:
