@@ -102,9 +102,7 @@ impl Case {
         let values = parameters.values();
         Self { loader, values, faults, hand, angle, samples: last + GOES_ON, seed: seed ^ number }
     }
-}
 
-impl Case {
     /// First sample of a fault.
     pub fn onset(&self) -> Option<usize> {
         self.faults.iter().filter(|fault| fault.kind != Kind::None).map(|fault| fault.from).min()

@@ -48,8 +48,7 @@ impl Axes {
     pub fn beat(&mut self, woken: Woken, period_ns: u64) {
         let before = self.beats;
         self.beats += 1 + woken.missed;
-        for ([first, second], link) in &mut self.links {
-            let [first, second] = [*first, *second];
+        for &mut ([first, second], ref mut link) in &mut self.links {
             if due(self.axes[first].every, [before, self.beats], woken, period_ns).is_some()
                 && let Ok([one, other]) = self.axes.get_disjoint_mut([first, second])
             {

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Literal, Self, get_args
+from typing import Literal, get_args
 
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.torque_mode import TORQUE_MODE
+from forcefeel.live.ending import EndsWithBlock
 from forcefeel.live.setup import live_law, made_of, script_of
 from forcefeel.loader.bus import UDP, Bus
 from forcefeel.loader.loader import Loader, check_electric
@@ -41,7 +41,7 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
         )
 
 
-class BusEmulator:
+class BusEmulator(EndsWithBlock):
     """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens.
 
     Args:
@@ -84,14 +84,6 @@ class BusEmulator:
             self._emulator = _core.BusEmulator(nodes, by_clock=real_time)
         except OSError as error:
             raise InputError(f"cannot emulate a bus: {error}") from error
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.end()
 
     def end(self) -> None:
         """Close the port."""

@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import Self
+from types import MappingProxyType
 
 from forcefeel.errors import InputError, expect, suggestion
 from forcefeel.laws.law import LawLike
 from forcefeel.linked.joint import common_step, delay_periods
+from forcefeel.live.ending import EndsWithBlock
 from forcefeel.live.endpoint import Endpoint, Simulated
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.starting import HISTORY, MOST_RECORD_BYTES, Axis, launch, listening, opened_record
@@ -21,7 +21,7 @@ _LEAST_HISTORY = 30_000
 """Rows of each axis that are kept in memory: 15 s at 2 kHz."""
 
 
-class LiveCockpit(Mapping[str, LiveSession]):
+class LiveCockpit(EndsWithBlock, Mapping[str, LiveSession]):
     """The running axes of a project by name, from ``start_cockpit``: one thread, one clock, one record.
 
     Attributes:
@@ -48,14 +48,6 @@ class LiveCockpit(Mapping[str, LiveSession]):
 
     def __len__(self) -> int:
         return len(self._sessions)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.end()
 
     def end(self) -> None:
         """End the loop with all drives off and close the record; further calls do nothing."""

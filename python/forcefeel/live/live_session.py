@@ -4,8 +4,8 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from threading import Lock, RLock
-from types import MappingProxyType, TracebackType
-from typing import Literal, Self, get_args
+from types import MappingProxyType
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law
+from forcefeel.live.ending import EndsWithBlock
 from forcefeel.live.loop_settings import Loop, LoopSettings
 from forcefeel.live.setup import checked_feel, feel_numbers, feel_rows
 from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
@@ -41,7 +42,7 @@ FADE_S = 0.5
 _NAP_S = 1e-3
 
 
-class LiveSession:
+class LiveSession(EndsWithBlock):
     """A running loop, from ``start``; thread-safe.
 
     Attributes:
@@ -68,14 +69,6 @@ class LiveSession:
         self.law = law
         self.period_s: float = settings.loader["controller.period"]
         self.fade_s = FADE_S
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.end()
 
     def end(self) -> None:
         """End the loop with the drive off and close the record; further calls do nothing."""
