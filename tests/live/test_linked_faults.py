@@ -20,7 +20,7 @@ NOISE_N = 2.0
 @pytest.mark.parametrize(("fault", "by"), [("late", LATE_BUT_BRIDGED), ("late", TOO_LATE), ("no_samples", 0)])
 @pytest.mark.parametrize("name", PUSHES)
 def test_force_on_the_other_side_is_no_larger_than_a_legal_one(name, side, fault, by):
-    """The electronic link has no step and at most its breakout; a shaft stops both, and the force at the grip stays in its limit."""
+    """Electronic: no step, and at most the breakout. A shaft stops both, and the force at the grip stays in its limit."""
     project = ff.loader.read_project(COCKPITS / f"{name}.toml")
     ((_, link),) = project.links.items()
     with running(project) as cockpit:
