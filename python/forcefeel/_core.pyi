@@ -665,6 +665,8 @@ class LiveSetup:
         supervised: bool = True,
         rendered: _Array | None = None,
     ) -> Self: ...
+    def with_test_signal(self, samples: Sequence[float], settles: int) -> LiveSetup:
+        """The same with a bench signal beside the law's command, which begins once the feel has been there for so many cycles."""
 
 _Script: TypeAlias = tuple[dict[str, _Array], float, tuple[float, int] | None, int]
 _Requested: TypeAlias = tuple[int, str, list[float]]

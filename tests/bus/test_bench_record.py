@@ -2,18 +2,25 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.experiments import Drive
 from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.record_run import driven
+from forcefeel.simulation.inputs import Schedule
 from tests.command_line import runs
-from tests.live.test_bus import KINDS, yoke
+from tests.live.test_bus import yoke
 
 excite = runs("excite")
 
 FIT = ("motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia")
 NEAR = 0.01
 """The sensors have noise, and an ODrive's board 16 bits of force."""
+
+UNDER_LAW = 0.05
+"""The law turns the sensors' noise into motion."""
 
 HIDDEN = dict(zip(FIT, (1.1, 0.85, 1.15, 1.15), strict=True))
 """What the machine has of the file's values."""
@@ -24,7 +31,7 @@ def signal(loader, **changes):
     return ff.bench.excite(loader, "J_m,k,c,J", "motor-open", ff.bench.ExcitationPlan(**(plan | changes)))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
 def test_identification_finds_the_hidden_machine(kind):
     loader = yoke(kind)
     truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
@@ -36,6 +43,60 @@ def test_identification_finds_the_hidden_machine(kind):
     for estimate in found.estimates:
         key = estimate.unknown.key
         assert estimate.value == pytest.approx(truth[key], rel=NEAR), key
+
+
+def under_law(loader, time_s=3.0):
+    plan = ff.bench.ExcitationPlan(
+        time_s=time_s,
+        rate_hz=2000.0,
+        to_hz=60.0,
+        measured=("column_angle", "drive_position", "load_cell_force"),
+        limits={"travel": 0.01, "voltage": loader["current_loop.voltage_limit"]},
+    )
+    return ff.bench.excite(loader, "J_m,k,c,J", "loader command_current", plan)
+
+
+@pytest.mark.parametrize(("kind", "near"), [("moteus", 1e-5), ("odrive", 0.02)])
+def test_record_under_the_law_lies_on_the_simulation(kind, near):
+    """Without noise; an ODrive's board has 16 bits of force, and its estimates single precision."""
+    loader = yoke(kind, quiet=True)
+    signal = under_law(loader)
+    with ff.live.BusEmulator([loader], real_time=False) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        record = ff.bus.play(replace(signal, loader=wired), real_time=False)
+    steps = Schedule(tuple(np.repeat(signal.time_s, 2)[1:].tolist()), tuple(np.repeat(signal.signal, 2)[:-1].tolist()))
+    scenario = replace(driven(Drive.COMMAND_CURRENT, steps), duration_s=2.9, sample_s=1 / 2000)
+    run = ff.simulate(loader, scenario, "robust").history
+    for channel, column in (
+        ("column_angle", "column_angle_rad"),
+        ("drive_position", "drive_position_m"),
+        ("load_cell_force", "load_cell_force_n"),
+    ):
+        expected = run[column].to_numpy()
+        off = record.channels[channel][: len(expected)] - expected
+        assert np.std(off) < near * np.std(expected), channel
+
+
+def test_identification_finds_the_hidden_machine_under_the_law():
+    loader = yoke()
+    truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
+    with ff.live.BusEmulator([truth], real_time=False) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        record = ff.bus.play(under_law(wired, 4.0), real_time=False)
+    found = identify(wired, [record], "J_m,k,c,J")
+    for estimate in found.estimates:
+        key = estimate.unknown.key
+        assert estimate.value == pytest.approx(truth[key], rel=UNDER_LAW), key
+
+
+def test_signal_under_the_law_ends_with_the_supervisor():
+    loader = yoke()
+    with ff.live.BusEmulator([loader], real_time=False) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        signal = under_law(wired)
+        with pytest.raises(ff.InputError, match=r"the signal ended early: .*; lower the limits"):
+            ff.bus.play(replace(signal, signal=100 * signal.signal), real_time=False)
+        assert emulator.commands == [0.0]
 
 
 def test_signal_that_cannot_be_played_is_refused(excite, tmp_path):

@@ -8,7 +8,8 @@ use crate::request::{FeelRequest, LoopRequest};
 use crate::row::Row;
 use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
-use forcefeel_model::control::{Control, Sample};
+use crate::test_signal::TestSignal;
+use forcefeel_model::control::{Control, ControlOutput, Sample};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::host::effects::Held;
@@ -17,7 +18,7 @@ use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
-use forcefeel_model::supervised_law::SupervisedLaw;
+use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
 use forcefeel_model::supervisor::{Functions, RequestedMode, SupervisorState};
 use forcefeel_model::transducers::SENSORS;
 
@@ -46,6 +47,7 @@ pub struct Controller {
     presses: bool,
     change: Option<Change>,
     waiting: Option<FeelRequest>,
+    test_signal: TestSignal,
     cycle: u64,
     beats: u64,
 }
@@ -94,6 +96,7 @@ impl Controller {
             presses: false,
             change: None,
             waiting: None,
+            test_signal: TestSignal::default(),
             cycle: 0,
             beats: 0,
         })
@@ -102,6 +105,11 @@ impl Controller {
     /// Period of the loop, and the share of the feel that comes or goes in it.
     pub fn link_times(&self) -> LinkTimes<f64> {
         LinkTimes::new(self.period_s, self.parameters.safety.fade_time)
+    }
+
+    /// Adds a bench signal to the law's command, which the supervisor limits with it; the law's observer is not told.
+    pub fn excite(&mut self, test_signal: TestSignal) {
+        self.test_signal = test_signal;
     }
 
     /// The cycle that comes next.
@@ -205,11 +213,18 @@ impl Controller {
         self.pilot_force = sampled.map_or(self.pilot_force, |sampled| sampled.sample.pilot_force);
         let pilot_force = self.pilot_force;
         let sample = supervision.admit(&seen).map(|sensors| Sample { sensors, pilot_force });
+        let active = supervision.last().is_some_and(|allowed| allowed.state == SupervisorState::Active);
+        let test_signal = self.test_signal.next(active);
         let written = self.followed.step((&self.shared, &self.control), &inputs, sample.as_ref(), |answer| {
-            verdict = supervision.look(answer);
-            verdict.passed()
+            let asked = answer.command + test_signal;
+            verdict = supervision.look(&ControlOutput { command: asked, ..*answer });
+            // What passes whole is the law's own command to the last bit.
+            let whole = verdict.command.to_bits() == asked.to_bits();
+            let command = if whole { answer.command } else { verdict.command - test_signal };
+            LimitedCommand { command, ..verdict.passed() }
         });
-        let verdict = Verdict { command: written, ..verdict };
+        let added = if verdict.enable { test_signal } else { 0.0 };
+        let verdict = Verdict { command: written + added, ..verdict };
         let command =
             Command { cycle: self.cycle, command: verdict.command, enable: verdict.enable, state: verdict.state };
         let row = self.row(sampled, &verdict, &inputs, missed);

@@ -44,6 +44,7 @@ pub mod simulated_pair;
 pub mod socket_can;
 pub mod status;
 pub mod supervision;
+pub mod test_signal;
 pub mod thinning;
 pub mod udp;
 pub mod whole_file;

@@ -20,6 +20,7 @@ use forcefeel_live::simulated::{Script, Stepped, simulated};
 use forcefeel_live::simulated_pair;
 use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
+use forcefeel_live::test_signal::TestSignal;
 use forcefeel_live::udp::Udp;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
 use forcefeel_model::link::LINK_ROWS;
@@ -47,6 +48,7 @@ type Requested = (u64, String, Vec<f64>);
 #[pyclass(frozen, module = "forcefeel._core")]
 pub struct LiveSetup {
     setup: Setup,
+    test_signal: TestSignal,
 }
 
 #[pymethods]
@@ -92,7 +94,12 @@ impl LiveSetup {
             beginning: None,
             supervised,
         };
-        Ok(Self { setup })
+        Ok(Self { setup, test_signal: TestSignal::default() })
+    }
+
+    /// The same with a bench signal beside the law's command, which begins once the feel has been there for so many cycles.
+    fn with_test_signal(&self, samples: Vec<f64>, settles: usize) -> Self {
+        Self { setup: self.setup.clone(), test_signal: TestSignal::new(samples, settles) }
     }
 }
 
@@ -238,6 +245,7 @@ pub fn start_loops(
     let (mut machines, mut openings, mut rest) = (vec![], vec![], vec![]);
     let mut ports = Ports::default();
     for AxisOf(setup, script, real, requests, every, stops, (prefix, about)) in axes {
+        let test_signal = setup.test_signal.clone();
         let mut setup = setup.setup.clone();
         let place = machines.len();
         let linked = links.iter().any(|link| link.2.is_none() && link.0.contains(&place));
@@ -247,7 +255,8 @@ pub fn start_loops(
         setup.host = host.is_some();
         let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
         let requests = requests.collect::<PyResult<_>>()?;
-        let controller = Controller::new(&setup).map_err(refused)?;
+        let mut controller = Controller::new(&setup).map_err(refused)?;
+        controller.excite(test_signal);
         openings.push(AxisOpening { prefix, about, setup: setup.numbers() });
         if every == 0 || stops.iter().any(|&place| place >= places) {
             return Err(refused("axes: expected a beat or more in a period, and places of axes"));

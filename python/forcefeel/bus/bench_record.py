@@ -1,17 +1,23 @@
 """A bench signal on a drive's bus: the record that an identification reads."""
 
-from math import radians
+from dataclasses import replace
+from math import inf, radians
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.bench.excitation import Excitation
-from forcefeel.bench.experiments import Drive, Loop
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bus.check import bus_of
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.live.setup import live_law, made_of
+from forcefeel.live.starting import Axis, launch
+from forcefeel.live.state import COLUMNS, STATES
 from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import to_text
 
@@ -22,22 +28,39 @@ _GAP = 5.0
 """Periods that a record may lack, as in any bench record."""
 
 _MOST_RAD = radians(15.0)
-"""Angle of the column at which a signal is stopped."""
+"""Angle of the column at which a signal without a law is stopped."""
+
+_PLAYS = (Experiment(Loop.MOTOR_OPEN, Drive.TEST_CURRENT), Experiment(Loop.LOADER, Drive.COMMAND_CURRENT))
+
+_SETTLES_S, _FADES_S = 1.0, 5.0
+"""Rest with the feel there before a signal, and the longest time in which the feel comes."""
+
+_LOOKS = 200
+"""Cycles between two looks at a running loop."""
+
+_LOST = 0.01
+"""Share of a record's samples that may be lost; a straight line stands for them."""
 
 
-def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
+def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True) -> BenchRecord:
     """Give the motor of a loader a bench signal over its bus, and record its sensors.
 
-    The motor alone moves the column, without a law: keep hands off, and free its travel. The drive stops at the end, at 15 deg from
-    where the column began, at a fault, and where it does not answer.
+    ``loader command_current``: the loop runs under the law and the supervisor, which adds the signal to the law's command once the
+    feel has been there for a second; the feel holds the column at its neutral. ``motor-open``: the motor alone moves the column,
+    without a law, so free its travel; with dry friction the column wanders, and the drive stops at 15 deg from where it began. Keep
+    hands off.
 
     Args:
-        excitation: A signal of the experiment ``motor-open``, at the rate of the loader's controller.
+        excitation: A signal of one of these experiments, at the rate of the loader's controller.
+        law: The law of ``loader command_current``, as for ``excite``; default ``robust``.
         real_time: Play by the clock; otherwise as fast as the drive answers: for an emulator without a clock.
+
+    Returns:
+        The record: signal, column angle, drive position and load cell force; of ``motor-open`` the motor's current, too.
 
     Raises:
         InputError: If the signal is for another experiment or of another rate, the loader has no bus with a load cell and a column
-            encoder, the drive stopped early, or this computer missed more than 5 periods in a row.
+            encoder, the drive or the supervisor stopped, or this computer missed more than 5 periods in a row.
 
     Example:
         >>> from dataclasses import replace
@@ -55,10 +78,9 @@ def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
     """
     loader, experiment = excitation.loader, excitation.experiment
     bus = bus_of(loader)
-    if experiment.loop is not Loop.MOTOR_OPEN or experiment.drive is not Drive.TEST_CURRENT:
-        raise InputError(
-            f"experiment: a bus plays motor-open, got {experiment}; choose it with --experiment motor-open"
-        )
+    if experiment not in _PLAYS:
+        known = " or ".join(map(str, _PLAYS))
+        raise InputError(f"experiment: a bus plays {known}, got {experiment}; choose one with --experiment")
     if not bus.senses:
         raise InputError(
             "bus: a bench record requires a load cell and an encoder at the column; add load_cell and column_gear"
@@ -67,6 +89,26 @@ def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
     if abs(step - period) > 1e-6 * period:  # of times with nine digits
         rate, got = to_text(1 / period, 6), to_text(1 / step, 6)
         raise InputError(f"rate: expected the controller's, {rate} Hz, got {got} Hz; use --rate {rate}")
+    if experiment.loop is Loop.LOADER:
+        time_s, channels = _under_law(excitation, bench_law(law, loader), real_time=real_time)
+    else:
+        time_s, channels = _motor_alone(excitation, real_time=real_time)
+    if real_time and (longest := float(np.diff(time_s).max())) > _GAP * period:
+        raise InputError(
+            f"bus: a command came {1e3 * longest:.1f} ms after the one before, expected at most {_GAP:g} periods of "
+            f"{1e3 * period:g} ms; run it on an idle computer with real-time priority"
+        )
+    # Where a command came late, those after it are as late.
+    if not real_time or float(np.abs(time_s - excitation.time_s).max()) < _EVEN * period:
+        time_s = excitation.time_s
+    if not (has_grip_sensor(loader) and bus.grip_sensor_n is not None):
+        del channels["grip_force"]
+    return BenchRecord("bus", experiment, time_s, channels, hold="staircase")
+
+
+def _motor_alone(excitation: Excitation, *, real_time: bool) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    """Times and channels of a signal that the drive gets by itself."""
+    loader, bus = excitation.loader, bus_of(excitation.loader)
     setup, _ = made_of(loader, live_law(None, loader), supervised=False)
     to_rad = 1 / loader["column.base_arm"]
     try:
@@ -77,24 +119,56 @@ def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
     if ended is not None:
         raise InputError(f"bus: the signal ended after {len(rows)} of {len(excitation.signal)} samples: {ended}")
     force, position, base, grip, current, sent = np.array(rows).T
-    if real_time and (longest := float(np.diff(sent).max())) > _GAP * period:
-        raise InputError(
-            f"bus: a command came {1e3 * longest:.1f} ms after the one before, expected at most {_GAP:g} periods of "
-            f"{1e3 * period:g} ms; run it on an idle computer with real-time priority"
-        )
-    # Where a command came late, those after it are as late.
-    even = not real_time or float(np.abs(sent - sent[0] - excitation.time_s).max()) < _EVEN * period
-    time_s = excitation.time_s if even else sent - sent[0]
-    channels: dict[str, Any] = {
-        str(experiment.drive): excitation.signal,
+    return sent - sent[0], {
+        str(excitation.experiment.drive): excitation.signal,
         "column_angle": base * to_rad,
         "drive_position": position,
         "load_cell_force": force,
         "motor_current": current,
+        "grip_force": grip,
     }
-    if has_grip_sensor(loader) and bus.grip_sensor_n is not None:
-        channels["grip_force"] = grip
-    return BenchRecord("bus", experiment, time_s, channels, hold="staircase")
+
+
+def _under_law(excitation: Excitation, law: LawLike, *, real_time: bool) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    """Times and channels of a signal beside the command of the law, under the supervisor."""
+    loader, period = excitation.loader, excitation.loader["controller.period"]
+    settles, count = round(_SETTLES_S / period), len(excitation.signal)
+    axis = Axis.of(loader, law, bus_of(loader), supervised=True, host=False)
+    setup = axis.setup.with_test_signal(excitation.signal.tolist(), settles)
+    whole = settles + count + round(_FADES_S / period)
+    (running,) = launch([replace(axis, setup=setup)], host=None, real_time=real_time, record=None, history=2 * whole)
+    with running:
+        running.on()
+        # Of the feel's coming, the rest after it, and the signal.
+        while (left := whole - running.state.cycle) > 0 and running.state.name != "tripped" and not running.state.ended:
+            running.wait(min(left, _LOOKS), timeout_s=inf)
+    rows = dict(zip(COLUMNS, running.history().T, strict=True))
+    active = np.flatnonzero(rows["state"] == STATES.index("active"))
+    begin = int(active[0]) + settles + 1 if len(active) else len(rows["state"])
+    during = {name: row[begin : begin + count] for name, row in rows.items()}
+    if len(during["state"]) < count or (during["state"] != STATES.index("active")).any():
+        trips = ", ".join(trip.name for trip in running.trips) or "the loop ended"
+        raise InputError(
+            f"bus: the signal ended early: {trips}; lower the limits of the signal, such as --limit-travel '2 deg'"
+        )
+    lost = during["sampled"] == 0
+    if lost.mean() > _LOST:
+        raise InputError(
+            f"bus: {lost.mean():.1%} of the samples were lost, expected at most {_LOST:.0%}; check cable and supply"
+        )
+    time_s = during["time_s"] - during["time_s"][0]
+
+    def sensed(name: str) -> NDArray[np.float64]:
+        return np.asarray(np.interp(time_s, time_s[~lost], during[name][~lost]), dtype=np.float64)
+
+    return time_s, {
+        # What the supervisor cuts off beyond the current's limit, the model's current loop does.
+        str(excitation.experiment.drive): excitation.signal,
+        "column_angle": sensed("column_angle_rad"),
+        "drive_position": sensed("drive_position_m"),
+        "load_cell_force": sensed("load_cell_force_n"),
+        "grip_force": sensed("grip_force_n"),
+    }
 
 
 PLAYED = ("column_angle", "drive_position", "load_cell_force", "motor_current")

@@ -1,0 +1,44 @@
+//! A bench signal beside the law's command, while the feel is there.
+
+/// Samples that are added to the law's command, one a cycle.
+#[derive(Debug, Clone, Default)]
+pub struct TestSignal {
+    samples: Vec<f64>,
+    /// Cycles in a row in which the feel was there.
+    active: usize,
+    /// So many before it begins.
+    settles: usize,
+}
+
+impl TestSignal {
+    /// Samples in V, or A of a motor, that begin after so many cycles with the feel there.
+    pub fn new(samples: Vec<f64>, settles: usize) -> Self {
+        Self { samples, active: 0, settles }
+    }
+
+    /// What is added in this cycle. Once begun it does not begin again: where the feel goes it is over.
+    pub fn next(&mut self, active: bool) -> f64 {
+        if active {
+            self.active += 1;
+        } else if self.active > self.settles {
+            self.samples.clear();
+        } else {
+            self.active = 0;
+        }
+        let place = self.active.checked_sub(self.settles + 1);
+        place.filter(|_| active).and_then(|place| self.samples.get(place)).copied().unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TestSignal;
+
+    #[test]
+    fn a_signal_begins_when_the_feel_has_been_there_for_long_and_never_again() {
+        let mut signal = TestSignal::new(vec![1.0, 2.0, 3.0], 2);
+        let states = [true, false, true, true, true, true, false, true, true, true, true];
+        let given: Vec<_> = states.iter().map(|&active| signal.next(active)).collect();
+        assert_eq!(given, [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+}
