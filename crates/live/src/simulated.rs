@@ -10,7 +10,6 @@ use forcefeel_model::controller::CommandDelay;
 use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::hand::Hand;
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
-use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
 use forcefeel_solve::start::Start;

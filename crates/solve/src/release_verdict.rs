@@ -199,7 +199,7 @@ impl ReleaseTest {
         shares: &mut [f64; COMPARED],
     ) {
         let count = reference.values[COUNT];
-        let swings = count > 0.0;
+        let (swings, overshoots) = (count > 0.0, actual.values[COUNT] > 0.0);
         let share = |of: f64, expected: f64, n: usize| {
             let scale = match tolerance.base {
                 Base::Itself => expected,
@@ -225,7 +225,7 @@ impl ReleaseTest {
                     shares[FIRST_OVERSHOOT + k] = share(or_zero(actual.overshoot(k)), reference.overshoot(k), 0);
                 }
             }
-            Quantity::FirstOvershoot if swings && !(actual.values[COUNT] > 0.0) => {
+            Quantity::FirstOvershoot if swings && !overshoots => {
                 shares[OTHERS] = f64::INFINITY;
             }
             Quantity::Overshoots => shares[OTHERS + 1] = feature(COUNT),
