@@ -24,9 +24,8 @@ class Drawing {
   constructor(parent, label) {
     this.svg = element(parent, "svg", { viewBox: "0 0 480 300", role: "img", tabindex: 0, "aria-label": label });
     element(this.svg, "path", { class: "ground", d: "M205 190h70M390 225v50h70v-50z" });
-    for (const [x, name] of [[262, "column"], [300, "link"], [425, "drive"]]) {
-      element(this.svg, "text", { x, y: name === "column" ? 90 : 215, "text-anchor": name === "drive" ? "middle" : "start" }, name);
-    }
+    element(this.svg, "text", { x: 300, y: 225 }, "link");
+    element(this.svg, "text", { x: 425, y: 215, "text-anchor": "middle" }, "drive");
     this.spring = element(this.svg, "path", { class: "link" });
     this.rod = element(this.svg, "path", { class: "rod" });
     this.hand = element(this.svg, "path", { class: "hand" });
@@ -34,7 +33,7 @@ class Drawing {
     element(this.column, "path", { class: "column", d: "M240 250V45" });
     element(this.column, "circle", { class: "grip", cx: 240, cy: 38, r: 15 });
     element(this.svg, "circle", { class: "pivot", cx: 240, cy: 190, r: 6 });
-    this.words = element(this.svg, "text", { x: 12, y: 288 });
+    this.words = element(this.svg, "text", { class: "reading", x: 12, y: 288 });
   }
 
   /** Draws the loader, at the angles of column and drive in rad, under a hand that wants to be at `held`. */

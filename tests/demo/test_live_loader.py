@@ -162,14 +162,16 @@ def test_column_follows_the_pointer_and_verdict_follows_the_law(browser, width):
         window.emulate_media(reduced_motion="reduce")
         window.goto((DEMO / "index.html").as_uri())
         section = window.locator(".live-loader section").first
-        words, verdict = section.locator(".pictures text").nth(3), section.locator(".verdict")
+        words, verdict = section.locator(".reading"), section.locator(".verdict")
         verdict.filter(has_text="Fails: period P0").wait_for()
-        grip = section.locator(".grip").bounding_box()
+        grip, drawing = (section.locator(name).first.bounding_box() for name in (".grip", "svg[tabindex]"))
         x, y = grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2
         window.mouse.move(x, y)
         window.mouse.down()
-        window.mouse.move(x + 30, y, steps=3)
-        words.filter(has_text="column 2.").wait_for()
+        window.mouse.move(
+            x + drawing["width"] / 16, y, steps=3
+        )  # 30 of 152 units beside the pivot: 11.2 deg, drawn 4 times
+        words.filter(has_text="column 2.8 deg").wait_for()
         assert "hand 0.0 lb" not in words.text_content()
         window.mouse.up()
         words.filter(has_text="column 0.0 deg · hand 0.0 lb").wait_for()
