@@ -143,9 +143,10 @@ class Live {
       this.before = now;
       const { values } = forcefeelEngine.data.loaders.robust, { places } = forcefeelEngine.data;
       const [angle, , , , drive, , , , , force] = this.loader.run(steps).slice(-OUTPUTS.length);
-      this.angle = angle;
-      const driveAngle = drive / values[places["linkage.ratio"]] / values[places["column.base_arm"]];
-      this.drawing.draw(angle, driveAngle, force, this.held);
+      if (Number.isFinite(angle + drive)) {
+        this.angle = angle;
+        this.drawing.draw(angle, drive / values[places["linkage.ratio"]] / values[places["column.base_arm"]], force, this.held);
+      } else this.restart(0);
     }
     requestAnimationFrame((later) => this.frame(later));
   }
@@ -161,12 +162,12 @@ class Release {
   }
 
   go(resolve) {
+    if (!this.loader) return;
     const every = Math.round(this.sample / this.loader.step), { length } = this.ideal;
     const until = performance.now() + (calm ? Infinity : BUSY_MS);
-    while (this.loader && this.angles.length < length && performance.now() < until) {
+    while (this.angles.length < length && performance.now() < until) {
       for (let k = 0; k < 20 && this.angles.length < length; k++) this.angles.push(this.loader.run(every)[0]);
     }
-    if (!this.loader) return;
     this.plot.draw("actual", this.angles, this.shown);
     if (this.angles.length < length) return requestAnimationFrame(() => this.go(resolve));
     this.stop();
