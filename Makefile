@@ -3,6 +3,7 @@
 # make lint     format and type checks
 # make bench    speed against the peers
 # make docs     validation table and the README's picture from the program itself
+# make demo     the live loader's compiled model and laws, docs/demo/engine.js
 # make site     the documentation as pages, in site/; PICTURES=0 where there is no Chromium
 # make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
 
@@ -14,7 +15,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.ld')
 
-.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs site links wheel clean
+.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -66,6 +67,12 @@ bench: $(VENV)/equipped
 docs: $(VENV)/equipped
 	$(BIN)/python docs/make.py
 	$(BIN)/python docs/layers.py
+
+# Committed, so that the page opens in a browser as it was cloned. Its tests hold it against the simulation, bit for bit.
+demo: $(VENV)/equipped
+	rustup target add wasm32-unknown-unknown
+	cargo build --release --locked --package forcefeel-browser --target wasm32-unknown-unknown
+	$(BIN)/python docs/live_loader.py
 
 SPHINX = $(BIN)/python -m sphinx -W -n --keep-going --quiet
 

@@ -21,7 +21,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
 ]
-exclude_patterns = ["parts"]
+exclude_patterns = ["parts", "demo"]
 nitpicky = True
 
 # Manual: how much is run. The tests build without both, `make site PICTURES=0` without pictures.
@@ -49,7 +49,7 @@ nitpick_ignore_regex = [
 # Look
 html_theme = "furo"
 html_title = f"forcefeel {release}"
-html_static_path = ["style"]
+html_static_path = ["style", "demo"]
 html_css_files = ["manual.css"]
 html_copy_source = False
 html_show_sphinx = False

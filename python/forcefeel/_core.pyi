@@ -74,6 +74,7 @@ __all__ = [
     "host_switches",
     "ideal_feel",
     "inside_unit_circle",
+    "judge_releases",
     "linear_slopes",
     "link_parameters",
     "linkage_from_resonance",
@@ -89,6 +90,7 @@ __all__ = [
     "parts",
     "recursion",
     "release_feature_groups",
+    "release_rule_names",
     "released",
     "rigid",
     "safety_functions",
@@ -638,6 +640,25 @@ def stationary(phi: _Array, h: _Array, q: _Array, r: _Array) -> tuple[_Array, fl
 
 def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...
 def release_feature_groups() -> list[tuple[str, int, str]]: ...
+def release_rule_names() -> tuple[list[str], list[str], list[str]]:
+    """Quantities of tolerances, bases of their shares, and the quantities by which a release can fail, in order."""
+
+def judge_releases(
+    values: _Array,
+    reference: _Array,
+    times: Sequence[Sequence[float]],
+    tolerances: _Array,
+    *,
+    rests_fall_times: float,
+    by_rise_time: bool = False,
+) -> tuple[NDArray[np.int8], NDArray[np.bool_], _Array]:
+    """Verdicts on releases: place of the first failing quantity or -1, whether it was evaluated, margin.
+
+    ``values``, ``reference``: features (runs, features); one reference for all, or one for each.
+    ``times``: for each side, when it is let go and when its record ends. ``tolerances`` (rows, 5): places of quantity and base,
+    share, 1 where it grows with the cycle, amount in SI units; NaN where there is none.
+    """
+
 def simulation_outputs(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
 def simulation_measures(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
 def simulation_measure(outputs: _Array, dt: float, rest: float, *, free: int = 0, noise: float = 0.0) -> _Array:

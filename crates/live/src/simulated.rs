@@ -2,19 +2,14 @@
 //!
 //! The machine goes on to the next sample when that is read; the command of the sample before is on its way meanwhile, with the delay of the
 //! loader's controller. So a live run takes the steps of a simulation, and gives its bits.
-//!
-//! `F` force of a hand that holds the grip at the angle `theta_h` · `K` its stiffness, as a torque · `C` its damping · `R_p` arm of the grip
-//!
-//! `R_p F = K (theta_h - theta) + K / t_i int (theta_h - theta) dt - C theta'`, within `R_p` times 400 N: an arm, and a person who looks.
-//! A hand that pushes takes 0.05 s for each 400 N of a change, and lets go at once.
 
 use crate::input_output::{Command, Disturbance, Fault, InputOutput, Sampled};
 use crate::setup::{Beginning, Setup};
 use forcefeel_model::control::Sample;
 use forcefeel_model::controller::CommandDelay;
 use forcefeel_model::drive::{Drive, Kind};
+use forcefeel_model::hand::Hand;
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
-use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
 use forcefeel_solve::start::Start;
@@ -166,7 +161,7 @@ impl<D: Drive<f64>> Simulated<D> {
         let mut inputs = script.get(self.state.steps()).copied().unwrap_or_else(last);
         // Nothing is added where there is no hand, or the bits of a simulation would not be met.
         if self.hand.is_there() {
-            inputs.force = inputs.force.map(|force| force + self.hand.force);
+            inputs.force = inputs.force.map(|force| force + self.hand.force());
         }
         inputs
     }
@@ -298,7 +293,7 @@ where
 
     fn disturb(&mut self, disturbance: Disturbance) {
         match disturbance {
-            Disturbance::Force(force) => self.hand.pushes = force,
+            Disturbance::Force(force) => self.hand.push(force),
             Disturbance::HoldAt(angle) => self.hand.take_to(angle),
             Disturbance::Fault(fault) => {
                 self.frozen = self.shown;
@@ -308,62 +303,5 @@ where
             // It stands by itself.
             Disturbance::Link(_) => {}
         }
-    }
-}
-
-/// The hand at the grip.
-#[derive(Debug, Clone, Copy)]
-struct Hand {
-    /// Force in N to which it pushes, and to which it has come.
-    pushes: f64,
-    pushed: f64,
-    angle: Option<f64>,
-    /// Force through the next step.
-    force: f64,
-    integral: f64,
-    stiffness: f64,
-    damping: f64,
-    arm: f64,
-}
-
-impl Hand {
-    /// `t_i` in s.
-    const INTEGRATES_S: f64 = 0.15;
-    /// Most force of an arm in N.
-    const MOST_N: f64 = 400.0;
-    /// Time in s in which a hand comes to that force.
-    const TAKES_HOLD_S: f64 = 0.05;
-    /// Stiffness of an arm that holds tight, in N/m.
-    const ARM_N_PER_M: f64 = 1000.0;
-    /// Damping ratio of arm and column together.
-    const DAMPING: f64 = 0.7;
-
-    fn of(parameters: &Parameters<f64>) -> Self {
-        let arm = parameters.column.grip_arm;
-        let stiffness = 2.0 * parameters.feel.stiffness + Self::ARM_N_PER_M * arm * arm;
-        let damping = 2.0 * Self::DAMPING * (stiffness * parameters.feel.inertia.max(parameters.column.inertia)).sqrt();
-        Self { pushes: 0.0, pushed: 0.0, angle: None, force: 0.0, integral: 0.0, stiffness, damping, arm }
-    }
-
-    fn is_there(&self) -> bool {
-        self.pushes != 0.0 || self.angle.is_some() || self.force != 0.0
-    }
-
-    fn take_to(&mut self, angle: Option<f64>) {
-        (self.angle, self.integral) = (angle, if self.angle.is_some() { self.integral } else { 0.0 });
-    }
-
-    /// Works out the force of the next step from where the column is.
-    fn see(&mut self, angle: f64, rate: f64, step_s: f64) {
-        let holds = self.angle.map_or(0.0, |wanted| {
-            let off = wanted - angle;
-            let most = Self::MOST_N * self.arm;
-            self.integral = (self.integral + self.stiffness * off * step_s / Self::INTEGRATES_S).clamp(-most, most);
-            (self.stiffness * off + self.integral - self.damping * rate).clamp(-most, most) / self.arm
-        });
-        let most = Self::MOST_N * step_s / Self::TAKES_HOLD_S;
-        let lets_go = self.pushes == 0.0;
-        self.pushed = if lets_go { 0.0 } else { self.pushed + (self.pushes - self.pushed).clamp(-most, most) };
-        self.force = self.pushed + holds;
     }
 }

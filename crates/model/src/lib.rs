@@ -34,6 +34,7 @@
 //! | what a person sets around the feel, and how evenly it comes | [`around`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
+//! | a hand at the grip of a simulated loader | [`hand`] |
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
@@ -62,6 +63,7 @@ pub mod feel;
 pub mod feel_computer;
 pub mod feel_parts;
 pub mod grip_sensor;
+pub mod hand;
 pub mod host;
 pub mod known_friction;
 pub mod law_inputs;

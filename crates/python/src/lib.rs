@@ -50,6 +50,8 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MOST_LINK_DELAY", forcefeel_model::link::MOST_DELAY)?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
+    module.add_function(wrap_pyfunction!(release::release_rule_names, module)?)?;
+    module.add_function(wrap_pyfunction!(release::judge_releases, module)?)?;
     module.add_class::<export::ExportedLaw>()?;
     module.add_class::<export::ExportedPair>()?;
     module.add_class::<export::LawSource>()?;

@@ -1,8 +1,10 @@
 //! Features of releases.
 
+use crate::arrays::rows;
 use crate::errors::{refused, threads as answered};
 use crate::limits::{at_least_zero, at_most, rising};
 use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring, Release};
+use forcefeel_solve::release_verdict::{Base, Measured, Quantity, ReleaseTest, TOLERANCE_NUMBERS, Tolerance, names};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -107,4 +109,50 @@ impl ReleaseMeasuring {
         let Release { values, slopes, noise, last_terms } = self.measuring().measure(&position);
         PyArray1::from_vec(py, [values, slopes, noise, last_terms].concat()).reshape([4, FEATURES])
     }
+}
+
+type Verdicts<'py> = (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray1<bool>>, Bound<'py, PyArray1<f64>>);
+
+/// Quantities of tolerances, bases of their shares, and the quantities by which a release can fail, in order.
+#[pyfunction]
+pub fn release_rule_names() -> (Vec<&'static str>, Vec<&'static str>, Vec<String>) {
+    (Quantity::NAMES.map(|(name, _)| name).to_vec(), Base::NAMES.map(|(name, _)| name).to_vec(), names())
+}
+
+/// Of releases with these features (runs, features) against a reference, one or one for each: place of the first failing quantity or -1,
+/// whether it was evaluated, margin. `times`: when each side is let go, and recorded to.
+#[pyfunction]
+#[pyo3(signature = (values, reference, times, tolerances, *, rests_fall_times, by_rise_time = false))]
+pub fn judge_releases<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'py, f64>,
+    reference: PyReadonlyArray2<'py, f64>,
+    times: [[f64; 2]; 2],
+    tolerances: PyReadonlyArray2<'py, f64>,
+    rests_fall_times: f64,
+    by_rise_time: bool,
+) -> PyResult<Verdicts<'py>> {
+    let values = rows::<FEATURES>("values", &values)?;
+    let reference = rows::<FEATURES>("reference", &reference)?;
+    if reference.len() != 1 && reference.len() != values.len() {
+        return Err(refused(format!("reference: expected 1 row or {}, got {}", values.len(), reference.len())));
+    }
+    let tolerances = rows::<TOLERANCE_NUMBERS>("tolerances", &tolerances)?;
+    let tolerances: Option<Vec<Tolerance>> = tolerances.iter().map(Tolerance::of).collect();
+    let tolerances = tolerances.ok_or_else(|| refused("tolerances: expected places of names of release_rule_names"))?;
+    let overdamped = if by_rise_time { Quantity::RiseTime } else { Quantity::FallTime };
+    let test = ReleaseTest { tolerances, rests_fall_times, overdamped };
+    let verdicts: Vec<_> = py.detach(|| {
+        let references = reference.iter().cycle();
+        let measured = |values, [release_s, end_s]: [f64; 2]| Measured { values, release_s, end_s };
+        let pairs = values.iter().zip(references);
+        pairs.map(|(run, reference)| test.judge(&measured(run, times[0]), &measured(reference, times[1]))).collect()
+    });
+    let first =
+        verdicts.iter().map(|verdict| verdict.first_failing.map_or(-1, |place| i8::try_from(place).unwrap_or(i8::MAX)));
+    Ok((
+        PyArray1::from_iter(py, first),
+        PyArray1::from_iter(py, verdicts.iter().map(|verdict| verdict.evaluated)),
+        PyArray1::from_iter(py, verdicts.iter().map(|verdict| verdict.margin)),
+    ))
 }

@@ -16,6 +16,7 @@
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
 //! | a loader that has slopes | [`smooth`] |
 //! | features of a control that is let go | [`release`], [`local_fit`] |
+//! | whether that is within a rule's tolerances | [`release_verdict`] |
 //! | their releases, the pilot's arm at the grip | [`releases`] |
 #![forbid(unsafe_code)]
 
@@ -33,6 +34,7 @@ pub mod loops;
 pub mod outputs;
 pub mod poles;
 pub mod release;
+pub mod release_verdict;
 pub mod releases;
 pub mod rest;
 pub mod riccati;

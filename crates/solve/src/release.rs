@@ -27,14 +27,14 @@ const FADED: f64 = 0.5;
 const CHUNK: usize = 16;
 
 const STEADY: usize = 0;
-const DISPLACEMENT: usize = 1;
+pub(crate) const DISPLACEMENT: usize = 1;
 const TAIL_DEVIATION: usize = 2;
-const SETTLED: usize = 3;
-const HIGH: usize = 4;
-const LOW: usize = 5;
-const COUNT: usize = 6;
-const CROSSING: usize = 7;
-const OVERSHOOT: usize = CROSSING + CROSSINGS;
+pub(crate) const SETTLED: usize = 3;
+pub(crate) const HIGH: usize = 4;
+pub(crate) const LOW: usize = 5;
+pub(crate) const COUNT: usize = 6;
+pub(crate) const CROSSING: usize = 7;
+pub(crate) const OVERSHOOT: usize = CROSSING + CROSSINGS;
 const OVERSHOOT_TIME: usize = OVERSHOOT + OVERSHOOTS;
 /// Features of a release.
 pub const FEATURES: usize = OVERSHOOT_TIME + OVERSHOOTS;

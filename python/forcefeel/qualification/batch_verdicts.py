@@ -1,37 +1,23 @@
 """Verdicts on many releases at once, without uncertainties."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.qualification.release import REST
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Test
-from forcefeel.qualification.tolerance import Tolerance
 from forcefeel.qualification.verdicts import check_kind
+from forcefeel.units import UnitSystem
 
-_CYCLES, _OVERSHOOTS = 9, 16
+_QUANTITIES, _BASES, _NAMES = _core.release_rule_names()
 
-NAMES = (
-    "not measured",
-    "not settled",
-    *(f"P{n}" for n in range(_CYCLES)),
-    *(f"A{k}" for k in range(1, _OVERSHOOTS + 1)),
-    "first overshoot",
-    "overshoots",
-    "steady state",
-    "Ad",
-    "fall time",
-    "rise time",
-)
+NAMES = tuple(_NAMES)
 """Quantities by which a run can fail, in the order of evaluation."""
-
-_INDEX = {name: k for k, name in enumerate(NAMES)}
-_ROUNDING = 1e-12
-"""Rounding, as a share of a tolerance, by which a difference may exceed its limit."""
 
 _Array = NDArray[np.float64]
 
@@ -90,62 +76,27 @@ def judge_releases(
     check_kind(test, "release")
     if len(reference) not in {1, len(batch)}:
         raise InputError(f"reference: expected one, or one for each of {len(batch)} runs, got {len(reference)}")
-    settled = np.logical_and(batch.settled, reference.settled)
-    measured = np.logical_and(batch.measured, reference.measured)
-    shares = np.full((len(batch), len(NAMES)), -np.inf)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for tolerance in test.tolerances:
-            for name, share in _shares(tolerance, test, batch, reference, travel, overdamped):
-                shares[:, _INDEX[name]] = share
-    shares[:, _INDEX["not measured"]] = np.where(measured, -np.inf, np.inf)
-    shares[:, _INDEX["not settled"]] = np.where(settled, -np.inf, np.inf)
-    beyond = shares > 1 + _ROUNDING
-    fails: NDArray[np.bool_] = np.any(beyond, axis=1)
-    first = np.where(fails, beyond.argmax(axis=1), -1).astype(np.int8)
-    margin = np.where(settled, 1 - shares.max(axis=1), np.nan)
-    return BatchVerdicts(np.logical_not(fails), settled, first, margin)
+    first, evaluated, margin = _core.judge_releases(
+        batch.values,
+        reference.values,
+        ((batch.release_s, batch.end_s), (reference.release_s, reference.end_s)),
+        tolerance_rows(test, travel),
+        rests_fall_times=REST,
+        by_rise_time=overdamped == "rise time",
+    )
+    return BatchVerdicts(first < 0, evaluated, first, margin)
 
 
-def _shares(
-    tolerance: Tolerance,
-    test: Test,
-    batch: ReleaseBatch,
-    reference: ReleaseBatch,
-    travel: float | None,
-    overdamped: Overdamped,
-) -> Iterator[tuple[str, _Array]]:
-    """Differences as shares of their tolerance; minus infinity if not compared, infinity if a quantity is missing."""
-    count, quantity = reference.count, tolerance.quantity
-    swings = count > 0
-    largest = np.nan_to_num(reference.overshoots[:, 0])
-    scales = {"A1": largest, "Ad": np.abs(reference.displacement)}
-
-    def share(actual: _Array, expected: _Array, required: NDArray[np.bool_], n: int = 0) -> _Array:
-        limit = tolerance.limit(scales.get(tolerance.relative_to or "", expected), n=n, travel=travel)
-        ratio = np.abs(actual - expected) / limit
-        return np.where(required, np.where(np.isnan(ratio), np.inf, ratio), -np.inf)
-
-    if tolerance.relative_to == "Amax":
-        scales["Amax"] = np.nan_to_num(reference.overshoots).max(axis=1)
-    if quantity in {"P0", "Pn"}:
-        measured_values, reference_values = batch.cycles_s, reference.cycles_s
-        for n in (0,) if quantity == "P0" else range(1, _CYCLES):
-            yield f"P{n}", share(measured_values[:, n], reference_values[:, n], swings & (count >= 2 * n), n)
-    elif quantity in {"A1", "An"}:
-        first_apart = test.tolerance("A1") is not None
-        measured_values = np.nan_to_num(batch.overshoots)
-        for k in range(_OVERSHOOTS):
-            if not first_apart or (k == 0) is (quantity == "A1"):
-                yield f"A{k + 1}", share(measured_values[:, k], reference.overshoots[:, k], count > k)
-    elif quantity == "first overshoot":
-        yield quantity, np.where(swings & ~(batch.count > 0), np.inf, -np.inf)
-    elif quantity == "overshoots":
-        yield quantity, share(batch.count, count, np.full(len(reference), True))
-    elif quantity in {"steady state", "Ad"}:
-        yield quantity, share(batch.displacement, reference.displacement, np.full(len(reference), True))
-    elif quantity == overdamped:
-        fall = quantity == "fall time"
-        measured_values, reference_values = (
-            (releases.fall_time_s if fall else releases.rise_time_s) for releases in (batch, reference)
+def tolerance_rows(test: Test, travel: float | None = None) -> _Array:
+    """The tolerances of a release test as the kernel takes them: the rows of ``_core.judge_releases``."""
+    rows = [
+        (
+            _QUANTITIES.index(tolerance.quantity),
+            _BASES.index(tolerance.relative_to or "itself"),
+            tolerance.relative,
+            tolerance.grows is not None,
+            tolerance.absolute and tolerance.absolute.si(UnitSystem.US, travel),
         )
-        yield quantity, share(measured_values, reference_values, ~swings)
+        for tolerance in test.tolerances
+    ]
+    return np.array(rows, dtype=np.float64)  # NaN for what is not stated
