@@ -53,6 +53,7 @@ __all__ = [
     "discretize",
     "drive_fault",
     "electric_plant",
+    "fastest_on_shaft",
     "fault_kinds",
     "feel_frequencies",
     "feel_frequency",
@@ -491,6 +492,9 @@ def linked_feels(
     """
 
 def linked_outputs() -> list[tuple[str, str]]: ...
+def fastest_on_shaft(values: _Array, inertias: tuple[float, float]) -> float:
+    """A rate in rad/s that no mode of two columns on a shaft is above, from its values and the inertia of each column."""
+
 def simulate_linked(
     first: tuple[Simulation, _Array, _Law | None, _Array | None, _Array | None],
     second: tuple[Simulation, _Array, _Law | None, _Array | None, _Array | None],

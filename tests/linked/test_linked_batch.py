@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 import forcefeel as ff
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.loader.links import LINK_TABLE
 from forcefeel.loader.parameters import INDEX
 from tests.linked.pairs import DEG, LB, link_values, project
 
@@ -49,7 +50,7 @@ def test_bad_batch_is_refused():
     pairs = ff.linked.PairValues(rows, rows)
     with pytest.raises(InputError, match=r"second: expected shape \(2, "):
         ff.linked.PairValues(rows, rows[:1])
-    with pytest.raises(InputError, match=r"link: expected shape \(2, 10\)"):
+    with pytest.raises(InputError, match=rf"link: expected shape \(2, {len(LINK_TABLE)}\)"):
         ff.linked.PairValues(rows, rows, np.ones((2, 3)))
     with pytest.raises(InputError, match="keep: expected names of outputs"):
         ff.linked.simulate_linked_batch(axes, "pitch", scenario, pairs, keep=["angle"])

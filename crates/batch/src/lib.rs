@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use fearless_simd::Level;
-use forcefeel_model::link::PilotLink;
+use forcefeel_model::link::LINK_ROWS;
 use forcefeel_model::parameters::{DriveKind, Feel};
 use forcefeel_simulate::batch::{Job, Values, WIDTH};
 use forcefeel_simulate::feel_pair::feel_pair;
@@ -73,7 +73,7 @@ pub fn run_linked(
 /// If there are no pairs.
 pub fn release_feels(
     feels: [&[Feel<f64>]; 2],
-    (link, uncouples): (&PilotLink<f64>, bool),
+    (link, uncouples): (&[f64; LINK_ROWS], bool),
     release: (f64, f64),
     threads: usize,
     angles: &mut [f64],

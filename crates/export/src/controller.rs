@@ -59,7 +59,7 @@ pub const FLIGHT: [&str; 11] = [
 pub const FIRST_OF_FLIGHT: usize = 1 << 15;
 
 /// What a link is given, in this order: angles and rates of both controls at ages, hands, and flags.
-pub const LINK: [&str; 24] = [
+pub const LINK: [&str; 27] = [
     "now.angle[0]",
     "now.rate[0]",
     "now.angle[1]",
@@ -78,6 +78,9 @@ pub const LINK: [&str; 24] = [
     "before.rate[1]",
     "hand[0]",
     "hand[1]",
+    "share",
+    "gain[0]",
+    "gain[1]",
     "button[0]",
     "button[1]",
     "disconnect",

@@ -8,7 +8,7 @@ use crate::trace::{Bank, Mask, Trace, traced};
 use crate::writer::Writer;
 use forcefeel_model::Scalar;
 use forcefeel_model::link::LINK_ROWS;
-use forcefeel_model::linked_feels::{LinkInputs, LinkOutputs, LinkedFeels};
+use forcefeel_model::linked_feels::{LinkOutputs, LinkTimes, LinkedFeel, LinkedFeels};
 
 /// Two laws and the link between their feels.
 #[derive(Debug, Clone)]
@@ -43,10 +43,16 @@ pub const LINK_ANSWERS: usize = 8;
 pub const PAIR_ANSWERS: usize = 2 * ANSWERS + LINK_ANSWERS;
 
 impl Pair {
-    fn link<S: Scalar>(&self, like: S, number: impl Fn(f64) -> S, resting: [[S; 2]; 2]) -> LinkedFeels<S> {
+    fn link<S: Scalar>(&self, number: impl Fn(f64) -> S) -> Link<S> {
         let arms = self.jobs.each_ref().map(|job| job.parameters(|of| number(of(0))).column.grip_arm);
-        let values = self.values.map(&number);
-        LinkedFeels::new(&values, (self.delay, like.constant(self.jobs[0].period_s)), self.uncouples, arms, resting)
+        let first = &self.jobs[0];
+        let LinkTimes { period, change } =
+            LinkTimes::new(first.period_s, first.parameters(|of| of(0)).safety.fade_time);
+        Link {
+            feels: LinkedFeels::new(&self.values.map(&number), self.delay, self.uncouples),
+            times: LinkTimes { period: number(period), change: number(change) },
+            arms,
+        }
     }
 
     /// Traces a sample of the link: ages of 0, 1, `d` and `d + 1` periods are all that it reads.
@@ -57,7 +63,7 @@ impl Pair {
             let flag = |name: &str| Mask::flag(FIRST_OF_LINK + LINK.iter().take_while(|&&of| of != name).count());
             let at = |age: usize| [0, 1].map(|side| [0, 1].map(|k| input(4 * age + 2 * side + k)));
             let zero = known(0.0);
-            let mut link = self.link(zero, known, [[zero; 2]; 2]);
+            let Link { feels: mut link, times, arms } = self.link(known);
             for age in (1..=self.delay + 1).rev() {
                 let seen = match age {
                     1 => at(1),
@@ -65,14 +71,16 @@ impl Pair {
                     age if age == self.delay + 1 => at(3),
                     _ => [[zero; 2]; 2],
                 };
-                link.electronic.sampled(seen);
+                link.electronic.sampled(seen, times.period);
             }
             link.open = flag("open");
             link.priority.by_force = [flag("by_force[0]"), flag("by_force[1]")];
             let hands = [input(16), input(17)];
+            (link.share, link.gains) = (input(18), [input(19), input(20)]);
             let pressed = [flag("button[0]"), flag("button[1]")];
-            let inputs = LinkInputs { motion: at(0), hands, pressed, disconnect: flag("disconnect") };
-            let LinkOutputs { torques, forces, damping, priority, gives_way } = link.sampled(&inputs);
+            let sides = of_both(at(0), (hands, pressed), flag("disconnect"));
+            let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
+            let forces = [0, 1].map(|side| torques[side] / arms[side]);
             let outputs = vec![
                 ("torque[0]", torques[0].0),
                 ("torque[1]", torques[1].0),
@@ -85,6 +93,9 @@ impl Pair {
                 ("gives_way", gives_way.0),
                 ("dual_input", link.priority.dual_input(hands).0),
                 ("open", link.open.0),
+                ("share", link.share.0),
+                ("gain[0]", link.gains[0].0),
+                ("gain[1]", link.gains[1].0),
                 ("by_force[0]", link.priority.by_force[0].0),
                 ("by_force[1]", link.priority.by_force[1].0),
             ];
@@ -108,15 +119,12 @@ impl Pair {
         rest.inputs[STIFFNESS_FACTOR] = 1.0;
         let mut controllers = self.jobs.each_ref().map(|job| Controller::new(job, like, &rest));
         let number = |value: f64| like.constant(value);
-        let mut link = self.link(like, number, controllers.each_ref().map(Controller::programmed));
+        let Link { feels: mut link, times, arms } = self.link(number);
         let step = |one: &GivenPair| {
-            let inputs = LinkInputs {
-                motion: controllers.each_ref().map(Controller::programmed),
-                hands: one.hands.map(number),
-                pressed: one.pressed,
-                disconnect: one.disconnect,
-            };
-            let LinkOutputs { forces, damping, priority, gives_way, .. } = link.sampled(&inputs);
+            let programmed = controllers.each_ref().map(Controller::programmed);
+            let sides = of_both(programmed, (one.hands.map(number), one.pressed), one.disconnect);
+            let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
+            let forces = [0, 1].map(|side: usize| torques[side] / arms[side]);
             let mut answer = [0.0; PAIR_ANSWERS];
             for side in 0..2 {
                 let mut given = one.laws[side];
@@ -136,6 +144,30 @@ impl Pair {
     }
 }
 
+/// A link with its times and the arms of both grips.
+struct Link<S: Scalar> {
+    feels: LinkedFeels<S>,
+    times: LinkTimes<S>,
+    arms: [S; 2],
+}
+
+/// Both sides of a link whose feels are there in full.
+fn of_both<S: Scalar>(
+    programmed: [[S; 2]; 2],
+    (hands, pressed): ([S; 2], [S::Mask; 2]),
+    opens: S::Mask,
+) -> [LinkedFeel<S>; 2] {
+    let zero = hands[0].zero();
+    [0, 1].map(|side| LinkedFeel {
+        programmed: programmed[side],
+        share: zero.constant(1.0),
+        hand_force: hands[side],
+        presses: pressed[side],
+        opens,
+        closes: zero.less(zero),
+    })
+}
+
 /// What a link answers to motion, hands, buttons and disconnect, sample by sample, from rest at the first motion.
 pub type LinkRow = [f64; 9];
 
@@ -148,16 +180,12 @@ impl Pair {
     fn link_run<S: Scalar<Mask = bool> + Into<f64>>(&self, like: S, rows: &[LinkRow]) -> Vec<[f64; LINK_ANSWERS]> {
         let number = |value: f64| like.constant(value);
         let motion = |row: &LinkRow| [[row[0], row[1]], [row[2], row[3]]].map(|side| side.map(number));
-        let Some(first) = rows.first() else { return Vec::new() };
-        let mut link = self.link(like, number, motion(first));
+        let Link { feels: mut link, times, arms } = self.link(number);
         let step = |row: &LinkRow| {
-            let inputs = LinkInputs {
-                motion: motion(row),
-                hands: [row[4], row[5]].map(number),
-                pressed: [row[6] > 0.0, row[7] > 0.0],
-                disconnect: row[8] > 0.0,
-            };
-            let LinkOutputs { forces, damping, priority, gives_way, .. } = link.sampled(&inputs);
+            let pressed = [row[6] > 0.0, row[7] > 0.0];
+            let sides = of_both(motion(row), ([row[4], row[5]].map(number), pressed), row[8] > 0.0);
+            let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
+            let forces = [0, 1].map(|side: usize| torques[side] / arms[side]);
             let flags = [priority[0], priority[1], gives_way, link.open].map(|flag| f64::from(u8::from(flag)));
             let numbers = [forces, damping].as_flattened().iter().map(|&number| number.into()).collect::<Vec<f64>>();
             core::array::from_fn(|k| if k < 4 { numbers[k] } else { flags[k - 4] })

@@ -5,9 +5,10 @@ use crate::fault::{Fault, Kind as FaultKind};
 use crate::oracle::{Outcome, judge};
 use crate::run::{LawOf, Loaders, Loop, Moving, Record, Side};
 use forcefeel_model::drive::Kind;
-use forcefeel_model::feel_link::FeelLink;
-use forcefeel_model::link::{LINK_ROWS, PilotLink};
+use forcefeel_model::link::LINK_ROWS;
+use forcefeel_model::linked_feels::LinkedFeels;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::shaft::Shaft;
 use forcefeel_model::supervisor::Limits;
 use forcefeel_model::with_drive;
 
@@ -106,33 +107,31 @@ where
 
 /// Both loops in turn, as a cockpit runs them: an electronic link opens where a side is stopped, a shaft takes the other side with it.
 fn go_through(joint: &Joint, mut sides: [Box<dyn Side + '_>; 2]) -> Option<[Record; 2]> {
-    let link = PilotLink::from_values(&joint.values);
-    let mut feels = joint.delay.map(|delay| FeelLink::new(&joint.values, delay, (joint.uncouples, true)));
-    let (mut open, h) = (feels.is_some(), sides[0].step_s());
-    let mut beyond = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
+    let mut feels = joint.delay.map(|delay| LinkedFeels::with_middle(&joint.values, delay, joint.uncouples));
+    let h = sides[0].step_s();
+    let mut shaft = Shaft::new(&joint.values, joint.uncouples, [sides[0].angle(), sides[1].angle()]);
+    shaft.open = feels.is_some();
     loop {
         if sides[0].at_sample() {
             if sides[0].done() {
                 return Some(sides.map(|mut side| side.record()));
             }
-            let given = feels
-                .as_mut()
-                .map_or([[0.0; 2]; 2], |feels| feels.step(sides[0].times(), [sides[0].linked(), sides[1].linked()]));
+            let given = feels.as_mut().map_or([[0.0; 2]; 2], |feels| {
+                let given = feels.sampled(&sides[0].times(), &[sides[0].linked(), sides[1].linked()]);
+                [0, 1].map(|side: usize| [given.torques[side], given.damping[side]])
+            });
             let stopped = [sides[0].stopped(), sides[1].stopped()];
             for (side, given) in given.into_iter().enumerate() {
                 sides[side].link(given, feels.is_none() && stopped[1 - side] && !stopped[side]);
             }
         }
-        let [on_first, on_second] = link.on_each(if open { 0.0 } else { link.torque(beyond) });
+        let [on_first, on_second] = shaft.on_each();
         sides[0].arrive(on_first)?;
         sides[1].arrive(on_second)?;
         for side in &mut sides {
             side.set_out();
         }
-        beyond = link.step(!open, beyond, h, |[on_first, on_second]| {
-            let [first, second] = &mut sides;
-            [first.advance(on_first), second.advance(on_second)]
-        });
-        open |= joint.uncouples && link.gives_way(beyond[0]);
+        let [first, second] = &mut sides;
+        shaft.step(h, |on_each| [first.advance(on_each[0]), second.advance(on_each[1])]);
     }
 }

@@ -7,7 +7,7 @@ use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::feel_link::LinkedFeel;
+use forcefeel_model::linked_feels::{LinkTimes, LinkedFeel};
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
 use forcefeel_model::observer::{NUMBERS, Observer, knows_contact, knows_friction};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
@@ -87,11 +87,11 @@ pub struct Record {
 /// A supervised loader that goes through a case, as a link of two of them sees it.
 pub trait Side {
     /// What an electronic link sees of it.
-    fn linked(&self) -> LinkedFeel;
+    fn linked(&self) -> LinkedFeel<f64>;
     /// What an electronic link gives it in the next cycle, and whether the other axis has stopped it.
     fn link(&mut self, given: [f64; 2], other_axis: bool);
-    /// Period, and the time in which a feel comes, as a share of it.
-    fn times(&self) -> (f64, f64);
+    /// Times of an electronic link whose first side it is.
+    fn times(&self) -> LinkTimes<f64>;
     /// Angle of the column.
     fn angle(&self) -> f64;
     /// The step in s.
@@ -271,14 +271,15 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
 }
 
 impl<D: Drive<f64>> Side for Loop<'_, D> {
-    fn linked(&self) -> LinkedFeel {
+    fn linked(&self) -> LinkedFeel<f64> {
         let last = self.rows.last();
         LinkedFeel {
             programmed: self.followed.feeling().motion.at.map(|number| number * self.control.per_delta()),
             share: last.map_or(0.0, |row| row.allowed.share),
             hand_force: last.map_or(0.0, |row| row.allowed.grip.hand_force),
             presses: false,
-            asked: None,
+            opens: false,
+            closes: false,
         }
     }
 
@@ -286,8 +287,8 @@ impl<D: Drive<f64>> Side for Loop<'_, D> {
         (self.link, self.other_axis) = (given, other_axis);
     }
 
-    fn times(&self) -> (f64, f64) {
-        (self.limits.period, (self.limits.period / self.parameters.safety.fade_time).min(1.0))
+    fn times(&self) -> LinkTimes<f64> {
+        LinkTimes::new(self.limits.period, self.parameters.safety.fade_time)
     }
 
     fn angle(&self) -> f64 {

@@ -4,7 +4,7 @@ use crate::clock::{Clock, Woken};
 use crate::cycle::Cycles;
 use crate::request::LoopRequest;
 use core::sync::atomic::Ordering::Relaxed;
-use forcefeel_model::feel_link::FeelLink;
+use forcefeel_model::linked_feels::LinkedFeels;
 use forcefeel_model::supervisor::Function;
 
 /// An axis of a loop.
@@ -19,12 +19,22 @@ pub struct Axis {
     pub stopped: bool,
 }
 
+/// An electronic link between two axes.
+pub struct AxesLink {
+    /// Places of its axes.
+    pub between: [usize; 2],
+    /// Whether it opens and closes as its axes are asked: one between two pilots.
+    pub opens: bool,
+    /// The link.
+    pub feels: LinkedFeels<f64>,
+}
+
 /// All axes of a loop.
 pub struct Axes {
     /// The axes, at least one.
     pub axes: Vec<Axis>,
-    /// Electronic links, each between the axes at two places.
-    pub links: Vec<([usize; 2], FeelLink)>,
+    /// Electronic links.
+    pub links: Vec<AxesLink>,
     /// Beats so far, those that were missed among them.
     pub beats: u64,
 }
@@ -48,15 +58,15 @@ impl Axes {
     pub fn beat(&mut self, woken: Woken, period_ns: u64) {
         let before = self.beats;
         self.beats += 1 + woken.missed;
-        for &mut ([first, second], ref mut link) in &mut self.links {
+        for AxesLink { between: [first, second], opens, feels } in &mut self.links {
+            let (first, second) = (*first, *second);
             if due(self.axes[first].every, [before, self.beats], woken, period_ns).is_some()
                 && let Ok([one, other]) = self.axes.get_disjoint_mut([first, second])
             {
                 let [one, other] = [&mut one.cycles.controller, &mut other.cycles.controller];
-                let sides = [one.linked(link.opens), other.linked(link.opens)];
-                let [on_one, on_other] = link.step((one.period_s(), one.fade_share()), sides);
-                one.link(on_one);
-                other.link(on_other);
+                let given = feels.sampled(&one.link_times(), &[one.linked(*opens), other.linked(*opens)]);
+                one.link([given.torques[0], given.damping[0]]);
+                other.link([given.torques[1], given.damping[1]]);
             }
         }
         for axis in &mut self.axes {

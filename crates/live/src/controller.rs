@@ -10,9 +10,9 @@ use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
 use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::effects::Effects;
-use forcefeel_model::feel_link::LinkedFeel;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::host::effects::Held;
+use forcefeel_model::linked_feels::{LinkTimes, LinkedFeel};
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
 use forcefeel_model::observer::Observer;
@@ -99,14 +99,9 @@ impl Controller {
         })
     }
 
-    /// Period of the loop in s.
-    pub fn period_s(&self) -> f64 {
-        self.period_s
-    }
-
-    /// Share of the feel that comes or goes in a period: `h / t_f`.
-    pub fn fade_share(&self) -> f64 {
-        (self.period_s / self.parameters.safety.fade_time).min(1.0)
+    /// Period of the loop, and the share of the feel that comes or goes in it.
+    pub fn link_times(&self) -> LinkTimes<f64> {
+        LinkTimes::new(self.period_s, self.parameters.safety.fade_time)
     }
 
     /// The cycle that comes next.
@@ -155,14 +150,16 @@ impl Controller {
     }
 
     /// What an electronic link sees of it; whether it `opens` as it is asked since this was called last.
-    pub fn linked(&mut self, opens: bool) -> LinkedFeel {
+    pub fn linked(&mut self, opens: bool) -> LinkedFeel<f64> {
+        let asked = if opens { self.link_asked.take() } else { None };
         LinkedFeel {
             programmed: self.followed.feeling().motion.at.map(|number| number * self.control.per_delta()),
             share: self.supervision.share(),
             // As the supervisor estimates it, or as measured where nobody looks on.
             hand_force: self.supervision.last().map_or(self.pilot_force, |allowed| allowed.grip.hand_force),
             presses: self.presses,
-            asked: if opens { self.link_asked.take() } else { None },
+            opens: asked == Some(false),
+            closes: asked == Some(true),
         }
     }
 

@@ -1,6 +1,6 @@
 //! A loop under way: its thread, the one that keeps what it tells, and what others see and ask of each axis.
 
-use crate::axes::{Axes, Axis};
+use crate::axes::{Axes, AxesLink, Axis};
 use crate::clock::{AtOnce, Monotonic, nanoseconds};
 use crate::controller::Controller;
 use crate::cycle::Cycles;
@@ -13,7 +13,6 @@ use crate::row::{COLUMNS, Row};
 use crate::status::Status;
 use crate::thinning::Thinning;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use forcefeel_model::feel_link::FeelLink;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::io;
@@ -40,8 +39,8 @@ pub struct AxisPlan {
 pub struct Plan {
     /// The axes, at least one.
     pub axes: Vec<AxisPlan>,
-    /// Electronic links, each between the axes at two places.
-    pub links: Vec<([usize; 2], FeelLink)>,
+    /// Electronic links.
+    pub links: Vec<AxesLink>,
     /// Of the clock, in s.
     pub period_s: f64,
     /// Where a host's packets come to.

@@ -1,19 +1,16 @@
 //! Two simulated machines with a shaft between their columns, each to its own controller as if it were alone.
 //!
-//! Both go on to their next sample together, the torque of the shaft changing evenly through each step, as in a simulation of the pair.
+//! Both go on to their next sample together, as in a simulation of the pair.
 
 use crate::input_output::{Command, Disturbance, InputOutput, Sampled};
 use crate::simulated::Stepped;
-use forcefeel_model::link::PilotLink;
+use forcefeel_model::link::LINK_ROWS;
+use forcefeel_model::shaft::Shaft;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 struct Pair {
     sides: [Box<dyn Stepped>; 2],
-    link: PilotLink<f64>,
-    uncouples: bool,
-    open: bool,
-    /// Angle and rate of the first column beyond the second.
-    beyond: [f64; 2],
+    shaft: Shaft,
     /// Whether a step of both has begun, and whose sample there has not been read.
     begun: bool,
     fresh: [bool; 2],
@@ -26,8 +23,7 @@ impl Pair {
             if self.begun {
                 self.step();
             }
-            let torque = if self.open { 0.0 } else { self.link.torque(self.beyond) };
-            let [on_first, on_second] = self.link.on_each(torque);
+            let [on_first, on_second] = self.shaft.on_each();
             let [first, second] = &mut self.sides;
             self.begun = true;
             if first.arrive(on_first) | second.arrive(on_second) {
@@ -40,10 +36,7 @@ impl Pair {
     fn step(&mut self) {
         self.sides.iter_mut().for_each(|side| side.set_out());
         let (h, [first, second]) = (self.sides[0].step_s(), &mut self.sides);
-        self.beyond = self.link.step(!self.open, self.beyond, h, |[on_first, on_second]| {
-            [first.advance(on_first), second.advance(on_second)]
-        });
-        self.open |= self.uncouples && self.link.gives_way(self.beyond[0]);
+        self.shaft.step(h, |on_each| [first.advance(on_each[0]), second.advance(on_each[1])]);
         self.sides.iter_mut().for_each(|side| side.done());
     }
 }
@@ -60,10 +53,10 @@ impl Side {
     }
 }
 
-/// Both machines with a shaft between their columns.
-pub fn joined(sides: [Box<dyn Stepped>; 2], link: PilotLink<f64>, uncouples: bool) -> [Box<dyn InputOutput>; 2] {
-    let beyond = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
-    let pair = Pair { sides, link, uncouples, open: false, beyond, begun: false, fresh: [false; 2] };
+/// Both machines with a shaft between their columns, from its values in the order of their table; whether it stays open once it has given way.
+pub fn joined(sides: [Box<dyn Stepped>; 2], values: &[f64; LINK_ROWS], uncouples: bool) -> [Box<dyn InputOutput>; 2] {
+    let shaft = Shaft::new(values, uncouples, [sides[0].angle(), sides[1].angle()]);
+    let pair = Pair { sides, shaft, begun: false, fresh: [false; 2] };
     let pair = Arc::new(Mutex::new(pair));
     [0, 1].map(|place| Box::new(Side { pair: Arc::clone(&pair), place }) as Box<dyn InputOutput>)
 }
@@ -85,7 +78,7 @@ impl InputOutput for Side {
     fn disturb(&mut self, disturbance: Disturbance) {
         let mut pair = self.pair();
         match disturbance {
-            Disturbance::Link(holds) => pair.open = !holds,
+            Disturbance::Link(holds) => pair.shaft.open = !holds,
             other => pair.sides[self.place].disturb(other),
         }
     }

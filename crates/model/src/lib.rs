@@ -38,7 +38,7 @@
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
-//! | link between two pilots' controls; an electronic one in feel computers, in a loop | [`link`], [`linked_feels`], [`feel_link`] |
+//! | link between two pilots' controls; as a shaft, between two feels | [`link`], [`shaft`], [`linked_feels`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -61,7 +61,6 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
-pub mod feel_link;
 pub mod feel_parts;
 pub mod grip_sensor;
 pub mod hand;
@@ -82,6 +81,7 @@ pub mod parameters;
 pub mod potentiometer;
 pub mod run;
 pub mod scalar;
+pub mod shaft;
 pub mod supervised_law;
 pub mod supervisor;
 pub mod surface;

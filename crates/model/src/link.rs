@@ -3,7 +3,7 @@
 //! `phi = theta_1 - r theta_2` angle of one control beyond the other · `r` ratio, 1 between two pilots · `k`, `c` stiffness and damping · `p`
 //! play, full width · `M_b` breakout torque · `k_a` stiffness after it · `T` torque between them: `-T` on the first, `r T` on the second · `d`
 //! delay from one control's sample to the other's feel computer · `c_i` largest damping that is injected · `F_p`, `F_d` hand forces for
-//! priority and the dual-input cue
+//! priority and the dual-input cue · `I_m`, `B_m`, `G_m` of a body at the middle
 //!
 //! ```text
 //! s = k (phi - clamp(phi, -p/2, p/2))
@@ -15,6 +15,9 @@
 //! `S` depends on the angle alone, so it is the slope of a potential: what is put into the spring comes back and no more, and the damper only
 //! takes. It has no step, so none is felt where an override lets go or takes hold again, and both controls are aligned again when it has.
 //! A clutch that slips would leave them apart. A link that uncouples at `M_b` stays open; the energy of its spring is lost to both.
+//!
+//! A body at the middle of the link, such as the surface that both pilots move, parts it into halves in series: each of `2 k`, `2 c`, `2 k_a` and `p / 2`,
+//! which gives way at `M_b`, from the first control to the body and from the body to the second.
 //!
 //! An electronic link is the same torque with the other control's angle of `d` before, held for a period `h`. By themselves delay and hold damp two
 //! controls that move together by `k d`, and drive two that move apart by `k (d + h)`. So each angle is carried on along its last period, to the middle
@@ -41,7 +44,7 @@ use crate::parameters::Parameter;
 use crate::units::{self, Unit};
 
 /// Rows of a link.
-pub const LINK_ROWS: usize = 10;
+pub const LINK_ROWS: usize = 13;
 
 /// The table of a link's parameters, in the order of its values; a row with `off_us` may be left out.
 pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
@@ -76,6 +79,27 @@ pub const LINK_TABLE: [Parameter; LINK_ROWS] = [
         units::RATIO,
         (0.5, Some(1.0)),
         (-1e2, 1e2),
+    ),
+    row(
+        "middle_inertia",
+        ("I_m", "inertia of a body at the middle of the link"),
+        units::INERTIA,
+        (5.0, Some(0.0)),
+        (0.0, 1e6),
+    ),
+    row(
+        "middle_damping",
+        ("B_m", "damping of the body at the middle"),
+        units::ROTARY_DAMPING,
+        (20.0, Some(0.0)),
+        (0.0, 1e7),
+    ),
+    row(
+        "middle_stiffness",
+        ("G_m", "stiffness of the body at the middle, about zero"),
+        units::ROTARY_STIFFNESS,
+        (500.0, Some(0.0)),
+        (0.0, 1e7),
     ),
     row(
         "priority_force",
@@ -125,6 +149,13 @@ impl<S: Scalar> PilotLink<S> {
         Self { stiffness, damping, half_play: play.times(0.5), breakout, stiffness_after, injected_damping, ratio }
     }
 
+    /// The part of the link on each side of its middle: in series both are the link.
+    pub fn half(&self) -> Self {
+        let [stiffness, damping, stiffness_after] =
+            [self.stiffness, self.damping, self.stiffness_after].map(|whole| whole.times(2.0));
+        Self { stiffness, damping, stiffness_after, half_play: self.half_play.times(0.5), ..*self }
+    }
+
     /// Angle and rate of the first control beyond the second, from those of both.
     #[inline(always)]
     pub fn beyond(&self, first: [S; 2], second: [S; 2]) -> [S; 2] {
@@ -152,22 +183,7 @@ impl<S: Scalar> PilotLink<S> {
         held + (elastic - held) * self.stiffness_after / self.stiffness + self.damping * rate
     }
 
-    /// Takes a step of `h` of two columns on the link, from angle and rate of one beyond the other at its start to those at its end; `advance`
-    /// takes the step of both, the torques on them ending so, and gives angle and rate of each. It is called anew for each better torque.
-    #[inline(always)]
-    pub fn step(&self, coupled: bool, start: [S; 2], h: f64, mut advance: impl FnMut([S; 2]) -> [[S; 2]; 2]) -> [S; 2] {
-        let torque = |at: [S; 2]| if coupled { self.torque(at) } else { at[0].zero() };
-        let mut at = start;
-        let mut end = torque([at[0] + at[1].times(h), at[1]]);
-        for _ in 0..CORRECTIONS {
-            let [first, second] = advance(self.on_each(end));
-            at = self.beyond(first, second);
-            end = torque(at);
-        }
-        at
-    }
-
-    /// Fastest rate in rad/s of two masses on the link, from the sum of their inverse inertias.
+    /// Fastest rate in rad/s of masses on the link, from the sum of their inverse inertias.
     pub fn rate(&self, per_inertia: S) -> S {
         (self.stiffness.max(self.stiffness_after) * per_inertia).sqrt().max(self.damping * per_inertia)
     }
@@ -179,40 +195,121 @@ impl<S: Scalar> PilotLink<S> {
     }
 }
 
-/// Times that a step is taken under a torque that ends as the last one found it.
-pub const CORRECTIONS: usize = 2;
+/// A body at the middle of a link, such as the surface that both pilots move: `I_m theta'' + B_m theta' + G_m theta = T`.
+#[derive(Debug, Clone, Copy)]
+pub struct Middle<S> {
+    inertia: S,
+    damping: S,
+    stiffness: S,
+}
+
+impl Middle<f64> {
+    /// From values in the order of [`LINK_TABLE`]; nothing without inertia.
+    pub fn from_values(&[.., inertia, damping, stiffness, _, _]: &[f64; LINK_ROWS]) -> Option<Self> {
+        (inertia > 0.0).then_some(Self { inertia, damping, stiffness })
+    }
+}
+
+impl<S: Scalar> Middle<S> {
+    /// Where it rests between both controls at rest, its rate zero: the torque on it falls with its angle, which is halved in.
+    pub fn resting(&self, half: &PilotLink<S>, [first, second]: [S; 2]) -> [S; 2] {
+        let (second, zero) = (half.ratio * second, first.zero());
+        let (mut low, mut high) = (first.min(second).min(zero), first.max(second).max(zero));
+        let middle = |low: S, high: S| (low + high).times(0.5);
+        for _ in 0..HALVINGS {
+            let at = middle(low, high);
+            let torque = half.torque([first - at, zero]) - half.torque([at - second, zero]) - self.stiffness * at;
+            let above = zero.less(torque);
+            (low, high) = (S::select(above, at, low), S::select(above, high, at));
+        }
+        [middle(low, high), zero]
+    }
+
+    /// Its inverse inertia.
+    pub fn per_inertia(&self) -> S {
+        self.inertia.constant(1.0) / self.inertia
+    }
+
+    /// Angle and rate a time `h` on, under a mean torque: the trapezoidal rule.
+    #[inline(always)]
+    pub fn advance(&self, [angle, rate]: [S; 2], h: S, torque: S) -> [S; 2] {
+        let own = self.damping.times(0.5) + self.stiffness * h.times(0.25);
+        let per = self.inertia / h;
+        let end = (rate * (per - own) + torque - self.stiffness * angle) / (per + own);
+        [angle + h.times(0.5) * (rate + end), end]
+    }
+}
+
+/// To the last bit of an angle.
+const HALVINGS: usize = 60;
 
 /// Most periods of delay of an electronic link.
 pub const MOST_DELAY: usize = 255;
 
 /// An electronic link: what each feel computer works out from its own control and from the other's of some periods before.
+///
+/// A body at its middle is worked out where the first control is; it and the second see each other after the delay. Each half of the link is
+/// between it and a control then.
 #[derive(Debug, Clone, Copy)]
 pub struct ElectronicLink<S> {
     link: PilotLink<S>,
+    middle: Option<Middle<S>>,
     delay: usize,
-    /// Angle and rate of both controls at the last samples.
-    past: [[[S; 2]; 2]; MOST_DELAY + 2],
+    /// Angle and rate of both controls at the last samples, and of the middle.
+    past: [[[S; 2]; 3]; MOST_DELAY + 2],
     sample: usize,
 }
 
+impl ElectronicLink<f64> {
+    /// A link with values in the order of [`LINK_TABLE`] and so many periods of delay, with its middle if it has one.
+    pub fn with_middle(values: &[f64; LINK_ROWS], delay: usize) -> Self {
+        let (link, middle) = (PilotLink::from_values(values), Middle::from_values(values));
+        Self { middle, ..Self::new(if middle.is_some() { link.half() } else { link }, delay) }
+    }
+}
+
 impl<S: Scalar> ElectronicLink<S> {
-    /// A link with so many periods of delay, at most [`MOST_DELAY`], between controls that have rested so.
-    pub fn new(link: PilotLink<S>, delay: usize, resting: [[S; 2]; 2]) -> Self {
-        Self { link, delay: delay.min(MOST_DELAY), past: [resting; MOST_DELAY + 2], sample: 0 }
+    /// A link without a middle, with so many periods of delay, at most [`MOST_DELAY`].
+    pub fn new(link: PilotLink<S>, delay: usize) -> Self {
+        let zero = link.stiffness.zero();
+        Self { link, middle: None, delay: delay.min(MOST_DELAY), past: [[[zero; 2]; 3]; MOST_DELAY + 2], sample: 0 }
     }
 
-    /// At a sample, from angle and rate of both controls: of each feel computer angle and rate of the first control beyond the second.
+    /// Whether it has seen nothing.
+    #[inline(always)]
+    pub fn is_new(&self) -> bool {
+        self.sample == 0
+    }
+
+    /// At a sample each `h`, the controls having rested so before the first one, from angle and rate of both: of each feel computer angle and rate of
+    /// the first control beyond the second, or of its control beyond the middle.
     #[inline(always)]
     #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
-    pub fn sampled(&mut self, now: [[S; 2]; 2]) -> [[S; 2]; 2] {
-        let length = self.past.len();
-        self.past[self.sample % length] = now;
-        let carried = |side: usize, delay: usize| {
-            let [then, before] = [delay, delay + 1].map(|back| self.past[(self.sample + length - back) % length][side]);
+    pub fn sampled(&mut self, [first, second]: [[S; 2]; 2], h: S) -> [[S; 2]; 2] {
+        const MIDDLE: usize = 2;
+        let (length, link) = (self.past.len(), self.link);
+        let now = self.sample % length;
+        if self.is_new() {
+            let resting = self.middle.map(|middle| middle.resting(&link, [first[0], second[0]]));
+            self.past = [[first, second, resting.unwrap_or(first)]; MOST_DELAY + 2];
+        }
+        [self.past[now][0], self.past[now][1]] = [first, second];
+        let carried = |of: usize, delay: usize| {
+            let [then, before] = [delay, delay + 1].map(|back| self.past[(self.sample + length - back) % length][of]);
             [then[0] + (then[0] - before[0]).times(delay as f64 + 0.5), then[1]]
         };
-        let beyond = |delays: [usize; 2]| self.link.beyond(carried(0, delays[0]), carried(1, delays[1]));
-        let seen = [beyond([0, self.delay]), beyond([self.delay, 0])];
+        let seen = if let Some(middle) = self.middle {
+            let (first, here) = (carried(0, 0), carried(MIDDLE, 0));
+            let of_first = [first[0] - here[0], first[1] - here[1]];
+            let of_second = link.beyond(here, carried(1, self.delay));
+            let seen = [of_first, link.beyond(carried(MIDDLE, self.delay), carried(1, 0))];
+            let torque = link.torque(of_first) - link.torque(of_second);
+            self.past[(now + 1) % length][MIDDLE] = middle.advance(self.past[now][MIDDLE], h, torque);
+            seen
+        } else {
+            let beyond = |delays: [usize; 2]| link.beyond(carried(0, delays[0]), carried(1, delays[1]));
+            [beyond([0, self.delay]), beyond([self.delay, 0])]
+        };
         self.sample += 1;
         seen
     }
@@ -268,12 +365,5 @@ impl<S: Scalar> Priority<S> {
     pub fn dual_input(&self, hands: [S; 2]) -> S::Mask {
         let [first, second] = hands.map(|hand| self.puts_in.less(hand.abs()));
         first & second
-    }
-}
-
-impl Priority<f64> {
-    /// At a sample, from the force of each hand and who presses the button: who has priority.
-    pub fn sampled(&mut self, hands: [f64; 2], button: Option<usize>) -> Option<usize> {
-        self.of_hands(hands, [0, 1].map(|side| button == Some(side))).iter().position(|&has| has)
     }
 }

@@ -43,6 +43,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(releases::released, module)?)?;
     module.add_class::<simulate::Simulation>()?;
     module.add_function(wrap_pyfunction!(linked::link_parameters, module)?)?;
+    module.add_function(wrap_pyfunction!(linked::fastest_on_shaft, module)?)?;
     module.add_function(wrap_pyfunction!(linked::simulate_linked, module)?)?;
     module.add_function(wrap_pyfunction!(linked::linked_feels, module)?)?;
     module.add_function(wrap_pyfunction!(linked::linked_outputs, module)?)?;

@@ -7,8 +7,9 @@ use crate::limits::step;
 use crate::model::{Parameter, row};
 use crate::simulate::Simulation;
 use crate::solve::feels;
-use forcefeel_model::link::{LINK_ROWS, LINK_TABLE, MOST_DELAY, PilotLink};
+use forcefeel_model::link::{LINK_ROWS, LINK_TABLE, MOST_DELAY};
 use forcefeel_model::parameters::COUNT;
+use forcefeel_model::shaft::Shaft;
 use forcefeel_simulate::linked::{JOINT_OUTPUTS, Joint, SAMPLED};
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -32,6 +33,13 @@ pub fn link_parameters() -> Vec<Parameter> {
 #[pyfunction]
 pub fn linked_outputs() -> Vec<(&'static str, &'static str)> {
     JOINT_OUTPUTS.to_vec()
+}
+
+/// A rate in rad/s that no mode of two columns on a shaft is above, from its values and the inertia of each.
+#[pyfunction]
+pub fn fastest_on_shaft(values: PyReadonlyArray1<'_, f64>, inertias: (f64, f64)) -> PyResult<f64> {
+    let values = vector::<LINK_ROWS>("values", &values)?;
+    Ok(Shaft::fastest(&values, [1.0 / inertias.0, 1.0 / inertias.1]))
 }
 
 /// Outputs (pairs, samples, outputs of the first, of the second and of the link) of pairs of loaders of one step and one period.
@@ -117,7 +125,7 @@ pub fn linked_feels<'py>(
     if both[0].is_empty() || samples == 0 {
         return Err(refused("first: expected at least one feel and one sample"));
     }
-    let link = PilotLink::from_values(&vector::<LINK_ROWS>("values", &values)?);
+    let link = vector::<LINK_ROWS>("values", &values)?;
     let release = (release.0, step(release.1)?);
     let angles = PyArray3::zeros(py, [both[0].len(), 2, samples], false);
     let mut writable = angles.readwrite();

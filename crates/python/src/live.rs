@@ -6,6 +6,7 @@ use crate::errors::{ThreadsError, refused};
 use crate::laws::{Laws, NamedLaw};
 use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
+use forcefeel_live::axes::AxesLink;
 use forcefeel_live::controller::Controller;
 use forcefeel_live::host_link::HostStatus;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
@@ -21,8 +22,8 @@ use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
 use forcefeel_live::udp::Udp;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
-use forcefeel_model::feel_link::FeelLink;
-use forcefeel_model::link::{LINK_ROWS, PilotLink};
+use forcefeel_model::link::LINK_ROWS;
+use forcefeel_model::linked_feels::LinkedFeels;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::supervisor::SupervisorState;
 use forcefeel_model::transducers::SENSORS;
@@ -198,8 +199,7 @@ fn join(machines: Vec<Other>, links: &[LinkOf]) -> PyResult<Vec<Box<dyn InputOut
     for LinkOf(sides, values, _, uncouples, _) in links.iter().filter(|link| link.2.is_none()) {
         match sides.map(|side| machines.get_mut(side).and_then(Option::take)) {
             [Some(Other::Simulated(first)), Some(Other::Simulated(second))] => {
-                let link = PilotLink::from_values(values);
-                joined.extend(sides.iter().copied().zip(simulated_pair::joined([first, second], link, *uncouples)));
+                joined.extend(sides.iter().copied().zip(simulated_pair::joined([first, second], values, *uncouples)));
             }
             [Some(Other::Real(first)), Some(Other::Real(second))] => {
                 joined.extend(sides.iter().copied().zip([first, second]));
@@ -256,10 +256,13 @@ pub fn start_loops(
     }
     let machines = join(machines, &links)?;
     let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples, opens)| {
-        delay.map(|delay| (*sides, FeelLink::new(values, delay, (*uncouples, *opens))))
+        let feels = |delay| LinkedFeels::with_middle(values, delay, *uncouples);
+        delay.map(|delay| AxesLink { between: *sides, opens: *opens, feels: feels(delay) })
     });
     let links: Vec<_> = electronic.collect();
-    if places == 0 || links.iter().any(|(sides, _)| sides[0] == sides[1] || sides.iter().any(|&side| side >= places)) {
+    if places == 0
+        || links.iter().any(|AxesLink { between: [one, other], .. }| one == other || one.max(other) >= &places)
+    {
         return Err(refused("axes: expected one or more, and links between two of them"));
     }
     let of_axes = rest.into_iter().zip(machines);

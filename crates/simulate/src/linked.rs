@@ -1,16 +1,15 @@
 //! Two loaders of one period side by side, their columns or their feels joined by a link.
 //!
-//! The torque of a mechanical link changes evenly through a step, from its value at the start to that at the end. The end is found twice: first
-//! from the rates at the start, then from a step under that torque. So the pair is of the second order in the step, each loader by itself of
-//! the fourth. The torque of an electronic link is worked out at each sample from both programmed controls, which follow no sensor's
+//! Each loader by itself is of the fourth order in the step, a pair on a shaft of the second. The torque of an electronic link is worked out at each sample from both programmed controls, which follow no sensor's
 //! noise, and held for a period.
 
 use crate::batch::Job;
 use crate::noise::Noise;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::link::{LINK_ROWS, PilotLink, Priority};
-use forcefeel_model::linked_feels::{LinkInputs, LinkedFeels};
+use forcefeel_model::link::{LINK_ROWS, Priority};
+use forcefeel_model::linked_feels::{LinkTimes, LinkedFeel, LinkedFeels};
 use forcefeel_model::machine::{Inputs, Machine, Memory, Shared, State, StepStart};
+use forcefeel_model::shaft::Shaft;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::outputs::Output;
 
@@ -59,6 +58,8 @@ pub trait Side {
     fn programmed(&self) -> [f64; 2];
     /// Arm of the grip.
     fn grip_arm(&self) -> f64;
+    /// How long its feel takes to come and to go.
+    fn fade_time(&self) -> f64;
     /// Begins a step, under a torque on the column, or under a force at the grip in N and a damping on the feel.
     fn begin(&mut self, step: usize, on_column: f64, on_feel: [f64; 2]);
     /// Takes the step that has begun, the torque on the column ending so: angle and rate of the column. May be taken again.
@@ -85,6 +86,7 @@ struct Loader<'a, D: Drive<f64>> {
     noise: Noise,
     step: Option<Step<D>>,
     grip_arm: f64,
+    fade_time: f64,
     /// Sensors and command of the last sample.
     sampled: [f64; SENSORS + 1],
 }
@@ -122,6 +124,7 @@ where
         noise,
         step: None,
         grip_arm: parameters.column.grip_arm,
+        fade_time: parameters.safety.fade_time,
         sampled: [0.0; SENSORS + 1],
     })
 }
@@ -137,6 +140,10 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
 
     fn grip_arm(&self) -> f64 {
         self.grip_arm
+    }
+
+    fn fade_time(&self) -> f64 {
+        self.fade_time
     }
 
     fn begin(&mut self, step: usize, on_column: f64, [force, damping]: [f64; 2]) {
@@ -202,37 +209,38 @@ pub fn run_pair(
     (steps, every): (usize, usize),
     rows: &mut Vec<f64>,
 ) {
-    let (link, h) = (PilotLink::from_values(&joint.values), job.shared.step_s);
-    let mut electronic = joint.delay.map(|delay| {
-        let (timing, arms) = ((delay, job.shared.period_s()), [sides[0].grip_arm(), sides[1].grip_arm()]);
-        let resting = [sides[0].programmed(), sides[1].programmed()];
-        LinkedFeels::new(&joint.values, timing, joint.uncouples, arms, resting)
-    });
+    let mut electronic = joint.delay.map(|delay| LinkedFeels::with_middle(&joint.values, delay, joint.uncouples));
+    let times = LinkTimes::new(job.shared.period_s(), sides[0].fade_time());
     let (priority, mut holder) = (Priority::from_values(&joint.values), None);
+    let angles = [sides[0].angle(), sides[1].angle()];
+    let mut shaft = joint.delay.is_none().then(|| Shaft::new(&joint.values, joint.uncouples, angles));
     let mut open = false;
-    let mut at = link.beyond([sides[0].angle(), 0.0], [sides[1].angle(), 0.0]);
     let (mut on_feel, mut torques, mut sampled_hands) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
     let mut gives_way = false;
     for step in 0..=steps {
         open = open || joint.disconnect.is_some_and(|disconnect| step >= disconnect);
-        let coupled = !open && joint.delay.is_none();
-        let torque = |at: [f64; 2]| if coupled { link.torque(at) } else { 0.0 };
-        let start = torque(at);
         let sampled = job.shared.timing.and_then(|timing| timing.sample_at(step));
         if let (Some(electronic), Some(_)) = (&mut electronic, sampled) {
             // As of the step before: a controller has no newer force.
             sampled_hands = [sides[0].hand_force(), sides[1].hand_force()];
-            let given = electronic.sampled(&LinkInputs {
-                motion: [sides[0].programmed(), sides[1].programmed()],
-                hands: sampled_hands,
-                pressed: [0, 1].map(|side| joint.button.is_some_and(|(by, from)| by == side && step >= from)),
-                disconnect: open,
+            let feels = [0, 1].map(|side: usize| LinkedFeel {
+                programmed: sides[side].programmed(),
+                share: 1.0,
+                hand_force: sampled_hands[side],
+                presses: joint.button.is_some_and(|(by, from)| by == side && step >= from),
+                opens: open,
+                closes: false,
             });
-            on_feel = [0, 1].map(|side: usize| [given.forces[side], given.damping[side]]);
+            let given = electronic.sampled(&times, &feels);
+            on_feel = [0, 1].map(|side: usize| [given.torques[side] / sides[side].grip_arm(), given.damping[side]]);
             (torques, open, gives_way) = (given.torques, electronic.open, given.gives_way);
             holder = given.priority.iter().position(|&has| has);
         }
-        let on_columns = link.on_each(start);
+        let on_columns = shaft.as_mut().map_or([0.0; 2], |shaft| {
+            shaft.open = open;
+            gives_way = shaft.gives_way();
+            shaft.on_each()
+        });
         for (side, (on_column, on_feel)) in sides.iter_mut().zip(on_columns.into_iter().zip(on_feel)) {
             side.begin(step, on_column, on_feel);
         }
@@ -244,8 +252,7 @@ pub fn run_pair(
             let angles = [0, 1].map(|side: usize| sides[side].angle());
             rows.extend([torques[0] + on_columns[0], torques[1] + on_columns[1]]);
             rows.extend(hands);
-            let beyond = if joint.delay.is_some() { gives_way } else { link.gives_way(at[0]) };
-            rows.push(f64::from(u8::from(open || beyond)));
+            rows.push(f64::from(u8::from(open || gives_way)));
             rows.push(holder.map_or(0.0, |side| if side == 0 { 1.0 } else { 2.0 }));
             rows.push(f64::from(u8::from(priority.dual_input(hands))));
             rows.push(holder.map_or(f64::midpoint(angles[0], angles[1]), |side| angles[side]));
@@ -257,16 +264,13 @@ pub fn run_pair(
                 rows.push(f64::from(u8::from(open)));
             }
         }
-        if joint.delay.is_some() {
-            for side in &mut sides {
-                side.advance(0.0);
-            }
+        let [first, second] = &mut sides;
+        if let Some(shaft) = &mut shaft {
+            shaft.step(job.shared.step_s, |on_each| [first.advance(on_each[0]), second.advance(on_each[1])]);
+            open = shaft.open;
         } else {
-            at = link.step(coupled, at, h, |[on_first, on_second]| {
-                let [first, second] = &mut sides;
-                [first.advance(on_first), second.advance(on_second)]
-            });
-            open = open || joint.uncouples && link.gives_way(at[0]);
+            first.advance(0.0);
+            second.advance(0.0);
         }
         for side in &mut sides {
             side.done(step);

@@ -96,6 +96,7 @@ class PairExport:
         Raises:
             InputError: If a law is analog, or the delay is not whole periods.
         """
+        check_link_code(self.link)
         first, second = (
             traced_law(side.loader, side.law, side.sampled(), single=single, linked=True) for side in self.sides
         )
@@ -150,6 +151,19 @@ class PairExport:
         return min(of_pilot, _BEYOND * breakout / loader["column.grip_arm"]) if isfinite(breakout) else of_pilot
 
 
+def check_link_code(link: Link) -> None:
+    """Refuses a link that has no code.
+
+    Raises:
+        InputError: If it is electronic and has a body at its middle.
+    """
+    if link.kind is LinkKind.ELECTRONIC and link["middle_inertia"]:
+        raise InputError(
+            f"links.{link.name}.middle_inertia: the C of a link has no body at its middle; leave it out, and give each loader "
+            "half of its feel"
+        )
+
+
 def pair_names(name: str, *, electronic: bool) -> tuple[str, ...]:
     """File names of :func:`pair_files`."""
     return tuple(file.format(name) for file in _FILES.values()) if electronic else ("README.md",)
@@ -193,6 +207,7 @@ def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
                 if row.name != "delay"
             },
             "after": link.after_breakout.value,
+            "fade_s": f"{pair.sides[0].loader['safety.fade_time']!r}{'f' if single else ''}",
             "code": code,
             "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
             "bits": "uint32_t" if single else "uint64_t",

@@ -153,6 +153,10 @@ def link_frontier(
         progress(f"link {name}", done, total)
 
     def frontier(link: Link) -> LinkFrontier:
+        if link["middle_inertia"]:
+            raise InputError(
+                f"links.{link.name}.middle_inertia: the frontier is of a link without a body at its middle; leave the middle out"
+            )
         pair = _Bare.of(project, link, law)
         period, damping = pair.loaders[0]["controller.period"], pair.damping
         limits: list[LinkLimit] = []

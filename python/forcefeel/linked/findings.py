@@ -74,9 +74,10 @@ def _after(run: LinkedRun) -> str:
 
 def _own_feel(run: LinkedRun) -> str:
     kind = "columns" if run.link.kind is LinkKind.MECHANICAL else "feel computers"
-    return (
-        f"Each side keeps its own feel, and the link acts on both {kind}: one pilot alone moves the sum of both feels."
+    moved = (
+        "the sum of both feels and of the body at the middle" if run.link["middle_inertia"] else "the sum of both feels"
     )
+    return f"Each side keeps its own feel, and the link acts on both {kind}: one pilot alone moves {moved}."
 
 
 def _grip_law(run: LinkedRun) -> str:

@@ -1,8 +1,7 @@
 """What two linked loaders share: the step, and the periods of delay between them."""
 
 from dataclasses import replace
-
-import numpy as np
+from math import inf
 
 from forcefeel import _core
 from forcefeel.errors import InputError
@@ -11,7 +10,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.simulation.scenario import Scenario, Steps
 
 MOST_SWING = 0.5
-"""Steps times the frequency of both columns on a mechanical link, whose torque is straight within a step."""
+"""Steps times the frequency of both columns on a shaft, whose torque is straight within a step, or of a body at the middle."""
 
 _WHOLE = 1e-6
 """Of a period; a delay that differs by so little is whole periods."""
@@ -41,20 +40,22 @@ def common_step(link: Link, loaders: tuple[Loader, Loader], scenario: Scenario) 
     if any(Steps.of(replace(scenario, step_s=longest), loader).step_s != longest for loader in loaders):
         raise InputError("controller.delay: the delays of both loaders leave no common step; give both the same delay")
     if link.kind is LinkKind.MECHANICAL:
-        _check_stiffness(link, loaders, longest)
+        _check_stiffness(link, (loaders[0]["column.inertia"], loaders[1]["column.inertia"]), longest)
+    elif link["middle_inertia"]:
+        _check_stiffness(link, (inf, inf), periods[0])
     return longest
 
 
-def _check_stiffness(link: Link, loaders: tuple[Loader, Loader], step_s: float) -> None:
-    """Refuses a shaft on which both columns swing too fast for the step."""
-    first, second = (1 / loader["column.inertia"] for loader in loaders)
-    per_inertia = first + link["ratio"] ** 2 * second
-    steepest = max(link["stiffness"], link["stiffness_after"])
-    rate = max(np.sqrt(steepest * per_inertia), link["damping"] * per_inertia)
+def _check_stiffness(link: Link, inertias: tuple[float, float], step_s: float) -> None:
+    """Refuses a link on which both columns, or the body at its middle, swing too fast for the step."""
+    rate = _core.fastest_on_shaft(link.values, inertias)
     if rate * step_s > MOST_SWING:
+        what, remedy = ("both columns swing", "a smaller --step, ") if inertias[0] < inf else ("the middle swings", "")
+        if link["middle_inertia"]:
+            remedy += "more middle_inertia, "
         raise InputError(
-            f"links.{link.name}.stiffness: both columns swing on the link at {rate:.4g} rad/s, too fast for a step of "
-            f"{step_s:g} s; expected at most {MOST_SWING / step_s:.4g} rad/s; take a smaller --step, or less stiffness or damping"
+            f"links.{link.name}.stiffness: {what} on the link at {rate:.4g} rad/s, too fast for a step of "
+            f"{step_s:g} s; expected at most {MOST_SWING / step_s:.4g} rad/s; take {remedy}or less stiffness or damping"
         )
 
 

@@ -178,9 +178,8 @@ def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
     if not isfinite(row):
         out = len(angle) // 2  # the top of the push
     if sign > 0:
-        checks.append(
-            _within("stiffness", _slope(angle, of_link * arm, out), link["stiffness"], STIFFNESS, ROTARY_STIFFNESS)
-        )
+        slope = _slope(angle, of_link * arm, out)
+        checks.append(_within("stiffness", slope, link.stiffness_to_jam, STIFFNESS, ROTARY_STIFFNESS))
         if isfinite(row) and link.after_breakout is AfterBreakout.OVERRIDE:
             back = history["first_link_torque_n_m"][len(angle) // 2 :]
             step = float(np.abs(np.diff(back)).max()) / arm

@@ -79,6 +79,12 @@ class Link:
         """Whether it joins the same control of two pilots; otherwise it is an interconnect of two axes."""
         return motion_axis(self.between[0]) == motion_axis(self.between[1])
 
+    @property
+    def stiffness_to_jam(self) -> float:
+        """Stiffness in N m/rad that the first control feels, the second jammed: of both halves and the body between them."""
+        half, middle = 2 * self["stiffness"], self["middle_stiffness"]
+        return half * (half + middle) / (2 * half + middle)
+
     def __getitem__(self, name: str) -> float:
         """The SI value of a row of ``LINK_TABLE``."""
         return float(self.values[list(LINK_TABLE).index(name)])
@@ -131,6 +137,11 @@ def _link(name: str, given: object, loaders: Mapping[str, Loader]) -> Link:
         raise InputError("stiffness_after: is of an override, and this link uncouples; leave one out")
     values = np.array([_value(row, given.get(row.name)) for row in LINK_TABLE.values()])
     link = Link(name, between, kind, after, values)
+    for row in ("middle_damping", "middle_stiffness"):
+        if link[row] and not link["middle_inertia"]:
+            raise InputError(
+                f'{row}: is of a body at the middle, which needs inertia; add middle_inertia = "5 lb in s^2/rad"'
+            )
     if link.joins_pilots and "ratio" in given:
         raise InputError(
             "ratio: is of an interconnect of two axes, and this link joins one control of two pilots; leave it out"

@@ -2,26 +2,32 @@
 
 use crate::draws::Draws;
 use forcefeel_model::link::{ElectronicLink, LINK_ROWS, LINK_TABLE, PilotLink};
+use forcefeel_model::shaft::Shaft;
 
 const RUNS: u64 = 10_000;
+const FEW: u64 = 1000;
 const STEPS: usize = 1500;
 const STEP_S: f64 = 1e-3;
 /// Place of the ratio in a link's values.
 const RATIO: usize = 7;
+/// Place of the first row of a body at the middle.
+const BODY: usize = 8;
 /// Of the energy that passes through the link: the sum over steps takes a kink of the torque for a straight line.
 const SUM_ERROR: f64 = 2e-3;
+/// The same with a body, whose step is of the second order.
+const BODY_ERROR: f64 = 1e-2;
 
 #[test]
 fn the_torque_has_play_a_breakout_and_a_ramp_after_it() {
     // k, c, p, M_b, k_a
-    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let link = PilotLink::from_values(&[200.0, 3.0, 0.02, 10.0, 50.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let cases: [(f64, f64); 6] = [(0.009, 0.0), (0.03, 4.0), (-0.03, -4.0), (0.06, 10.0), (0.08, 11.0), (-0.08, -11.0)];
     for (phi, expected) in cases {
         assert!((link.torque([phi, 0.0]) - expected).abs() < 1e-12, "{phi}");
         assert!((link.torque([phi, 2.0]) - expected - 6.0).abs() < 1e-12, "{phi}");
         assert_eq!(link.gives_way(phi), phi.abs() > 0.0601, "{phi}");
     }
-    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let stiff = PilotLink::from_values(&[200.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert!((stiff.torque([3.0, 0.0]) - 600.0).abs() < 1e-9);
     assert!(!stiff.gives_way(1e9));
 }
@@ -94,11 +100,11 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
     let delay = usize::try_from(draws.whole(1, 20)).expect("positive");
     // The bound is that of a spring: a damper over a delay is another's.
     (values[1], values[6]) = (0.0, injected);
-    let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay, [[0.0; 2]; 2]);
+    let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay);
     let dampings = link.injected(STEP_S);
     let (mut out, mut most, mut through) = (0.0, 0.0f64, 0.0);
     for k in 0..STEPS {
-        let seen = link.sampled([[first[k], 0.0], [second[k], 0.0]]);
+        let seen = link.sampled([[first[k], 0.0], [second[k], 0.0]], STEP_S);
         if k >= disconnect {
             break;
         }
@@ -120,6 +126,60 @@ fn no_energy_comes_out_of_an_electronic_link_with_injected_damping() {
         let share = electronic_energy(run, f64::INFINITY);
         assert!(share <= SUM_ERROR, "run {run}: {share}");
     }
-    let active = (0..RUNS).filter(|&run| electronic_energy(run, 0.0) > SUM_ERROR).count();
-    assert!(active > 1000, "the delay alone gives energy: {active} runs of {RUNS}");
+    let active = (0..FEW).filter(|&run| electronic_energy(run, 0.0) > SUM_ERROR).count();
+    assert!(active > 100, "the delay alone gives energy: {active} runs of {FEW}");
+}
+
+/// As [`drawn`], with a body at the middle whose own rate is slow beside the step.
+fn with_body(draws: &mut Draws) -> ([f64; LINK_ROWS], [Vec<f64>; 2], usize) {
+    let (mut values, motions, opens) = drawn(draws);
+    let [inertia, damping, stiffness] = [0.5, 0.0, 0.0].map(|low| low + 20.0 * draws.uniform().abs());
+    values[BODY..BODY + 3].copy_from_slice(&[inertia, damping, 20.0 * stiffness]);
+    (values, motions, opens)
+}
+
+#[test]
+fn no_energy_comes_out_of_a_shaft_with_a_body_at_its_middle() {
+    for run in 0..RUNS {
+        let draws = &mut Draws::new(run);
+        let (values, [first, second], disconnect) = with_body(draws);
+        let mut shaft = Shaft::new(&values, draws.uniform() > 0.0, [first[0], second[0]]);
+        let (mut out, mut through) = (0.0, 0.0);
+        for k in 0..STEPS {
+            shaft.open |= k >= disconnect;
+            let moved = [first[k + 1] - first[k], second[k + 1] - second[k]];
+            let start = shaft.on_each();
+            let mut end = start;
+            shaft.step(STEP_S, |on_each| {
+                end = on_each;
+                [[first[k + 1], moved[0] / STEP_S], [second[k + 1], moved[1] / STEP_S]]
+            });
+            let work: f64 = (0..2).map(|side| 0.5 * (start[side] + end[side]) * moved[side]).sum();
+            (out, through) = (out + work, through + f64::abs(work));
+            assert!(out <= BODY_ERROR * through, "run {run}, step {k}: {out} J of {through} J");
+        }
+    }
+}
+
+#[test]
+fn no_energy_comes_out_of_an_electronic_link_with_a_body_and_injected_damping() {
+    for run in 0..FEW {
+        let draws = &mut Draws::new(run);
+        let (mut values, [first, second], opens) = with_body(draws);
+        let delay = usize::try_from(draws.whole(1, 20)).expect("positive");
+        (values[1], values[6]) = (0.0, f64::INFINITY);
+        let mut link = ElectronicLink::with_middle(&values, delay);
+        let dampings = link.injected(STEP_S);
+        let (mut out, mut through) = (0.0, 0.0);
+        for k in 0..STEPS.min(opens) {
+            let seen = link.sampled([[first[k], 0.0], [second[k], 0.0]], STEP_S);
+            for (side, of) in [&first, &second].into_iter().enumerate() {
+                let moved = of[k + 1] - of[k];
+                let torque = link.link().on_each(link.link().torque(seen[side]))[side];
+                out += torque * moved - dampings[side] * moved * moved / STEP_S;
+                through += f64::abs(torque * moved);
+            }
+            assert!(out <= BODY_ERROR * through, "run {run}, step {k}: {out} J of {through} J");
+        }
+    }
 }
