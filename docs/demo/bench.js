@@ -4,7 +4,7 @@
 const LAW_NAMES = { original: "original (1974, analog)", published: "the report's (1974, analog)", robust: "robust (2 kHz, digital)" };
 const NOTE =
   "The model and the law are those of the program, step by step. Each law was designed for the chosen feel and for the loader of the report: " +
-  "6110 lb/in, no friction, 0.5 ms. The three other sliders change the machine alone. Angles are drawn 4 times, the stretch of the link 20 times. Verdict: RULE.";
+  "6110 lb/in, no friction, and 0.5 ms of delay where it is digital. The three other sliders change the machine alone. Angles are drawn 4 times as large, the stretch of the link 20 times. Verdict: RULE.";
 const FAILS = {
   "not measured": "the column diverges",
   "not settled": "the column does not come to rest",
