@@ -95,7 +95,10 @@ impl EtherCat {
         }
         let Tap { complaint, answer, .. } = &self.axes[place];
         let fault = complaint.unwrap_or(answer.state.fault);
-        Err(format!("expected OP and a drive without a fault, got {}", if fault.is_some() { fault } else { Fault::SILENT }))
+        Err(format!(
+            "expected OP and a drive without a fault, got {}",
+            if fault.is_some() { fault } else { Fault::SILENT }
+        ))
     }
 
     fn took(&mut self, frame: &mut [u8]) {

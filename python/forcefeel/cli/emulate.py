@@ -56,7 +56,8 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
 
     Prints the port, then the table [bus] of each loader. forcefeel run --machine bus opens it. So does any client: of
     moteus, whose port has the lines of the fdcanusb adapter, moteus_tool and the Python package moteus; of ODrive, whose port is an
-    slcan adapter, python-can with interface="slcan"; of EtherCAT, on a network interface, any master. Of a project all axes are on one bus.
+    slcan adapter, python-can with interface="slcan"; of EtherCAT, on a network interface, any master. Of a project all axes are on
+    one bus.
 
     Example: forcefeel emulate desktop-yoke --bus moteus --port yoke-bus
     """
@@ -67,14 +68,14 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
     loaders = {"": options.loader(path)} if project is None else dict(project.loaders)
     wired = [_on_bus(loader, options, node) for node, loader in enumerate(loaders.values(), 1)]
     with stop_signals() as stopped, BusEmulator(wired) as emulator:
-        linked = options.port is not None and not _on_ethercat(wired)
-        port = _link(options.port, emulator.port) if linked else emulator.port
+        link = None if _on_ethercat(wired) else options.port
+        port = emulator.port if link is None else _link(link, emulator.port)
         try:
             _show(wired, port, options)
             stopped.wait(None if lasts == float("inf") else lasts)
         finally:
-            if linked:
-                options.port.unlink(missing_ok=True)
+            if link is not None:
+                link.unlink(missing_ok=True)
 
 
 def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:

@@ -45,15 +45,15 @@ class BusEmulator(EndsWithBlock):
     """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens, or on a network interface.
 
     Args:
-        loaders: The loaders, each with a ``bus`` whose node is its own; its port is used of ``ethercat`` alone, as the interface on which
-            the slaves answer, in this order.
+        loaders: The loaders, each with a ``bus`` whose node is its own. Its port is used with ``ethercat`` only: the interface on
+            which the slaves answer, in this order.
         scenario: Inputs of their machines, as in a simulation.
         real_time: Whether the machines go on by the clock. Otherwise each takes a period at a command for its node, for a loop in
             virtual time.
 
     Raises:
-        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; without pseudo terminals, or without
-            the interface or the right to open it.
+        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; if the pseudo terminal or the
+            interface cannot be opened.
 
     Example:
         >>> from dataclasses import replace
@@ -123,7 +123,7 @@ class BusEmulator(EndsWithBlock):
         self._emulator.break_wire(fault or "", every, by)
 
     def fail(self, code: int, axis: int = 0) -> None:
-        """Have a drive fail: with a code of a moteus, such as 40, under voltage, a bit of the error of an ODrive, or a code of 0x603F."""
+        """Have a drive fail: with a code of a moteus, such as 40, under voltage; a bit of an ODrive's error; a code of 0x603F."""
         self._emulator.fail(axis, code)
 
     def restart(self, axis: int = 0) -> None:

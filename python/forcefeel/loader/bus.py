@@ -43,10 +43,10 @@ class Bus:
     """Where a loader's drive is, and what is wired to it.
 
     Attributes:
-        kind: ``moteus``; ``odrive`` with firmware 0.6 or ``odrive-0.5``; ``ethercat`` for a drive of CiA 402; or ``udp`` for a machine
+        kind: ``moteus``; ``odrive`` with firmware 0.6 or ``odrive-0.5``; ``ethercat`` for a drive of CiA 402; ``udp`` for a machine
             over the network.
-        port: Serial port of the adapter, such as ``/dev/ttyACM0``; of ``ethercat`` the network interface, such as ``eth0``; of ``udp``
-            its address, ``host:port``.
+        port: Serial port of the adapter, such as ``/dev/ttyACM0``; of ``ethercat`` the network interface, such as ``eth0``; of
+            ``udp`` its address, ``host:port``.
         node: Number of the drive on the bus; of ``ethercat`` its position on the wire from 1, or from 128 on its alias.
         gear: Turns of the motor per turn that the drive states; negative if they run against each other.
         zero_rad: Angle that the drive states with the column at neutral.
@@ -58,8 +58,8 @@ class Bus:
         rated_torque_n_m: Rated torque of a drive on EtherCAT, whose unit of torque is a thousandth of it.
         encoder_counts: Counts of that drive per revolution.
         column_counts: The same of the encoder at the column.
-        load_cell_object, column_object, grip_object: Objects of that drive with the sensors, such as ``0x2100:1``: an analog input has 16
-            bits with their sign.
+        load_cell_object, column_object, grip_object: Objects of that drive with the sensors, such as ``0x2100:1``; an analog input
+            has 16 bits, with its sign.
 
     Without load cell and column encoder the loop works them out from the motor's torque and angle: for the law ``torque-mode``.
 
@@ -129,9 +129,11 @@ class Bus:
             key = _KEYS[name]
             value = getattr(self, name)
             if self.kind != ETHERCAT and value is not None:
-                raise InputError(f'{key}: expected it with kind = "{ETHERCAT}" only, got kind {show(self.kind)}; leave it out')
+                raise InputError(
+                    f'{key}: expected it with kind = "{ETHERCAT}" only, got kind {show(self.kind)}; leave it out'
+                )
             if self.kind == ETHERCAT and value is None and name in required:
-                raise InputError(f'{key}: missing value; add {key} = {_example(key)}, from the drive\'s manual')
+                raise InputError(f"{key}: missing value; add {key} = {_example(key)}, from the drive's manual")
             if value is not None and name not in _SENSORS.values() and value <= 0:
                 raise InputError(f"{key}: expected a positive number, got {value:g}")
         for name in _SENSORS.values():

@@ -1,16 +1,17 @@
 //! A slave controller: its memory, sync managers, FMMUs, clock and EEPROM as a master's datagrams find them (ETG.1000.4).
 
 use super::datagram::{Datagram, command};
+use super::registers::{AL_CODE, AL_CONTROL, AL_STATUS, DIVIDER, WATCHDOG_DIVIDER, WATCHDOG_STATUS, WATCHDOG_TIME};
 use super::registers::{
     ALIAS, DL_STATUS, EEPROM_ADDRESS, EEPROM_CONTROL, EEPROM_DATA, ERROR, FEATURES, FMMU, HAS_CLOCK, INIT, MAILBOX,
     MASTER_WRITES, RECEIVE_TIME, RECEIVE_TIME_LOCAL, STATION, SYNC_MANAGER, SYSTEM_TIME, SYSTEM_TIME_OFFSET,
 };
-use super::registers::{AL_CODE, AL_CONTROL, AL_STATUS, DIVIDER, WATCHDOG_DIVIDER, WATCHDOG_STATUS, WATCHDOG_TIME};
 use super::sii::word;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Bytes of registers and process memory.
+/// Where registers end and process memory begins, and its end.
+const PROCESS: u16 = 0x1000;
 const MEMORY: usize = 0x2000;
 /// FMMUs and sync managers that it has.
 const FMMUS: u8 = 4;
@@ -32,7 +33,7 @@ pub(crate) struct Manager {
 
 impl Manager {
     fn mailbox(&self) -> bool {
-        self.active && self.control & 3 == MAILBOX
+        self.active && self.control & 3 == MAILBOX && self.start >= PROCESS
     }
 
     fn written(&self) -> bool {
@@ -102,9 +103,10 @@ impl Controller {
         Manager { start, size, control, active: active & 1 == 1 }
     }
 
-    /// Bytes of the memory.
+    /// Its bytes of the process memory.
     pub fn at(&mut self, manager: &Manager) -> &mut [u8] {
-        self.memory.get_mut(usize::from(manager.start)..manager.end()).unwrap_or_default()
+        let from = usize::from(manager.start.max(PROCESS));
+        self.memory.get_mut(from..manager.end()).unwrap_or_default()
     }
 
     /// Takes the message of the mailbox that the master writes.

@@ -28,7 +28,6 @@ pub(crate) struct Dictionary {
     pub target: i16,
     /// Zero: the motor turns freely after a fault; otherwise it is braked.
     pub reaction: i16,
-    pub supported: u32,
     /// Outputs and inputs, each object as in the standard: index, sub-index, bits; how many count.
     maps: [(Vec<u32>, usize); 2],
     assigned: [bool; 2],
@@ -54,7 +53,6 @@ impl Dictionary {
             mode: 0,
             target: 0,
             reaction: 2,
-            supported: TORQUE_MODE_BIT,
             maps: default.map(|map| (map.clone(), map.len())),
             assigned: [true; 2],
         }
@@ -82,7 +80,7 @@ impl Dictionary {
             object::TARGET_TORQUE => live(&self.target.to_le_bytes()),
             object::RATED_TORQUE => fixed(&((1000.0 * rated_torque + 0.5) as u32).to_le_bytes()),
             object::TORQUE => live(&analog(nearest(shown.torque / rated_torque * RATED))),
-            object::SUPPORTED_MODES => fixed(&self.supported.to_le_bytes()),
+            object::SUPPORTED_MODES => fixed(&TORQUE_MODE_BIT.to_le_bytes()),
             // A servo drive by the profile 402.
             Object { index: 0x1000, sub: 0 } => fixed(&0x0002_0192_u32.to_le_bytes()),
             Object { index: 0x1001, sub: 0 } => fixed(&[u8::from(self.error != 0)]),
@@ -140,7 +138,11 @@ impl Dictionary {
                 return Err(Abort::SIZE);
             }
             (other, _) => {
-                return Err(if self.value(other, &Shown::default()).is_some() { Abort::READ_ONLY } else { Abort::MISSING });
+                return Err(if self.value(other, &Shown::default()).is_some() {
+                    Abort::READ_ONLY
+                } else {
+                    Abort::MISSING
+                });
             }
         }
         Ok(())

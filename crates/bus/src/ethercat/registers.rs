@@ -1,6 +1,8 @@
 //! Registers of a slave controller, states and codes of the application layer (ETG.1000.4, ETG.1000.6).
 #![expect(missing_docs, reason = "names of the standard")]
 
+/// Number of FMMUs, and of sync managers.
+pub const COUNTS: u16 = 0x0004;
 pub const FEATURES: u16 = 0x0008;
 pub const STATION: u16 = 0x0010;
 pub const ALIAS: u16 = 0x0012;

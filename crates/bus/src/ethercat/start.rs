@@ -7,9 +7,9 @@ use super::datagram::{Packet, at, command, datagrams};
 use super::dictionary::{ASSIGNED, INPUTS, OUTPUTS, mapped};
 use super::mailbox::{Abort, Object, Request, answered};
 use super::registers::{
-    AL_CONTROL, AL_STATUS, ALIAS, DIVIDER, EEPROM_ACCESS, EEPROM_CONTROL, EEPROM_DATA, ERROR, FEATURES, FMMU, HAS_CLOCK,
-    INIT, PRE_OP, RECEIVE_TIME, RECEIVE_TIME_LOCAL, SAFE_OP, STATION, SYNC_ACTIVATION, SYNC_MANAGER, SYNC_START,
-    SYNC0_CYCLE, SYSTEM_TIME, SYSTEM_TIME_OFFSET, TRIGGERS, WATCHDOG_DIVIDER, WATCHDOG_TIME,
+    AL_CONTROL, AL_STATUS, ALIAS, COUNTS, DIVIDER, EEPROM_ACCESS, EEPROM_CONTROL, EEPROM_DATA, ERROR, FEATURES, FMMU,
+    HAS_CLOCK, INIT, PRE_OP, RECEIVE_TIME, RECEIVE_TIME_LOCAL, SAFE_OP, STATION, SYNC_ACTIVATION, SYNC_MANAGER,
+    SYNC_START, SYNC0_CYCLE, SYSTEM_TIME, SYSTEM_TIME_OFFSET, TRIGGERS, WATCHDOG_DIVIDER, WATCHDOG_TIME,
 };
 use super::sii::{END, HAS_COE, SYNC_MANAGERS, word};
 use crate::drive::Identity;
@@ -145,8 +145,7 @@ impl<'a> Station<'a> {
     /// # Errors
     /// If it does not answer.
     pub fn identity(&mut self, node: u8) -> Result<Identity, String> {
-        let [vendor, model, firmware, serial] =
-            [0, 2, 4, 6].map(|more| self.rom_number(word::VENDOR + more));
+        let [vendor, model, firmware, serial] = [0, 2, 4, 6].map(|more| self.rom_number(word::VENDOR + more));
         Ok(Identity { node, model: model?, firmware: firmware?, registers: vendor?, serial: [0, 0, serial?] })
     }
 
@@ -209,9 +208,9 @@ impl<'a> Station<'a> {
 
     fn download(&mut self, object: Object, value: &[u8]) -> Result<(), String> {
         let outcome = self.request(object, &Request::Download(object, value.to_vec()))?;
-        outcome.map(|_| ()).map_err(|Abort(code)| {
-            format!("{object}: the drive refuses {value:02x?} with abort code 0x{code:08x}")
-        })
+        outcome
+            .map(|_| ())
+            .map_err(|Abort(code)| format!("{object}: the drive refuses {value:02x?} with abort code 0x{code:08x}"))
     }
 
     /// An unsigned number of at most 32 bits; nothing where the drive lacks the object.
@@ -359,6 +358,10 @@ impl<'a> Station<'a> {
         reference: Option<u16>,
     ) -> Result<Axis, String> {
         self.enter(INIT, "INIT")?;
+        // Of an earlier master nothing is left, no message either.
+        let [fmmus, managers] = self.read(COUNTS)?;
+        self.write(FMMU, &vec![0; 16 * usize::from(fmmus)])?;
+        self.write(SYNC_MANAGER, &vec![0; 8 * usize::from(managers)])?;
         let protocols = self.rom(word::PROTOCOLS)?[0];
         if protocols & HAS_COE == 0 {
             return Err(format!("expected a mailbox with CoE, got protocols 0x{protocols:04x}; use another drive"));

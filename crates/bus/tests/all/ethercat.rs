@@ -239,10 +239,33 @@ fn a_drive_that_does_not_fit_is_refused_by_name() {
 }
 
 #[test]
+fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
+    /// A drive whose 0x6502 lacks the mode.
+    struct Lacking(Wire);
+    impl Segment for Lacking {
+        fn exchange(&mut self, packet: &mut Packet) -> bool {
+            let came = self.0.exchange(packet);
+            let value = [0x43, 0x02, 0x65, 0x00, 0x00, 0x02];
+            if let Some(place) = packet.bytes.windows(value.len()).position(|bytes| bytes == value) {
+                packet.bytes[place + 5] = 0x01;
+            }
+            came
+        }
+        fn rest(&mut self) {}
+    }
+    let mut wire = Lacking(Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 });
+    scan(&mut wire).expect("a slave");
+    let refused = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
+    assert!(refused.is_err_and(|why| why.contains("bit 9 of 0x6502, got 0x00000100")));
+}
+
+#[test]
 fn a_slave_refuses_a_state_out_of_turn_by_its_code() {
     let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 };
     scan(&mut wire).expect("a slave");
-    for (asked, status, code) in [(OP, INIT | 0x10, 0x11), (0x13, INIT | 0x10, 0x12), (0x12, INIT | 0x10, 0x16), (0x11, INIT, 0)] {
+    for (asked, status, code) in
+        [(OP, INIT | 0x10, 0x11), (0x13, INIT | 0x10, 0x12), (0x12, INIT | 0x10, 0x16), (0x11, INIT, 0)]
+    {
         let mut packet = Packet::of(command::BWR, 0, at(0, 0x0120), &[asked, 0]);
         wire.pass(&mut packet);
         let mut packet = Packet::of(command::BRD, 0, at(0, AL_STATUS), &[0; 6]);
@@ -295,7 +318,8 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
     assert!(answered > FRAMES / 10, "{answered}");
     let mut wire = Wire { slaves, now_s };
     scan(&mut wire).expect("a slave");
-    assert!(Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None).is_ok());
+    let started = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
+    assert_eq!(started.map(|_| ()), Ok(()));
 }
 
 #[test]
