@@ -2,13 +2,12 @@
 
 import json
 import os
-import shutil
 import struct
 import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,17 +17,15 @@ import forcefeel as ff
 from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
 from tests.command_line import runs
-from tests.live.test_bus import QUIET, activate, column, until
+from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
+from tests.live.test_bus import ETHERCAT, UNSENSED, column, until, yoke
 
 run = runs("run")
 bus_command = runs("bus")
 
-pytestmark = pytest.mark.skipif(
-    not (hasattr(os, "geteuid") and os.geteuid() == 0 and shutil.which("ip")),
-    reason="virtual interfaces need root and ip",
-)
+pytestmark = NEEDS_ROOT
 
-RATED_N_M, COUNTS = 2.0, 2.0**20
+RATED_N_M, COUNTS = ETHERCAT["rated_torque_n_m"], ETHERCAT["encoder_counts"]
 CLOSED_FORM = 0.01
 """Share by which a foreign witness may be off the closed form."""
 MAPS = {
@@ -39,43 +36,8 @@ MAPS = {
 
 @pytest.fixture
 def wire():
-    """Two ends of a wire: the master's, the slaves'."""
-    ends = [f"ff{os.getpid() % 10**8}{side}" for side in "ms"]
-    made = subprocess.run(
-        ["ip", "link", "add", ends[0], "type", "veth", "peer", "name", ends[1]], capture_output=True, check=False
-    )
-    if made.returncode:
-        pytest.skip(f"no virtual interfaces: {made.stderr.decode().strip()}")
-    try:
-        for end in ends:
-            subprocess.run(["ip", "link", "set", end, "up"], check=True)
+    with virtual_interfaces() as ends:
         yield ends
-    finally:
-        subprocess.run(["ip", "link", "del", ends[0]], check=True)
-
-
-def yoke(port, *, quiet=False, **bus):
-    stated = {
-        "load_cell_n": 400.0,
-        "column_gear": 1.0,
-        "rated_torque_n_m": RATED_N_M,
-        "encoder_counts": COUNTS,
-        "column_counts": COUNTS,
-        "load_cell_object": "0x2100:1",
-        "column_object": "0x60E4:1",
-    }
-    loader = ff.loader.electric("desktop-yoke").replace(QUIET if quiet else {})
-    return replace(loader, bus=ff.loader.Bus("ethercat", port, **(stated | bus)))
-
-
-@contextmanager
-def running(wire, loader, law="robust", *, real_time=False, **options):
-    master, slave = wire
-    emulated = replace(loader, bus=replace(loader.bus, port=slave))
-    with ff.live.BusEmulator([emulated], real_time=real_time) as emulator:
-        bus = replace(loader.bus, port=master)
-        with ff.live.start(loader, law, endpoint=bus, real_time=real_time, **options) as session:
-            yield session, emulator
 
 
 @contextmanager
@@ -131,7 +93,7 @@ def operational(pysoem, master, slave):
 
 
 def test_soem_moves_the_emulated_drive_by_the_closed_form(wire):
-    loader = yoke(wire[1], quiet=True)
+    loader = yoke("ethercat", port=wire[1], quiet=True)
     cycles, torque = 200, 100
     with ff.live.BusEmulator([loader], real_time=False), soem(wire[0]) as (pysoem, master, slave):
         assert slave.sdo_read(0x1008, 0).decode().startswith("forcefeel")
@@ -154,14 +116,14 @@ def test_soem_moves_the_emulated_drive_by_the_closed_form(wire):
 
 
 def test_soem_finds_the_slave_in_safe_op_once_it_was_silent(wire):
-    loader = yoke(wire[1])
+    loader = yoke("ethercat", port=wire[1])
     with ff.live.BusEmulator([loader]) as emulator, soem(wire[0]) as (pysoem, master, slave):
         # SOEM leaves the watchdog at the slave's own, 100 ms.
         operational(pysoem, master, slave)
         for _ in range(20):
             exchange(master, slave, 15, 100)
             time.sleep(0.001)
-        assert emulator.commands[0] == pytest.approx(0.1 * RATED_N_M / loader["motor.torque_constant"], rel=1e-6)
+        assert emulator.commands[0] == pytest.approx(0.1 * RATED_N_M / loader["motor.torque_constant"])
         time.sleep(0.3)
         emulator.push(-1.0)
         until(lambda: emulator.commands[0] > 0.01)  # braked: against the motion, to negative angles
@@ -176,8 +138,7 @@ FOREIGN = os.environ.get("FORCEFEEL_ETHERCAT_SLAVE", "")
     not FOREIGN, reason="FORCEFEEL_ETHERCAT_SLAVE: no folder with a foreign slave, network_simulator of KickCAT"
 )
 def test_our_master_moves_a_foreign_slave_by_the_closed_form(wire):
-    loader = yoke(wire[0], rated_torque_n_m=1.0, encoder_counts=1e6, load_cell_n=None, column_gear=None)
-    loader = replace(loader, bus=replace(loader.bus, load_cell_object=None, column_object=None))
+    loader = yoke("ethercat", port=wire[0], rated_torque_n_m=1.0, encoder_counts=1e6, **UNSENSED)
     setup, _ = made_of(loader, live_law(None, loader), supervised=False)
     arguments = [str(Path(FOREIGN) / "network_simulator"), "-i", wire[1], "-s", "ecat402-drive.json"]
     foreign = subprocess.Popen(arguments, cwd=FOREIGN, stdout=subprocess.DEVNULL)
@@ -199,45 +160,10 @@ def test_our_master_moves_a_foreign_slave_by_the_closed_form(wire):
     assert speed == pytest.approx(981.7, rel=CLOSED_FORM)
 
 
-def test_run_over_ethercat_equals_run_in_process(wire):
-    loader = yoke("-", quiet=True, gear=-2.5, zero_rad=1.0, column_gear=-0.5, column_zero_rad=2.0)
-    names = ("column_angle_rad", "command", "feel_angle_rad")
-    with running(wire, loader) as (session, emulator):
-        session.on()
-        session.wait(3000)
-        emulator.push(8.0)
-        session.wait(16_000)
-        assert session.state.name == "active", session.trips
-        over_bus = [column(session, name)[-1000:].mean() for name in names]
-    with ff.live.start(loader, "robust", real_time=False) as session:
-        session.on()
-        session.wait(3000)
-        session.hand_force_n = 8.0
-        session.wait(16_000)
-        in_process = [column(session, name)[-1000:].mean() for name in names]
-    # At rest under the force; the drive has torque in thousandths, which the law holds as a small cycle about the same mean.
-    assert over_bus == pytest.approx(in_process, rel=2e-3)
-
-
-def test_torque_mode_runs_with_drive_encoder_alone(wire):
-    none = dict.fromkeys(("load_cell_n", "column_gear", "column_counts", "load_cell_object", "column_object"))
-    loader = yoke("-", **none)
-    with running(wire, loader, "torque-mode") as (session, emulator):
-        session.on()
-        session.wait(3000)
-        emulator.push(8.0)
-        session.wait(6000)
-        assert session.state.name == "active"
-        # The feel's spring holds the hand, less what the link's stretch leaves.
-        assert emulator.angles_rad[0] == pytest.approx(
-            8.0 * loader["column.grip_arm"] / loader["feel.stiffness"], rel=0.02
-        )
-
-
 def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
     axes = ("roll", "pitch", "yaw")
     (tmp_path / "cockpit.toml").write_text("[axes]\n" + "".join(f'{axis} = "{axis}.toml"\n' for axis in axes))
-    wired = {axis: yoke(wire[1], node=node) for node, axis in enumerate(axes, 1)}
+    wired = {axis: yoke("ethercat", port=wire[1], node=node) for node, axis in enumerate(axes, 1)}
     with ff.live.BusEmulator(list(wired.values()), real_time=False) as emulator:
         for axis, loader in wired.items():
             named = replace(loader, name=f"my-{axis}", bus=replace(loader.bus, port=wire[0]))
@@ -255,84 +181,8 @@ def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
             assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
 
 
-@pytest.mark.parametrize(
-    ("fault", "every"), [("lost", 7), ("corrupt", 7), ("repeated", 3), ("late", 5), ("miscounted", 7)]
-)
-def test_a_bad_frame_now_and_then_leaves_the_loader_active(wire, fault, every):
-    with running(wire, yoke("-")) as (session, emulator):
-        session.on()
-        session.wait(3000)
-        emulator.break_wire(fault, every)
-        session.wait(70)
-        emulator.break_wire(None)
-        session.wait(100)
-        assert session.state.name == "active", (session.trips, session.state.drive_fault)
-        lost = 1 - column(session, "sampled")
-        assert (lost.sum() > 2) == (fault not in {"repeated", "corrupt"})
-
-
-@pytest.mark.parametrize(
-    ("fault", "name"), [("lost", "node silent"), ("gone", "node silent"), ("miscounted", "wrong working counter")]
-)
-def test_silence_damps_the_column_and_nothing_re_engages_by_itself(wire, fault, name):
-    slower = {"controller.period": "1 ms", "controller.delay": "1 ms"}
-    loader = yoke("-").replace(slower | {"safety.overrun_time": "1 s", "safety.silence_time": "200 ms"})
-    with running(wire, loader, real_time=True) as (session, emulator):
-        for _ in range(20):
-            activate(session)
-            emulator.push(8.0)
-            session.wait(100)
-            emulator.break_wire(fault)
-            until(lambda: "sensors silent" in session.state.trips)
-            if session.state.trips == ("sensors silent",):
-                break
-            # A busy machine had tripped it before.
-            emulator.break_wire(None)
-            emulator.push(0.0)
-            session.wait(600)
-        assert session.state.name == "tripped"
-        until(lambda: session.state.drive_fault.startswith(name))
-        if fault != "lost":  # no command reaches the drive: its own watchdog damps
-            time.sleep(2 * loader.bus.watchdog_s)
-            emulator.push(-0.5)
-            until(lambda: emulator.commands[0] > 0.01)  # against the motion, to negative angles
-        emulator.push(0.0)
-        emulator.break_wire(None)
-        session.wait(600)
-        assert session.state.name == "tripped"
-        until(lambda: emulator.commands[0] == 0.0)
-        # Acknowledged it is off, though on was requested before.
-        until(lambda: session.acknowledge() or session.wait(50) or session.state.name == "off")
-        session.wait(100)
-        assert session.state.name in ("off", "tripped")
-        assert emulator.commands[0] == 0.0
-
-
-@pytest.mark.parametrize(
-    ("code", "name"),
-    [
-        (0x3220, "CiA 402: DC link under voltage"),
-        (0x7121, "CiA 402: motor fault"),
-        (0xFF01, "CiA 402: fault of the maker's own"),
-        (None, "wrong working counter"),
-    ],
-)
-def test_drive_fault_trips_by_name_and_in_the_record(wire, code, name, tmp_path):
-    record = tmp_path / "run.mcap"
-    with running(wire, yoke("-"), record=record) as (session, emulator):
-        session.on()
-        session.wait(3000)
-        emulator.restart() if code is None else emulator.fail(code)
-        until(lambda: session.state.name == "tripped")
-        until(lambda: session.state.drive_fault.startswith(name))
-        if code is not None:  # without commands a machine of virtual time stands still
-            until(lambda: emulator.commands[0] == 0.0)
-    assert ff.live.replay(record).same
-    assert ff.live.read_live_record(record).about["machine"] == f"ethercat 1 at {wire[0]}"
-
-
 def test_bad_slave_is_refused_by_name_and_nothing_moves(wire):
-    loader = yoke(wire[1])
+    loader = yoke("ethercat", port=wire[1])
     with ff.live.BusEmulator([loader]) as emulator:
         for change, part in (
             ({"node": 2}, "expected a slave at position 2, got 1 on the wire"),
@@ -355,7 +205,7 @@ def test_bad_slave_is_refused_by_name_and_nothing_moves(wire):
 
 def test_without_permission_for_raw_sockets_it_says_so(wire):
     code = (
-        "import os, sys, forcefeel as ff; from dataclasses import fields, replace; yoke = ff.loader.electric('desktop-yoke'); "
+        "import os, sys, forcefeel as ff; from dataclasses import replace; yoke = ff.loader.electric('desktop-yoke'); "
         "bus = ff.loader.Bus('ethercat', sys.argv[1], rated_torque_n_m=2.0, encoder_counts=1e6); "
         "ff.live.start; law = 'torque-mode'; ff.live.BusEmulator; os.setgid(65534); os.setuid(65534)\n"
         "try: ff.live.start(replace(yoke, bus=bus), law, endpoint=bus)\n"
@@ -369,7 +219,7 @@ def test_without_permission_for_raw_sockets_it_says_so(wire):
 
 def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
     path = tmp_path / "yoke.toml"
-    loader = yoke(wire[0]).replace(
+    loader = yoke("ethercat", port=wire[0]).replace(
         {"controller.period": "1 ms", "controller.delay": "1 ms", "safety.overrun_time": "1 s"}
     )
     path.write_text(loader.to_toml(), encoding="utf-8")
@@ -388,46 +238,3 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
     status, out, err = run(str(path), "--machine", "bus", "--headless")
     assert (status, out) == (2, "")
     assert "expected slaves, got no answer" in err
-
-
-@pytest.mark.parametrize(
-    ("lines", "part"),
-    [
-        ('port = "a"', "rated_torque: missing value"),
-        ('port = "a"\nrated_torque = "2 N m"', "encoder_counts: missing value"),
-        ('port = "a"\nrated_torque = "2 N"\nencoder_counts = 1000', "rated_torque: expected"),
-        ('port = "a"\nrated_torque = "-2 N m"\nencoder_counts = 1000', "rated_torque: expected a positive number"),
-        (
-            'port = "a"\nrated_torque = "2 N m"\nencoder_counts = 1000\nload_cell = "400 N"',
-            "load_cell_object: missing value",
-        ),
-        (
-            'port = "a"\nrated_torque = "2 N m"\nencoder_counts = 1000\nload_cell = "400 N"\nload_cell_object = "2100"',
-            "load_cell_object: expected an object",
-        ),
-        ('port = "a"\nrated_torque = "2 N m"\nencoder_counts = 1000\nnode = 0', "node: expected 1 to 255"),
-    ],
-)
-def test_bad_table_of_a_file_exits_with_status_2(run, tmp_path, lines, part):
-    path = tmp_path / "yoke.toml"
-    path.write_text(
-        f'{ff.loader.electric("desktop-yoke").to_toml()}\n[bus]\nkind = "ethercat"\n{lines}\n', encoding="utf-8"
-    )
-    status, out, err = run(str(path), "--machine", "bus", "--headless")
-    assert (status, out) == (2, "")
-    assert f"bus: {part}" in err
-
-
-def test_table_of_a_file_comes_back(tmp_path):
-    loader = yoke("eth0", grip_sensor_n=50.0, grip_object="0x2100:2")
-    path = tmp_path / "yoke.toml"
-    path.write_text(loader.to_toml(), encoding="utf-8")
-    bus = ff.load(path).bus
-    for field in fields(ff.loader.Bus):
-        expected = getattr(loader.bus, field.name)
-        # Written with 12 digits.
-        assert getattr(bus, field.name) == (
-            pytest.approx(expected, rel=1e-11) if isinstance(expected, float) else expected
-        )
-    with pytest.raises(ff.InputError, match="encoder_counts: expected it with kind"):
-        ff.loader.Bus("moteus", "a", encoder_counts=10.0)

@@ -1,16 +1,18 @@
 //! A machine with its drive, on an emulated bus.
 
 use crate::bus::NodeSettings;
-use crate::emulator::Place;
 use crate::input_output::Command;
 use crate::setup::Setup;
-use crate::simulated::{Stepped, simulated};
+use crate::simulated::{Script, Stepped, simulated};
 use forcefeel_bus::drive::{Action, Node, Shown};
 use forcefeel_bus::scale::Scale;
 use forcefeel_model::controller::Timing;
 
 /// Rate in 1/s at which a drive that damps takes the speed off its own rotor.
 const DAMPS_PER_S: f64 = 60.0;
+
+/// A loader at a node: its setup, the node, and what happens to it.
+pub type Place = (Setup, NodeSettings, Script);
 
 /// A machine with its drive.
 pub(crate) struct Axis {

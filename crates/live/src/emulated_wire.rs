@@ -1,24 +1,64 @@
 //! The wire of an emulated bus with what is wrong with it: frames come in, answers go out.
 
 use crate::emulated_axis::Axis;
-use crate::emulator::{EmulatorRequest, Shared, WireFault, locked};
+use crate::input_output::Disturbance;
 #[cfg(target_os = "linux")]
 use crate::raw_socket::RawSocket;
 use crate::serial::Serial;
-use core::sync::atomic::Ordering::Relaxed;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use forcefeel_bus::ethercat::datagram::MOST;
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::{Adapter, Line, Lines};
 use std::collections::VecDeque;
 use std::io;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest rest between two looks at the port.
 const NAP: Duration = Duration::from_micros(250);
 /// Most that the machines catch up at once, in s.
 const MOST_BEHIND_S: f64 = 0.1;
+
+/// What is wrong with the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WireFault {
+    /// Answers are lost.
+    Lost,
+    /// Answers come so many commands late.
+    Late(usize),
+    /// Answers come twice.
+    Repeated,
+    /// A bit of an answer is turned round.
+    Corrupt,
+    /// The node is gone: no frame reaches it.
+    Gone,
+    /// The adapter is off the bus, and says so; on EtherCAT the link is down.
+    BusOff,
+    /// The nodes let a frame pass without their share: on EtherCAT its working counter is wrong.
+    Miscounted,
+}
+
+/// What is done to an emulated bus from outside.
+#[derive(Debug, Clone, Copy)]
+pub enum EmulatorRequest {
+    /// Something is wrong with each so manieth answer from now on, or nothing.
+    Wire(Option<(WireFault, u32)>),
+    /// A drive fails with the maker's code.
+    Fail(usize, u16),
+    /// A drive loses its supply for a moment.
+    Restart(usize),
+    /// Something happens to a machine.
+    Machine(usize, Disturbance),
+}
+
+#[derive(Default)]
+pub(crate) struct Shared {
+    pub end: AtomicBool,
+    pub asked: Mutex<Vec<EmulatorRequest>>,
+    /// Command and angle of each machine's newest step.
+    pub seen: Mutex<Vec<[f64; 2]>>,
+}
 
 /// Where the frames come from and the answers go.
 pub(crate) enum Terminals {
@@ -222,4 +262,8 @@ impl Wire {
             }
         }
     }
+}
+
+pub(crate) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -3,50 +3,14 @@
 //! By the clock the machines go on by themselves, in steps finer than a sample. Without one each machine takes a period at each command
 //! for its node: then a loop in virtual time and its machine go together, and repeat to the bit.
 
-use crate::bus::NodeSettings;
-use crate::emulated_axis::Axis;
-use crate::emulated_wire::{Terminals, Wire};
-use crate::input_output::Disturbance;
+use crate::emulated_axis::{Axis, Place};
+use crate::emulated_wire::{EmulatorRequest, Shared, Terminals, Wire, locked};
 use crate::priority::ask;
-use crate::setup::Setup;
-use crate::simulated::Script;
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use core::sync::atomic::Ordering::Relaxed;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
-
-/// What is wrong with the wire.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WireFault {
-    /// Answers are lost.
-    Lost,
-    /// Answers come so many commands late.
-    Late(usize),
-    /// Answers come twice.
-    Repeated,
-    /// A bit of an answer is turned round.
-    Corrupt,
-    /// The node is gone: no frame reaches it.
-    Gone,
-    /// The adapter is off the bus, and says so; on EtherCAT the link is down.
-    BusOff,
-    /// The nodes let a frame pass without their share: on EtherCAT its working counter is wrong.
-    Miscounted,
-}
-
-/// What is done to an emulated bus from outside.
-#[derive(Debug, Clone, Copy)]
-pub enum EmulatorRequest {
-    /// Something is wrong with each so manieth answer from now on, or nothing.
-    Wire(Option<(WireFault, u32)>),
-    /// A drive fails with the maker's code.
-    Fail(usize, u16),
-    /// A drive loses its supply for a moment.
-    Restart(usize),
-    /// Something happens to a machine.
-    Machine(usize, Disturbance),
-}
 
 /// A bus under way.
 pub struct Emulator {
@@ -54,17 +18,6 @@ pub struct Emulator {
     shared: Arc<Shared>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
-
-#[derive(Default)]
-pub(crate) struct Shared {
-    pub end: AtomicBool,
-    pub asked: Mutex<Vec<EmulatorRequest>>,
-    /// Command and angle of each machine's newest step.
-    pub seen: Mutex<Vec<[f64; 2]>>,
-}
-
-/// A loader at a node: its setup, the node, and what happens to it.
-pub type Place = (Setup, NodeSettings, Script);
 
 impl Emulator {
     /// Begins; on EtherCAT at an interface, otherwise at a terminal that the system names.
@@ -115,8 +68,4 @@ impl Drop for Emulator {
     fn drop(&mut self) {
         self.end();
     }
-}
-
-pub(crate) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }

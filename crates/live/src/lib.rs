@@ -4,7 +4,7 @@
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
 //! | or on a bus of drives: its axes; CAN, its carriers; EtherCAT, its interface | [`bus`]; [`can_bus`], [`carrier`], [`serial`], `socket_can`; `ethercat`, `raw_socket` |
-//! | emulated drives on a bus: the port, the wire, a drive with its machine | [`emulator`], `emulated_wire`, `emulated_axis` |
+//! | emulated drives on a bus: the port, the wire, a drive with its machine | [`emulator`], [`emulated_wire`], [`emulated_axis`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
@@ -24,8 +24,8 @@ pub mod carrier;
 pub mod clock;
 pub mod controller;
 pub mod cycle;
-mod emulated_axis;
-mod emulated_wire;
+pub mod emulated_axis;
+pub mod emulated_wire;
 pub mod emulator;
 #[cfg(target_os = "linux")]
 pub mod ethercat;

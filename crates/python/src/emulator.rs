@@ -3,7 +3,8 @@
 use crate::bus::NodeOf;
 use crate::errors::refused;
 use crate::live::{LiveSetup, ScriptOf, disturbance_of};
-use forcefeel_live::emulator::{Emulator, EmulatorRequest, WireFault};
+use forcefeel_live::emulated_wire::{EmulatorRequest, WireFault};
+use forcefeel_live::emulator::Emulator;
 use forcefeel_live::simulated::Script;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;

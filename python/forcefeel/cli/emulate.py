@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 BUS = Group("Bus", sort_key=10)
 
 EMULATED: dict[str, Any] = {
-    "encoder_counts": 2.0**20,
-    "column_counts": 2.0**20,
+    "encoder_counts": 2.0**24,
+    "column_counts": 2.0**24,
     "load_cell_object": "0x2100:1",
     "column_object": "0x60E4:1",
 }

@@ -151,7 +151,10 @@ class Bus:
         wiring = (self.gear, self.zero_rad / tau, self.load_cell_n, column, self.grip_sensor_n)
         units = None
         if self.kind == ETHERCAT:
-            load_cell, column_encoder, grip = (_object(name, getattr(self, name)) for name in _SENSORS.values())
+            load_cell, column_encoder, grip = (
+                None if getattr(self, sensor) is None else _object(name, getattr(self, name))
+                for sensor, name in _SENSORS.items()
+            )
             rated, counts, column_counts = self.rated_torque_n_m, self.encoder_counts, self.column_counts
             units = (rated or 1.0, counts or 1.0, column_counts or 1.0, (load_cell, column_encoder, grip))
         return self.kind, self.port, self.node, wiring, self.watchdog_s, units

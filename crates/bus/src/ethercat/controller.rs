@@ -32,15 +32,15 @@ pub(crate) struct Manager {
 }
 
 impl Manager {
-    fn mailbox(&self) -> bool {
+    fn mailbox(self) -> bool {
         self.active && self.control & 3 == MAILBOX && self.start >= PROCESS
     }
 
-    fn written(&self) -> bool {
+    fn written(self) -> bool {
         self.control & 0x0c == MASTER_WRITES
     }
 
-    fn end(&self) -> usize {
+    fn end(self) -> usize {
         usize::from(self.start) + usize::from(self.size)
     }
 }
@@ -104,7 +104,7 @@ impl Controller {
     }
 
     /// Its bytes of the process memory.
-    pub fn at(&mut self, manager: &Manager) -> &mut [u8] {
+    pub fn at(&mut self, manager: Manager) -> &mut [u8] {
         let from = usize::from(manager.start.max(PROCESS));
         self.memory.get_mut(from..manager.end()).unwrap_or_default()
     }
@@ -113,13 +113,13 @@ impl Controller {
     pub fn take_message(&mut self) -> Vec<u8> {
         let manager = self.manager(0);
         self.fill(0, false);
-        self.at(&manager).to_vec()
+        self.at(manager).to_vec()
     }
 
     /// Puts a message into the mailbox that it reads.
     pub fn put_message(&mut self, message: &[u8]) {
         let manager = self.manager(1);
-        let to = self.at(&manager);
+        let to = self.at(manager);
         let size = message.len().min(to.len());
         to[..size].copy_from_slice(&message[..size]);
         self.fill(1, true);
@@ -233,11 +233,11 @@ impl Controller {
         self.keeps_to(register, size, |number, manager| manager.written() && !self.full(number))
     }
 
-    fn keeps_to(&self, register: usize, size: usize, allowed: impl Fn(u16, &Manager) -> bool) -> bool {
+    fn keeps_to(&self, register: usize, size: usize, allowed: impl Fn(u16, Manager) -> bool) -> bool {
         (0..2).all(|number| {
             let manager = self.manager(number);
             let apart = register + size <= usize::from(manager.start) || manager.end() <= register;
-            !manager.mailbox() || apart || allowed(number, &manager)
+            !manager.mailbox() || apart || allowed(number, manager)
         })
     }
 

@@ -130,7 +130,7 @@ impl Slave {
             return;
         }
         let manager = self.controller.manager(2);
-        self.dictionary.take(self.controller.at(&manager));
+        self.dictionary.take(self.controller.at(manager));
         self.power = self.power.next(self.dictionary.control, self.before);
         self.before = self.dictionary.control;
         if self.power != Power::Fault {
@@ -157,7 +157,7 @@ impl Node for Slave {
             if self.state >= SAFE_OP {
                 self.dictionary.status = self.power.status();
                 let manager = self.controller.manager(3);
-                self.dictionary.give(self.controller.at(&manager), shown);
+                self.dictionary.give(self.controller.at(manager), shown);
             }
             let events = self.controller.pass(&mut datagram, time_ns);
             if events.al_control {

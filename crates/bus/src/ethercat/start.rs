@@ -80,7 +80,7 @@ pub fn stop_all(segment: &mut dyn Segment) {
 /// A slave by its station address.
 pub struct Station<'a> {
     segment: &'a mut dyn Segment,
-    station: u16,
+    address: u16,
     /// Start and size of the mailboxes, out and in.
     mailbox: [[u16; 2]; 2],
     counter: u8,
@@ -89,12 +89,12 @@ pub struct Station<'a> {
 impl<'a> Station<'a> {
     /// The slave at a position, counted from one, after a [`scan`].
     pub fn new(segment: &'a mut dyn Segment, position: u16) -> Self {
-        Self { segment, station: FIRST_STATION + position, mailbox: [[0; 2]; 2], counter: 0 }
+        Self { segment, address: FIRST_STATION + position, mailbox: [[0; 2]; 2], counter: 0 }
     }
 
     /// What a datagram brings, and its working counter; nothing if it is lost.
     fn datagram(&mut self, command: u8, register: u16, data: &[u8]) -> Option<(Vec<u8>, u16)> {
-        let mut packet = Packet::of(command, 0, at(self.station, register), data);
+        let mut packet = Packet::of(command, 0, at(self.address, register), data);
         let came = self.segment.exchange(&mut packet);
         let datagram = datagrams(&mut packet.bytes).next().filter(|_| came)?;
         Some((datagram.data.to_vec(), datagram.counter()))
@@ -322,14 +322,14 @@ impl<'a> Station<'a> {
             return Ok(false);
         }
         broadcast(self.segment, command::BWR, RECEIVE_TIME, &[0; 4]);
-        let own = self.read(RECEIVE_TIME_LOCAL).map(u64::from_le_bytes)?;
-        let offset = match reference.filter(|reference| *reference != self.station) {
+        let its = self.read(RECEIVE_TIME_LOCAL).map(u64::from_le_bytes)?;
+        let offset = match reference.filter(|reference| *reference != self.address) {
             None => 0,
             Some(reference) => {
-                let station = core::mem::replace(&mut self.station, reference);
+                let own = core::mem::replace(&mut self.address, reference);
                 let latched = self.read(RECEIVE_TIME_LOCAL).map(u64::from_le_bytes);
-                self.station = station;
-                latched?.wrapping_sub(own)
+                self.address = own;
+                latched?.wrapping_sub(its)
             }
         };
         self.write(SYSTEM_TIME_OFFSET, &offset.to_le_bytes())?;
@@ -388,6 +388,6 @@ impl<'a> Station<'a> {
         let period_ns = period_s.map(|period_s| (1e9 * period_s) as u32).filter(|period| *period > 0);
         let clock = self.clock(reference, period_ns)?;
         self.enter(SAFE_OP, "SAFE-OP")?;
-        Ok(Axis::new(self.station, base, *units, layout, clock.then_some(reference.unwrap_or(self.station))))
+        Ok(Axis::new(self.address, base, *units, layout, clock.then_some(reference.unwrap_or(self.address))))
     }
 }
