@@ -7,7 +7,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.bench.identification.fit import identify
 from tests.command_line import runs
-from tests.live.test_bus import KINDS, yoke
+from tests.live.test_bus import KINDS, emulated, yoke
 
 excite = runs("excite")
 
@@ -28,8 +28,8 @@ def signal(loader, **changes):
 def test_identification_finds_the_hidden_machine(kind):
     loader = yoke(kind)
     truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
-    with ff.live.BusEmulator([truth], real_time=False) as emulator:
-        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+    with emulated(truth) as (there, emulator):
+        wired = replace(loader, bus=there.bus)
         record = ff.bus.play(signal(wired), real_time=False)
         assert emulator.commands == [0.0]
     found = identify(wired, [record], "J_m,k,c,J")

@@ -59,17 +59,25 @@ def activate(session):
 
 
 @contextmanager
-def running(loader, law="robust", *, real_time=False, **options):
-    """A loop of a loader, and the machine at the other end of its bus."""
+def emulated(loader, *, real_time=False):
+    """A loader on the bus of its emulated machine, and the machine."""
     with ExitStack() as wires:
-        master, port = None, loader.bus.port
+        master = None
         if loader.bus.kind == "ethercat":
             master, port = wires.enter_context(virtual_interfaces())
-        emulated = replace(loader, bus=replace(loader.bus, port=port))
-        emulator = wires.enter_context(ff.live.BusEmulator([emulated], real_time=real_time))
-        bus = replace(loader.bus, port=master or emulator.port)
-        with ff.live.start(loader, law, endpoint=bus, real_time=real_time, **options) as session:
-            yield session, emulator
+            loader = replace(loader, bus=replace(loader.bus, port=port))
+        emulator = wires.enter_context(ff.live.BusEmulator([loader], real_time=real_time))
+        yield replace(loader, bus=replace(loader.bus, port=master or emulator.port)), emulator
+
+
+@contextmanager
+def running(loader, law="robust", *, real_time=False, **options):
+    """A loop of a loader, and the machine at the other end of its bus."""
+    with (
+        emulated(loader, real_time=real_time) as (wired, emulator),
+        ff.live.start(loader, law, endpoint=wired.bus, real_time=real_time, **options) as session,
+    ):
+        yield session, emulator
 
 
 def until(holds, timeout_s=20.0):

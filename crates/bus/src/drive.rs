@@ -30,8 +30,10 @@ pub struct State {
     pub velocity: f64,
     /// Torque in N m.
     pub torque: f64,
-    /// Whether it is powered.
+    /// Whether it is powered, or on its way there.
     pub powered: bool,
+    /// Whether a torque acts by now.
+    pub acts: bool,
     /// What it complains of.
     pub fault: Fault,
     /// Load cell, a share of its range from 0 to 1; column's encoder in revolutions; force sensor at the grip like the load cell.
@@ -46,6 +48,7 @@ impl State {
         velocity: f64::NAN,
         torque: f64::NAN,
         powered: false,
+        acts: false,
         fault: Fault::NONE,
         sensors: [f64::NAN; 3],
     };

@@ -63,7 +63,7 @@ impl Protocol {
         match self {
             Self::Moteus => Box::new(MoteusNode::new(number, SERIAL + i32::from(number))),
             Self::Odrive(firmware) => Box::new(OdriveNode::new(number, firmware)),
-            Self::EtherCat => Box::new(Slave::new(units, SERIAL.unsigned_abs() + u32::from(number), last)),
+            Self::EtherCat => Box::new(Slave::new(units, number, last)),
         }
     }
 }

@@ -27,6 +27,8 @@ const REMEMBERED: usize = 16;
 const SILENT: u32 = 16;
 /// How long its first state is waited for.
 const FIRST_ANSWER: Duration = Duration::from_secs(1);
+/// How long a drive may take until its torque acts.
+const POWERED: Duration = Duration::from_secs(3);
 /// How long an answer is waited for in virtual time.
 const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
@@ -104,6 +106,8 @@ pub struct OnBus {
     answered: u64,
     /// Current of the motor in A, as the drive states it.
     current: f64,
+    /// Whether a torque acts.
+    acts: bool,
     silent: u32,
     fault: Fault,
 }
@@ -132,6 +136,7 @@ impl OnBus {
             written: [(Instant::now(), false); REMEMBERED],
             answered: 0,
             current: 0.0,
+            acts: false,
             silent: 0,
             fault: Fault::NONE,
         };
@@ -159,6 +164,12 @@ impl OnBus {
     pub fn exchange(&mut self, command: f64, enable: bool) -> Option<(Sampled, Fault, Duration)> {
         let begun = Instant::now();
         self.waits = true;
+        {
+            // An earlier answer that was not read is not that of this command.
+            let mut bus = locked(&self.bus);
+            bus.pump();
+            bus.answer(self.place).fresh = false;
+        }
         self.write(&Command { cycle: 0, command, enable, state: 0 });
         let sampled = self.read()?;
         Some((sampled, self.fault, begun.elapsed()))
@@ -173,7 +184,8 @@ impl OnBus {
     }
 
     fn played(&mut self, currents: &[f64], most: f64) -> (Vec<Played>, Option<String>) {
-        let (mut rows, mut ended) = (Vec::with_capacity(currents.len()), None);
+        let (mut rows, mut ended) = (Vec::with_capacity(currents.len()), self.power_up());
+        let currents = if ended.is_none() { currents } else { &[] };
         let begun = Instant::now();
         let mut due = begun;
         for &current in currents {
@@ -201,6 +213,20 @@ impl OnBus {
         }
         let _ = self.exchange(0.0, false);
         (rows, ended)
+    }
+
+    /// Powers the drive without a current; why not, if it is not.
+    fn power_up(&mut self) -> Option<String> {
+        let begun = Instant::now();
+        while begun.elapsed() < POWERED {
+            match self.exchange(0.0, true) {
+                None => return Some("the drive did not answer; check cable and supply".to_string()),
+                Some((_, fault, _)) if fault.is_some() => return Some(fault.to_string()),
+                Some(_) if self.acts => return None,
+                Some(_) => thread::sleep(self.period_s.map_or(Duration::ZERO, Duration::from_secs_f64)),
+            }
+        }
+        Some(format!("the drive was not powered within {POWERED:?}; check its supply"))
     }
 
     /// So many exchanges with the drive off, one a period: the time that each answer took in s, infinite where none came.
@@ -265,6 +291,7 @@ impl InputOutput for OnBus {
         let answered = state.answers.unwrap_or(newest);
         self.fault = self.fault_of(&state, answered);
         self.current = self.scale.command(state.torque);
+        self.acts = state.acts;
         let since = self.written[remembered(answered)].0.duration_since(self.written[remembered(self.answered)].0);
         self.answered = answered;
         Some(Sampled {

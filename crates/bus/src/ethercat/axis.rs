@@ -161,6 +161,7 @@ impl Axis {
             position: counted([p, q, r, o]),
             velocity: counted([v, w, x, y]),
             torque: f64::from(i16::from_le_bytes([a, b])) / RATED * self.units.rated_torque,
+            acts: self.power == Power::Enabled,
             powered: self.power == Power::Enabled || (self.enable && !self.powered && self.since < POWERING),
             fault: self.fault(code, error),
             sensors,

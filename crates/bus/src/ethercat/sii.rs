@@ -31,11 +31,12 @@ pub const MANAGERS: [(u16, u16, u8); 4] =
 /// Name of the emulated drive.
 pub const NAME: &str = "forcefeel emulated drive";
 
-/// The EEPROM of an emulated drive: product code and serial number, no maker.
-pub fn image(serial: u32) -> Vec<u8> {
+/// The EEPROM of an emulated drive: product code, serial number and alias, no maker.
+pub fn image(serial: u32, alias: u8) -> Vec<u8> {
     let mut words = vec![0_u16; usize::from(word::CATEGORIES)];
     // Process data interface of 16 bits to a processor, and SYNC0.
     words[..2].copy_from_slice(&[0x0c08, 0x0000]);
+    words[usize::from(word::ALIAS)] = alias.into();
     words[7] = u16::from(checksum(&bytes_of(&words[..7])));
     for (place, number) in [(0x0a, 402), (0x0c, 1), (0x0e, serial)] {
         words[place..place + 2].copy_from_slice(&halves(number));

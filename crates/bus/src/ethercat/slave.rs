@@ -3,7 +3,6 @@
 //! After a fault of the communication its motor is braked, unless the object 0x605E says 0; after one of the drive it turns freely. It
 //! stays there until the fault is cleared.
 
-use super::Units;
 use super::cia402::{COMMUNICATION, Power, RATED, TORQUE_MODE};
 use super::controller::Controller;
 use super::datagram::datagrams;
@@ -11,6 +10,7 @@ use super::dictionary::Dictionary;
 use super::mailbox::{Request, answer};
 use super::registers::{ERROR, INIT, OP, PRE_OP, SAFE_OP, TRIGGERS, WATCHDOG_CODE};
 use super::sii;
+use super::{MOST_POSITION, Units};
 use crate::drive::{Action, Node, Shown};
 
 /// Codes of the application layer for a state that cannot be entered.
@@ -19,6 +19,9 @@ const NO_SUCH_STATE: u16 = 0x0012;
 const BAD_MAILBOX: u16 = 0x0016;
 const BAD_OUTPUTS: u16 = 0x001d;
 const BAD_INPUTS: u16 = 0x001e;
+
+/// Serial number of node 0.
+const FIRST_SERIAL: u32 = 1000;
 
 /// A slave.
 #[derive(Debug, Clone)]
@@ -35,11 +38,13 @@ pub struct Slave {
 }
 
 impl Slave {
-    /// A slave in INIT; the last of a line, or not.
-    pub fn new(units: Units, serial: u32, last: bool) -> Self {
+    /// A slave in INIT, whose alias is its node's number where that is none of a position; the last of a line, or not.
+    pub fn new(units: Units, node: u8, last: bool) -> Self {
+        let serial = FIRST_SERIAL + u32::from(node);
+        let alias = if node > MOST_POSITION { node } else { 0 };
         let dictionary = Dictionary::new(units, serial);
         Self {
-            controller: Controller::new(sii::image(serial), last),
+            controller: Controller::new(sii::image(serial, alias), last),
             dictionary,
             state: INIT,
             error: false,

@@ -56,13 +56,13 @@ pub struct Line {
 }
 
 impl Line {
-    fn new(count: u16) -> Self {
-        let slaves = (1..=count).map(|place| Slave::new(UNITS, 1000 + u32::from(place), place == count)).collect();
+    fn new(count: u8) -> Self {
+        let slaves = (1..=count).map(|place| Slave::new(UNITS, place, place == count)).collect();
         let mut wire = Wire { slaves, now_s: 0.0 };
         assert_eq!(scan(&mut wire), Ok(vec![0; usize::from(count)]));
         let mut reference = None;
         let axes = (1..=count).map(|place| {
-            let station = Station::new(&mut wire, place);
+            let station = Station::new(&mut wire, place.into());
             let axis = station.start(&UNITS, WATCHDOG_S, Some(PERIOD_S), u32::from(place) << 16, reference);
             let axis = axis.expect("a drive that starts");
             reference = axis.clock();
@@ -186,7 +186,7 @@ fn a_slave_that_is_gone_or_restarted_does_not_count_and_leaves_the_other_axis() 
         (0..3).for_each(|_| assert!(line.cycle(place, 0.0, false).is_ok()));
         (0..5).for_each(|_| assert!(line.cycle(place, 0.5, true).is_ok()));
     }
-    line.wire.slaves[1] = Slave::new(UNITS, 1002, false);
+    line.wire.slaves[1] = Slave::new(UNITS, 2, false);
     assert_eq!(line.cycle(1, 0.5, true), Err(Fault::COUNTER));
     assert_eq!(line.action(1), Action::Free);
     assert!(line.cycle(2, 0.5, true).is_ok_and(|state| state.powered && state.fault == Fault::NONE));
@@ -207,6 +207,14 @@ fn an_answer_tells_its_cycle_up_to_255_late_and_a_damaged_one_is_none() {
         damaged[change] ^= 1;
         assert_eq!(line.axes[0].take(&mut damaged), None, "{change}");
     }
+}
+
+#[test]
+fn a_slave_states_who_it_is_and_its_alias() {
+    let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, false), Slave::new(UNITS, 200, true)], now_s: 0.0 };
+    assert_eq!(scan(&mut wire), Ok(vec![0, 200]));
+    let identity = Station::new(&mut wire, 2).identity(2).expect("an answer");
+    assert_eq!((identity.node, identity.model, identity.serial), (2, 402, [0, 0, 1200]));
 }
 
 #[test]
