@@ -716,12 +716,17 @@ class LiveMachine:
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
 
 _Node: TypeAlias = tuple[
-    str, str, int, tuple[float, float, float | None, tuple[float, float] | None, float | None], float
+    str,
+    str,
+    int,
+    tuple[float, float, float | None, tuple[float, float] | None, float | None],
+    float,
+    tuple[float, float, float, tuple[tuple[int, int] | None, tuple[int, int] | None, tuple[int, int] | None]] | None,
 ]
 
 @final
 class BusEmulator:
-    """Machines of loaders as nodes of a bus, behind a pseudo terminal."""
+    """Machines of loaders as nodes of a bus, behind a pseudo terminal or on a network interface."""
 
     def __new__(cls, nodes: Sequence[tuple[LiveSetup, _Node, _Script | None]], *, by_clock: bool = True) -> Self: ...
     @property

@@ -11,7 +11,7 @@ from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.record_run import driven
 from forcefeel.simulation.inputs import Schedule
 from tests.command_line import runs
-from tests.live.test_bus import yoke
+from tests.live.test_bus import KINDS, NEEDS_ROOT, emulated, yoke
 
 excite = runs("excite")
 
@@ -31,12 +31,12 @@ def signal(loader, **changes):
     return ff.bench.excite(loader, "J_m,k,c,J", "motor-open", ff.bench.ExcitationPlan(**(plan | changes)))
 
 
-@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+@pytest.mark.parametrize("kind", ["moteus", KINDS[-1]])
 def test_identification_finds_the_hidden_machine(kind):
     loader = yoke(kind)
     truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
-    with ff.live.BusEmulator([truth], real_time=False) as emulator:
-        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+    with emulated(truth) as (there, emulator):
+        wired = replace(loader, bus=there.bus)
         record = ff.bus.play(signal(wired), real_time=False)
         assert emulator.commands == [0.0]
     found = identify(wired, [record], "J_m,k,c,J")
@@ -56,14 +56,15 @@ def under_law(loader, time_s=3.0):
     return ff.bench.excite(loader, "J_m,k,c,J", "loader command_current", plan)
 
 
-@pytest.mark.parametrize(("kind", "near"), [("moteus", 1e-5), ("odrive", 0.02)])
+@pytest.mark.parametrize(
+    ("kind", "near"), [("moteus", 1e-5), ("odrive", 0.02), pytest.param("ethercat", 0.02, marks=NEEDS_ROOT)]
+)
 def test_record_under_the_law_lies_on_the_simulation(kind, near):
-    """Without noise; an ODrive's board has 16 bits of force, and its estimates single precision."""
+    """Without noise; an ODrive's board has 16 bits of force, an EtherCAT drive thousandths of its rated torque."""
     loader = yoke(kind, quiet=True)
     signal = under_law(loader)
-    with ff.live.BusEmulator([loader], real_time=False) as emulator:
-        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
-        record = ff.bus.play(replace(signal, loader=wired), real_time=False)
+    with emulated(loader) as (there, _):
+        record = ff.bus.play(replace(signal, loader=there), real_time=False)
     steps = Schedule(tuple(np.repeat(signal.time_s, 2)[1:].tolist()), tuple(np.repeat(signal.signal, 2)[:-1].tolist()))
     scenario = replace(driven(Drive.COMMAND_CURRENT, steps), duration_s=2.9, sample_s=1 / 2000)
     run = ff.simulate(loader, scenario, "robust").history
@@ -80,8 +81,8 @@ def test_record_under_the_law_lies_on_the_simulation(kind, near):
 def test_identification_finds_the_hidden_machine_under_the_law():
     loader = yoke()
     truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
-    with ff.live.BusEmulator([truth], real_time=False) as emulator:
-        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+    with emulated(truth) as (there, _):
+        wired = replace(loader, bus=there.bus)
         record = ff.bus.play(under_law(wired, 4.0), real_time=False)
     found = identify(wired, [record], "J_m,k,c,J")
     for estimate in found.estimates:
@@ -91,8 +92,7 @@ def test_identification_finds_the_hidden_machine_under_the_law():
 
 def test_signal_under_the_law_ends_with_the_supervisor():
     loader = yoke()
-    with ff.live.BusEmulator([loader], real_time=False) as emulator:
-        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+    with emulated(loader) as (wired, emulator):
         signal = under_law(wired)
         with pytest.raises(ff.InputError, match=r"the signal ended early: .*; lower the limits"):
             ff.bus.play(replace(signal, signal=100 * signal.signal), real_time=False)

@@ -8,7 +8,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.bus import check, host
 from tests.command_line import runs
-from tests.live.test_bus import KINDS, until, yoke
+from tests.live.test_bus import KINDS, emulated, until, yoke
 
 run = runs("bus")
 
@@ -21,12 +21,13 @@ WRONG = {
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("wrong", ["", *WRONG])
 def test_check_finds_node_watchdog_and_directions(kind, wrong):
-    loader = yoke(kind, node=4)
-    with ff.live.BusEmulator([loader]) as emulator:
-        bus = replace(loader.bus, port=emulator.port, **WRONG.get(wrong, {}))
-        found = ff.bus.check_bus(replace(loader, bus=bus), move=True)
+    node = 1 if kind == "ethercat" else 4
+    loader = yoke(kind, node=node)
+    with emulated(loader, real_time=True) as (wired, emulator):
+        bus = replace(wired.bus, **WRONG.get(wrong, {}))
+        found = ff.bus.check_bus(replace(wired, bus=bus), move=True)
         until(lambda: emulator.commands[0] == 0.0)
-    assert [node.node for node in found.nodes] == [4]
+    assert [node.node for node in found.nodes] == [node]
     assert found.watchdog.ok, found.watchdog
     assert [finding.name for finding in found.directions] == ["motor", "column encoder", "load cell"]
     assert [finding.name for finding in found.directions if not finding.ok] == ([wrong] if wrong else [])

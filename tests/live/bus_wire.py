@@ -1,11 +1,40 @@
-"""A wire of a serial bus that a test looks at: what passes between a client and an emulator, line by line."""
+"""Wires for tests: a serial bus that is looked at, line by line; the two ends of a network."""
 
 import os
 import select
+import shutil
+import subprocess
 import threading
 import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+import pytest
+
+NEEDS_ROOT = pytest.mark.skipif(
+    not (hasattr(os, "geteuid") and os.geteuid() == 0 and shutil.which("ip")),
+    reason="virtual interfaces need root and ip",
+)
+
+
+@contextmanager
+def virtual_interfaces() -> Iterator[tuple[str, str]]:
+    """The master's end of a wire, and the slaves'."""
+    master, slaves = (f"ff{os.getpid()}{side}" for side in "ms")
+    made = subprocess.run(
+        ["ip", "link", "add", master, "type", "veth", "peer", "name", slaves],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if made.returncode:
+        pytest.skip(f"no virtual interfaces: {made.stderr.strip()}")
+    try:
+        for end in (master, slaves):
+            subprocess.run(["ip", "link", "set", end, "up"], check=True)
+        yield master, slaves
+    finally:
+        subprocess.run(["ip", "link", "del", master], check=True)
 
 
 @contextmanager

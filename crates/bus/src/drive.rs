@@ -30,8 +30,10 @@ pub struct State {
     pub velocity: f64,
     /// Torque in N m.
     pub torque: f64,
-    /// Whether it is powered.
+    /// Whether it is powered, or on its way there.
     pub powered: bool,
+    /// Whether a torque acts by now.
+    pub acts: bool,
     /// What it complains of.
     pub fault: Fault,
     /// Load cell, a share of its range from 0 to 1; column's encoder in revolutions; force sensor at the grip like the load cell.
@@ -46,6 +48,7 @@ impl State {
         velocity: f64::NAN,
         torque: f64::NAN,
         powered: false,
+        acts: false,
         fault: Fault::NONE,
         sensors: [f64::NAN; 3],
     };
@@ -114,8 +117,14 @@ pub enum Action {
 
 /// The other side: a node that answers as the drive would.
 pub trait Node {
-    /// Takes a frame at a time in s, and answers; whether it was a command for it.
-    fn take(&mut self, frame: &Frame, shown: &Shown, now_s: f64, send: Send) -> bool;
+    /// Takes a frame of CAN at a time in s, and answers; whether it was a command for it.
+    fn take(&mut self, _frame: &Frame, _shown: &Shown, _now_s: f64, _send: Send) -> bool {
+        false
+    }
+    /// Lets a frame of EtherCAT through at a time in s, with its share changed; whether it had a command for it.
+    fn pass(&mut self, _frame: &mut [u8], _shown: &Shown, _now_s: f64) -> bool {
+        false
+    }
     /// What it sends by itself, at a time in s.
     fn tick(&mut self, _now_s: f64, _send: Send) {}
     /// What it does to its machine at a time in s.

@@ -1,5 +1,7 @@
 //! What a drive or its bus may complain of: one table of numbers, names and remedies.
 
+use crate::ethercat::registers::WATCHDOG_CODE;
+
 /// A fault by its number; zero is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Fault(pub u16);
@@ -19,15 +21,31 @@ impl Fault {
     pub const NO_POSITION: Self = Self(5);
     /// A fault that the table lacks.
     pub const UNKNOWN: Self = Self(6);
+    /// The slave did not take its share of a frame.
+    pub const COUNTER: Self = Self(7);
+    /// The drive is in another mode.
+    pub const MODE: Self = Self(8);
 
     /// The fault of a number, [`Self::UNKNOWN`] where the table lacks it.
     pub fn of(number: u16) -> Self {
-        if number == 0 || FAULTS.iter().any(|&(its, _, _)| its == number) { Self(number) } else { Self::UNKNOWN }
+        if number == 0 || Self(number).text().is_some() { Self(number) } else { Self::UNKNOWN }
     }
 
-    /// Its name and remedy; nothing of none.
+    /// That of a code of EtherCAT's application layer.
+    pub fn of_al(code: u16) -> Self {
+        if code == WATCHDOG_CODE { Self::WATCHDOG } else { Self::of(AL.saturating_add(code)) }
+    }
+
+    /// That of an error code of CiA 402, which is the number itself.
+    pub fn of_drive(code: u16) -> Self {
+        if code < CIA_402 { Self::UNKNOWN } else { Self::of(code) }
+    }
+
+    /// Its name and remedy; nothing of none. An error code of CiA 402 that the table lacks has those of its class.
     pub fn text(self) -> Option<(&'static str, &'static str)> {
-        FAULTS.iter().find(|&&(number, _, _)| number == self.0).map(|&(_, name, remedy)| (name, remedy))
+        let of = |number: u16| FAULTS.iter().find(|row| row.0 == number).map(|&(_, name, remedy)| (name, remedy));
+        let class = |mask: u16| of(self.0 & mask).filter(|_| self.0 >= CIA_402);
+        of(self.0).or_else(|| [0xfff0, 0xff00, 0xf000].into_iter().find_map(class))
     }
 
     /// Whether there is one.
@@ -50,6 +68,11 @@ pub const ODRIVE_5: u16 = 300;
 /// The same with firmware 0.6.
 pub const ODRIVE_6: u16 = 400;
 
+/// What is added to the codes of EtherCAT's application layer.
+pub const AL: u16 = 600;
+/// The first error code of CiA 402.
+pub const CIA_402: u16 = 0x1000;
+
 /// Number, name and remedy of each fault.
 pub const FAULTS: &[(u16, &str, &str)] = &[
     (1, "node silent", "check the node's power, its number and the cable"),
@@ -58,6 +81,8 @@ pub const FAULTS: &[(u16, &str, &str)] = &[
     (4, "drive watchdog", "the drive missed its commands; check the cable and the loop's missed periods"),
     (5, "no position", "calibrate the drive's encoder with the maker's tool"),
     (6, "unknown drive fault", "read the fault with the maker's tool"),
+    (7, "wrong working counter", "check the slave's power and cable; if the slave has restarted, start the loop again"),
+    (8, "drive not in torque mode", "check the drive's configuration with the maker's tool"),
     (132, "moteus: calibration fault", "calibrate with moteus_tool --calibrate"),
     (133, "moteus: motor driver fault", "check the motor's wiring and the supply"),
     (134, "moteus: over voltage", "absorb regenerated power, or raise the supply's rating"),
@@ -107,4 +132,51 @@ pub const FAULTS: &[(u16, &str, &str)] = &[
     (427, "ODrive: brake resistor disarmed", "check the brake resistor"),
     (428, "ODrive: thermistor disconnected", "check the thermistor's wiring"),
     (430, "ODrive: calibration error", "calibrate with odrivetool"),
+    (AL + 0x01, "EtherCAT: unspecified error", "read the fault with the maker's tool"),
+    (AL + 0x11, "EtherCAT: invalid state change", "restart the slave"),
+    (AL + 0x12, "EtherCAT: unknown state", "restart the slave"),
+    (AL + 0x16, "EtherCAT: invalid mailbox configuration", "write the slave's EEPROM with the maker's tool"),
+    (AL + 0x17, "EtherCAT: invalid sync manager configuration", "write the slave's EEPROM with the maker's tool"),
+    (AL + 0x18, "EtherCAT: no valid inputs", "check the drive's encoder and supply"),
+    (AL + 0x19, "EtherCAT: no valid outputs", "check the loop's missed periods"),
+    (AL + 0x1a, "EtherCAT: synchronization error", "lower this computer's jitter: forcefeel bus names what is missing"),
+    (AL + 0x1d, "EtherCAT: invalid output configuration", "check that the drive's outputs can be mapped"),
+    (AL + 0x1e, "EtherCAT: invalid input configuration", "check that the drive's inputs can be mapped"),
+    (AL + 0x1f, "EtherCAT: invalid watchdog configuration", "change watchdog in [bus]"),
+    (AL + 0x20, "EtherCAT: slave needs a cold start", "switch its supply off and on"),
+    (AL + 0x21, "EtherCAT: slave needs INIT", "start the loop again"),
+    (AL + 0x24, "EtherCAT: invalid input mapping", "check that the drive's inputs can be mapped"),
+    (AL + 0x25, "EtherCAT: invalid output mapping", "check that the drive's outputs can be mapped"),
+    (AL + 0x27, "EtherCAT: free run not supported", "set the drive to synchronous mode with the maker's tool"),
+    (AL + 0x2c, "EtherCAT: fatal synchronization error", "lower this computer's jitter, then restart the slave"),
+    (AL + 0x2d, "EtherCAT: no synchronization signal", "check that the drive has a distributed clock"),
+    (AL + 0x30, "EtherCAT: invalid clock configuration", "choose a period that the drive supports"),
+    (AL + 0x32, "EtherCAT: clock not locked", "lower this computer's jitter: forcefeel bus names what is missing"),
+    (AL + 0x35, "EtherCAT: invalid cycle time", "choose a period that the drive supports"),
+    (AL + 0x50, "EtherCAT: EEPROM not accessible", "restart the slave"),
+    (AL + 0x51, "EtherCAT: EEPROM error", "write the slave's EEPROM with the maker's tool"),
+    (0x1000, "CiA 402: general error", "read the fault with the maker's tool"),
+    (0x2000, "CiA 402: current fault", "check the motor's wiring and the current limits"),
+    (0x2300, "CiA 402: over current at the output", "check the motor's wiring, or lower the torque"),
+    (0x2320, "CiA 402: short circuit at the output", "check the motor's wiring"),
+    (0x3000, "CiA 402: voltage fault", "check the supply"),
+    (0x3110, "CiA 402: mains over voltage", "check the supply"),
+    (0x3120, "CiA 402: mains under voltage", "check the supply"),
+    (0x3210, "CiA 402: DC link over voltage", "absorb regenerated power: fit a brake resistor"),
+    (0x3220, "CiA 402: DC link under voltage", "check the supply"),
+    (0x4000, "CiA 402: temperature fault", "cool drive and motor, or lower the torque"),
+    (0x5000, "CiA 402: device hardware fault", "restart the drive; if it comes again, replace it"),
+    (0x6000, "CiA 402: device software fault", "restart the drive; check its parameters with the maker's tool"),
+    (0x6300, "CiA 402: invalid parameters", "check the drive's parameters with the maker's tool"),
+    (0x7000, "CiA 402: fault of an additional module", "read the fault with the maker's tool"),
+    (0x7120, "CiA 402: motor fault", "free the column; check the motor and its wiring"),
+    (0x7300, "CiA 402: sensor fault", "check the encoder and its wiring"),
+    (0x7500, "CiA 402: communication fault", "check the cable and the loop's missed periods"),
+    (0x8000, "CiA 402: monitoring fault", "read the fault with the maker's tool"),
+    (0x8100, "CiA 402: communication monitoring", "check the cable and the loop's missed periods"),
+    (0x8400, "CiA 402: speed limit", "raise the drive's speed limit"),
+    (0x8600, "CiA 402: position limit", "move the column within the drive's limits"),
+    (0x8700, "CiA 402: synchronization fault", "lower this computer's jitter: forcefeel bus names what is missing"),
+    (0x9000, "CiA 402: external fault", "check what is wired to the drive's fault input"),
+    (0xf000, "CiA 402: fault of the maker's own", "read the fault with the maker's tool"),
 ];

@@ -7,14 +7,16 @@
 //! | a CAN frame, and the lines of a serial adapter that carry it | [`frame`], [`line`] |
 //! | revolutions and torque of a drive in the loader's units, and back | [`scale`] |
 //! | moteus, ODrive: the loop's side, and a node that answers as one | [`moteus`], [`moteus_node`], [`odrive`], [`odrive_node`] |
+//! | CiA 402 over EtherCAT: the loop's side, and a slave that answers as a drive | [`ethercat`] |
 //!
-//! A new bus is a codec with its node here, and a row in [`protocol::Protocol`].
+//! A new kind of CAN is a codec with its node here, and a row in [`protocol::Protocol`].
 #![no_std]
 #![forbid(unsafe_code)]
 
 extern crate alloc;
 
 pub mod drive;
+pub mod ethercat;
 pub mod fault;
 pub mod frame;
 pub mod line;

@@ -129,6 +129,7 @@ impl Codec for Moteus {
         }
         self.answered = self.answered.max(state.answers);
         state.powered = !matches!(mode, Mode::Stopped | Mode::Fault | Mode::Timeout);
+        state.acts = state.powered;
         state.fault = match mode {
             Mode::Fault => Fault::of(MOTEUS + code),
             Mode::Timeout => Fault::WATCHDOG,

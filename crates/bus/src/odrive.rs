@@ -106,6 +106,7 @@ impl Odrive {
             velocity,
             torque: self.torque,
             powered: self.state == CLOSED_LOOP || self.heartbeats < 2,
+            acts: self.state == CLOSED_LOOP || self.heartbeats < 2,
             fault: self.fault(position),
             sensors,
         })

@@ -1,6 +1,8 @@
 //! The kinds of drives: a row each.
 
 use crate::drive::{Codec, Node};
+use crate::ethercat::Units;
+use crate::ethercat::slave::Slave;
 use crate::line::Adapter;
 use crate::moteus::{self, Moteus};
 use crate::moteus_node::MoteusNode;
@@ -16,21 +18,25 @@ pub enum Protocol {
     Moteus,
     /// ODrive by CANSimple.
     Odrive(Firmware),
+    /// CiA 402 over EtherCAT.
+    EtherCat,
 }
 
 impl Protocol {
     /// All kinds by name.
-    pub const ALL: [(&str, Self); 3] = [
+    pub const ALL: [(&str, Self); 4] = [
         ("moteus", Self::Moteus),
         ("odrive", Self::Odrive(Firmware::Six)),
         ("odrive-0.5", Self::Odrive(Firmware::Five)),
+        ("ethercat", Self::EtherCat),
     ];
 
-    /// Adapter at whose serial port it is.
-    pub fn adapter(self) -> Adapter {
+    /// Adapter at whose serial port it is; nothing of EtherCAT, which has a network interface.
+    pub fn adapter(self) -> Option<Adapter> {
         match self {
-            Self::Moteus => Adapter::Fdcanusb,
-            Self::Odrive(_) => Adapter::Slcan,
+            Self::Moteus => Some(Adapter::Fdcanusb),
+            Self::Odrive(_) => Some(Adapter::Slcan),
+            Self::EtherCat => None,
         }
     }
 
@@ -39,22 +45,25 @@ impl Protocol {
         match self {
             Self::Moteus => 1..=moteus::MOST_NODE,
             Self::Odrive(_) => 0..=odrive::MOST_NODE,
+            Self::EtherCat => 1..=u8::MAX,
         }
     }
 
-    /// The loop's side of a node with these sensors: load cell, column's encoder, force sensor at the grip.
-    pub fn codec(self, node: u8, sensors: [bool; 3]) -> Box<dyn Codec + Send> {
+    /// The loop's side of a node on CAN with these sensors: load cell, column's encoder, force sensor at the grip.
+    pub fn codec(self, node: u8, sensors: [bool; 3]) -> Option<Box<dyn Codec + Send>> {
         match self {
-            Self::Moteus => Box::new(Moteus::new(node, sensors)),
-            Self::Odrive(firmware) => Box::new(Odrive::new(node, firmware, sensors)),
+            Self::Moteus => Some(Box::new(Moteus::new(node, sensors))),
+            Self::Odrive(firmware) => Some(Box::new(Odrive::new(node, firmware, sensors))),
+            Self::EtherCat => None,
         }
     }
 
-    /// A node that answers as the drive would.
-    pub fn node(self, number: u8) -> Box<dyn Node + Send> {
+    /// A node that answers as the drive would; of EtherCAT with its units, the last of its line or not.
+    pub fn node(self, number: u8, units: Units, last: bool) -> Box<dyn Node + Send> {
         match self {
             Self::Moteus => Box::new(MoteusNode::new(number, SERIAL + i32::from(number))),
             Self::Odrive(firmware) => Box::new(OdriveNode::new(number, firmware)),
+            Self::EtherCat => Box::new(Slave::new(units, number, last)),
         }
     }
 }

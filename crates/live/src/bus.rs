@@ -6,19 +6,16 @@
 //! A command that is lost leaves the drive with the one before, until its own watchdog damps it. An answer that is lost, damaged,
 //! repeated or late counts as the supervisor has it of any machine.
 
-use crate::carrier::Carrier;
 use crate::input_output::{Command, InputOutput, Sampled};
 use crate::priority::ask;
-use forcefeel_bus::drive::{ALL_NODES, Ask, Codec, Identity, State};
+use forcefeel_bus::drive::{Ask, Identity, State};
+use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::fault::Fault;
-use forcefeel_bus::frame::Frame;
-use forcefeel_bus::line::Line;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::{Scale, Wiring};
 use forcefeel_model::control::Sample;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
-use std::cmp::Reverse;
 use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -28,11 +25,10 @@ use std::time::{Duration, Instant};
 const REMEMBERED: usize = 16;
 /// Cycles without an answer after which a node counts as silent.
 const SILENT: u32 = 16;
-/// How long a node is waited for, and how often it is asked.
-const PATIENCE: Duration = Duration::from_millis(200);
-const TRIES: usize = 3;
 /// How long its first state is waited for.
 const FIRST_ANSWER: Duration = Duration::from_secs(1);
+/// How long a drive may take until its torque acts.
+const POWERED: Duration = Duration::from_secs(3);
 /// How long an answer is waited for in virtual time.
 const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
@@ -47,122 +43,54 @@ pub struct NodeSettings {
     pub wiring: Wiring,
     /// Time without a command after which the drive damps by itself, in s.
     pub watchdog_s: f64,
+    /// Units that a drive on EtherCAT does not state.
+    pub units: Units,
 }
 
-/// A port with its nodes.
-pub struct Bus {
-    carrier: Box<dyn Carrier>,
-    nodes: Vec<Tap>,
-    error: bool,
-}
-
-/// A node, and what it has answered.
-struct Tap {
-    codec: Box<dyn Codec + Send>,
-    state: State,
-    fresh: bool,
-}
-
-impl Bus {
-    /// A bus without nodes.
-    pub fn new(carrier: Box<dyn Carrier>) -> Self {
-        Self { carrier, nodes: vec![], error: false }
-    }
-
-    /// Asks a node what it is, or all where the number is that of all; what answers within a time.
-    pub fn who(&mut self, codec: &dyn Codec, node: u8, patience: Duration) -> Vec<Identity> {
-        let Self { carrier, error, .. } = self;
-        codec.who(node, &mut |frame| carrier.send(frame));
-        let (begun, mut answers) = (Instant::now(), vec![]);
-        while let Some(left) = patience.checked_sub(begun.elapsed()) {
-            match carrier.next() {
-                Some(Line::Frame(frame)) => answers.extend(codec.identity(&frame)),
-                Some(Line::Error) => *error = true,
-                Some(Line::Other) => {}
-                None => carrier.wait(left),
-            }
-        }
-        // Of one node the fullest answer first; two nodes of a number differ by their serial number.
-        answers.sort_by_key(|it: &Identity| (it.node, it.serial, Reverse(it.registers)));
-        answers.dedup_by_key(|it| (it.node, it.serial));
-        answers
-    }
-
-    /// Finds a node that can be driven.
+/// What carries the commands of all axes at a port, and their states.
+pub trait Fieldbus: Send {
+    /// Finds the drive of an axis, which can be driven, and leaves it stopped: its place.
     ///
     /// # Errors
     /// What was expected, what is there.
-    fn find(&mut self, codec: &dyn Codec, of: &NodeSettings) -> Result<(), String> {
-        let node = of.node;
-        let numbers = of.protocol.nodes();
-        if !numbers.contains(&node) || (0..self.nodes.len()).any(|place| self.nodes[place].codec.node() == node) {
-            let (first, last) = (numbers.start(), numbers.end());
-            return Err(format!("node: expected {first} to {last}, each for one axis, got {node}; change [bus] node"));
-        }
-        let mut answers = vec![];
-        for tried in 0..TRIES {
-            self.error = false;
-            answers = self.who(codec, node, PATIENCE);
-            if !answers.is_empty() {
-                break;
-            }
-            if self.error && tried == 0 {
-                self.carrier.without_sums();
-            }
-        }
-        match answers.as_slice() {
-            [] => {
-                let there = self.who(codec, ALL_NODES, PATIENCE);
-                let there: Vec<_> = there.iter().map(|identity| identity.node.to_string()).collect();
-                let there =
-                    if there.is_empty() { "no other node".to_string() } else { format!("node {}", there.join(", ")) };
-                let why = if self.error { "the adapter reports a bus error" } else { "no answer" };
-                Err(format!(
-                    "expected node {node}, got {why} from it and {there}; check power, cable, adapter and [bus] node"
-                ))
-            }
-            [identity] => codec.accepts(identity).map_err(|expected| {
-                format!("node {node}: expected {expected}, got register map {}", identity.registers)
-            }),
-            several => Err(format!(
-                "expected one node {node}, got {}; give each a number of its own with the maker's tool",
-                several.len()
-            )),
-        }
-    }
-
-    fn ask(&mut self, place: usize, ask: &Ask) {
-        let Self { carrier, nodes, .. } = self;
-        nodes[place].codec.ask(ask, &mut |frame: &Frame| carrier.send(frame));
-    }
-
+    fn connect(&mut self, settings: &NodeSettings, period_s: Option<f64>) -> Result<usize, String>;
+    /// Sends what a cycle asks of an axis.
+    fn ask(&mut self, place: usize, ask: &Ask);
     /// Takes all that has come.
-    fn pump(&mut self) {
-        while let Some(line) = self.carrier.next() {
-            match line {
-                Line::Frame(frame) => {
-                    self.error = false;
-                    for tap in &mut self.nodes {
-                        let Some(state) = tap.codec.take(&frame) else { continue };
-                        // One that is repeated, or that a later one has overtaken, is no news.
-                        if state.answers.is_none() || state.answers > tap.state.answers {
-                            (tap.state, tap.fresh) = (state, true);
-                        }
-                    }
-                }
-                Line::Error => self.error = true,
-                Line::Other => {}
-            }
-        }
-    }
+    fn pump(&mut self);
+    /// Waits until something has come, for so long at most.
+    fn wait(&self, most: Duration);
+    /// What an axis has answered.
+    fn answer(&mut self, place: usize) -> &mut Answer;
+    /// What the bus itself complains of, of an axis that does not answer; and whether that is sure without a wait.
+    fn complaint(&self, place: usize) -> Option<(Fault, bool)>;
+    /// What each node states of itself.
+    fn nodes(&mut self, settings: &NodeSettings) -> Vec<Identity>;
+}
+
+/// The newest state of an axis, and whether it has not been read.
+#[derive(Debug, Clone, Copy)]
+pub struct Answer {
+    /// The state.
+    pub state: State,
+    /// Whether it has not been read.
+    pub fresh: bool,
+}
+
+impl Answer {
+    /// Nothing has come yet.
+    pub const NONE: Self = Self { state: State::NONE, fresh: false };
 }
 
 /// Load cell in N, drive's end and column's base in m, force sensor at the grip in N, current in A, time in s.
 pub type Played = [f64; SENSORS + 2];
 
+/// A bus that axes share.
+pub type Port = Arc<Mutex<Box<dyn Fieldbus>>>;
+
 /// An axis on a bus.
 pub struct OnBus {
-    bus: Arc<Mutex<Bus>>,
+    bus: Port,
     place: usize,
     scale: Scale,
     watchdog_s: f64,
@@ -178,6 +106,8 @@ pub struct OnBus {
     answered: u64,
     /// Current of the motor in A, as the drive states it.
     current: f64,
+    /// Whether a torque acts.
+    acts: bool,
     silent: u32,
     fault: Fault,
 }
@@ -188,17 +118,13 @@ impl OnBus {
     /// # Errors
     /// If the node is not there, is there twice, or cannot be driven.
     pub fn connect(
-        bus: &Arc<Mutex<Bus>>,
+        bus: &Port,
         parameters: &Parameters<f64>,
         settings: &NodeSettings,
         period_s: Option<f64>,
     ) -> Result<Self, String> {
         let mut opened = locked(bus);
-        let Wiring { load_cell, column, grip, .. } = settings.wiring;
-        let codec = settings.protocol.codec(settings.node, [load_cell.is_some(), column.is_some(), grip.is_some()]);
-        opened.find(&*codec, settings)?;
-        opened.nodes.push(Tap { codec, state: State::NONE, fresh: false });
-        let place = opened.nodes.len() - 1;
+        let place = opened.connect(settings, period_s)?;
         let mut made = Self {
             bus: Arc::clone(bus),
             place,
@@ -210,18 +136,19 @@ impl OnBus {
             written: [(Instant::now(), false); REMEMBERED],
             answered: 0,
             current: 0.0,
+            acts: false,
             silent: 0,
             fault: Fault::NONE,
         };
         opened.ask(place, &made.ask(0.0, false));
         let begun = Instant::now();
-        while !opened.nodes[place].fresh
+        while !opened.answer(place).fresh
             && let Some(left) = FIRST_ANSWER.checked_sub(begun.elapsed())
         {
-            opened.carrier.wait(left);
+            opened.wait(left);
             opened.pump();
         }
-        let state = opened.nodes[place].state;
+        let state = opened.answer(place).state;
         drop(opened);
         let node = settings.node;
         if state.answers.is_none() && state.position.is_nan() {
@@ -237,6 +164,12 @@ impl OnBus {
     pub fn exchange(&mut self, command: f64, enable: bool) -> Option<(Sampled, Fault, Duration)> {
         let begun = Instant::now();
         self.waits = true;
+        {
+            // An earlier answer that was not read is not that of this command.
+            let mut bus = locked(&self.bus);
+            bus.pump();
+            bus.answer(self.place).fresh = false;
+        }
         self.write(&Command { cycle: 0, command, enable, state: 0 });
         let sampled = self.read()?;
         Some((sampled, self.fault, begun.elapsed()))
@@ -251,7 +184,8 @@ impl OnBus {
     }
 
     fn played(&mut self, currents: &[f64], most: f64) -> (Vec<Played>, Option<String>) {
-        let (mut rows, mut ended) = (Vec::with_capacity(currents.len()), None);
+        let (mut rows, mut ended) = (Vec::with_capacity(currents.len()), self.power_up());
+        let currents = if ended.is_none() { currents } else { &[] };
         let begun = Instant::now();
         let mut due = begun;
         for &current in currents {
@@ -279,6 +213,20 @@ impl OnBus {
         }
         let _ = self.exchange(0.0, false);
         (rows, ended)
+    }
+
+    /// Powers the drive without a current; why not, if it is not.
+    fn power_up(&mut self) -> Option<String> {
+        let begun = Instant::now();
+        while begun.elapsed() < POWERED {
+            match self.exchange(0.0, true) {
+                None => return Some("the drive did not answer; check cable and supply".to_string()),
+                Some((_, fault, _)) if fault.is_some() => return Some(fault.to_string()),
+                Some(_) if self.acts => return None,
+                Some(_) => thread::sleep(self.period_s.map_or(Duration::ZERO, Duration::from_secs_f64)),
+            }
+        }
+        Some(format!("the drive was not powered within {POWERED:?}; check its supply"))
     }
 
     /// So many exchanges with the drive off, one a period: the time that each answer took in s, infinite where none came.
@@ -318,23 +266,23 @@ impl InputOutput for OnBus {
         bus.pump();
         if self.waits {
             let begun = Instant::now();
-            while !bus.nodes[self.place].fresh
+            while !bus.answer(self.place).fresh
                 && let Some(left) = VIRTUAL_PATIENCE.checked_sub(begun.elapsed())
             {
-                bus.carrier.wait(left);
+                bus.wait(left);
                 bus.pump();
             }
         }
-        let tap = &mut bus.nodes[self.place];
-        let (state, fresh) = (tap.state, core::mem::take(&mut tap.fresh));
-        let error = bus.error;
+        let answer = bus.answer(self.place);
+        let (state, fresh) = (answer.state, core::mem::take(&mut answer.fresh));
+        let complaint = bus.complaint(self.place);
         drop(bus);
         if !fresh {
             self.silent = self.silent.saturating_add(1);
-            self.fault = match self.fault {
-                _ if error => Fault::BUS,
-                _ if self.silent >= SILENT => Fault::SILENT,
-                before => before,
+            self.fault = match (complaint, self.fault) {
+                (Some((fault, true)), _) => fault,
+                (of, _) if self.silent >= SILENT => of.map_or(Fault::SILENT, |(fault, _)| fault),
+                (_, before) => before,
             };
             return None;
         }
@@ -343,6 +291,7 @@ impl InputOutput for OnBus {
         let answered = state.answers.unwrap_or(newest);
         self.fault = self.fault_of(&state, answered);
         self.current = self.scale.command(state.torque);
+        self.acts = state.acts;
         let since = self.written[remembered(answered)].0.duration_since(self.written[remembered(self.answered)].0);
         self.answered = answered;
         Some(Sampled {
@@ -382,6 +331,6 @@ fn remembered(cycle: u64) -> usize {
 }
 
 /// The bus: its axes are in one thread, and none waits for another.
-fn locked(bus: &Mutex<Bus>) -> MutexGuard<'_, Bus> {
+fn locked(bus: &Port) -> MutexGuard<'_, Box<dyn Fieldbus>> {
     bus.lock().unwrap_or_else(PoisonError::into_inner)
 }

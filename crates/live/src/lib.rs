@@ -3,7 +3,8 @@
 //! | question | file |
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`simulated_pair`], [`udp`] |
-//! | or on a bus of drives: their nodes, the port, a port with emulated drives | [`bus`], [`carrier`], [`serial`], `socket_can`, [`emulator`] |
+//! | or on a bus of drives: its axes; CAN, its carriers; EtherCAT, its interface | [`bus`]; [`can_bus`], [`carrier`], [`serial`], `socket_can`; `ethercat`, `raw_socket` |
+//! | emulated drives on a bus: the port, the wire, a drive with its machine | [`emulator`], [`emulated_wire`], [`emulated_axis`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`host_control`], [`host_link`] |
 //! | what is asked of a running loop | [`request`] |
@@ -14,15 +15,20 @@
 //! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry requests to
 //! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
 //! requests give the same bits.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod axes;
 pub mod bus;
+pub mod can_bus;
 pub mod carrier;
 pub mod clock;
 pub mod controller;
 pub mod cycle;
+pub mod emulated_axis;
+pub mod emulated_wire;
 pub mod emulator;
+#[cfg(target_os = "linux")]
+pub mod ethercat;
 pub mod host_control;
 pub mod host_link;
 pub mod input_output;
@@ -30,6 +36,8 @@ pub mod mcap;
 pub mod mcap_reader;
 pub mod mcap_writer;
 pub mod priority;
+#[cfg(target_os = "linux")]
+pub mod raw_socket;
 pub mod record;
 pub mod replay;
 pub mod request;

@@ -1,12 +1,16 @@
 //! Drives on a bus.
 
 use crate::errors::refused;
+use forcefeel_bus::ethercat::Units;
+use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::fault::Fault;
-use forcefeel_bus::line::Adapter;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::Wiring;
-use forcefeel_live::bus::{Bus, NodeSettings, OnBus};
-use forcefeel_live::carrier::{Carrier, SerialAdapter};
+use forcefeel_live::bus::{Fieldbus, NodeSettings, OnBus, Port};
+use forcefeel_live::can_bus::CanBus;
+use forcefeel_live::carrier::SerialAdapter;
+#[cfg(target_os = "linux")]
+use forcefeel_live::ethercat::EtherCat;
 use forcefeel_live::setup::Setup;
 #[cfg(target_os = "linux")]
 use forcefeel_live::socket_can::SocketCan;
@@ -18,24 +22,33 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 /// A node: kind, port, number; gear, zero, range of the load cell, turns and zero of the column's encoder, range of the grip's sensor;
-/// watchdog in s.
+/// watchdog in s; rated torque in N m, counts of both encoders, objects of the sensors, where the drive states none.
 #[derive(FromPyObject)]
-pub struct NodeOf(String, pub String, u8, (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>), f64);
+pub struct NodeOf(String, pub String, u8, WiringOf, f64, Option<UnitsOf>);
+
+type WiringOf = (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>);
+type UnitsOf = (f64, f64, f64, [Option<(u16, u8)>; 3]);
 
 impl NodeOf {
     /// The node in the engine's form.
     pub fn settings(&self) -> PyResult<NodeSettings> {
-        let Self(kind, _, node, (gear, zero, load_cell, column, grip), watchdog_s) = self;
+        let Self(kind, _, node, (gear, zero, load_cell, column, grip), watchdog_s, units) = self;
         let protocol = Protocol::ALL.iter().find(|(name, _)| name == kind).map(|&(_, protocol)| protocol);
         let protocol = protocol.ok_or_else(|| refused(format!("kind: {kind:?} is none")))?;
         let wiring = Wiring { gear: *gear, zero: *zero, load_cell: *load_cell, column: *column, grip: *grip };
-        Ok(NodeSettings { protocol, node: *node, wiring, watchdog_s: *watchdog_s })
+        let units = units.map_or(Units::ONE, |(rated_torque, counts, column_counts, sensors)| Units {
+            rated_torque,
+            counts,
+            column_counts,
+            sensors: sensors.map(|sensor| sensor.map(|(index, sub)| Object::new(index, sub))),
+        });
+        Ok(NodeSettings { protocol, node: *node, wiring, watchdog_s: *watchdog_s, units })
     }
 }
 
 /// The ports that are open, by their path.
 #[derive(Default)]
-pub struct Ports(BTreeMap<String, Arc<Mutex<Bus>>>);
+pub struct Ports(BTreeMap<String, Port>);
 
 impl Ports {
     /// Connects to the node of an axis; axes at one port share it.
@@ -43,7 +56,7 @@ impl Ports {
         let (settings, port) = (node.settings()?, &node.1);
         let named = |why: String| PyOSError::new_err(format!("{port}: {why}"));
         if !self.0.contains_key(port) {
-            let bus = opened(port, settings.protocol.adapter())?;
+            let bus = py.detach(|| opened(port, settings.protocol))?;
             self.0.insert(port.clone(), Arc::new(Mutex::new(bus)));
         }
         let period_s = by_clock.then(|| setup.period_s());
@@ -53,18 +66,23 @@ impl Ports {
 }
 
 /// The bus at a port.
-pub fn opened(port: &str, adapter: Adapter) -> PyResult<Bus> {
-    let carrier = open(port, adapter).map_err(|error| PyOSError::new_err(format!("{port}: {error}")))?;
-    Ok(Bus::new(carrier))
+pub fn opened(port: &str, protocol: Protocol) -> PyResult<Box<dyn Fieldbus>> {
+    open(port, protocol).map_err(|error| PyOSError::new_err(format!("{port}: {error}")))
 }
 
-/// The carrier at a port: an interface of CAN where it is no path.
-fn open(port: &str, adapter: Adapter) -> io::Result<Box<dyn Carrier>> {
+/// At a serial adapter, or at an interface of the network where it is no path.
+fn open(port: &str, protocol: Protocol) -> io::Result<Box<dyn Fieldbus>> {
+    let Some(adapter) = protocol.adapter() else {
+        #[cfg(target_os = "linux")]
+        return Ok(Box::new(EtherCat::open(port)?));
+        #[cfg(not(target_os = "linux"))]
+        return Err(io::Error::new(io::ErrorKind::Unsupported, "expected Linux for EtherCAT"));
+    };
     #[cfg(target_os = "linux")]
     if !port.contains('/') {
-        return Ok(Box::new(SocketCan::open(port)?));
+        return Ok(Box::new(CanBus::new(Box::new(SocketCan::open(port)?))));
     }
-    Ok(Box::new(SerialAdapter::open(Path::new(port), adapter)?))
+    Ok(Box::new(CanBus::new(Box::new(SerialAdapter::open(Path::new(port), adapter)?))))
 }
 
 /// Name and remedy of a fault of drive or bus by its number; nothing of zero.

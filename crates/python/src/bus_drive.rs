@@ -2,7 +2,7 @@
 
 use crate::bus::{NodeOf, Ports, opened};
 use crate::live::LiveSetup;
-use forcefeel_bus::drive::{ALL_NODES, Identity};
+use forcefeel_bus::drive::Identity;
 use forcefeel_live::bus::{OnBus, Played};
 use forcefeel_model::transducers::SENSORS;
 use pyo3::prelude::*;
@@ -52,14 +52,7 @@ fn locked(drive: &Mutex<OnBus>) -> MutexGuard<'_, OnBus> {
 #[pyfunction]
 pub fn bus_nodes(py: Python<'_>, node: NodeOf) -> PyResult<Vec<Described>> {
     let settings = node.settings()?;
-    let mut bus = opened(&node.1, settings.protocol.adapter())?;
-    let nodes = py.detach(|| {
-        let codec = settings.protocol.codec(settings.node, [false; 3]);
-        let mut answers = bus.who(&*codec, ALL_NODES, LISTENS);
-        // A node that does not answer a request to all may answer its own.
-        answers.extend(bus.who(&*codec, settings.node, LISTENS).into_iter().filter(|it| it.node == settings.node));
-        answers
-    });
+    let nodes = py.detach(|| opened(&node.1, settings.protocol).map(|mut bus| bus.nodes(&settings)))?;
     let mut nodes: Vec<_> = nodes.iter().map(described).collect();
     nodes.sort();
     nodes.reverse();
@@ -75,6 +68,3 @@ fn described(identity: &Identity) -> Described {
     let serial = identity.serial.map(|part| format!("{part:08x}")).concat();
     (identity.node, identity.model, identity.firmware, identity.registers, serial)
 }
-
-/// How long nodes are listened to.
-const LISTENS: Duration = Duration::from_millis(250);

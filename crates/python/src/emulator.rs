@@ -3,14 +3,14 @@
 use crate::bus::NodeOf;
 use crate::errors::refused;
 use crate::live::{LiveSetup, ScriptOf, disturbance_of};
-use forcefeel_live::bus::NodeSettings;
-use forcefeel_live::emulator::{Emulator, EmulatorRequest, WireFault};
+use forcefeel_live::emulated_wire::{EmulatorRequest, WireFault};
+use forcefeel_live::emulator::Emulator;
 use forcefeel_live::simulated::Script;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Machines of loaders as nodes of a bus, behind a pseudo terminal.
+/// Machines of loaders as nodes of a bus, behind a pseudo terminal or on a network interface.
 #[pyclass(frozen, module = "forcefeel._core")]
 pub struct BusEmulator {
     emulator: Emulator,
@@ -24,13 +24,14 @@ impl BusEmulator {
     #[pyo3(signature = (nodes, *, by_clock = true))]
     fn new(nodes: Vec<(PyRef<'_, LiveSetup>, NodeOf, Option<ScriptOf<'_>>)>, by_clock: bool) -> PyResult<Self> {
         let axes = nodes.len();
+        let interface = nodes.first().map_or_else(String::new, |(_, node, _)| node.1.clone());
         let places = nodes.into_iter().map(|(setup, node, script)| {
-            let NodeSettings { protocol, node, wiring, .. } = node.settings()?;
             let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
-            Ok((setup.setup().clone(), protocol, node, wiring, script))
+            Ok((setup.setup().clone(), node.settings()?, script))
         });
         let places = places.collect::<PyResult<Vec<_>>>()?;
-        let emulator = Emulator::start(places, by_clock).map_err(|error| PyOSError::new_err(error.to_string()))?;
+        let emulator = Emulator::start(places, &interface, by_clock);
+        let emulator = emulator.map_err(|error| PyOSError::new_err(error.to_string()))?;
         Ok(Self { emulator, axes })
     }
 
@@ -50,6 +51,7 @@ impl BusEmulator {
             "corrupt" => Some(WireFault::Corrupt),
             "gone" => Some(WireFault::Gone),
             "bus_off" => Some(WireFault::BusOff),
+            "miscounted" => Some(WireFault::Miscounted),
             other => return Err(refused(format!("name: {other:?} is none"))),
         };
         self.emulator.ask(EmulatorRequest::Wire(fault.map(|fault| (fault, every.max(1)))));

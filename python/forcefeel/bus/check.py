@@ -102,7 +102,8 @@ def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
     """Powers the drive without torque, is silent for twice the watchdog, and looks whether the drive noticed."""
     name = "drive watchdog"
     before = [drive.exchange(0.0, enable=True) for _ in range(3)][-1]
-    silence = 2 * bus.watchdog_s if bus.kind == "moteus" else _ODRIVE_S
+    set_by_bus = not bus.kind.startswith("odrive")
+    silence = 2 * bus.watchdog_s if set_by_bus else _ODRIVE_S
     time.sleep(silence)
     after = [drive.exchange(0.0, enable=True) for _ in range(2)][-1]
     _stop(drive)
@@ -115,7 +116,7 @@ def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
         return Finding(name, True, f"stopped by itself within {to_text(silence, 3)} s", "")
     remedy = (
         "set watchdog in [bus]"
-        if bus.kind == "moteus"
+        if set_by_bus
         else "with odrivetool set axis.config.enable_watchdog and watchdog_timeout = 0.1"
     )
     return Finding(name, False, stopped or f"still powered after {to_text(silence, 3)} s without a command", remedy)

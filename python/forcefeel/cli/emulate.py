@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group
 
@@ -17,13 +17,21 @@ if TYPE_CHECKING:
 
 BUS = Group("Bus", sort_key=10)
 
+EMULATED: dict[str, Any] = {
+    "encoder_counts": 2.0**24,
+    "column_counts": 2.0**24,
+    "load_cell_object": "0x2100:1",
+    "column_object": "0x60E4:1",
+}
+"""Encoders and objects of a drive on EtherCAT that no file states."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EmulateOptions(LoaderOptions, OutputOptions):
     """The options of ``forcefeel emulate``."""
 
     bus: Annotated[
-        Literal["moteus", "odrive", "odrive-0.5"] | None,
+        Literal["moteus", "odrive", "odrive-0.5", "ethercat"] | None,
         option(
             "Kind of drive, for a loader without the table [bus]: with load cell and column encoder at the drive.",
             BUS,
@@ -33,7 +41,9 @@ class EmulateOptions(LoaderOptions, OutputOptions):
     port: Annotated[
         Path | None,
         option(
-            "Path of a link to the port, for the loader file.", BUS, default="a pseudo terminal of the system's name"
+            "Path of a link to the port, for the loader file. Of ethercat: network interface on which the drive answers.",
+            BUS,
+            default="a pseudo terminal of the system's name",
         ),
     ] = None
     duration: Annotated[
@@ -46,7 +56,8 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
 
     Prints the port, then the table [bus] of each loader. forcefeel run --machine bus opens it. So does any client: of
     moteus, whose port has the lines of the fdcanusb adapter, moteus_tool and the Python package moteus; of ODrive, whose port is an
-    slcan adapter, python-can with interface="slcan". Of a project all axes are on one bus.
+    slcan adapter, python-can with interface="slcan"; of EtherCAT, on a network interface, any master. Of a project all axes are on
+    one bus.
 
     Example: forcefeel emulate desktop-yoke --bus moteus --port yoke-bus
     """
@@ -57,13 +68,14 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
     loaders = {"": options.loader(path)} if project is None else dict(project.loaders)
     wired = [_on_bus(loader, options, node) for node, loader in enumerate(loaders.values(), 1)]
     with stop_signals() as stopped, BusEmulator(wired) as emulator:
-        port = emulator.port if options.port is None else _link(options.port, emulator.port)
+        link = None if _on_ethercat(wired) else options.port
+        port = emulator.port if link is None else _link(link, emulator.port)
         try:
             _show(wired, port, options)
             stopped.wait(None if lasts == float("inf") else lasts)
         finally:
-            if options.port is not None:
-                options.port.unlink(missing_ok=True)
+            if link is not None:
+                link.unlink(missing_ok=True)
 
 
 def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
@@ -86,13 +98,32 @@ def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
         print(f"\n# {name}", *lines, sep="\n", flush=True)
 
 
-def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
-    """A loader with a bus: its own, or that which is asked for."""
-    from forcefeel.loader.bus import Bus
+def _on_ethercat(loaders: "list[Loader]") -> bool:
+    from forcefeel.loader.bus import ETHERCAT
 
-    if options.bus is None or loader.bus is not None:
-        return loader
-    return replace(loader, bus=Bus(options.bus, "pty", node, load_cell_n=loader["safety.force_range"], column_gear=1.0))
+    return any(loader.bus is not None and loader.bus.kind == ETHERCAT for loader in loaders)
+
+
+def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
+    """A loader with a bus: its own, or that which is asked for; on EtherCAT at the interface of the option.
+
+    Raises:
+        InputError: If EtherCAT has no interface.
+    """
+    from forcefeel.loader.bus import ETHERCAT, Bus
+
+    bus = loader.bus
+    if options.bus is not None and bus is None:
+        units = {}
+        if options.bus == ETHERCAT:
+            largest = loader["motor.torque_constant"] * loader["current_loop.current_limit"]
+            units = {"rated_torque_n_m": largest, **EMULATED}
+        bus = Bus(options.bus, "pty", node, load_cell_n=loader["safety.force_range"], column_gear=1.0, **units)
+    if bus is not None and bus.kind == ETHERCAT:
+        if options.port is None:
+            raise InputError("--port: required for EtherCAT; add the network interface on which the drive answers")
+        bus = replace(bus, port=str(options.port))
+    return replace(loader, bus=bus)
 
 
 def _link(link: Path, port: str) -> str:

@@ -15,7 +15,7 @@ from forcefeel.loader.loader import Loader, check_electric
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import show
 
-WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off"]
+WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off", "miscounted"]
 WIRE_FAULTS = get_args(WireFault)
 
 
@@ -42,16 +42,18 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
 
 
 class BusEmulator(EndsWithBlock):
-    """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens.
+    """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens, or on a network interface.
 
     Args:
-        loaders: The loaders, each with a ``bus`` whose node is its own; its port is not used.
+        loaders: The loaders, each with a ``bus`` whose node is its own. Its port is used with ``ethercat`` only: the interface on
+            which the slaves answer, in this order.
         scenario: Inputs of their machines, as in a simulation.
         real_time: Whether the machines go on by the clock. Otherwise each takes a period at a command for its node, for a loop in
             virtual time.
 
     Raises:
-        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; without pseudo terminals.
+        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; if the pseudo terminal or the
+            interface cannot be opened.
 
     Example:
         >>> from dataclasses import replace
@@ -83,7 +85,7 @@ class BusEmulator(EndsWithBlock):
         try:
             self._emulator = _core.BusEmulator(nodes, by_clock=real_time)
         except OSError as error:
-            raise InputError(f"cannot emulate a bus: {error}") from error
+            raise InputError(f"cannot emulate a bus at {nodes[0][1][1]}: {error}") from error
 
     def end(self) -> None:
         """Close the port."""
@@ -91,7 +93,7 @@ class BusEmulator(EndsWithBlock):
 
     @property
     def port(self) -> str:
-        """Path of the pseudo terminal."""
+        """Path of the pseudo terminal, or the interface."""
         return str(Path(self._emulator.port))
 
     @property
@@ -108,7 +110,8 @@ class BusEmulator(EndsWithBlock):
         """Break the wire, or mend it with ``None``.
 
         Args:
-            fault: One of ``lost``, ``late``, ``repeated``, ``corrupt``, of answers; ``gone``, the node; ``bus_off``, the adapter.
+            fault: One of ``lost``, ``late``, ``repeated``, ``corrupt``, of answers; ``gone``, the node; ``bus_off``, the adapter;
+                ``miscounted``, of ``ethercat``: frames pass the slaves without their share.
             every: Of so many answers one.
             by: Commands by which a late answer is late.
 
@@ -120,7 +123,7 @@ class BusEmulator(EndsWithBlock):
         self._emulator.break_wire(fault or "", every, by)
 
     def fail(self, code: int, axis: int = 0) -> None:
-        """Have a drive fail: with a code of a moteus, such as 40, under voltage, or with a bit of the error of an ODrive."""
+        """Have a drive fail: with a code of a moteus, such as 40, under voltage; a bit of an ODrive's error; a code of 0x603F."""
         self._emulator.fail(axis, code)
 
     def restart(self, axis: int = 0) -> None:

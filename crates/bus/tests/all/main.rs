@@ -1,5 +1,6 @@
 //! Codecs, nodes and lines of buses.
 
 mod damaged;
+mod ethercat;
 mod moteus;
 mod scale;

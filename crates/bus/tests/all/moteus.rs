@@ -1,6 +1,7 @@
 //! A moteus: what a node does in time, and what the loop makes of its answers.
 
 use forcefeel_bus::drive::{Action, Ask, Shown, State};
+use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::fault::Fault;
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::protocol::Protocol;
@@ -14,7 +15,8 @@ struct Pair {
 
 impl Pair {
     fn new() -> Self {
-        Self { codec: Protocol::Moteus.codec(5, [true; 3]), node: Protocol::Moteus.node(5) }
+        let codec = Protocol::Moteus.codec(5, [true; 3]).expect("a kind on CAN");
+        Self { codec, node: Protocol::Moteus.node(5, Units::ONE, true) }
     }
 
     fn asked(&mut self, cycle: u64, enable: bool) -> Vec<Frame> {
@@ -58,7 +60,7 @@ fn an_answer_tells_its_cycle_up_to_fifteen_late() {
 
 #[test]
 fn another_nodes_answer_is_not_taken() {
-    let mut other = Protocol::Moteus.codec(6, [true; 3]);
+    let mut other = Protocol::Moteus.codec(6, [true; 3]).expect("a kind on CAN");
     let mut pair = Pair::new();
     let frames = pair.asked(0, true);
     let answers = pair.answers(&frames, 0.0);

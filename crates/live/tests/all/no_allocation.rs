@@ -2,12 +2,17 @@
 
 use crate::loader::setup;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use forcefeel_bus::drive::{Node, Shown};
+use forcefeel_bus::drive::{Ask, Node, Shown};
+use forcefeel_bus::ethercat::Units;
+use forcefeel_bus::ethercat::datagram::Packet;
+use forcefeel_bus::ethercat::slave::Slave;
+use forcefeel_bus::ethercat::start::{Segment, Station, scan};
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::Line;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::Wiring;
-use forcefeel_live::bus::{Bus, NodeSettings, OnBus};
+use forcefeel_live::bus::{Fieldbus, NodeSettings, OnBus};
+use forcefeel_live::can_bus::CanBus;
 use forcefeel_live::carrier::Carrier;
 use forcefeel_live::clock::{AtOnce, Clock, Woken};
 use forcefeel_live::controller::Controller;
@@ -138,11 +143,12 @@ impl Carrier for Answering {
 fn a_cycle_on_a_bus_allocates_nothing() {
     let (setup, mut connected) = (setup(), 0);
     for (name, protocol) in Protocol::ALL {
-        let node = protocol.node(1);
+        let node = protocol.node(1, Units::ONE, true);
         let carrier = Answering { node, answers: [None; 4], fails_after: 1000 };
-        let bus = Arc::new(Mutex::new(Bus::new(Box::new(carrier))));
+        let bus: Box<dyn Fieldbus> = Box::new(CanBus::new(Box::new(carrier)));
+        let bus = Arc::new(Mutex::new(bus));
         let wiring = Wiring { gear: 1.0, zero: 0.0, load_cell: Some(400.0), column: Some([1.0, 0.0]), grip: None };
-        let settings = NodeSettings { protocol, node: 1, wiring, watchdog_s: 0.1 };
+        let settings = NodeSettings { protocol, node: 1, wiring, watchdog_s: 0.1, units: Units::ONE };
         let machine = OnBus::connect(&bus, &setup.parameters(), &settings, Some(setup.period_s()));
         // A heartbeat tells the older ODrive, and this bus has no time.
         let Ok(machine) = machine else { continue };
@@ -153,6 +159,28 @@ fn a_cycle_on_a_bus_allocates_nothing() {
         assert!(silent == 0, "{name}: {silent} cycles without a sample");
     }
     assert_eq!(connected, 2);
+}
+
+#[test]
+fn a_frame_of_ethercat_allocates_nothing_on_its_way_out_and_back() {
+    struct Wire(Slave);
+    impl Segment for Wire {
+        fn exchange(&mut self, packet: &mut Packet) -> bool {
+            self.0.pass(&mut packet.bytes, &Shown::default(), 0.0);
+            true
+        }
+        fn rest(&mut self) {}
+    }
+    let mut wire = Wire(Slave::new(Units::ONE, 1, true));
+    scan(&mut wire).expect("a slave");
+    let mut axis = Station::new(&mut wire, 1).start(&Units::ONE, 0.1, Some(1e-3), 0, None).expect("a start");
+    for cycle in 0..100 {
+        let ask = Ask { cycle, torque: 0.5, enable: cycle > 10, watchdog_s: 0.1 };
+        let mut packet = assert_no_alloc(|| axis.ask(&ask));
+        wire.exchange(&mut packet);
+        let state = assert_no_alloc(|| axis.take(&mut packet.bytes));
+        assert!(state.is_some_and(|state| state.is_ok_and(|state| cycle < 20 || state.powered)));
+    }
 }
 
 #[test]

@@ -1,0 +1,153 @@
+//! Drives on CAN: a carrier of frames, a node for each axis.
+
+use crate::bus::{Answer, Fieldbus, NodeSettings};
+use crate::carrier::Carrier;
+use forcefeel_bus::drive::{ALL_NODES, Ask, Codec, Identity};
+use forcefeel_bus::fault::Fault;
+use forcefeel_bus::frame::Frame;
+use forcefeel_bus::line::Line;
+use forcefeel_bus::scale::Wiring;
+use std::cmp::Reverse;
+use std::time::{Duration, Instant};
+
+/// How long a node is waited for, and how often it is asked.
+const PATIENCE: Duration = Duration::from_millis(200);
+const TRIES: usize = 3;
+/// How long nodes are listened to.
+const LISTENS: Duration = Duration::from_millis(250);
+
+/// A port with its nodes.
+pub struct CanBus {
+    carrier: Box<dyn Carrier>,
+    nodes: Vec<Tap>,
+    error: bool,
+}
+
+/// A node with its answer.
+struct Tap {
+    codec: Box<dyn Codec + Send>,
+    answer: Answer,
+}
+
+impl CanBus {
+    /// A bus without nodes.
+    pub fn new(carrier: Box<dyn Carrier>) -> Self {
+        Self { carrier, nodes: vec![], error: false }
+    }
+
+    /// Asks a node what it is, or all where the number is that of all; what answers within a time.
+    fn who(&mut self, codec: &dyn Codec, node: u8, patience: Duration) -> Vec<Identity> {
+        let Self { carrier, error, .. } = self;
+        codec.who(node, &mut |frame| carrier.send(frame));
+        let (begun, mut answers) = (Instant::now(), vec![]);
+        while let Some(left) = patience.checked_sub(begun.elapsed()) {
+            match carrier.next() {
+                Some(Line::Frame(frame)) => answers.extend(codec.identity(&frame)),
+                Some(Line::Error) => *error = true,
+                Some(Line::Other) => {}
+                None => carrier.wait(left),
+            }
+        }
+        // Of one node the fullest answer first; two nodes of a number differ by their serial number.
+        answers.sort_by_key(|it: &Identity| (it.node, it.serial, Reverse(it.registers)));
+        answers.dedup_by_key(|it| (it.node, it.serial));
+        answers
+    }
+
+    /// Finds a node that can be driven.
+    ///
+    /// # Errors
+    /// What was expected, what is there.
+    fn find(&mut self, codec: &dyn Codec, of: &NodeSettings) -> Result<(), String> {
+        let node = of.node;
+        let numbers = of.protocol.nodes();
+        if !numbers.contains(&node) || (0..self.nodes.len()).any(|place| self.nodes[place].codec.node() == node) {
+            let (first, last) = (numbers.start(), numbers.end());
+            return Err(format!("node: expected {first} to {last}, each for one axis, got {node}; change [bus] node"));
+        }
+        let mut answers = vec![];
+        for tried in 0..TRIES {
+            self.error = false;
+            answers = self.who(codec, node, PATIENCE);
+            if !answers.is_empty() {
+                break;
+            }
+            if self.error && tried == 0 {
+                self.carrier.without_sums();
+            }
+        }
+        match answers.as_slice() {
+            [] => {
+                let there = self.who(codec, ALL_NODES, PATIENCE);
+                let there: Vec<_> = there.iter().map(|identity| identity.node.to_string()).collect();
+                let there =
+                    if there.is_empty() { "no other node".to_string() } else { format!("node {}", there.join(", ")) };
+                let why = if self.error { "the adapter reports a bus error" } else { "no answer" };
+                Err(format!(
+                    "expected node {node}, got {why} from it and {there}; check power, cable, adapter and [bus] node"
+                ))
+            }
+            [identity] => codec.accepts(identity).map_err(|expected| {
+                format!("node {node}: expected {expected}, got register map {}", identity.registers)
+            }),
+            several => Err(format!(
+                "expected one node {node}, got {}; give each a number of its own with the maker's tool",
+                several.len()
+            )),
+        }
+    }
+}
+
+impl Fieldbus for CanBus {
+    fn connect(&mut self, settings: &NodeSettings, _: Option<f64>) -> Result<usize, String> {
+        let Wiring { load_cell, column, grip, .. } = settings.wiring;
+        let sensors = [load_cell.is_some(), column.is_some(), grip.is_some()];
+        let codec = settings.protocol.codec(settings.node, sensors).ok_or("kind: expected a drive on CAN")?;
+        self.find(&*codec, settings)?;
+        self.nodes.push(Tap { codec, answer: Answer::NONE });
+        Ok(self.nodes.len() - 1)
+    }
+
+    fn ask(&mut self, place: usize, ask: &Ask) {
+        let Self { carrier, nodes, .. } = self;
+        nodes[place].codec.ask(ask, &mut |frame: &Frame| carrier.send(frame));
+    }
+
+    fn pump(&mut self) {
+        while let Some(line) = self.carrier.next() {
+            match line {
+                Line::Frame(frame) => {
+                    self.error = false;
+                    for tap in &mut self.nodes {
+                        let Some(state) = tap.codec.take(&frame) else { continue };
+                        // One that is repeated, or that a later one has overtaken, is no news.
+                        if state.answers.is_none() || state.answers > tap.answer.state.answers {
+                            tap.answer = Answer { state, fresh: true };
+                        }
+                    }
+                }
+                Line::Error => self.error = true,
+                Line::Other => {}
+            }
+        }
+    }
+    fn wait(&self, most: Duration) {
+        self.carrier.wait(most);
+    }
+
+    fn answer(&mut self, place: usize) -> &mut Answer {
+        &mut self.nodes[place].answer
+    }
+
+    fn complaint(&self, _: usize) -> Option<(Fault, bool)> {
+        self.error.then_some((Fault::BUS, true))
+    }
+
+    fn nodes(&mut self, settings: &NodeSettings) -> Vec<Identity> {
+        let Some(codec) = settings.protocol.codec(settings.node, [false; 3]) else { return vec![] };
+        let mut answers = self.who(&*codec, ALL_NODES, LISTENS);
+        // A node that does not answer a request to all may answer its own.
+        answers.extend(self.who(&*codec, settings.node, LISTENS).into_iter().filter(|it| it.node == settings.node));
+        answers
+    }
+}

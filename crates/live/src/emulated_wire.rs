@@ -1,0 +1,269 @@
+//! The wire of an emulated bus with what is wrong with it: frames come in, answers go out.
+
+use crate::emulated_axis::Axis;
+use crate::input_output::Disturbance;
+#[cfg(target_os = "linux")]
+use crate::raw_socket::RawSocket;
+use crate::serial::Serial;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use forcefeel_bus::ethercat::datagram::MOST;
+use forcefeel_bus::frame::Frame;
+use forcefeel_bus::line::{Adapter, Line, Lines};
+use std::collections::VecDeque;
+use std::io;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Longest rest between two looks at the port.
+const NAP: Duration = Duration::from_micros(250);
+/// Most that the machines catch up at once, in s.
+const MOST_BEHIND_S: f64 = 0.1;
+
+/// What is wrong with the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WireFault {
+    /// Answers are lost.
+    Lost,
+    /// Answers come so many commands late.
+    Late(usize),
+    /// Answers come twice.
+    Repeated,
+    /// A bit of an answer is turned round.
+    Corrupt,
+    /// The node is gone: no frame reaches it.
+    Gone,
+    /// The adapter is off the bus, and says so; on EtherCAT the link is down.
+    BusOff,
+    /// The nodes let a frame pass without their share: on EtherCAT its working counter is wrong.
+    Miscounted,
+}
+
+/// What is done to an emulated bus from outside.
+#[derive(Debug, Clone, Copy)]
+pub enum EmulatorRequest {
+    /// Something is wrong with each so manieth answer from now on, or nothing.
+    Wire(Option<(WireFault, u32)>),
+    /// A drive fails with the maker's code.
+    Fail(usize, u16),
+    /// A drive loses its supply for a moment.
+    Restart(usize),
+    /// Something happens to a machine.
+    Machine(usize, Disturbance),
+}
+
+#[derive(Default)]
+pub(crate) struct Shared {
+    pub end: AtomicBool,
+    pub asked: Mutex<Vec<EmulatorRequest>>,
+    /// Command and angle of each machine's newest step.
+    pub seen: Mutex<Vec<[f64; 2]>>,
+}
+
+/// Where the frames come from and the answers go.
+pub(crate) enum Terminals {
+    /// A serial adapter at a pseudo terminal.
+    Serial(Serial, Lines),
+    /// A network interface.
+    #[cfg(target_os = "linux")]
+    Interface(RawSocket),
+}
+
+impl Terminals {
+    /// A pseudo terminal for an adapter, an interface without one; and where others open it.
+    pub fn open(adapter: Option<Adapter>, interface: &str) -> io::Result<(Self, PathBuf)> {
+        if let Some(adapter) = adapter {
+            let (serial, port) = Serial::pseudo()?;
+            return Ok((Self::Serial(serial, Lines::new(adapter)), port));
+        }
+        #[cfg(target_os = "linux")]
+        return Ok((Self::Interface(RawSocket::open(interface)?), interface.into()));
+        #[cfg(not(target_os = "linux"))]
+        Err(io::Error::new(io::ErrorKind::Unsupported, format!("{interface}: expected Linux for EtherCAT")))
+    }
+
+    /// What has come: bytes of lines, or a frame.
+    fn read(&self, bytes: &mut [u8]) -> usize {
+        match self {
+            Self::Serial(serial, _) => serial.read(bytes),
+            #[cfg(target_os = "linux")]
+            Self::Interface(socket) => socket.receive(bytes).unwrap_or(0),
+        }
+    }
+
+    fn write(&self, bytes: &[u8]) {
+        match self {
+            Self::Serial(serial, _) => _ = serial.write(bytes),
+            #[cfg(target_os = "linux")]
+            Self::Interface(socket) => socket.send(bytes),
+        }
+    }
+
+    fn wait(&self, most: Duration) {
+        match self {
+            Self::Serial(serial, _) => serial.wait(most),
+            #[cfg(target_os = "linux")]
+            Self::Interface(socket) => socket.wait(most),
+        }
+    }
+}
+
+/// The port with its machines.
+pub(crate) struct Wire {
+    terminals: Terminals,
+    axes: Vec<Axis>,
+    shared: Arc<Shared>,
+    fault: Option<(WireFault, u32)>,
+    answers: u32,
+    held: VecDeque<(usize, Vec<u8>)>,
+}
+
+impl Wire {
+    /// A wire without a fault.
+    pub fn new(terminals: Terminals, axes: Vec<Axis>, shared: Arc<Shared>) -> Self {
+        Self { terminals, axes, shared, fault: None, answers: 0, held: VecDeque::new() }
+    }
+
+    /// Runs until the end is asked for.
+    pub fn run(mut self, by_clock: bool) {
+        let begun = Instant::now();
+        let mut bytes = [0; MOST];
+        while !self.shared.end.load(Relaxed) {
+            let asked = core::mem::take(&mut *locked(&self.shared.asked));
+            for asked in asked {
+                self.take(asked);
+            }
+            if by_clock {
+                let now_s = begun.elapsed().as_secs_f64();
+                for axis in &mut self.axes {
+                    axis.time_s = axis.time_s.max(now_s - MOST_BEHIND_S);
+                    while axis.time_s + axis.machine.step_s() <= now_s {
+                        axis.advance(1);
+                    }
+                }
+            }
+            // Where machines wait for commands, what they send by themselves is still of the clock.
+            self.tick(if by_clock { 0.0 } else { begun.elapsed().as_secs_f64() });
+            *locked(&self.shared.seen) = self.axes.iter().map(|axis| [axis.command, axis.machine.angle()]).collect();
+            let count = self.terminals.read(&mut bytes);
+            if count == 0 {
+                self.terminals.wait(NAP);
+            } else {
+                self.came(&mut bytes[..count], by_clock);
+            }
+        }
+    }
+
+    fn take(&mut self, asked: EmulatorRequest) {
+        match asked {
+            EmulatorRequest::Wire(fault) => {
+                (self.fault, self.answers) = (fault, 0);
+                self.held.clear();
+            }
+            EmulatorRequest::Fail(place, code) => self.axes[place].node.fail(code),
+            EmulatorRequest::Restart(place) => self.axes[place].restart(),
+            EmulatorRequest::Machine(place, disturbance) => self.axes[place].machine.disturb(disturbance),
+        }
+    }
+
+    /// What the nodes send by themselves.
+    fn tick(&mut self, more_s: f64) {
+        let Terminals::Serial(serial, lines) = &self.terminals else { return };
+        let cut = matches!(self.fault, Some((WireFault::Gone | WireFault::BusOff | WireFault::Lost, 1)));
+        for axis in &mut self.axes {
+            axis.node.tick(axis.time_s + more_s, &mut |frame| {
+                let (bytes, count) = lines.give(frame);
+                if !cut {
+                    serial.write(&bytes[..count]);
+                }
+            });
+        }
+    }
+
+    fn came(&mut self, bytes: &mut [u8], by_clock: bool) {
+        let Terminals::Serial(_, lines) = &mut self.terminals else { return self.packet(bytes, by_clock) };
+        let frames: Vec<_> = bytes.iter().filter_map(|&byte| lines.take(byte)).collect();
+        for line in frames {
+            if let Line::Frame(frame) = line {
+                self.frame(&frame, by_clock);
+            }
+        }
+    }
+
+    /// Whether a fault of the wire is that of each frame.
+    fn is(&self, fault: WireFault) -> bool {
+        self.fault.is_some_and(|(its, _)| its == fault)
+    }
+
+    /// A frame of EtherCAT passes all slaves, and goes back.
+    fn packet(&mut self, bytes: &mut [u8], by_clock: bool) {
+        if self.is(WireFault::Gone) || self.is(WireFault::BusOff) {
+            return;
+        }
+        let miscounted = self.fault.filter(|(fault, _)| *fault == WireFault::Miscounted);
+        if !miscounted.is_some_and(|(_, every)| (self.answers + 1).is_multiple_of(every)) {
+            for axis in &mut self.axes {
+                let shown = axis.shown;
+                if axis.node.pass(bytes, &shown, axis.time_s) && !by_clock {
+                    axis.advance(axis.period);
+                }
+            }
+        }
+        // The first slave marks what has passed it.
+        if let Some(source) = bytes.get_mut(6) {
+            *source |= 0x02;
+        }
+        self.answer(bytes);
+    }
+
+    /// A frame of CAN is acknowledged, and each node may answer it.
+    fn frame(&mut self, frame: &Frame, by_clock: bool) {
+        let Terminals::Serial(serial, lines) = &self.terminals else { return };
+        let sent = !self.is(WireFault::BusOff);
+        let (bytes, count) = lines.acknowledge(sent);
+        serial.write(&bytes[..count]);
+        let mut answers = vec![];
+        if sent && !self.is(WireFault::Gone) {
+            for axis in &mut self.axes {
+                let shown = axis.shown;
+                let commanded = axis.node.take(frame, &shown, axis.time_s, &mut |answer| {
+                    let (bytes, count) = lines.give(answer);
+                    answers.push(bytes[..count].to_vec());
+                });
+                if commanded && !by_clock {
+                    axis.advance(axis.period);
+                }
+            }
+        }
+        for answer in &mut answers {
+            self.answer(answer);
+        }
+    }
+
+    fn answer(&mut self, bytes: &mut [u8]) {
+        self.answers += 1;
+        self.held.iter_mut().for_each(|(left, _)| *left = left.saturating_sub(1));
+        match self.fault.filter(|(_, every)| self.answers.is_multiple_of(*every)).map(|(fault, _)| fault) {
+            Some(WireFault::Lost | WireFault::Gone | WireFault::BusOff) => {}
+            Some(WireFault::Late(by)) => self.held.push_back((by, bytes.to_vec())),
+            Some(WireFault::Repeated) => {
+                self.terminals.write(bytes);
+                self.terminals.write(bytes);
+            }
+            Some(WireFault::Corrupt) => {
+                bytes[bytes.len() / 2] ^= 1;
+                self.terminals.write(bytes);
+            }
+            Some(WireFault::Miscounted) | None => self.terminals.write(bytes),
+        }
+        while self.held.front().is_some_and(|(left, _)| *left == 0) {
+            if let Some((_, late)) = self.held.pop_front() {
+                self.terminals.write(&late);
+            }
+        }
+    }
+}
+
+pub(crate) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
