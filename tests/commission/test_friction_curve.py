@@ -18,7 +18,7 @@ import commission as independent
 
 FEW = ["column.inertia", DRY]
 ENCODER = dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), math.tau / 2**20)
-NEAR = 0.1  # relative; of a record of 6 s
+NEAR = 0.1  # relative; of a record of 3 s
 
 
 def fitted(friction):
@@ -26,7 +26,7 @@ def fitted(friction):
     loader = ff.digital_elevator().replace(ENCODER, si=True)
     loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
     truth = loader.replace(friction)
-    data = simulated_records(loader, truth, BenchTime(6.0, 500.0))
+    data = simulated_records(loader, truth, BenchTime(3.0, 500.0))
     start = with_friction(loader)
     even = identify(_without(start, FRICTION_CURVE), data, FEW, starts=1)
     return even, _curved(even, start, FRICTION_CURVE, data, None), truth
@@ -54,7 +54,7 @@ def test_fall_and_asymmetry_are_identified_from_a_record_of_an_independent_integ
     loader = independent.on_file()
     loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
     truth = loader.replace({DRY: "2 lb", BREAKAWAY: "2.6 lb"}).replace({STRIBECK: 0.08, ASYMMETRY: 0.2}, si=True)
-    [data] = independent.witnessed(loader, [truth], [0], BenchTime(12.0, 500.0, seed=3))
+    [data] = independent.witnessed(loader, [truth], [0], BenchTime(8.0, 500.0, seed=3))
     start = with_friction(loader)
     even = identify(_without(start, FRICTION_CURVE), data, FEW, starts=1)
     found = {

@@ -179,9 +179,8 @@ def test_positions_as_lengths_are_angles_of_the_grip():
     length = ff.qualification.ForcePoints(
         points.position * loader["column.grip_arm"], points.force_n, points.direction, position_unit="m"
     )
-    assert fitted(length).loader["feel.stiffness"] == pytest.approx(
-        fitted(points).loader["feel.stiffness"], rel=1e-6
-    )  # rounding
+    stiffness = 6 * 180 / math.pi * ARM_M
+    assert fitted(length).loader["feel.stiffness"] == pytest.approx(stiffness, rel=EXACT / 6)  # EXACT N/deg of 6
 
 
 def test_loader_qualifies_against_the_aircraft_and_its_points():
