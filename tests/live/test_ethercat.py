@@ -41,13 +41,13 @@ def wire():
 
 
 @contextmanager
-def soem(port):
-    """SOEM with one slave in SAFE-OP."""
+def soem(port, slaves=1):
+    """SOEM with slaves in SAFE-OP, of which the first gets the maps of the torque."""
     pysoem = pytest.importorskip("pysoem")
     master = pysoem.Master()
     master.open(port)
     try:
-        assert master.config_init() == 1
+        assert master.config_init() == slaves
         slave = master.slaves[0]
 
         def map_torque(_):
@@ -109,9 +109,12 @@ def test_soem_moves_the_emulated_drive_by_the_closed_form(wire):
     inertia = np.array(
         [loader["motor.inertia"], loader["column.inertia"] * loader["transmission.travel"] / loader["column.base_arm"]]
     )
-    time_s = cycles * loader["controller.period"]
-    expected = 0.5 * torque / 1000 * RATED_N_M * time_s**2
-    assert inertia @ moved == pytest.approx(expected, rel=CLOSED_FORM)
+    # The current loop is a lag of the first order: the integral of T (1 - exp(-t / tau)), twice.
+    time_s, tau = cycles * loader["controller.period"], 1 / loader["current_loop.bandwidth"]
+    twice = 0.5 * time_s**2 - tau * time_s + tau**2 * -np.expm1(-time_s / tau)
+    assert inertia @ moved == pytest.approx(
+        torque / 1000 * RATED_N_M * twice, rel=1e-4
+    )  # counts, of which it moves 1e5 and more
     assert (moved > 0).all()
 
 
@@ -129,6 +132,22 @@ def test_soem_finds_the_slave_in_safe_op_once_it_was_silent(wire):
         until(lambda: emulator.commands[0] > 0.01)  # braked: against the motion, to negative angles
         master.read_state()
         assert (slave.state, slave.al_status) == (pysoem.SAFEOP_STATE | pysoem.STATE_ERROR, 0x1B)
+
+
+def test_soem_brings_three_slaves_of_a_line_to_op(wire):
+    loaders = [yoke("ethercat", port=wire[1], node=node) for node in (1, 2, 200)]
+    with ff.live.BusEmulator(loaders), soem(wire[0], 3) as (pysoem, master, _):
+        serials = [int.from_bytes(slave.sdo_read(0x1018, 4), "little") for slave in master.slaves]
+        assert serials == [1001, 1002, 1200]
+        master.state = pysoem.OP_STATE
+        master.write_state()
+        for _ in range(100):
+            master.send_processdata()
+            counted = master.receive_processdata(100_000)
+            if master.state_check(pysoem.OP_STATE, 1000) == pysoem.OP_STATE:
+                break
+        assert master.state_check(pysoem.OP_STATE, 1000) == pysoem.OP_STATE
+        assert counted == master.expected_wkc == 9
 
 
 FOREIGN = os.environ.get("FORCEFEEL_ETHERCAT_SLAVE", "")

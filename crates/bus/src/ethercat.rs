@@ -4,7 +4,7 @@
 //! |---|---|
 //! | frames, registers and states, the mailbox, the EEPROM | [`datagram`], [`registers`], [`mailbox`], [`sii`] |
 //! | the drive profile | [`cia402`] |
-//! | the master: a slave's start, its cycle | [`start`], [`axis`] |
+//! | the master: what it asks of a slave, a drive's start, its cycle | [`station`], `start`, [`axis`] |
 //! | the slave: its controller, its dictionary, the drive | `controller`, `dictionary`, [`slave`] |
 //!
 //! Each axis has a frame of its own, so a slave that is gone silences its own axis alone.
@@ -18,7 +18,8 @@ pub mod mailbox;
 pub mod registers;
 pub mod sii;
 pub mod slave;
-pub mod start;
+mod start;
+pub mod station;
 
 use mailbox::Object;
 

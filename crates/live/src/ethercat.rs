@@ -6,7 +6,7 @@ use forcefeel_bus::drive::{Ask, Identity};
 use forcefeel_bus::ethercat::MOST_POSITION;
 use forcefeel_bus::ethercat::axis::Axis;
 use forcefeel_bus::ethercat::datagram::{MOST, Packet, datagrams};
-use forcefeel_bus::ethercat::start::{Segment, Station, scan, stop_all};
+use forcefeel_bus::ethercat::station::{Segment, Station, scan, stop_all};
 use forcefeel_bus::fault::Fault;
 use std::io;
 use std::thread;

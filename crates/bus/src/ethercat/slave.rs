@@ -20,8 +20,9 @@ const BAD_MAILBOX: u16 = 0x0016;
 const BAD_OUTPUTS: u16 = 0x001d;
 const BAD_INPUTS: u16 = 0x001e;
 
-/// Serial number of node 0.
+/// Serial number of node 0, and by how much the clocks of two nodes differ, in ns.
 const FIRST_SERIAL: u32 = 1000;
+const APART_NS: u64 = 123_456_789;
 
 /// A slave.
 #[derive(Debug, Clone)]
@@ -35,6 +36,8 @@ pub struct Slave {
     /// Control word before the last one.
     before: u16,
     written_s: f64,
+    /// Its local time at the start, in ns.
+    started_ns: u64,
 }
 
 impl Slave {
@@ -51,6 +54,7 @@ impl Slave {
             power: Power::Disabled,
             before: 0,
             written_s: 0.0,
+            started_ns: APART_NS * u64::from(node),
         }
     }
 
@@ -156,7 +160,7 @@ impl Node for Slave {
     fn pass(&mut self, frame: &mut [u8], shown: &Shown, now_s: f64) -> bool {
         self.watch(now_s);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time since the start")]
-        let time_ns = (1e9 * now_s) as u64;
+        let time_ns = self.started_ns + (1e9 * now_s) as u64;
         let mut commanded = false;
         for mut datagram in datagrams(frame) {
             if self.state >= SAFE_OP {

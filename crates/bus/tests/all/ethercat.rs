@@ -8,7 +8,7 @@ use forcefeel_bus::ethercat::datagram::{Packet, at, command, datagrams};
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::ethercat::registers::{AL_STATUS, INIT, OP, SAFE_OP};
 use forcefeel_bus::ethercat::slave::Slave;
-use forcefeel_bus::ethercat::start::{Segment, Station, scan};
+use forcefeel_bus::ethercat::station::{Segment, Station, scan};
 use forcefeel_bus::fault::Fault;
 
 const UNITS: Units = Units {
@@ -212,6 +212,11 @@ fn an_answer_tells_its_cycle_up_to_255_late_and_a_damaged_one_is_none() {
 #[test]
 fn a_slave_states_who_it_is_and_its_alias() {
     let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, false), Slave::new(UNITS, 200, true)], now_s: 0.0 };
+    assert_eq!(scan(&mut wire), Ok(vec![0, 200]));
+    // The other way round each has an address that the other had.
+    wire.slaves.reverse();
+    assert_eq!(scan(&mut wire), Ok(vec![200, 0]));
+    wire.slaves.reverse();
     assert_eq!(scan(&mut wire), Ok(vec![0, 200]));
     let identity = Station::new(&mut wire, 2).identity(2).expect("an answer");
     assert_eq!((identity.node, identity.model, identity.serial), (2, 402, [0, 0, 1200]));

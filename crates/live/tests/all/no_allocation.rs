@@ -6,7 +6,7 @@ use forcefeel_bus::drive::{Ask, Node, Shown};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::datagram::Packet;
 use forcefeel_bus::ethercat::slave::Slave;
-use forcefeel_bus::ethercat::start::{Segment, Station, scan};
+use forcefeel_bus::ethercat::station::{Segment, Station, scan};
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::Line;
 use forcefeel_bus::protocol::Protocol;
