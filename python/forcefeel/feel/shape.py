@@ -5,7 +5,7 @@ The engine computes the force (``_core.feel_held_along``); here numbers become r
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,7 +157,7 @@ class StaticModel:
             values[INDEX["feel.stiffness"]] = named["stiffness"] * self.scales["stiffness"]
         angle = self.angle_rad if angle_rad is None else angle_rad
         direction = self.directions if directions is None else directions
-        curve = None if points is None else (points[0], pieces_through(*points))
+        curve = None if points is None else (points[0], _pieces(*(tuple(along.tolist()) for along in points)))
         return _core.feel_held_along(values, angle, direction, curve=curve)
 
     def _values(self, named: Mapping[str, float]) -> _Array:
@@ -195,6 +195,10 @@ class StaticModel:
         low, high = curve.at(ends)
         arm = self.scales["stiffness"] * self.scales["angle"] / self.scales["force"]
         return max(float(arm * (high - low) / (ends[1] - ends[0])), _NONE * self.scales["stiffness"])
+
+
+# A fit differs its numbers one by one, and most leave the curve as it is.
+_pieces = lru_cache(maxsize=8)(pieces_through)
 
 
 def _spread(distance: _Array, count: int) -> _Array:
