@@ -196,7 +196,9 @@ def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
             cockpit.wait(8000)
             assert {session.state.name for session in cockpit.values()} == {"active"}
             angles = [column(session, "column_angle_rad")[-1] for session in cockpit.values()]
-            assert angles == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart
+            assert angles == pytest.approx(
+                emulator.angles_rad, abs=5e-4
+            )  # a cycle apart; the sensors' noise moves each by 5e-5 rms
             assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
 
 

@@ -45,9 +45,13 @@ _LOST = 0.01
 def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True) -> BenchRecord:
     """Give the motor of a loader a bench signal over its bus, and record its sensors.
 
-    ``loader command_current``: the loop runs under the law and the supervisor. A second after the feel has come, the signal is added
-    to the law's command. The feel holds the column at its neutral. ``motor-open``: the motor alone moves the column, without a law,
-    so free its travel. With dry friction the column wanders, and the drive stops at 15 deg from where it began. Keep hands off.
+    ``loader command_current``: the loop runs under the law and the supervisor. A second after the feel has come, the signal is
+    added to the law's command. The feel holds the column at its neutral.
+
+    ``motor-open``: the motor alone moves the column, without a law, so free its travel. With dry friction the column wanders, and
+    the drive stops at 15 deg from where it began.
+
+    Keep hands off in both.
 
     Args:
         excitation: A signal of one of these experiments, at the rate of the loader's controller.
@@ -58,8 +62,8 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
         The record: signal, column angle, drive position and load cell force; of ``motor-open`` the motor's current, too.
 
     Raises:
-        InputError: If the signal is for another experiment or of another rate, or the loader has no bus with a load cell and a column
-            encoder; if the drive or the supervisor stopped, or this computer missed more than 5 periods in a row.
+        InputError: If the signal is for another experiment or of another rate, or the loader has no bus with a load cell and a
+            column encoder; if the drive or the supervisor stopped, or this computer missed more than 5 periods in a row.
 
     Example:
         >>> from dataclasses import replace

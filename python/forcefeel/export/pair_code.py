@@ -156,6 +156,10 @@ def check_link_code(link: Link) -> None:
 
     Raises:
         InputError: If it is electronic and has a body at its middle.
+
+    Example:
+        >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
+        >>> ff.export.check_link_code(project.links["stick-pitch"])
     """
     if link.kind is LinkKind.ELECTRONIC and link["middle_inertia"]:
         raise InputError(
