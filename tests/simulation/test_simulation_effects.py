@@ -57,7 +57,8 @@ SHAKEN = Signals(shaker=[(0.1, 1.0), (0.4, 0.0)])
 
 EFFECTS = {
     "orifice": Effect({"orifice": True}),
-    "orifice overpowered": Effect({"orifice": True, "supply_pressure": 120.0}, LIMIT),
+    # The witness alone smooths the root, by 1e-4 lb/in^2: without it LSODA stalls on some processors; 1e-3 agrees as well.
+    "orifice overpowered": Effect({"orifice": True, "supply_pressure": 120.0, "orifice_smoothing": 1e-4}, LIMIT),
     "current limit": Effect({"orifice": True, "current_limit": 0.5}, events=("current",)),
     "flow limit": Effect({"orifice": True, "flow_limit": 4.0}, events=("flow",)),
     "relief": Effect({"relief_pressure": 250.0}, events=("relief",)),
