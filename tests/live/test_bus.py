@@ -244,28 +244,35 @@ def test_drive_fault_trips_by_name_and_in_the_record(kind, code, name, tmp_path)
     assert ff.live.read_live_record(record).about["machine"].startswith(f"{kind} 1 at ")
 
 
-def test_axes_of_one_bus_run_in_one_loop(tmp_path):
-    (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "roll.toml"\npitch = "pitch.toml"\n', encoding="utf-8")
-    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+@contextmanager
+def cockpit_on_bus(folder, wired, port=None):
+    """A running cockpit whose axes are all on one emulated bus, the last one pushed; the loop's end of the bus is at ``port``."""
+    (folder / "cockpit.toml").write_text("[axes]\n" + "".join(f'{axis} = "{axis}.toml"\n' for axis in wired))
     with ff.live.BusEmulator(list(wired.values()), real_time=False) as emulator:
         for axis, loader in wired.items():
-            named = replace(loader, name=f"my-{axis}", bus=replace(loader.bus, port=emulator.port))
-            (tmp_path / f"{axis}.toml").write_text(named.to_toml(), encoding="utf-8")
-        project = ff.loader.read_project(tmp_path / "cockpit.toml")
+            named = replace(loader, name=f"my-{axis}", bus=replace(loader.bus, port=port or emulator.port))
+            (folder / f"{axis}.toml").write_text(named.to_toml(), encoding="utf-8")
+        project = ff.loader.read_project(folder / "cockpit.toml")
         ends = {axis: loader.bus for axis, loader in project.loaders.items()}
         with ff.live.start_cockpit(project, "robust", endpoints=ends, real_time=False) as cockpit:
             cockpit.on()
             cockpit.wait(3000)
-            emulator.push(6.0, 1)
+            emulator.push(6.0, len(wired) - 1)
             cockpit.wait(8000)
             assert {session.state.name for session in cockpit.values()} == {"active"}
-            roll, pitch = (column(session, "column_angle_rad")[-1] for session in cockpit.values())
-            assert [roll, pitch] == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart
-            assert abs(roll) < 1e-3 < pitch
-            # What stops a loader by hand stops the other too.
-            cockpit["pitch"].stop()
-            cockpit.wait(500)
-            assert {session.state.name for session in cockpit.values()} == {"tripped"}
+            yield cockpit, emulator
+
+
+def test_axes_of_one_bus_run_in_one_loop(tmp_path):
+    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+    with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator):
+        roll, pitch = (column(session, "column_angle_rad")[-1] for session in cockpit.values())
+        assert [roll, pitch] == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart
+        assert abs(roll) < 1e-3 < pitch
+        # What stops a loader by hand stops the other too.
+        cockpit["pitch"].stop()
+        cockpit.wait(500)
+        assert {session.state.name for session in cockpit.values()} == {"tripped"}
 
 
 @pytest.mark.parametrize(("there", "asked"), [("odrive", "odrive-0.5"), ("odrive-0.5", "odrive")])

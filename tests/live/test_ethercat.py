@@ -18,7 +18,7 @@ from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
 from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
-from tests.live.test_bus import ETHERCAT, UNSENSED, column, until, yoke
+from tests.live.test_bus import ETHERCAT, UNSENSED, cockpit_on_bus, column, until, yoke
 
 run = runs("run")
 bus_command = runs("bus")
@@ -181,25 +181,12 @@ def test_our_master_moves_a_foreign_slave_by_the_closed_form(wire):
 
 def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
     axes = {"roll": 1, "pitch": 2, "yaw": 200}
-    (tmp_path / "cockpit.toml").write_text("[axes]\n" + "".join(f'{axis} = "{axis}.toml"\n' for axis in axes))
     wired = {axis: yoke("ethercat", port=wire[1], node=node) for axis, node in axes.items()}
-    with ff.live.BusEmulator(list(wired.values()), real_time=False) as emulator:
-        for axis, loader in wired.items():
-            named = replace(loader, name=f"my-{axis}", bus=replace(loader.bus, port=wire[0]))
-            (tmp_path / f"{axis}.toml").write_text(named.to_toml(), encoding="utf-8")
-        project = ff.loader.read_project(tmp_path / "cockpit.toml")
-        ends = {axis: loader.bus for axis, loader in project.loaders.items()}
-        with ff.live.start_cockpit(project, "robust", endpoints=ends, real_time=False) as cockpit:
-            cockpit.on()
-            cockpit.wait(3000)
-            emulator.push(6.0, 2)
-            cockpit.wait(8000)
-            assert {session.state.name for session in cockpit.values()} == {"active"}
-            angles = [column(session, "column_angle_rad")[-1] for session in cockpit.values()]
-            assert angles == pytest.approx(
-                emulator.angles_rad, abs=5e-4
-            )  # a cycle apart; the sensors' noise moves each by 5e-5 rms
-            assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
+    with cockpit_on_bus(tmp_path, wired, wire[0]) as (cockpit, emulator):
+        angles = [column(session, "column_angle_rad")[-1] for session in cockpit.values()]
+        # A cycle apart; the sensors' noise moves each by 5e-5 rad rms.
+        assert angles == pytest.approx(emulator.angles_rad, abs=5e-4)
+        assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
 
 
 def test_bad_slave_is_refused_by_name_and_nothing_moves(wire):

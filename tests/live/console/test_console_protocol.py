@@ -37,10 +37,10 @@ def test_a_frame_keeps_the_extremes_in_their_order():
 
 def test_frames_arrive_at_60_hz_without_missing_rows(talk):
     talk.frame()
-    begin, frames = time.monotonic(), [talk.frame() for _ in range(60)]
-    assert 0.5 < time.monotonic() - begin < 3.0  # of a machine that others use too
+    frames = [talk.frame() for _ in range(60)]
     heads = [HEADER.unpack(frame[: HEADER.size]) for frame in frames]
     times, rows, numbers = zip(*heads, strict=True)
+    assert np.median(np.diff(times)) == pytest.approx(1 / 60, rel=0.5)  # of a machine that others use too
     assert np.diff(numbers).tolist() == [1] * 59
     assert sum(rows[1:]) == round((times[-1] - times[0]) / 1e-3)
 
