@@ -80,7 +80,7 @@ impl Pair {
             let pressed = [flag("button[0]"), flag("button[1]")];
             let sides = of_both(at(0), (hands, pressed), flag("disconnect"));
             let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
-            let forces = [0, 1].map(|side| torques[side] / arms[side]);
+            let forces = at_grips(torques, arms);
             let outputs = vec![
                 ("torque[0]", torques[0].0),
                 ("torque[1]", torques[1].0),
@@ -124,7 +124,7 @@ impl Pair {
             let programmed = controllers.each_ref().map(Controller::programmed);
             let sides = of_both(programmed, (one.hands.map(number), one.pressed), one.disconnect);
             let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
-            let forces = [0, 1].map(|side: usize| torques[side] / arms[side]);
+            let forces = at_grips(torques, arms);
             let mut answer = [0.0; PAIR_ANSWERS];
             for side in 0..2 {
                 let mut given = one.laws[side];
@@ -149,6 +149,11 @@ struct Link<S: Scalar> {
     feels: LinkedFeels<S>,
     times: LinkTimes<S>,
     arms: [S; 2],
+}
+
+/// Torques on both feels, as a force at each grip.
+fn at_grips<S: Scalar>(torques: [S; 2], arms: [S; 2]) -> [S; 2] {
+    [0, 1].map(|side: usize| torques[side] / arms[side])
 }
 
 /// Both sides of a link whose feels are there in full.
@@ -185,7 +190,7 @@ impl Pair {
             let pressed = [row[6] > 0.0, row[7] > 0.0];
             let sides = of_both(motion(row), ([row[4], row[5]].map(number), pressed), row[8] > 0.0);
             let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
-            let forces = [0, 1].map(|side: usize| torques[side] / arms[side]);
+            let forces = at_grips(torques, arms);
             let flags = [priority[0], priority[1], gives_way, link.open].map(|flag| f64::from(u8::from(flag)));
             let numbers = [forces, damping].as_flattened().iter().map(|&number| number.into()).collect::<Vec<f64>>();
             core::array::from_fn(|k| if k < 4 { numbers[k] } else { flags[k - 4] })

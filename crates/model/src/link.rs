@@ -203,6 +203,14 @@ pub struct Middle<S> {
     stiffness: S,
 }
 
+impl PilotLink<f64> {
+    /// The link from values in the order of [`LINK_TABLE`]; with a body at its middle the half on each side of it, and the body.
+    pub fn parted(values: &[f64; LINK_ROWS]) -> (Self, Option<Middle<f64>>) {
+        let (whole, middle) = (Self::from_values(values), Middle::from_values(values));
+        (if middle.is_some() { whole.half() } else { whole }, middle)
+    }
+}
+
 impl Middle<f64> {
     /// From values in the order of [`LINK_TABLE`]; nothing without inertia.
     pub fn from_values(&[.., inertia, damping, stiffness, _, _]: &[f64; LINK_ROWS]) -> Option<Self> {
@@ -263,8 +271,8 @@ pub struct ElectronicLink<S> {
 impl ElectronicLink<f64> {
     /// A link with values in the order of [`LINK_TABLE`] and so many periods of delay, with its middle if it has one.
     pub fn with_middle(values: &[f64; LINK_ROWS], delay: usize) -> Self {
-        let (link, middle) = (PilotLink::from_values(values), Middle::from_values(values));
-        Self { middle, ..Self::new(if middle.is_some() { link.half() } else { link }, delay) }
+        let (link, middle) = PilotLink::parted(values);
+        Self { middle, ..Self::new(link, delay) }
     }
 }
 
