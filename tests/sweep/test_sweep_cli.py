@@ -21,12 +21,7 @@ PIECES = 16  # of a sweep that is not long
 LISTENING = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a shell's background job does not
 )
-PROGRAM = (
-    "nice",
-    sys.executable,
-    "-c",
-    f"{LISTENING}; from forcefeel.cli import main; main()",
-)  # slower than who watches it
+PROGRAM = (sys.executable, "-c", f"{LISTENING}; from forcefeel.cli import main; main()")
 
 
 command = runs("sweep", columns=100, report=True)
@@ -203,7 +198,7 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
 def test_interrupted_or_killed_sweep_keeps_finished_pieces(run, tmp_path):
     """Real processes, interrupted or killed once some pieces are there; then they go on to the same end."""
-    words = ("my.toml", "--runs", "4000", *PUSH_WORDS)
+    words = ("my.toml", "--runs", "1600", *PUSH_WORDS)
     assert run(*words, "--out", "whole")[0] == 0
     for number, status in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)):
         place = tmp_path / number.name
@@ -224,7 +219,7 @@ def test_interrupted_or_killed_sweep_keeps_finished_pieces(run, tmp_path):
         assert not (place / "runs.nc").exists()
         if number is signal.SIGINT:
             assert "forcefeel: interrupted;" in err
-            assert f"of 4,000 runs are kept in SIGINT; go on with: forcefeel sweep {' '.join(words[:3])}" in err
+            assert f"of 1,600 runs are kept in SIGINT; go on with: forcefeel sweep {' '.join(words[:3])}" in err
             assert err.rstrip().endswith("--resume")
             assert "Traceback" not in err
         assert run(*words, "--out", number.name, "--resume")[0] == 0

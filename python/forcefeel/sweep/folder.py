@@ -5,6 +5,7 @@ import io
 import json
 import re
 import shutil
+from threading import Lock
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -206,12 +207,10 @@ class Folder:
 
         self._check_room()
         with written_whole(self.path / RUNS) as aside:
-            self._chunk_data(0).to_netcdf(aside, engine="h5netcdf", unlimited_dims=["run"])
-            # Not through h5netcdf, which asks for the length of the dimension again and again.
+            _write_frame(self._chunk_data(0), self.sweep.total, aside)
             with h5py.File(aside, "a") as file:
-                for index, runs in enumerate(self.sweep.chunks[1:], 1):
+                for index, runs in enumerate(self.sweep.chunks):
                     for name, variable in self._chunk_data(index).variables.items():
-                        file[name].resize(runs.stop, axis=0)
                         file[name][runs.start : runs.stop] = _letters(variable.values)
         with contextlib.suppress(OSError):  # the results exist
             self._drop_chunks()
@@ -255,6 +254,21 @@ class Folder:
         if runs.sizes.get("run") != self.sweep.total or not {*measures_of(self.sweep.loader.drive)} <= {*runs}:
             raise InputError(f"{path}: does not hold the {self.sweep.total:,} runs; --replace to begin anew")
         return SweepResult(self.sweep, runs)
+
+
+def _write_frame(data: xr.Dataset, total: int, path: Path) -> None:
+    """Write a file with the variables of ``data``, its first run ``total`` times.
+
+    Not of unlimited length, which takes xarray a look at every variable for each of them; not by ``to_netcdf``, which
+    imports dask's cluster to ask whether one is there.
+    """
+    from xarray.backends import H5NetCDFStore  # noqa: PLC0415  only here
+
+    def longer(variables: Mapping[Any, xr.DataArray]) -> dict[Any, Any]:
+        return {name: ("run", np.broadcast_to(each[0], total), each.attrs) for name, each in variables.items()}
+
+    with contextlib.closing(H5NetCDFStore.open(path, mode="w", lock=Lock())) as store:
+        xr.Dataset(longer(data.data_vars), longer(data.coords), data.attrs).dump_to_store(store)
 
 
 def _letters(values: NDArray[Any]) -> NDArray[Any]:
