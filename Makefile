@@ -10,6 +10,8 @@
 PYTHON ?= python3
 PICTURES ?= 1
 VENV := .venv
+# Every program that a test starts would compile its imports anew.
+unexport PYTHONDONTWRITEBYTECODE
 BIN := $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock

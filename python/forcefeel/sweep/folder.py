@@ -5,11 +5,11 @@ import io
 import json
 import re
 import shutil
-from threading import Lock
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
