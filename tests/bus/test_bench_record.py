@@ -19,8 +19,11 @@ FIT = ("motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia"
 NEAR = 0.01
 """The sensors have noise, and an ODrive's board 16 bits of force."""
 
-UNDER_LAW = 0.05
+UNDER_LAW = 0.02
 """The law turns the sensors' noise into motion."""
+
+SENSED = {"load_cell_n": 10_000.0, "column_gear": 1.0}
+DRY, FRICTION_N = ("column.coulomb_friction", "column.static_friction"), 4.448
 
 HIDDEN = dict(zip(FIT, (1.1, 0.85, 1.15, 1.15), strict=True))
 """What the machine has of the file's values."""
@@ -45,13 +48,13 @@ def test_identification_finds_the_hidden_machine(kind):
         assert estimate.value == pytest.approx(truth[key], rel=NEAR), key
 
 
-def under_law(loader, time_s=3.0):
+def under_law(loader, time_s=3.0, **limits):
     plan = ff.bench.ExcitationPlan(
         time_s=time_s,
         rate_hz=2000.0,
         to_hz=60.0,
         measured=("column_angle", "drive_position", "load_cell_force"),
-        limits={"travel": 0.01, "voltage": loader["current_loop.voltage_limit"]},
+        limits={"voltage": loader["current_loop.voltage_limit"], **limits},
     )
     return ff.bench.excite(loader, "J_m,k,c,J", "loader command_current", plan)
 
@@ -62,7 +65,7 @@ def under_law(loader, time_s=3.0):
 def test_record_under_the_law_lies_on_the_simulation(kind, near):
     """Without noise; an ODrive's board has 16 bits of force, an EtherCAT drive thousandths of its rated torque."""
     loader = yoke(kind, quiet=True)
-    signal = under_law(loader)
+    signal = under_law(loader, travel=0.01)
     with emulated(loader) as (there, _):
         record = ff.bus.play(replace(signal, loader=there), real_time=False)
     steps = Schedule(tuple(np.repeat(signal.time_s, 2)[1:].tolist()), tuple(np.repeat(signal.signal, 2)[:-1].tolist()))
@@ -78,13 +81,17 @@ def test_record_under_the_law_lies_on_the_simulation(kind, near):
         assert np.std(off) < near * np.std(expected), channel
 
 
-def test_identification_finds_the_hidden_machine_under_the_law():
-    loader = yoke()
-    truth = loader.replace({key: share * loader[key] for key, share in HIDDEN.items()}, si=True)
-    with emulated(truth) as (there, _):
-        wired = replace(loader, bus=there.bus)
-        record = ff.bus.play(under_law(wired, 4.0), real_time=False)
-    found = identify(wired, [record], "J_m,k,c,J")
+def test_identification_finds_the_hidden_machine_and_its_friction_under_the_law():
+    """Friction holds the column anywhere within it as the signal begins, which no simulation from rest knows."""
+    loader = replace(ff.loader.electric("elevator-electric"), bus=ff.loader.Bus("moteus", "pty", **SENSED)).replace(
+        {"controller.period": 5e-4, "controller.delay": 5e-4}, si=True
+    )
+    hidden = {key: share * loader[key] for key, share in HIDDEN.items()} | dict.fromkeys(DRY, FRICTION_N)
+    truth = loader.replace(hidden, si=True)
+    with ff.live.BusEmulator([truth], real_time=False) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        record = ff.bus.play(under_law(wired, 8.0), real_time=False)
+    found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], starts=1)
     for estimate in found.estimates:
         key = estimate.unknown.key
         assert estimate.value == pytest.approx(truth[key], rel=UNDER_LAW), key
@@ -93,7 +100,7 @@ def test_identification_finds_the_hidden_machine_under_the_law():
 def test_signal_under_the_law_ends_with_the_supervisor():
     loader = yoke()
     with emulated(loader) as (wired, emulator):
-        signal = under_law(wired)
+        signal = under_law(wired, travel=0.01)
         with pytest.raises(ff.InputError, match=r"the signal ended early: .*; lower the limits"):
             ff.bus.play(replace(signal, signal=100 * signal.signal), real_time=False)
         assert emulator.commands == [0.0]

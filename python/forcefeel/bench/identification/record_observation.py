@@ -3,6 +3,10 @@
 The residual of a sample is measured less simulated over the channel's expected deviation. A constant for each channel, the sensor's
 offset, is removed as the mean; so is a linear drift of an open piston, and a quadratic drift of an open motor. A release has one
 unknown of its own: the delay of the release after its detected time.
+
+Of a record of the whole loader the start is simulated and not compared. At rest friction holds the column anywhere within it, and the
+noise of the sensors decides when it breaks away: until the motion has forgotten that, two runs of one machine differ by more than their
+size.
 """
 
 from collections.abc import Sequence
@@ -22,6 +26,9 @@ _EXPECTED = 0.01
 
 _COARSE_S = 8.0
 """Length of the beginning of a record in a coarse search, s."""
+
+_START_S, _START_SHARE = 4.0, 0.25
+"""Time that a column under its law takes to forget where friction held it, s, and the most of a record that is left out for it."""
 
 _LATER_S = 1e-3
 """Scale of the delay of a release after its detected time."""
@@ -53,13 +60,13 @@ class RecordObservation:
     @property
     def groups(self) -> tuple[slice, ...]:
         """The samples of each channel."""
-        samples = len(self.run.time_s)
+        samples = len(self._time_s)
         return tuple(slice(k * samples, (k + 1) * samples) for k in range(len(self.run.channels)))
 
     @cached_property
     def clusters(self) -> NDArray[np.int64]:
         """Pieces of time, the same in all channels."""
-        time_s = self.run.time_s
+        time_s = self._time_s
         duration_s = float(time_s[-1] - time_s[0])
         pieces = int(np.clip(duration_s / _CLUSTER_S, _FEWEST_CLUSTERS, _MOST_CLUSTERS))
         piece = np.minimum((time_s - time_s[0]) / duration_s * pieces, pieces - 1).astype(np.int64)
@@ -88,26 +95,27 @@ class RecordObservation:
         """The same for several loaders, in parallel if the record's samples are the engine's."""
         if not self.run.on_samples:
             return [self.residual(*pair) for pair in zip(values, own, strict=True)]
-        return [self._residual(value) for value in self.run.together(self.run.loader.rows(self.keys, values))]
+        runs = self.run.together(self.run.loader.rows(self.keys, values))
+        return [self._residual(value) for value in runs[..., self._first :]]
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The measured and simulated channels, offsets included."""
         modeled = self._modeled(values, own, ()).value
         offset = (self._measured - modeled) - self._without_offset(self._measured - modeled)
-        at = self.data.time_s[self.run.used]
+        at = self.data.time_s[self.run.used][self._first :]
         rows = zip(self.run.channels, self._measured, modeled + offset, self._expected, strict=True)
         return tuple(Curve(name, at, measured, modeled, float(e)) for name, measured, modeled, e in rows)
 
     def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
         """Channel by channel, from a run with the noise of the controller's sensors and finer steps."""
         row = self.run.loader.rows(self.keys, values[np.newaxis])[0]
-        difference = self._without_offset(self.run.noise_and_step_error(row))
+        difference = self._without_offset(self.run.noise_and_step_error(row)[:, self._first :])
         return tuple(float(rms) for rms in np.sqrt(np.mean(difference**2, axis=1)))
 
     def coarse(self) -> "RecordObservation":
         """The beginning of a long record in longer steps; a release is kept whole."""
         record = self.data
-        early = record.time_s - record.time_s[0] <= _COARSE_S
+        early = record.time_s - record.time_s[0] <= _COARSE_S + self.run.time_s[self._first]
         if not (self.run.released or early.all()):
             channels = {name: values[early] for name, values in record.channels.items()}
             record = replace(record, time_s=record.time_s[early], channels=channels)
@@ -118,8 +126,21 @@ class RecordObservation:
         return np.ravel(self._without_offset(self._measured - value) / self._expected[:, np.newaxis])
 
     @cached_property
+    def _first(self) -> int:
+        """The first compared sample of the run."""
+        if self.run.released or self.data.experiment.loop is not Loop.LOADER:
+            return 0
+        time_s = self.run.time_s
+        return int(np.searchsorted(time_s, min(_START_S, _START_SHARE * time_s[-1])))
+
+    @cached_property
+    def _time_s(self) -> NDArray[np.float64]:
+        """Times of the compared samples from the start of the run."""
+        return self.run.time_s[self._first :]
+
+    @cached_property
     def _measured(self) -> NDArray[np.float64]:
-        return np.array([self.data.channels[name][self.run.used] for name in self.run.channels])
+        return np.array([self.data.channels[name][self.run.used][self._first :] for name in self.run.channels])
 
     @cached_property
     def _expected(self) -> NDArray[np.float64]:
@@ -129,9 +150,9 @@ class RecordObservation:
     def _offsets(self) -> NDArray[np.float64]:
         """Orthonormal columns of the removed offset and drift, (samples, columns)."""
         if self.run.released:
-            return np.empty((len(self.run.time_s), 0))
+            return np.empty((len(self._time_s), 0))
         degree = _DRIFTS.get(self.data.experiment.loop, 0)
-        return np.linalg.qr(np.vander(self.run.time_s - self.run.time_s.mean(), degree + 1))[0]
+        return np.linalg.qr(np.vander(self._time_s - self._time_s.mean(), degree + 1))[0]
 
     def _without_offset(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         with np.errstate(invalid="ignore"):  # a run that diverged is infinite, and no number without its offset
@@ -139,4 +160,5 @@ class RecordObservation:
 
     def _modeled(self, values: NDArray[np.float64], own: NDArray[np.float64], keys: Sequence[str]) -> Histories:
         row = self.run.loader.rows(self.keys, values[np.newaxis])[0]
-        return self.run.at(row, keys, _LATER_S * float(own[0]) if self.run.released else 0.0)
+        histories = self.run.at(row, keys, _LATER_S * float(own[0]) if self.run.released else 0.0)
+        return Histories(*(part[..., self._first :] for part in (histories.value, histories.slopes, histories.rate)))

@@ -51,7 +51,7 @@ def search(
         progress(k, count + 1)
         start = coarse.start(values)
         if np.isfinite(coarse.compare(start)[0]).all():  # or the model diverges there
-            reached.append((k, _settled(coarse, coarse.search(start, coarse=True), coarse=True)[0]))
+            reached.append((k, _settled(coarse, start, coarse=True)[0]))
     if not reached:
         raise InputError(
             "data: the model diverges at the file's values and at every other start; expected a loop that is stable there: check "
@@ -59,7 +59,7 @@ def search(
         )
     progress(count, count + 1)
     best = min((optimum for _, optimum in reached), key=partial(_cost, coarse))
-    optimum, confidence = _settled(problem, problem.search(best.x), coarse=False)
+    optimum, confidence = _settled(problem, best.x, coarse=False)
     progress(count + 1, count + 1)
     ends = tuple(
         Ended(start_values[k], problem.values(end.x), _cost(coarse, end), _same(coarse, end, best))
@@ -74,22 +74,30 @@ def from_afar(problem: Problem) -> Confidence | None:
     start = coarse.start(starts(problem.unknowns, 1)[0])
     if not np.isfinite(coarse.compare(start)[0]).all():
         return None
-    optimum, _ = _settled(coarse, coarse.search(start, coarse=True), coarse=True)
+    optimum, _ = _settled(coarse, start, coarse=True)
     return confidence_of(problem, problem.optimum_at(optimum.x, optimum.at_bound))
 
 
-def _settled(problem: Problem, optimum: Optimum, *, coarse: bool) -> tuple[Optimum, Confidence]:
-    """An optimum without a lower point nearby, and its confidence, jags of the cost included."""
+def _settled(problem: Problem, x: NDArray[np.float64], *, coarse: bool) -> tuple[Optimum, Confidence]:
+    """The optimum from ``x`` on without a lower point nearby, and its confidence, jags of the cost included.
+
+    On the way from jag to jag digits are of no use: a search to the last of them takes four times the runs.
+    """
+    jags = any(isinstance(observation.data, BenchRecord) for observation in problem.observations)
+    optimum = problem.search(x, coarse=coarse or jags)
     confidence = confidence_of(problem, optimum)
-    if not any(isinstance(observation.data, BenchRecord) for observation in problem.observations):
+    if not jags:
         return optimum, confidence
     neighborhood = surroundings(problem, optimum, confidence)
     for _ in range(_MOST_DESCENTS):
         if neighborhood.drop < _DROP:
             break
-        optimum = problem.search(neighborhood.lowest, coarse=coarse)
+        optimum = problem.search(neighborhood.lowest, coarse=True)
         confidence = confidence_of(problem, optimum)
         neighborhood = surroundings(problem, optimum, confidence)
+    if not coarse:
+        optimum = problem.search(optimum.x)
+        confidence = confidence_of(problem, optimum)
     return optimum, confidence.widened(neighborhood.growth)
 
 
