@@ -31,6 +31,9 @@ _ROUNDING = 1e-6
 _NEGLIGIBLE = 0.01
 """Negligible friction, as a share of its start, the spring's force at 1 deg: it holds the column within 0.01 deg."""
 
+_SMALL = 0.1
+"""Share of a friction at which another start begins: a model whose column sticks has no slopes that would free it."""
+
 _FALL = frozenset({BREAKAWAY, STRIBECK})
 """Rows of a friction that falls over a velocity."""
 
@@ -74,7 +77,8 @@ def fit_what_is_seen(
     even = _without(start, (DRY, *FRICTION_CURVE) if friction_open else FRICTION_CURVE)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
-        identification = identify(even, data, keys, law=law, starts=plan.starts)
+        begins = [{}, {DRY: _SMALL * even[DRY]}] if DRY in keys else [{}]
+        identification = identify(even, data, keys, law=law, starts=plan.starts, begins=begins)
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}
         none = [key for key, estimate in status.items() if key == DRY and _is_none(estimate)]
         weak = [key for key, estimate in status.items() if _is_open(estimate)]
@@ -111,7 +115,7 @@ def _curved(
         if not curve:
             return even
         try:
-            identification = identify(start, data, [*begin, *curve], law=law, starts=1, begin=begin)
+            identification = identify(start, data, [*begin, *curve], law=law, starts=1, begins=[begin])
         except InputError:  # an undetermined curve may lie beyond what a loader may have
             return even
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}

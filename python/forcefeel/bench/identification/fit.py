@@ -49,7 +49,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     *,
     law: LawLike = None,
     starts: int = 5,
-    begin: Mapping[str, float] | None = None,
+    begins: Sequence[Mapping[str, float]] = ({},),
     loss: Loss = "huber",
     priors: bool = True,
     as_responses: bool = False,
@@ -65,8 +65,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         data: Responses and records, at least one.
         fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``, of a motor ``"K_t,J_m,k,c,J"``.
         law: The law of the whole loader in the data; default, the original loop, or ``robust`` for a motor.
-        starts: Number of starts of the search: the file's values, then others within tolerance.
-        begin: Values of the first start by row, SI units, such as those of another fit; default, the file's.
+        starts: Number of starts of the search: those of ``begins``, then others within tolerance.
+        begins: Values of the first starts by row, SI units, such as those of another fit; the file's for other rows.
         loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
         priors: Whether normal tolerances are priors.
         as_responses: Convert records into frequency responses first, and use only the linear model.
@@ -114,7 +114,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         _suspect(loader, law, measurement, responses)
     problem = Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in used], loss, priors)
     _check_points(problem)
-    first = np.array([(begin or {}).get(unknown.key, unknown.nominal) for unknown in unknowns])
+    first = np.array([[begin.get(unknown.key, unknown.nominal) for unknown in unknowns] for begin in begins])
     optimum, confidence, ends = search(problem, (first, starts), progress or (lambda done, total: None))
     estimates = _estimates(unknowns, problem, optimum, confidence)
     estimated_loader = _at_estimates(loader, estimates)

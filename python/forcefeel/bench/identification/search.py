@@ -36,16 +36,16 @@ def search(
 
     Args:
         problem: Data and unknowns.
-        begin: Values of the first start, SI units, and the number of starts.
+        begin: Values of the first starts, SI units, (starts, unknowns), and the least number of starts.
         progress: Called with the number of finished searches and of all.
 
     Raises:
         InputError: If the model diverges at every start.
     """
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
-    first, count = begin
+    first, count = begin[0], max(len(begin[0]), begin[1])
     start_values = starts(problem.unknowns, count)
-    start_values[0] = first
+    start_values[: len(first)] = first
     reached: list[tuple[int, Optimum]] = []
     for k, values in enumerate(start_values):
         progress(k, count + 1)
