@@ -59,6 +59,7 @@ pub mod drive;
 pub mod dry_friction;
 pub mod dual;
 pub mod effects;
+pub mod electronic_link;
 pub mod feel;
 pub mod feel_computer;
 pub mod feel_parts;

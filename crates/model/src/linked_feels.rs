@@ -8,7 +8,8 @@
 //! uncouples at its breakout is open at once. The side with priority is given nothing, the other side all: either comes and goes over `t_f` too.
 
 use crate::Scalar;
-use crate::link::{ElectronicLink, LINK_ROWS, PilotLink, Priority};
+use crate::electronic_link::ElectronicLink;
+use crate::link::{LINK_ROWS, PilotLink, Priority};
 
 /// An electronic link between two feels.
 #[derive(Debug, Clone, Copy)]

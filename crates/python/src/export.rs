@@ -7,7 +7,8 @@ use forcefeel_export::controller::{ANSWERS, FLIGHT, Given, INPUTS, Job, answers}
 use forcefeel_export::emit::Source;
 use forcefeel_export::pair::{GivenPair, LINK_ANSWERS, PAIR_ANSWERS, Pair};
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
-use forcefeel_model::link::{LINK_ROWS, MOST_DELAY};
+use forcefeel_model::electronic_link::MOST_DELAY;
+use forcefeel_model::link::LINK_ROWS;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS};
 use forcefeel_model::parameters::COUNT;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};

@@ -47,7 +47,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(linked::simulate_linked, module)?)?;
     module.add_function(wrap_pyfunction!(linked::linked_feels, module)?)?;
     module.add_function(wrap_pyfunction!(linked::linked_outputs, module)?)?;
-    module.add("MOST_LINK_DELAY", forcefeel_model::link::MOST_DELAY)?;
+    module.add("MOST_LINK_DELAY", forcefeel_model::electronic_link::MOST_DELAY)?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
     module.add_function(wrap_pyfunction!(release::release_rule_names, module)?)?;

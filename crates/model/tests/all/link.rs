@@ -1,7 +1,8 @@
 //! The link: its torque by closed forms, and that it gives no energy.
 
 use crate::draws::Draws;
-use forcefeel_model::link::{ElectronicLink, LINK_ROWS, LINK_TABLE, PilotLink};
+use forcefeel_model::electronic_link::ElectronicLink;
+use forcefeel_model::link::{LINK_ROWS, LINK_TABLE, PilotLink};
 use forcefeel_model::shaft::Shaft;
 
 const RUNS: u64 = 10_000;
