@@ -20,13 +20,22 @@ def test_each_setting_has_a_table(export, tmp_path):
     )
     assert status == 0
     assert "settings of the feel: 4" in out
-    assert {path.name for path in (tmp_path / "sheet").iterdir()} == {"pitch_parameters.csv"}
+    assert {path.name for path in (tmp_path / "sheet").iterdir()} == {
+        "pitch_drive.csv",
+        "pitch_drive.html",
+        "pitch_parameters.csv",
+        "pitch_observer.csv",
+    }
 
 
 def test_json_names_files_law_and_loader(export):
     status, out, _ = export("elevator-electric", "--to", "table", "--json")
     found = json.loads(out)
-    assert (status, found["files"], found["law"]) == (0, ["loader_parameters.csv"], "robust")
+    assert (status, found["files"], found["law"]) == (
+        0,
+        ["loader_drive.csv", "loader_drive.html", "loader_parameters.csv", "loader_observer.csv"],
+        "robust",
+    )
     assert found["loader_sha256"] == ff.loader.electric("elevator-electric").fingerprint
 
 

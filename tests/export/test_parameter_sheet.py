@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.export.parameter_sheet import COLUMNS, parameter_sheet
+from forcefeel.export.parameter_sheet import COLUMNS, observer_sheet, parameter_sheet
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION
 from forcefeel.units import factor
 
@@ -15,9 +15,13 @@ FEEL = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
 
 
 def rows(exported):
-    read = list(csv.reader(parameter_sheet(exported).splitlines()))
-    assert tuple(read[0]) == COLUMNS
-    return {(row[0], row[2]): row for row in read[1:]}
+    """Of both sheets, which share no row."""
+    sheets = [list(csv.reader(sheet(exported).splitlines())) for sheet in (parameter_sheet, observer_sheet)]
+    assert all(tuple(read[0]) == COLUMNS for read in sheets)
+    listed = [row for read in sheets for row in read[1:]]
+    keyed = {(row[0], row[2]): row for row in listed}
+    assert len(keyed) == len(listed)
+    return keyed
 
 
 @pytest.fixture(scope="module")

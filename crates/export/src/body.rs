@@ -1,7 +1,7 @@
 //! The lines of a function of C: an operation each, in the order in which they were asked for.
 
 use crate::blocks::{ALWAYS, Blocks, Operands, choice};
-use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, INPUTS, name_of};
+use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, INPUTS, name_of, row_name};
 use crate::dots::{Product, products};
 use crate::operands::{held, of_few_steps, operands_of, reached, within};
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
@@ -10,6 +10,9 @@ use std::collections::{HashMap, HashSet};
 
 /// Operations in the arms of a select from which on they are worth a branch.
 const WORTH_A_BRANCH: usize = 2;
+
+/// Names of a function's arguments and of loops.
+const RESERVED: [&str; 12] = ["state", "from", "to", "in", "out", "flight", "seen", "good", "k", "m", "c", "r"];
 
 /// The lines of a function while they are written.
 #[derive(Debug)]
@@ -23,8 +26,15 @@ pub struct Body<'a> {
     products: Vec<Product>,
     /// The product of each row.
     product_of: HashMap<u32, usize>,
-    /// What a function is given under names of its own; elsewhere a node's name is its number.
-    names: Option<HashMap<u32, String>>,
+    /// The name of each node that has one by now.
+    names: HashMap<u32, String>,
+    /// The names that are taken.
+    taken: HashSet<String>,
+    /// Whether it is a part's, which is given the settings.
+    is_part: bool,
+    /// The section that was written last, and those that were begun.
+    section: &'static str,
+    begun: HashSet<&'static str>,
     /// Banks whose settings a function is given.
     banks: Vec<Bank>,
     done: HashSet<u32>,
@@ -34,15 +44,25 @@ pub struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// A body that gives `wanted`.
-    pub fn of(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32]) -> Self {
-        Self::with(writer, graph, wanted, None)
+    /// A body that gives `wanted`, and what it calls them.
+    pub fn of(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32], called: &[(u32, String)]) -> Self {
+        let mut body = Self::with(writer, graph, wanted, None);
+        for (node, name) in called {
+            let kept = matches!(graph.nodes[*node as usize], Node::Input(_) | Node::Flag(_) | Node::Known(..));
+            if !kept && !body.names.contains_key(node) {
+                let name = body.free(name, false);
+                body.names.insert(*node, name);
+            }
+        }
+        body
     }
 
     /// The body of a part, whose names are those that it is given.
     fn with(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32], names: Option<HashMap<u32, String>>) -> Self {
         let mut operands: Vec<Vec<u32>> = (0..graph.nodes.len()).map(|place| operands_of(graph, place)).collect();
-        let given: HashSet<u32> = names.iter().flat_map(HashMap::keys).copied().collect();
+        let (is_part, names) = (names.is_some(), names.unwrap_or_default());
+        let given: HashSet<u32> = names.keys().copied().collect();
+        let taken = names.values().cloned().chain(RESERVED.map(str::to_owned)).collect();
         for &node in &given {
             operands[node as usize] = Vec::new();
         }
@@ -75,6 +95,10 @@ impl<'a> Body<'a> {
             products,
             product_of,
             names,
+            taken,
+            is_part,
+            section: "",
+            begun: HashSet::new(),
             banks: Vec::new(),
             done,
             text: String::new(),
@@ -113,16 +137,20 @@ impl<'a> Body<'a> {
             self.write(one, block);
         }
         if let Node::Part(roots, given) = &self.graph.nodes[node as usize] {
+            self.enter(node);
             let call = self.call(node, roots, given);
             self.line(&call);
         } else if let Some(&product) = self.product_of.get(&node) {
             let product = self.products[product].clone();
             self.done.extend(product.rows.iter().map(|&(_, node)| node));
+            self.enter(node);
             self.write_product(&product);
         } else if let Some(value) = self.value(node) {
+            self.enter(node);
             let kind = self.kind(node);
             let name = self.named(node);
-            self.line(&format!("const {kind} {name} = {value};"));
+            let rows = self.rows(&self.graph.nodes[node as usize].operands());
+            self.line(&format!("const {kind} {name} = {value};{rows}"));
             self.operations.0 += usize::from(!self.operands.of[node as usize].is_empty());
         }
     }
@@ -142,6 +170,10 @@ impl<'a> Body<'a> {
             self.write(node, group.block);
         }
         let mask = self.spelled(group.mask);
+        let of_mask = self.rows(&[group.mask]);
+        if let Some(&(first, _)) = members.first() {
+            self.enter(first);
+        }
         if self.work(&within) < WORTH_A_BRANCH {
             for arm in group.arms {
                 self.write_block(arm);
@@ -153,7 +185,8 @@ impl<'a> Body<'a> {
                     [Some(second), None] => format!("{mask} && {second}"),
                     [None, second] => format!("(!{mask}) && {}", second.unwrap_or_default()),
                 };
-                self.line(&format!("const {kind} {name} = {chosen};"));
+                let rows = self.rows(&[&[group.mask], &*arms.into_iter().flatten().collect::<Vec<_>>()].concat());
+                self.line(&format!("const {kind} {name} = {chosen};{rows}"));
                 self.operations.0 += 1;
             }
             return;
@@ -162,14 +195,16 @@ impl<'a> Body<'a> {
             let (kind, name) = (self.kind(node), self.named(node));
             self.line(&format!("{kind} {name};"));
         }
-        for (arm, begin) in [format!("if ({mask}) {{"), "} else {".to_owned()].into_iter().enumerate() {
+        for (arm, begin) in [format!("if ({mask}) {{{of_mask}"), "} else {".to_owned()].into_iter().enumerate() {
             self.line(&begin);
             self.indent += 1;
             self.write_block(group.arms[arm]);
             for &(node, arms) in &members {
                 let name = self.named(node);
                 let value = arms[arm].map_or_else(|| "false".to_owned(), |chosen| self.spelled(chosen));
-                self.line(&format!("{name} = {value};"));
+                let rows = arms[arm].map_or_else(String::new, |chosen| self.rows(&[chosen]));
+                self.enter(node);
+                self.line(&format!("{name} = {value};{rows}"));
             }
             self.indent -= 1;
         }
@@ -180,7 +215,11 @@ impl<'a> Body<'a> {
     /// What is done in a block and those that lie in it.
     fn all_within(&self, block: usize) -> Vec<u32> {
         let inside = |&(other, _): &(&usize, &Vec<u32>)| self.blocks.enclosing(*other).contains(&block);
-        self.nodes.iter().filter(inside).flat_map(|(_, nodes)| nodes.iter().copied()).collect()
+        let mut within: Vec<u32> =
+            self.nodes.iter().filter(inside).flat_map(|(_, nodes)| nodes.iter().copied()).collect();
+        // The same law is the same C each time, whatever the order of a map.
+        within.sort_unstable();
+        within
     }
 
     /// How much nodes are to be computed.
@@ -193,6 +232,26 @@ impl<'a> Body<'a> {
             _ => usize::from(!self.operands.of[node as usize].is_empty()),
         };
         nodes.iter().map(of).sum()
+    }
+
+    /// The rows of known numbers among nodes, as a comment.
+    fn rows(&self, nodes: &[u32]) -> String {
+        // What is compared with a known number bears its rows too, and is no number itself.
+        let rows = self.graph.rows_of(nodes);
+        if rows.is_empty() {
+            return String::new();
+        }
+        format!(" /* {} */", rows.into_iter().map(row_name).collect::<Vec<_>>().join(", "))
+    }
+
+    /// A line that tells the section of a node, where another begins.
+    fn enter(&mut self, node: u32) {
+        let section = self.graph.sections[node as usize];
+        if section != self.section {
+            self.section = section;
+            let again = if self.begun.insert(section) { "" } else { ", continued" };
+            self.line(&format!("/* section: {section}{again} */"));
+        }
     }
 
     fn line(&mut self, line: &str) {
@@ -237,7 +296,7 @@ impl<'a> Body<'a> {
             Node::Known(..) | Node::Data(..) | Node::Holds(..) | Node::Given(_) | Node::Select(..) | Node::Part(..) => {
                 return None;
             }
-            Node::Gives(part, place) => format!("p{part}[{place}]"),
+            Node::Gives(part, place) => format!("{}[{place}]", self.results(part)),
         })
     }
 
@@ -259,6 +318,8 @@ impl<'a> Body<'a> {
         let rows: Vec<Vec<Bits>> = product.rows.iter().map(|(data, _)| data.iter().map(bits).collect()).collect();
         let (own, same) = self.writer.tables(&rows);
         let bank = self.setting(product.bank);
+        let data: Vec<u32> = product.rows.iter().flat_map(|(data, _)| data.iter().copied()).collect();
+        let of_data = self.rows(&data);
         let vector: Vec<String> = product.vector.iter().map(|&node| self.spelled(node)).collect();
         let (own_row, same_row) = (format!("{bank}->m{}", own.place), self.writer.same_table(same.place));
         let sum = |own_row: &str, same_row: &str| {
@@ -275,25 +336,26 @@ impl<'a> Body<'a> {
             for (k, &(_, node)) in product.rows.iter().enumerate() {
                 let name = self.named(node);
                 let sum = sum(&format!("{own_row}[{k}]"), &format!("{same_row}[{k}]"));
-                self.line(&format!("const {real} {name} = {sum};"));
+                self.line(&format!("const {real} {name} = {sum};{of_data}"));
             }
             self.operations.0 += terms;
             return;
         }
         self.operations.1 += terms;
         let (first, count) = (product.rows[0].1, product.rows.len());
-        self.line(&format!("{real} r{first}[{count}];"));
+        let sums = self.free(&format!("{}_rows", self.graph.sections[first as usize]), false);
+        self.line(&format!("{real} {sums}[{count}];"));
         self.line(&format!("for (unsigned int k = 0U; k < {count}U; ++k) {{"));
         for (name, table, row) in [("m", &own, own_row), ("c", &same, same_row)] {
             if !table.columns.is_empty() {
                 self.line(&format!("    const {real} *const {name} = {row}[k];"));
             }
         }
-        self.line(&format!("    r{first}[k] = {};", sum("m", "c")));
+        self.line(&format!("    {sums}[k] = {};{of_data}", sum("m", "c")));
         self.line("}");
         for (k, &(_, node)) in product.rows.iter().enumerate() {
             let name = self.named(node);
-            self.line(&format!("const {real} {name} = r{first}[{k}];"));
+            self.line(&format!("const {real} {name} = {sums}[{k}];"));
         }
     }
 
@@ -301,11 +363,14 @@ impl<'a> Body<'a> {
     fn call(&mut self, node: u32, roots: &[u32], given: &[u32]) -> String {
         let held = held(self.graph, roots);
         let inside = self.graph.nodes.iter().enumerate().filter_map(|(place, node)| match node {
-            Node::Given(k) => Some((u32::try_from(place).ok()?, format!("a{k}"))),
+            Node::Given(k) => Some((u32::try_from(place).ok()?, format!("given_{k}"))),
             _ => None,
         });
-        let kept = held.iter().enumerate().map(|(k, &node)| (node, format!("c{k}")));
-        let mut body = Body::with(self.writer, self.graph, roots, Some(inside.chain(kept).collect()));
+        // The section of what is given out, which the part began.
+        let section = roots.first().map_or("", |&root| self.graph.sections[root as usize]);
+        let kept: Vec<(u32, String)> = held.iter().map(|&node| (node, self.named(node))).collect();
+        let names = inside.chain(kept.iter().cloned()).collect();
+        let mut body = Body::with(self.writer, self.graph, roots, Some(names));
         // In the order in which what is given needs them, which is the same in each setting.
         for &root in roots {
             body.write(root, ALWAYS);
@@ -317,30 +382,41 @@ impl<'a> Body<'a> {
         let (banks, lines, operations) = (body.banks, body.text, body.operations);
         let real = self.writer.real();
         let pointers = (0..banks.len()).map(|k| format!("const {}_setting *s{k}", self.writer.name));
-        let numbers = (0..given.len()).map(|k| format!("{real} a{k}"));
-        let kept = held.iter().enumerate().map(|(k, &node)| format!("{} c{k}", self.kind(node)));
+        let numbers = (0..given.len()).map(|k| format!("{real} given_{k}"));
+        let kept = kept.iter().map(|(node, name)| format!("{} {name}", self.kind(*node)));
         let gives = if roots.len() == 1 { real.clone() } else { "void".to_owned() };
         let results = (roots.len() > 1).then(|| format!("{real} *r"));
         let parameters = pointers.chain(results).chain(numbers).chain(kept).collect::<Vec<_>>().join(", ");
         let known = self.writer.functions.len();
-        let name = self.writer.function(gives, parameters, lines);
+        let name = self.writer.function(section, gives, parameters, lines);
         if self.writer.functions.len() > known {
             self.operations.0 += operations.0;
         }
         let settings: Vec<String> = banks.into_iter().map(|bank| self.setting(bank)).collect();
-        let results = if roots.len() == 1 { Vec::new() } else { vec![format!("p{node}")] };
+        let results = if roots.len() == 1 { Vec::new() } else { vec![self.results(node)] };
         let values: Vec<String> = given.iter().chain(&held).map(|&node| self.spelled(node)).collect();
         let call = format!("{name}({});", [settings, results, values].concat().join(", "));
         if roots.len() == 1 {
             return format!("const {real} {} = {call}", self.named(node));
         }
-        self.line(&format!("{real} p{node}[{}];", roots.len()));
+        let results = self.results(node);
+        self.line(&format!("{real} {results}[{}];", roots.len()));
         call
+    }
+
+    /// The array of what a part gives.
+    fn results(&mut self, part: u32) -> String {
+        if let Some(name) = self.names.get(&part) {
+            return name.clone();
+        }
+        let name = self.free(&format!("{}_results", self.graph.sections[part as usize]), false);
+        self.names.insert(part, name.clone());
+        name
     }
 
     /// Where the numbers of a bank are.
     fn setting(&mut self, bank: Bank) -> String {
-        if self.names.is_none() {
+        if !self.is_part {
             return if bank == Bank::To { "to" } else { "from" }.to_owned();
         }
         let place = self.banks.iter().position(|&known| known == bank).unwrap_or_else(|| {
@@ -354,7 +430,7 @@ impl<'a> Body<'a> {
     pub fn spelled(&mut self, node: u32) -> String {
         let node = self.blocks.meant(node);
         let bank = match &self.graph.nodes[node as usize] {
-            Node::Known(_, bank) | Node::Data(_, bank) | Node::Holds(_, bank) if *bank != Bank::All => {
+            Node::Known(_, bank, _) | Node::Data(_, bank) | Node::Holds(_, bank) if *bank != Bank::All => {
                 self.setting(*bank)
             }
             _ => String::new(),
@@ -366,12 +442,29 @@ impl<'a> Body<'a> {
     }
 
     fn named(&mut self, node: u32) -> String {
-        match &mut self.names {
-            None => format!("v{node}"),
-            Some(names) => {
-                let next = format!("t{}", names.len());
-                names.entry(node).or_insert(next).clone()
-            }
+        if let Some(name) = self.names.get(&node) {
+            return name.clone();
         }
+        let name = match (&self.graph.nodes[node as usize], self.graph.names.get(&node)) {
+            (&Node::Input(place) | &Node::Flag(place), _) => {
+                let from = if place < INPUTS.len() { "input_" } else { "" };
+                let name = name_of(place).replace(['.', '['], "_").replace(']', "");
+                self.free(&format!("{from}{name}"), false)
+            }
+            (_, Some(name)) => self.free(name, false),
+            _ => self.free(self.graph.sections[node as usize], true),
+        };
+        self.names.insert(node, name.clone());
+        name
+    }
+
+    /// A name that is not taken: this one, or with a number.
+    fn free(&mut self, name: &str, numbered: bool) -> String {
+        let first = usize::from(!numbered) + 1;
+        let bare = (!numbered && !self.taken.contains(name)).then(|| name.to_owned());
+        let mut numbers = (first..).map(|k| format!("{name}_{k}"));
+        let free = bare.or_else(|| numbers.find(|name| !self.taken.contains(name))).unwrap_or_default();
+        self.taken.insert(free.clone());
+        free
     }
 }

@@ -4,7 +4,7 @@ use crate::trace::{Bank, Graph, Mask, Trace, input_as_f64, traced};
 use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::Cancellation;
 use forcefeel_model::compensator::Compensator;
-use forcefeel_model::contact_law::ContactState;
+use forcefeel_model::contact_law::{CONTACT_NUMBERS, ContactState};
 use forcefeel_model::control::{Control, FeelState, LawState, Sample};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
@@ -12,14 +12,14 @@ use forcefeel_model::drive::Kind;
 use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
-use forcefeel_model::known_friction::FrictionState;
+use forcefeel_model::known_friction::{FRICTION_NUMBERS, FrictionState};
 use forcefeel_model::law_inputs::{
     ADDED as ADDED_RANGES, SHAKER_SWING, STIFFNESS_FACTOR as FACTOR_RANGE, TRIM as TRIM_RANGE, sensed,
 };
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
 use forcefeel_model::surface::{Added, FlightState};
 use forcefeel_model::with_drive;
 use std::sync::OnceLock;
@@ -189,8 +189,8 @@ impl Job {
     }
 
     /// The parameters of a setting, or of all in one bank, made of numbers by `number`.
-    pub(crate) fn parameters<S: Scalar>(&self, number: impl Fn(&dyn Fn(usize) -> f64) -> S) -> Parameters<S> {
-        Parameters::from_values(&core::array::from_fn(|k| number(&|setting| self.values[setting][k])))
+    pub(crate) fn parameters<S: Scalar>(&self, number: impl Fn(usize, &dyn Fn(usize) -> f64) -> S) -> Parameters<S> {
+        Parameters::from_values(&core::array::from_fn(|k| number(k, &|setting| self.values[setting][k])))
     }
 
     fn observer<S: Scalar>(&self, number: impl Fn(usize, &dyn Fn(usize) -> f64) -> S) -> Observer<S> {
@@ -225,7 +225,7 @@ impl Job {
 
     /// Play and cogging are left out: where in them the drive hangs, load cell and column do not show.
     fn still_of<K: Kind>(&self, shared: &Shared, setting: usize) -> Still<f64> {
-        let mut parameters = self.parameters(|of| of(setting));
+        let mut parameters = self.parameters(|_, of| of(setting));
         (parameters.linkage.backlash, parameters.transmission.backlash) = (0.0, 0.0);
         let shared = Shared {
             effects: Effects { saturation: false, ..shared.effects.smooth() },
@@ -275,6 +275,7 @@ impl Job {
                     *input = [input_as_f64(ADDED + k); 2];
                 }
             }
+            Trace::section("inputs");
             let (mut feeling, mut remembered) = state();
             let zero = Trace::known(&vec![0.0; self.values.len()], Bank::All);
             let sample = Sample { sensors: core::array::from_fn(Trace::input), pilot_force: zero };
@@ -302,7 +303,8 @@ impl Job {
     /// Traces what the surface, the same in all settings, adds to the feel in a flight.
     pub fn hinge_moment(&self) -> Program {
         let (outputs, graph) = traced(self.single, 1, None, || {
-            let parameters = self.parameters(|of| Trace::known(&[of(0)], Bank::From));
+            Trace::section("surface");
+            let parameters = self.parameters(|row, of| Trace::known(&[of(0)], Bank::From).of_row(row));
             let given: [Trace; FLIGHT.len()] = core::array::from_fn(|k| Trace::input(FIRST_OF_FLIGHT + k));
             let names = ["added_force", "added_stiffness", "added_damping"];
             names.into_iter().zip(added(&parameters, given).map(|number| number.0)).collect::<Vec<_>>()
@@ -317,7 +319,7 @@ impl Job {
     }
 
     fn added_in<S: Scalar + Into<f64>>(&self, like: S, given: &[[f64; FLIGHT.len()]]) -> Vec<[f64; 3]> {
-        let parameters = self.parameters(|of| like.constant(of(0)));
+        let parameters = self.parameters(|_, of| like.constant(of(0)));
         let added = |row: &[f64; FLIGHT.len()]| added(&parameters, row.map(|number| like.constant(number)));
         given.iter().map(|row| added(row).map(Into::into)).collect()
     }
@@ -325,6 +327,7 @@ impl Job {
     /// Traces the start at rest where the column stands.
     pub fn reset(&self) -> Program {
         let (next, graph) = self.traced(|shared, control| {
+            Trace::section("rest");
             let still = self.still(shared).map(|pair| pair.map(|of| number(&of, Bank::From)));
             let (feeling, remembered) = resting(control, &still, [BASE, FORCE, TRIM].map(Trace::input));
             next(&feeling, &remembered)
@@ -345,9 +348,11 @@ impl Job {
         let bank = |bank: Bank| {
             let law = self.observer(|place, of| {
                 let numbers = all(of);
-                if self.is_of_matrices(place) { number(&numbers, bank) } else { Trace::known(&numbers, bank) }
+                let number =
+                    if self.is_of_matrices(place) { number(&numbers, bank) } else { Trace::known(&numbers, bank) };
+                number.of_row(COUNT + part_of(place).0)
             });
-            (self.parameters(|of| Trace::known(&all(of), bank)), law)
+            (self.parameters(|row, of| Trace::known(&all(of), bank).of_row(row)), law)
         };
         let ((from, law), (to, next_law)) = (bank(Bank::From), bank(Bank::To));
         let mut control = control::<_, K>(&from, law, shared);
@@ -357,17 +362,9 @@ impl Job {
 
     /// Whether a number of the law is one of its matrices' that the law has states for.
     fn is_of_matrices(&self, place: usize) -> bool {
-        const KNOWN: usize = MOST_STATES + SAMPLED + 2;
-        const WIDE: usize = SAMPLED + 1;
         let n = self.states;
         let is_computed = |k: usize| k < n || k >= MOST_STATES;
-        let parts =
-            [MOST_STATES * MOST_STATES, MOST_STATES * WIDE, KNOWN, KNOWN, MOST_STATES * WIDE, 2, KNOWN, MOST_STATES];
-        let (mut part, mut k) = (0, place);
-        while part < parts.len() && k >= parts[part] {
-            k -= parts[part];
-            part += 1;
-        }
+        let (part, k) = part_of(place);
         match part {
             0 => k / MOST_STATES < n && k % MOST_STATES < n,
             1 | 4 => k / WIDE < n,
@@ -376,6 +373,41 @@ impl Job {
             7 => k < n,
             _ => false,
         }
+    }
+}
+
+const KNOWN: usize = MOST_STATES + SAMPLED + 2;
+const WIDE: usize = SAMPLED + 1;
+
+/// The parts of a law's numbers in their order, and how many numbers each has.
+const LAW_PARTS: [(&str, usize); 10] = [
+    ("law.transition", MOST_STATES * MOST_STATES),
+    ("law.input", MOST_STATES * WIDE),
+    ("law.command", KNOWN),
+    ("law.torque", KNOWN),
+    ("law.settled", MOST_STATES * WIDE),
+    ("law.neutral", 2),
+    ("law.friction_rate", KNOWN),
+    ("law.friction_xi", MOST_STATES),
+    ("law.friction", FRICTION_NUMBERS - KNOWN - MOST_STATES),
+    ("law.contact", CONTACT_NUMBERS),
+];
+
+/// The part that a number of the law is in, and its place there.
+fn part_of(place: usize) -> (usize, usize) {
+    let (mut part, mut k) = (0, place);
+    while k >= LAW_PARTS[part].1 {
+        k -= LAW_PARTS[part].1;
+        part += 1;
+    }
+    (part, k)
+}
+
+/// The name of a row by its place: of the parameter table, or of a part of the law's numbers.
+pub fn row_name(row: usize) -> String {
+    match row.checked_sub(COUNT) {
+        None => format!("{}.{}", TABLE[row].part, TABLE[row].name),
+        Some(part) => LAW_PARTS[part].0.to_owned(),
     }
 }
 
@@ -557,7 +589,7 @@ impl<S: Scalar> Controller<S> {
         let shared = job.shared();
         let parts: Vec<_> = (0..job.values.len())
             .map(|setting| {
-                let parameters = job.parameters(|of| like.constant(of(setting)));
+                let parameters = job.parameters(|_, of| like.constant(of(setting)));
                 let law = job.observer(|_, of| like.constant(of(setting)));
                 (parameters, law, control::<S, K>(&parameters, law, &shared))
             })

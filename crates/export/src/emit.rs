@@ -101,7 +101,10 @@ fn program(
     checked: bool,
 ) -> (String, (usize, usize)) {
     let graph = &program.graph;
-    let mut body = Body::of(writer, graph, &wanted(program, states));
+    let next = program.next.iter().filter(|(place, _)| states.contains(place));
+    let next = next.map(|&(place, node)| (node, format!("next_{}", name_of(place))));
+    let outputs = program.outputs.iter().map(|&(what, node)| (node, what.replace('[', "_").replace(']', "")));
+    let mut body = Body::of(writer, graph, &wanted(program, states), &next.chain(outputs).collect::<Vec<_>>());
     body.write_all();
     let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
     let mut results: Vec<String> = results.collect();
@@ -113,6 +116,7 @@ fn program(
     let sum: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
     let sum = sum.join(" + ");
     let (mut text, operations) = body.text();
+    text += "    /* section: result */\n";
     if checked {
         let _ = writeln!(text, "    const bool good = {}_is_number({sum});\n    if (good) {{", writer.name);
     }

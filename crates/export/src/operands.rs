@@ -38,7 +38,7 @@ pub fn within(graph: &Graph, node: u32) -> Option<(u32, u32)> {
     let &Node::BinaryOp(BinaryOp::Max, x, low) = &graph.nodes[inner as usize] else { return None };
     let opposite = match (&graph.nodes[low as usize], &graph.nodes[high as usize]) {
         (&Node::UnaryOp(UnaryOp::Neg, size), _) => size == high,
-        (Node::Known(low, _), Node::Known(high, _)) => {
+        (Node::Known(low, ..), Node::Known(high, ..)) => {
             low.iter().zip(high).all(|(&low, &high)| low == (-f64::from_bits(high)).to_bits())
         }
         _ => false,
@@ -48,7 +48,7 @@ pub fn within(graph: &Graph, node: u32) -> Option<(u32, u32)> {
 
 fn not_negative(graph: &Graph, node: u32) -> bool {
     match &graph.nodes[node as usize] {
-        Node::Known(bits, _) => bits.iter().all(|&bits| f64::from_bits(bits) >= 0.0),
+        Node::Known(bits, ..) => bits.iter().all(|&bits| f64::from_bits(bits) >= 0.0),
         Node::UnaryOp(UnaryOp::Abs, _) => true,
         &Node::BinaryOp(BinaryOp::Max, a, b) => not_negative(graph, a) || not_negative(graph, b),
         _ => false,
@@ -71,7 +71,7 @@ pub fn reached(operands: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
 /// whether it has digits behind the point.
 pub fn of_few_steps(graph: &Graph, node: u32) -> bool {
     let known = |node: u32| match &graph.nodes[node as usize] {
-        Node::Known(bits, _) => Some(bits.iter().map(|&bits| f64::from_bits(bits)).collect::<Vec<_>>()),
+        Node::Known(bits, ..) => Some(bits.iter().map(|&bits| f64::from_bits(bits)).collect::<Vec<_>>()),
         _ => None,
     };
     let &Node::BinaryOp(BinaryOp::Div, x, step) = &graph.nodes[node as usize] else { return false };

@@ -44,10 +44,10 @@ pub const PAIR_ANSWERS: usize = 2 * ANSWERS + LINK_ANSWERS;
 
 impl Pair {
     fn link<S: Scalar>(&self, number: impl Fn(f64) -> S) -> Link<S> {
-        let arms = self.jobs.each_ref().map(|job| job.parameters(|of| number(of(0))).column.grip_arm);
+        let arms = self.jobs.each_ref().map(|job| job.parameters(|_, of| number(of(0))).column.grip_arm);
         let first = &self.jobs[0];
         let LinkTimes { period, change } =
-            LinkTimes::new(first.period_s, first.parameters(|of| of(0)).safety.fade_time);
+            LinkTimes::new(first.period_s, first.parameters(|_, of| of(0)).safety.fade_time);
         Link {
             feels: LinkedFeels::new(&self.values.map(&number), self.delay, self.uncouples),
             times: LinkTimes { period: number(period), change: number(change) },
@@ -58,6 +58,7 @@ impl Pair {
     /// Traces a sample of the link: ages of 0, 1, `d` and `d + 1` periods are all that it reads.
     pub fn program(&self) -> Program {
         let ((outputs, numbers), graph) = traced(self.jobs[0].single, 1, None, || {
+            Trace::section("link");
             let known = |value: f64| Trace::known(&[value], Bank::All);
             let input = |k: usize| Trace::input(FIRST_OF_LINK + k);
             let flag = |name: &str| Mask::flag(FIRST_OF_LINK + LINK.iter().take_while(|&&of| of != name).count());

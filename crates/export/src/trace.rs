@@ -12,7 +12,7 @@ mod parts;
 use core::cell::RefCell;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use forcefeel_model::Scalar;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Which settings a known number is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -51,8 +51,8 @@ pub enum UnaryOp {
 /// A node: what it is made of.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// Known: the bits of its value in each setting.
-    Known(Vec<u64>, Bank),
+    /// Known: the bits of its value in each setting, and from which set of rows it follows, 0 for none.
+    Known(Vec<u64>, Bank, usize),
     /// Known too, and kept as data whatever it is: a number of the law's matrices.
     Data(Vec<u64>, Bank),
     /// An input or a state, by its place.
@@ -96,6 +96,15 @@ pub struct Graph {
     share: Option<usize>,
     /// Parts that have begun and not ended.
     parts: usize,
+    /// The section that operations belong to from now on.
+    section: &'static str,
+    /// The section of each node: that in which it was made first.
+    pub sections: Vec<&'static str>,
+    /// Nodes with a name of their own.
+    pub names: HashMap<u32, &'static str>,
+    /// The rows, by their places, that data and masks follow from, and those that known numbers do.
+    rows: HashMap<u32, BTreeSet<usize>>,
+    row_sets: Vec<BTreeSet<usize>>,
 }
 
 thread_local! {
@@ -134,12 +143,51 @@ impl Graph {
         let place = u32::try_from(self.nodes.len()).expect("a period has less than 2^32 operations");
         self.known.insert(node.clone(), place);
         self.nodes.push(node);
+        self.sections.push(self.section);
         place
+    }
+
+    /// The node as what follows from rows too; zero, one and infinity, which leave no operation, follow from none.
+    fn follows_from(&mut self, node: u32, rows: BTreeSet<usize>) -> u32 {
+        let neutral = |bits: &u64| [0.0, 1.0, f64::INFINITY].contains(&f64::from_bits(*bits).abs());
+        match &self.nodes[node as usize] {
+            _ if rows.is_empty() => node,
+            Node::Known(bits, ..) if bits.iter().all(neutral) => node,
+            Node::Known(bits, bank, _) => {
+                let (bits, bank) = (bits.clone(), *bank);
+                let rows = &rows | &self.rows_of(&[node]);
+                let set = self.row_sets.iter().position(|known| *known == rows).unwrap_or_else(|| {
+                    self.row_sets.push(rows);
+                    self.row_sets.len() - 1
+                });
+                self.put(Node::Known(bits, bank, set + 1))
+            }
+            _ => {
+                self.rows.entry(node).or_default().extend(rows);
+                node
+            }
+        }
+    }
+
+    /// The rows that known numbers among nodes follow from.
+    pub fn rows_of(&self, nodes: &[u32]) -> BTreeSet<usize> {
+        let of = |node: &u32| match &self.nodes[*node as usize] {
+            Node::Known(_, _, set) => set.checked_sub(1).map(|set| &self.row_sets[set]),
+            _ => self.rows.get(node),
+        };
+        nodes.iter().filter_map(of).flatten().copied().collect()
+    }
+
+    /// A number that is known since others are.
+    fn folded(&mut self, values: &[f64], bank: Bank, of: &[u32]) -> u32 {
+        let number = self.number(values, bank);
+        let rows = self.rows_of(of);
+        self.follows_from(number, rows)
     }
 
     /// Values in all settings and the bank, of what may be folded.
     fn value(&self, node: u32) -> Option<(Vec<f64>, Bank)> {
-        let Node::Known(bits, bank) = &self.nodes[node as usize] else { return None };
+        let Node::Known(bits, bank, _) = &self.nodes[node as usize] else { return None };
         Some((bits.iter().map(|&bits| f64::from_bits(bits)).collect(), *bank))
     }
 
@@ -152,7 +200,7 @@ impl Graph {
         let rounded = values.iter().map(|&value| self.rounded(value).to_bits());
         let bits: Vec<u64> = rounded.collect();
         let same = bits.iter().all(|&one| one == bits[0]);
-        self.put(Node::Known(bits, if same { Bank::All } else { bank }))
+        self.put(Node::Known(bits, if same { Bank::All } else { bank }, 0))
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is what is asked")]
@@ -166,7 +214,7 @@ impl Graph {
             let single = self.single;
             let of = |x: f64| if single { f64::from(apply_one(operation, x as f32)) } else { apply_one(operation, x) };
             let evaluated: Vec<f64> = values.into_iter().map(of).collect();
-            return self.number(&evaluated, bank);
+            return self.folded(&evaluated, bank, &[a]);
         }
         if operation == UnaryOp::Neg
             && let Some(reversed) = self.reversed(a)
@@ -203,7 +251,7 @@ impl Graph {
                 if single { f64::from(apply(operation, x as f32, y as f32)) } else { apply(operation, x, y) }
             };
             let evaluated: Vec<f64> = x.into_iter().zip(y).map(|(x, y)| of(x, y)).collect();
-            return self.number(&evaluated, bank);
+            return self.folded(&evaluated, bank, &[a, b]);
         }
         // a + (-b) = a - b, a - (-b) = a + b
         match (operation, &self.nodes[b as usize]) {
@@ -267,7 +315,9 @@ impl Graph {
             && let Some(bank) = together(bank_x, bank_y)
         {
             let evaluated = x.iter().zip(&y).map(|(x, y)| x < y).collect();
-            return self.holds(evaluated, bank);
+            let mask = self.holds(evaluated, bank);
+            let rows = self.rows_of(&[a, b]);
+            return self.follows_from(mask, rows);
         }
         let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
         if a == b || self.is(a, most) || self.is(b, least) {
@@ -364,7 +414,7 @@ impl Graph {
         {
             let evaluated: Vec<f64> =
                 masks.iter().zip(x.iter().zip(y)).map(|(&m, (&x, y))| if m { x } else { y }).collect();
-            return self.number(&evaluated, bank);
+            return self.folded(&evaluated, bank, &[mask, yes, no]);
         }
         self.put(Node::Select(mask, yes, no))
     }
@@ -430,6 +480,12 @@ impl Trace {
             let bits = values.iter().map(|&value| graph.rounded(value).to_bits()).collect();
             graph.put(Node::Data(bits, bank))
         })
+    }
+
+    /// The known number as what follows from a row, by its place.
+    #[must_use]
+    pub fn of_row(self, row: usize) -> Self {
+        put(|graph| graph.follows_from(self.0, BTreeSet::from([row])))
     }
 
     /// An input or a state.
@@ -544,7 +600,10 @@ impl Scalar for Trace {
             let roots = graph.roots(evaluated.map(|one| one.0));
             if !graph.is_worth_a_function(&roots) {
                 let depends = graph.on_given();
-                return evaluated.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
+                let section = graph.section;
+                let written = evaluated.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
+                graph.section = section;
+                return written;
             }
             let part = graph.put(Node::Part(roots.clone(), given.to_vec()));
             evaluated.map(|one| match roots.iter().position(|&root| root == one.0) {
@@ -553,6 +612,15 @@ impl Scalar for Trace {
                 Some(k) => Self(graph.put(Node::Gives(part, k))),
             })
         })
+    }
+    fn section(name: &'static str) {
+        GRAPH.with_borrow_mut(|graph| graph.section = name);
+    }
+    fn named(self, name: &'static str) -> Self {
+        GRAPH.with_borrow_mut(|graph| {
+            graph.names.entry(self.0).or_insert(name);
+        });
+        self
     }
     fn slope_times(self, by: Self) -> Self {
         self * by

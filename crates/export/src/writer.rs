@@ -94,13 +94,13 @@ impl Writer {
         self.inputs.insert(input);
     }
 
-    /// The name of a function, new or there already.
-    pub fn function(&mut self, gives: String, parameters: String, lines: String) -> String {
+    /// The name of a function of a section, new or there already.
+    pub fn function(&mut self, section: &str, gives: String, parameters: String, lines: String) -> String {
         let same = |known: &&Function| known.parameters == parameters && known.lines == lines;
         if let Some(known) = self.functions.iter().find(same) {
             return known.name.clone();
         }
-        let name = format!("{}_part_{}", self.name, self.functions.len());
+        let name = format!("{}_{section}_{}", self.name, self.functions.len() + 1);
         self.functions.push(Function { name: name.clone(), gives, parameters, lines });
         name
     }
@@ -116,8 +116,8 @@ impl Writer {
     /// What is known, as it is spelled in C; `setting` names where the numbers of a bank are. None of what is not known.
     pub fn known(&mut self, graph: &Graph, node: u32, setting: impl Fn(Bank) -> String) -> Option<String> {
         Some(match &graph.nodes[node as usize] {
-            Node::Known(bits, Bank::All) => literal(f64::from_bits(bits[0]), self.single),
-            Node::Known(bits, bank) | Node::Data(bits, bank) => self.number(bits.clone(), &setting(*bank)),
+            Node::Known(bits, Bank::All, _) => literal(f64::from_bits(bits[0]), self.single),
+            Node::Known(bits, bank, _) | Node::Data(bits, bank) => self.number(bits.clone(), &setting(*bank)),
             Node::Holds(values, Bank::All) => values[0].to_string(),
             Node::Holds(values, bank) => {
                 let bits = values.iter().map(|&value| f64::from(u8::from(value)).to_bits()).collect();

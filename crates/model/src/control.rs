@@ -138,15 +138,17 @@ impl<S: Scalar> Control<S> {
         sample: &Sample<S>,
         allow: impl FnOnce(&ControlOutput<S>) -> Option<S>,
     ) -> S {
+        S::section("sampling");
         let [force, piston, base, grip] = sample.sensors;
         let [period, per_period] = [shared.period_s(), 1.0 / shared.period_s()].map(|number| force.constant(number));
         let (force, piston) = self.converters.read(force, piston);
         // There is no tachometer: the velocity is the last period's difference.
-        let base_rate = (base - remembered.base) * per_period;
+        let base_rate = ((base - remembered.base) * per_period).named("base_rate");
         remembered.base = base;
         let y = self.sampled(&[force, piston, base, grip]);
         let [delta, delta_rate] = feeling.motion.at;
-        let piston_rate = (piston - remembered.position) * per_period;
+        let piston_rate = ((piston - remembered.position) * per_period).named("drive_rate");
+        S::section("cancellation");
         let added = shared.cancellation.map(|known| known.command(piston, piston_rate, delta_rate));
         remembered.position = piston;
         let fade = inputs.fade[0];
@@ -162,6 +164,7 @@ impl<S: Scalar> Control<S> {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
             LawOutput::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
+        S::section("neutral");
         let (output, neutral) = if shared.effects.surroundings {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
             let beside = [inputs.added_force, inputs.added_stiffness, inputs.added_damping].map(|[now, _]| now);
@@ -170,6 +173,7 @@ impl<S: Scalar> Control<S> {
         } else {
             (output, feeling.neutral)
         };
+        S::section("contact");
         let (output, contact) = if shared.effects.contact_law {
             let column = [base, base_rate].map(|number| number * self.per_base);
             let inputs =
@@ -179,6 +183,7 @@ impl<S: Scalar> Control<S> {
         } else {
             (output, period.zero())
         };
+        S::section("limits");
         let requested = added.map_or(output.command, |added| output.command + added);
         let allowed = allow(&ControlOutput { command: requested, torque: output.torque, base_rate });
         if shared.effects.observer {
@@ -189,10 +194,12 @@ impl<S: Scalar> Control<S> {
                 || self.converters.within_range(e),
                 |added| self.converters.within_range(e + added) - added,
             );
+            S::section("observer_state");
             remembered.estimate =
                 self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| output.friction), fade));
         }
         let e = allowed.unwrap_or(requested);
+        S::section("trim");
         // The neutral moves through the period; the feel runs about where it is at half of it.
         let trim = period.constant(inputs.trim[0]);
         let neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
@@ -200,9 +207,12 @@ impl<S: Scalar> Control<S> {
         let conditions = self.feel_conditions(&shared.effects, at, inputs, (StepFraction::Start, period));
         self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &conditions, period);
         if shared.effects.contact_law {
+            S::section("contact");
             self.damp(&mut feeling.motion, contact, period);
         }
+        S::section("trim");
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
+        S::section("give_way");
         let gains = if shared.effects.observer {
             let of = |law: &Observer<S>| [law.per_delta(), law.per_rate()];
             let (from, to) = (of(&self.observer), of(&self.next_observer));
@@ -210,8 +220,9 @@ impl<S: Scalar> Control<S> {
         } else {
             [self.law.gains[2], self.law.gains[3]]
         };
-        let beyond = e - self.converters.within_range(e);
+        let beyond = (e - self.converters.within_range(e)).named("beyond_range");
         self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| requested - e + beyond)), period);
+        S::section("conversion");
         self.converters.write(e)
     }
 

@@ -183,7 +183,7 @@ impl<S: Scalar> FeelLaw<S> {
             self.damping
         };
         let linear = damping * delta_rate + self.gradient(effects, curve, delta, conditions);
-        (torque - others - linear) * self.per_torque
+        ((torque - others - linear) * self.per_torque).named("acceleration")
     }
 
     /// Torque of everything that depends on the displacement alone.

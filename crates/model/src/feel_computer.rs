@@ -76,6 +76,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
     pub fn acceleration(&self, at: (S, S), torque: S, conditions: &FeelConditions<S>) -> S {
         let given = [at.0, at.1];
         let [delta, rate] = S::part_begins(given);
+        S::section("feel");
         let of = |feel: &FeelLaw<S>| feel.acceleration(self.effects, self.curve, (delta, rate), torque, conditions);
         let mut settled = of(self.feel);
         if self.fade != 0.0 {
@@ -109,6 +110,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
     fn push_of(feel: &FeelLaw<S>, way: (S, S), rate: S, h: S) -> Push<S> {
         let given = [way.0, way.1, rate];
         let [before, after, rate] = S::part_begins(given);
+        S::section("feel_stops");
         let push = feel.soft_stops.push((before, after), rate, h, feel.per_torque);
         let [velocity, displacement] = S::part_ends(given, [push.velocity, push.displacement]);
         Push { velocity, displacement }
@@ -118,11 +120,13 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// so small enough to go whole into every vector's loop: a function of its own would be called there, number by number.
     #[inline(always)]
     pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, conditions: &FeelConditions<S>, h: S) {
+        S::section("feel");
         let effects = self.effects;
         let mut conditions = *conditions;
         // Acceleration without dry friction at the start of the step, where it is known before the stages ask for it.
         let mut known = None;
         if effects.feel_friction {
+            S::section("feel_friction");
             // The torque jumped to its value at the sample: what broke away, did so now.
             let before = motion.grip.pull;
             let per_h = h.constant(1.0) / h;
@@ -138,7 +142,9 @@ impl<S: Scalar> FeelComputer<'_, S> {
             } else {
                 torque.zero()
             };
+            S::section("feel_friction");
             motion.grip = friction.grip(settled.velocity, free);
+            S::section("feel");
             known = Some((rests, free));
         }
         let start = (motion.at[0], motion.at[1]);
@@ -187,6 +193,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
             // What sticks has no velocity.
             end = [S::select(motion.grip.stuck, start.0, end[0]), S::select(motion.grip.stuck, start.1, end[1])];
         }
+        S::section("feel_stops");
         if effects.feel_limits {
             // A limit that is met takes hold at the end: nothing follows the feel within the step. What was too fast went too far.
             let rate = self.feel.slowed(start.1, end[1], h);

@@ -151,7 +151,7 @@ impl<S: Scalar> KnownFriction<S> {
         (xi, y, feel): (&Estimate<S>, &[S; SAMPLED], [S; 2]),
         state: FrictionState<S>,
     ) -> (FrictionState<S>, S) {
-        let v = product(&self.rate, xi, y, feel);
+        let v = product(&self.rate, xi, y, feel).named("column_rate");
         let given = [estimated, v];
         let outputs = self.at_rate(S::part_begins(given), &state);
         let [feel_torque, learnt, trusted, push, way, friction] = S::part_ends(given, outputs);
@@ -170,9 +170,9 @@ impl<S: Scalar> KnownFriction<S> {
         let one = v.constant(1.0);
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
-        let way = v / (v * v + slow * slow).sqrt();
+        let way = (v / (v * v + slow * slow).sqrt()).named("direction");
         let level = self.level + state.learnt;
-        let friction = level * way;
+        let friction = (level * way).named("friction_torque");
         let total = estimated - friction;
         let two = v.constant(2.0);
         let per_slow = two / slow;

@@ -136,7 +136,10 @@ impl<S: Scalar> Observer<S> {
         feel: [S; 2],
         friction_state: Option<FrictionState<S>>,
     ) -> LawOutput<S> {
-        let (command, estimated) = (product(&self.command, xi, y, feel), product(&self.torque, xi, y, feel));
+        S::section("observer");
+        let command = product(&self.command, xi, y, feel).named("law_command");
+        let estimated = product(&self.torque, xi, y, feel).named("estimated_torque");
+        S::section("friction");
         let (friction_state, friction) = match friction_state {
             Some(friction_state) => self.friction.friction_torque(estimated, (xi, y, feel), friction_state),
             None => (FrictionState::initial(estimated), estimated.zero()),

@@ -71,6 +71,15 @@ pub trait Scalar:
         outputs
     }
 
+    /// Begins a section of a period: what follows belongs to it, for a number that writes down its operations.
+    #[inline(always)]
+    fn section(_name: &'static str) {}
+    /// The number under a name, for one that writes down its operations.
+    #[inline(always)]
+    fn named(self, _name: &'static str) -> Self {
+        self
+    }
+
     /// `self` times a constant.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {

@@ -25,7 +25,7 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
         option(
             "Target. c: law and feel as C99. firmware: law, feel and supervisor as a static library. fmu: loader, law and "
             "machine as FMI 2.0 and 3.0. matlab: matrices and scripts that close the loop in Python, MATLAB or Octave. "
-            "table: parameter sheet of a drive or PLC as CSV.",
+            "table: settings of a drive with their CoE objects, parameters and observer, as CSV.",
             ASKED,
         ),
     ]
@@ -40,6 +40,13 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     ] = None
     name: Annotated[str, option("Prefix of file names and of the names in them, a C identifier.", ASKED)] = "loader"
     single: Annotated[bool, option("With --to c or firmware: single precision (float).", ASKED)] = False
+    measure: Annotated[
+        bool,
+        option(
+            "With --to c: measure stack and instructions of a step on each installed target, and state them in README and header.",
+            ASKED,
+        ),
+    ] = False
     linked: Annotated[
         bool,
         option(
@@ -135,6 +142,8 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
 
     if options.single and options.to not in {"c", "firmware"}:
         raise InputError(f"--single: is for --to c and firmware, and --to is {options.to}; leave it out")
+    if options.measure and options.to != "c":
+        raise InputError(f"--measure: is for --to c, and --to is {options.to}; leave it out")
     if options.linked and options.to != "c":
         raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
@@ -152,6 +161,7 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
                 options.out,
                 replace=options.replace,
                 single=options.single,
+                measure=options.measure,
                 triple=options.target,
             )
         except InputError as error:

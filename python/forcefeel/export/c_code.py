@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from forcefeel._core import ExportedLaw, LawSource
 from forcefeel.errors import InputError
+from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
+from forcefeel.export.trace_map import commented, trace_html, trace_json
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -67,13 +69,17 @@ _FILES = {
 }
 
 
+TRACE = ("trace.json", "trace.html")
+"""Files that map each statement of the C to its origin."""
+
+
 def c_names(name: str) -> tuple[str, ...]:
     """File names of :func:`c_files`."""
-    return tuple(file.format(name) for file in _FILES.values())
+    return (*(file.format(name) for file in _FILES.values()), *TRACE)
 
 
-def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
-    """Files by name; ``single`` for a target with single precision.
+def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[str, str | bytes]:
+    """Files by name; ``single`` for a target with single precision; ``measure`` states the cost on installed targets.
 
     Raises:
         InputError: If the law is not a sampled one, or does not stabilize the loader, so that there is no reference.
@@ -92,6 +98,7 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     added = exported.linked or has_surface(exported.loader)
     columns = _ALWAYS + _CHANGING * (numbers.settings > 1) + _ADDED * added
     fields |= {
+        "costs": (),
         "samples": len(inputs),
         "part": PART,
         "columns": columns,
@@ -104,7 +111,15 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
-    return rendered("c", _FILES, fields)
+    if measure:
+        fields["costs"] = measured(rendered("c", _FILES, fields), fields)
+    return with_trace(rendered("c", _FILES, fields), f"{exported.name}_law.c", exported.name)
+
+
+def with_trace(files: dict[str, str | bytes], file: str, name: str) -> dict[str, str | bytes]:
+    """Files and the map from each statement of one to its origin."""
+    code = str(files[file])
+    return files | dict(zip(TRACE, (trace_json(file, code, name), trace_html(file, code, name)), strict=True))
 
 
 def _golden_flights(traced: ExportedLaw, *, single: bool) -> dict[str, object]:
@@ -250,14 +265,15 @@ def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.
 
 def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
     plain, looped = source.operations
+    settings = len(source.own[1])
     same, own = ({"members": members, "held": held} for members, held in (source.same, source.own))
     code = "".join((*source.functions, source.step, source.reset, source.hinge_moment, *source.same[1], *source.own[1]))
     return {
         "states": source.states,
-        "step": source.step,
-        "functions": source.functions,
-        "reset": source.reset,
-        "hinge_moment": source.hinge_moment,
+        "step": commented(source.step, settings=settings),
+        "functions": [commented(function, settings=settings).rstrip("\n") for function in source.functions],
+        "reset": commented(source.reset, settings=settings),
+        "hinge_moment": commented(source.hinge_moment, settings=settings),
         "same": same,
         "own": own,
         "code": code,

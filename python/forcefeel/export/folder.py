@@ -3,12 +3,13 @@
 from pathlib import Path
 
 from forcefeel.export.c_code import c_files, c_names
+from forcefeel.export.drive_sheet import DRIVE, DRIVE_PAGE, drive_csv, drive_page, drive_settings
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import firmware_files, firmware_names
 from forcefeel.export.fmu_files import fmu_files, fmu_names
 from forcefeel.export.matlab import matlab_files, matlab_names
 from forcefeel.export.pair_code import PairExport, pair_files, pair_names
-from forcefeel.export.parameter_sheet import SHEET, parameter_sheet
+from forcefeel.export.parameter_sheet import OBSERVER, SHEET, observer_sheet, parameter_sheet
 from forcefeel.export.target import Target
 from forcefeel.page.folder import OutputFolder
 
@@ -18,7 +19,7 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
 
     Example:
         >>> ff.export.export_folder(ff.export.Target.TABLE, "pitch").files
-        ('pitch_parameters.csv',)
+        ('pitch_drive.csv', 'pitch_drive.html', 'pitch_parameters.csv', 'pitch_observer.csv')
     """
     match target:
         case Target.C:
@@ -30,14 +31,16 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
         case Target.MATLAB:
             names = matlab_names(name)
         case Target.TABLE:
-            names = (SHEET.format(name),)
+            names = tuple(file.format(name) for file in (DRIVE, DRIVE_PAGE, SHEET, OBSERVER))
     return OutputFolder("the export", names, plots=False)
 
 
-def _files(exported: Exported, target: Target, *, single: bool, triple: str | None) -> dict[str, str | bytes]:
+def _files(
+    exported: Exported, target: Target, *, single: bool, measure: bool, triple: str | None
+) -> dict[str, str | bytes]:
     match target:
         case Target.C:
-            return c_files(exported, single=single)
+            return c_files(exported, single=single, measure=measure)
         case Target.FIRMWARE:
             return firmware_files(exported, triple, single=single)
         case Target.FMU:
@@ -45,7 +48,13 @@ def _files(exported: Exported, target: Target, *, single: bool, triple: str | No
         case Target.MATLAB:
             return matlab_files(exported)
         case Target.TABLE:
-            return {SHEET.format(exported.name): parameter_sheet(exported)}
+            settings, name = drive_settings(exported.loader), exported.name
+            return {
+                DRIVE.format(name): drive_csv(settings),
+                DRIVE_PAGE.format(name): drive_page(exported.loader, settings, name),
+                SHEET.format(name): parameter_sheet(exported),
+                OBSERVER.format(name): observer_sheet(exported),
+            }
 
 
 def write_export(
@@ -55,6 +64,7 @@ def write_export(
     *,
     replace: bool = False,
     single: bool = False,
+    measure: bool = False,
     triple: str | None = None,
 ) -> dict[str, Path]:
     """Write the files of a target; other files in the folder are not touched.
@@ -65,6 +75,7 @@ def write_export(
         out: The folder; made if it is not there.
         replace: Whether the new files may take the place of others.
         single: Of C and firmware, whether the target computes in single precision.
+        measure: Of C, whether README and header state stack and instructions of a step on each installed target.
         triple: Of firmware, the target as Rust names it; else this machine.
 
     Returns:
@@ -77,11 +88,11 @@ def write_export(
     Example:
         >>> exported = ff.export.Exported.of("robust", ff.digital_elevator(), "pitch")
         >>> list(ff.export.write_export(exported, ff.export.Target.TABLE, Path("sheet")))
-        ['pitch_parameters.csv']
+        ['pitch_drive.csv', 'pitch_drive.html', 'pitch_parameters.csv', 'pitch_observer.csv']
     """
     folder = export_folder(target, exported.name, triple=triple)
     folder.check(out, replace=replace)
-    files = _files(exported, target, single=single, triple=triple)
+    files = _files(exported, target, single=single, measure=measure, triple=triple)
     folder.write(out, files)
     return {name: out / name for name in files}
 

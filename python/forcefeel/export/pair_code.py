@@ -13,8 +13,19 @@ from numpy.typing import NDArray
 
 from forcefeel._core import ExportedPair
 from forcefeel.errors import InputError
-from forcefeel.export.c_code import INPUTS, about, rendered, spelled_bits, spelled_rows, traced_law, within_ranges
+from forcefeel.export.c_code import (
+    INPUTS,
+    TRACE,
+    about,
+    rendered,
+    spelled_bits,
+    spelled_rows,
+    traced_law,
+    with_trace,
+    within_ranges,
+)
 from forcefeel.export.exported import Exported
+from forcefeel.export.trace_map import commented
 from forcefeel.linked.engine import linked_samples
 from forcefeel.linked.joint import delay_periods
 from forcefeel.linked.scenario import Button, LinkedScenario
@@ -170,7 +181,7 @@ def check_link_code(link: Link) -> None:
 
 def pair_names(name: str, *, electronic: bool) -> tuple[str, ...]:
     """File names of :func:`pair_files`."""
-    return tuple(file.format(name) for file in _FILES.values()) if electronic else ("README.md",)
+    return (*(file.format(name) for file in _FILES.values()), *TRACE) if electronic else ("README.md",)
 
 
 def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
@@ -184,7 +195,7 @@ def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
     if not pair.electronic:
         return rendered("c", {"pair_README.md": "README.md"}, fields)
     traced = pair.traced(single=single)
-    code = traced.source(pair.name)
+    code = commented(traced.source(pair.name))
     inputs, _ = pair.recorded()
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
@@ -225,7 +236,7 @@ def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
             "answer_flags": _flags(answers[:, 12:]),
         }
     )
-    return rendered("c", _FILES, fields)
+    return with_trace(rendered("c", _FILES, fields), f"{pair.name}.c", pair.name)
 
 
 def _flags(rows: NDArray[np.float64]) -> str:

@@ -10,7 +10,7 @@
 | value (U.S.), unit (U.S.) | the same, to ten digits |
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import product
 from math import isfinite
 from typing import NamedTuple
@@ -25,8 +25,8 @@ from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, ta
 from forcefeel.tables.csv_table import csv_text
 from forcefeel.units import RATIO, SECONDS, Unit, UnitSystem
 
-SHEET = "{}_parameters.csv"
-"""File name."""
+SHEET, OBSERVER = "{}_parameters.csv", "{}_observer.csv"
+"""File names: feel, filters and limits; the numbers of a sampled law."""
 
 COLUMNS = (
     "setting",
@@ -95,9 +95,19 @@ class Row(NamedTuple):
 
 
 def parameter_sheet(exported: Exported) -> str:
-    """The sheet as CSV."""
+    """The sheet as CSV, but for a sampled law's numbers."""
+    return _csv(_rows(exported))
+
+
+def observer_sheet(exported: Exported) -> str:
+    """A sampled law's numbers as CSV; of gains, the head alone."""
+    law, command = exported.law.sampled, "A" if exported.loader.drive == ELECTRIC else "V"
+    return _csv(() if law is None else (row for k in range(law.settings) for row in _sampled(law, k, command)))
+
+
+def _csv(listed: Iterable[Row]) -> str:
     rows = []
-    for row in _rows(exported):
+    for row in listed:
         si, us = (row.unit.from_si(row.value, system) for system in (UnitSystem.SI, UnitSystem.US))
         columns = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
         rows.append((row.setting or "", row.group, row.name, row.meaning, *columns))
@@ -120,9 +130,7 @@ def _rows(exported: Exported) -> Iterator[Row]:
     for k, feel in enumerate(exported.settings):
         for key, value in zip(FEEL_SETTING, feel.tolist(), strict=True):
             yield _row(loader, k + 1, "feel", key, value)
-        if law.sampled is not None:
-            yield from _sampled(law.sampled, k, "A" if loader.drive == ELECTRIC else "V")
-        else:
+        if law.sampled is None:
             yield from _gains(law, loader, k)
 
 

@@ -15,4 +15,4 @@ class Target(StrEnum):
     MATLAB = "matlab"
     """Matrices of law and plant for MATLAB, Octave and Python, with scripts for the closed loop and expected results."""
     TABLE = "table"
-    """Parameter sheet for a drive or a PLC, as CSV."""
+    """Drive settings with their CoE objects, parameter sheet and observer of a drive or PLC, as CSV and page."""

@@ -43,8 +43,10 @@ impl Graph {
         if !given.0[node as usize] {
             return node;
         }
-        match self.nodes[node as usize].clone() {
-            Node::Given(k) => given.1[k],
+        self.section = self.sections[node as usize];
+        let name = self.names.get(&node).copied();
+        let written = match self.nodes[node as usize].clone() {
+            Node::Given(k) => return given.1[k],
             Node::UnaryOp(operation, a) => {
                 let a = self.written_out(a, given);
                 self.one(operation, a)
@@ -75,7 +77,11 @@ impl Graph {
                 self.select(mask, yes, no)
             }
             _ => node,
+        };
+        if let Some(name) = name {
+            self.names.entry(written).or_insert(name);
         }
+        written
     }
 
     /// Which nodes depend on what a part is given.

@@ -1,0 +1,132 @@
+"""Sections of an exported law: what the tracer calls them, their equations, sources, requirements and tests.
+
+The model names the sections where it computes them (``Scalar::section``); the C has a comment at the head of each.
+"""
+
+from dataclasses import dataclass
+
+BITS = "The law gives the bits of the simulated controller."
+FEEL = "The control has the programmed feel: control feel tests of 14 CFR Part 60, judged by forcefeel qualify."
+STABLE = "The drive follows the feel with the parts off by their tolerances: forcefeel envelope."
+LIMIT = "The command stays within converter and amplifier."
+INPUT = "An input that is no number or out of its range gives the command 0 and leaves the state."
+START = "The law starts in the equilibrium of its sensors."
+
+VECTORS = "{name}_test.c: release, sweep, random input"
+FLIGHTS = "{name}_test.c: random flights"
+STATUSES = "tests/export/test_c_safety.py"
+PAIRS = "{name}_test.c: opposed hands, priority button, disconnect"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a period.
+
+    Attributes:
+        title: Its result.
+        equation: What it computes, in the symbols of its source.
+        source: File of the model that derives the equation.
+        requirement: What it is for.
+        test: Golden test that runs it.
+        rows: Rows of the loader file whose numbers do not pass as such: constants of time and points of curves.
+    """
+
+    title: str
+    equation: str
+    source: str
+    requirement: str
+    test: str = VECTORS
+    rows: tuple[str, ...] = ()
+
+
+SECTIONS = {
+    "inputs": Section("Inputs and state", "y, xi, delta, delta' of this sample", "control.rs", BITS),
+    "sampling": Section(
+        "Sampled sensors",
+        "y = [F_c, x_p, theta, F_g]; b' = (b - b_last) / T",
+        "control.rs, controller.rs",
+        BITS,
+        rows=("controller.period", "controller.input_bits"),
+    ),
+    "cancellation": Section(
+        "Current against cogging and friction of the motor",
+        "e_c = T_c / K_t delta' / sqrt(delta'^2 + w_s^2) - sum of T_k / K_t sin(N_k (x + v t) / r + phi_k)",
+        "cancellation.rs",
+        STABLE,
+        rows=("motor.cogging_torque",),
+    ),
+    "observer": Section(
+        "Command and torque of the law",
+        "e = c [xi; y; delta; delta'], T_o = t [xi; y; delta; delta']",
+        "observer.rs",
+        STABLE,
+    ),
+    "friction": Section(
+        "Torque of the hand without the column's dry friction",
+        "w = v / sqrt(v^2 + v_s^2), f = (F + g) w; T+ = T', within T_o - f + (F + g) [s-, s+] + U [-1, 1]",
+        "known_friction.rs",
+        STABLE,
+    ),
+    "neutral": Section(
+        "Command and torque at the trimmed neutral", "e + c_n n, T + t_n n", "observer.rs, feel.rs", FEEL
+    ),
+    "contact": Section(
+        "Command and torque against something stiff",
+        "e = e_o + m (e_c - e_o), T = T_o + m (T_c - T_o), delta'+ = delta' / (1 + m B_c h / I)",
+        "contact_law.rs",
+        STABLE,
+    ),
+    "limits": Section("Command within its limits", "|e| <= e_max", "controller.rs", LIMIT),
+    "observer_state": Section("Observer at the next sample", "xi+ = A xi + B [y; e] + b f", "observer.rs", STABLE),
+    "trim": Section(
+        "Neutral, moved to the trim", "|n'| <= n'_max", "feel.rs", FEEL, rows=("feel.trim_rate", "controller.period")
+    ),
+    "feel": Section(
+        "Programmed feel over a period, one Runge-Kutta step of order 4",
+        "I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_preload + parts) + stops + friction = T + mu T_s "
+        "(report, eqs. 11-12)",
+        "feel.rs, feel_parts.rs, feel_computer.rs",
+        FEEL,
+        rows=("controller.period", "force_curve"),
+    ),
+    "feel_friction": Section(
+        "Dry friction of the feel", "v = 0 while |a| <= f_s; else |a_f| = f (1 + s a_F)", "dry_friction.rs", FEEL
+    ),
+    "feel_stops": Section(
+        "Hard stops, velocity limit and soft stops of the feel",
+        "low <= delta <= high, |delta'| <= v_max; k d + c d' beyond a soft stop",
+        "feel.rs, contact.rs",
+        FEEL,
+    ),
+    "give_way": Section(
+        "Feel gives way where the drive is at its limit",
+        "delta' = ... - 2 a_w x, delta'' = ... - a_w^2 x, x = (e - e_cut) / c_3",
+        "control.rs",
+        STABLE,
+    ),
+    "conversion": Section(
+        "Command as the converter gives it",
+        "e = q round(e / q)",
+        "controller.rs",
+        LIMIT,
+        rows=("controller.output_bits",),
+    ),
+    "surface": Section(
+        "Hinge moment and bobweight in a flight",
+        "T = s_h k eta_h q S_h c_h (C_0 + C_alpha alpha_s + C_delta delta + C_tau tau + C_rate delta' c_h / 2 V)",
+        "surface.rs",
+        FEEL,
+        FLIGHTS,
+    ),
+    "rest": Section("Start at rest", "xi = R [y; delta]", "observer.rs", START),
+    "link": Section(
+        "Electronic link",
+        "T = S(phi) + c phi', S = k (phi - clamp(phi, -p/2, p/2)) up to M_b",
+        "link.rs",
+        FEEL,
+        PAIRS,
+    ),
+    "result": Section("Outputs and next state, if all are numbers", "-", "control.rs", BITS),
+    "numbers": Section("Operations on numbers", "smaller, larger, within, with_sign, nearest, bits", "scalar.rs", BITS),
+    "status": Section("Order of calls, range checks, status", "-", "law_inputs.rs", INPUT, STATUSES),
+}

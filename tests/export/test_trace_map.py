@@ -1,0 +1,124 @@
+"""The map of the exported C: every statement is in it, golden vectors run it, and its rows are those that change its numbers."""
+
+import json
+import re
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.export.c_code import c_files
+from forcefeel.export.sections import SECTIONS
+from forcefeel.export.trace_map import statements
+from forcefeel.loader.parameters import table
+from tests.export.toolchain import NONLINEAR, STRICT, motor, needs, run, valve, written
+
+LONGEST_NAME = 31
+"""Significant characters of a name in C99 and rule 5.1 of MISRA C:2012."""
+
+COVERED = 0.9
+"""Share of a period's statements that golden vectors run: all but rare branches, most of contact and stops."""
+
+CHANGED = {
+    "feel.detent_force": "2.1 lb",
+    "feel.quadratic_damping": "51 lb in s^2/rad^2",
+    "feel.soft_stop_damping": "2.1 lb in s/rad",
+    "feel.velocity_limit": "61 deg/s",
+    "feel.trim_rate": "2.1 deg/s",
+}
+"""Rows whose values nothing else has, and other values for them."""
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """One setting in single precision, and two settings in double, of which functions and tables are made."""
+    made = {"roll": (motor(), True), "pitch": (valve(), False)}
+    return {
+        name: written(exported, tmp_path_factory.mktemp(name), single=single)
+        for name, (exported, single) in made.items()
+    }
+
+
+def _counted(code):
+    """Statements of a file of functions: semicolons outside of parentheses, and heads of branches and loops."""
+    bare = re.sub(r"/\*.*?\*/|typedef struct \{.*?\}", "", code, flags=re.DOTALL)
+    bare = "\n".join(line for line in bare.splitlines() if not line.startswith("#"))
+    count = braces = parentheses = 0
+    for sign in bare:
+        braces += (sign == "{") - (sign == "}")
+        parentheses += (sign == "(") - (sign == ")")
+        count += sign == ";" and braces > 0 and parentheses == 0
+    return count + len(re.findall(r"\b(?:if|for) \(", bare))
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch"])
+def test_every_statement_is_mapped_to_its_line(folders, name):
+    code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
+    document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
+    mapped = document["statements"]
+    lines = code.splitlines()
+    assert len(mapped) == _counted(code) > 400
+    rows = {*table(ff.loader.electric("elevator-electric").drive), *table(ff.digital_elevator().drive)}
+    for statement in mapped:
+        assert statement["code"].split()[0] in lines[statement["line"] - 1]
+        assert statement["section"] in document["sections"]
+        assert all(row in rows or row.startswith("law.") for row in statement["rows"])
+    for section in document["sections"].values():
+        assert all(section[key] for key in ("title", "equation", "source", "requirement", "test"))
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch"])
+def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
+    code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
+    declared = re.findall(r"\b(?:bool|\w+_real) (\w+)(?: =|;|\[)", code)
+    assert len(declared) > 300
+    assert max(map(len, declared)) <= LONGEST_NAME
+    assert not [name for name in declared if re.fullmatch(r"[a-z]\d+", name)]
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch"])
+def test_golden_vectors_run_the_statements_of_a_period(folders, name, tmp_path):
+    """By gcov. No vector starts beyond a hard stop, nor swings against something stiff."""
+    needs("gcc", "gcov")
+    for file in (f"{name}_law.c", f"{name}_law.h", f"{name}_data.h", f"{name}_golden.h", f"{name}_test.c"):
+        (tmp_path / file).write_bytes((folders[name] / file).read_bytes())
+    run(tmp_path, "gcc", *STRICT, "--coverage", "-O0", "-o", "covered", f"{name}_law.c", f"{name}_test.c", "-lm")
+    run(tmp_path, "./covered")
+    run(tmp_path, "gcov", f"covered-{name}_law.gcda")
+    lines = (tmp_path / f"{name}_law.c.gcov").read_text(encoding="utf-8").splitlines()
+    missed = {int(line.split(":")[1]) for line in lines if line.split(":")[0].strip() in {"#####", "====="}}
+    code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
+    vectors = [statement for statement in statements(code) if "_test.c" in SECTIONS[statement.section].test]
+    assert len(vectors) > 400
+    assert sum(statement.line in missed for statement in vectors) < (1 - COVERED) * len(vectors)
+
+
+def test_a_changed_row_changes_only_statements_that_name_it():
+    loader = ff.digital_elevator().replace(NONLINEAR)
+    law = ff.Law.of("robust", loader)
+
+    def mapped(changes):
+        exported = ff.export.Exported(loader.replace(changes), law, "law")
+        return statements(str(c_files(exported, single=False)["law_law.c"]))
+
+    before = mapped({})
+    for row, value in CHANGED.items():
+        pairs = list(zip(before, mapped({row: value}), strict=True))
+        differing = [first for first, second in pairs if first.code != second.code]
+        differing = [first for first in differing if "READY" not in first.code]
+        assert differing, row
+        assert all(row in statement.rows for statement in differing), (row, differing)
+
+
+def test_link_has_a_map_too(tmp_path):
+    project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
+    link = project.links["stick-pitch"]
+    sides = tuple(
+        ff.export.Exported(loader, ff.Law.of("robust", loader), name, linked=True)
+        for name, loader in zip(("left", "right"), (project.loaders[axis] for axis in link.between), strict=True)
+    )
+    pair = ff.export.PairExport.of(project, link, "cockpit", sides)
+    ff.export.write_pair(pair, tmp_path)
+    code = (tmp_path / f"{pair.name}.c").read_text(encoding="utf-8")
+    document = json.loads((tmp_path / "trace.json").read_text(encoding="utf-8"))
+    assert len(document["statements"]) == _counted(code)
+    assert "link" in document["sections"]
