@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from forcefeel.errors import InputError
+from forcefeel.extras import named_extra
 from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, check_size, columns_of
 
 
@@ -15,12 +16,9 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
     Raises:
         InputError: If it is damaged, or pyarrow is not installed.
     """
-    try:
+    with named_extra():
         import pyarrow as pa  # noqa: PLC0415  large, and only here
         from pyarrow import parquet  # noqa: PLC0415
-    except ImportError as error:
-        remedy = "install forcefeel[parquet], or give a CSV file"
-        raise InputError(f"{path}: Parquet files need pyarrow, which is not installed; {remedy}") from error
 
     @contextmanager
     def refused() -> Iterator[None]:
