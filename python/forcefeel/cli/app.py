@@ -19,8 +19,7 @@ from cyclopts.exceptions import (
 
 from forcefeel.cli.options import HELP_ALL
 from forcefeel.cli.terminal import Output
-from forcefeel.errors import InputError, suggestion
-from forcefeel.extras import named_extra
+from forcefeel.errors import InputError, named_extra, suggestion
 
 _LOADER = "[LOADER]"
 _COMMANDS = {
@@ -102,7 +101,8 @@ def run(tokens: list[str]) -> None:
 
     Raises:
         CycloptsError: If the command line is invalid.
-        InputError: If what it gives is bad, or an extra is not installed.
+        InputError: If what it gives is bad.
+        MissingExtraError: If a package of an extra is not installed.
     """
     if tokens[:1] == ["help"]:
         tokens = [*tokens[1:], "--help"]

@@ -22,8 +22,7 @@ from rich.console import Console, ConsoleOptions
 
 from forcefeel.cli.law_option import BENCH_LAW, DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, check_law_name
 from forcefeel.cli.scenario_text import assignments
-from forcefeel.errors import InputError
-from forcefeel.extras import install_command, installed
+from forcefeel.errors import InputError, install_command, installed
 from forcefeel.loader.axes import ELECTRIC_AXES, HYDRAULIC_AXES
 from forcefeel.units import UnitSystem
 

@@ -15,8 +15,8 @@ from forcefeel.envelope.forbidden import NOISE, Forbidden, forbidden
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import ANGLE, HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
 from forcefeel.wilson import wilson_interval
 

@@ -16,9 +16,9 @@ from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]

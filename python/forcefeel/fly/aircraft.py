@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.errors import InputError
-from forcefeel.extras import named_extra
+from forcefeel.errors import InputError, named_extra
 from forcefeel.fly.control_data import control_data
 from forcefeel.loader.axes import FlightAxis
 from forcefeel.loader.loader import Loader

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError, expect, suggestion
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.linked.joint import common_step, delay_periods
 from forcefeel.linked.result import SIDES, LinkedRun, LinkMeasures
@@ -22,6 +21,7 @@ from forcefeel.loader.project import Project
 from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, named, outputs
 from forcefeel.simulation.scenario import Scenario
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 

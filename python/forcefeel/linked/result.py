@@ -4,11 +4,11 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated
 
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.laws.law import Law
 from forcefeel.linked.scenario import LinkedScenario
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import ANGLE, FORCE, SECONDS, TORQUE
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError, expect
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import TABLE
@@ -26,6 +25,7 @@ from forcefeel.simulation.outcome import (
     without_diverged,
 )
 from forcefeel.simulation.scenario import Scenario, Steps
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.laws.analog.gains import analog
 from forcefeel.linear.models import LinearModel, Linkage, loader_model
 from forcefeel.linear.step import equilibrium, transition
@@ -17,6 +16,7 @@ from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.labeled_arrays import LabeledArrays
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.scenario import Scenario
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import (
     ANGLE,
     ANGULAR_VELOCITY,

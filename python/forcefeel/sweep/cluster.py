@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
-from forcefeel.extras import named_extra
+from forcefeel.errors import InputError, named_extra
 from forcefeel.sweep.chunk import measure, nominal
 from forcefeel.sweep.plan import Sweep
 

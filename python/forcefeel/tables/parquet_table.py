@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from forcefeel.errors import InputError
-from forcefeel.extras import named_extra
+from forcefeel.errors import InputError, named_extra
 from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, check_size, columns_of
 
 
@@ -14,7 +13,8 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
     """The table in a Parquet file.
 
     Raises:
-        InputError: If it is damaged, or pyarrow is not installed.
+        InputError: If it is damaged.
+        MissingExtraError: If pyarrow is not installed.
     """
     with named_extra():
         import pyarrow as pa  # noqa: PLC0415  large, and only here

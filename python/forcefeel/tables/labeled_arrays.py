@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.extras import named_extra
+from forcefeel.errors import named_extra
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,7 +27,7 @@ class LabeledArrays:
         about: Attributes of the whole.
 
     Example:
-        >>> from forcefeel.labeled_arrays import LabeledArrays
+        >>> from forcefeel.tables.labeled_arrays import LabeledArrays
         >>> angles = LabeledArrays({"angle_rad": ("time_s", np.zeros(3), {"units": "rad"})}, {"time_s": [0.0, 0.1, 0.2]})
         >>> angles.unit("angle_rad"), angles.dataset.sizes["time_s"]
         ('rad', 3)
@@ -56,7 +56,7 @@ class LabeledArrays:
         """The same as a data set of xarray, made once.
 
         Raises:
-            InputError: If xarray is not installed.
+            MissingExtraError: If xarray is not installed.
         """
         with named_extra():
             import xarray as xr  # noqa: PLC0415  an extra
