@@ -152,10 +152,10 @@ def libraries() -> dict[Platform, bytes]:
     Raises:
         InputError: If it has none.
     """
-    there = {platform: LIBRARIES / platform.library for platform in PLATFORMS}
-    found = {platform: path.read_bytes() for platform, path in there.items() if path.is_file()}
-    if not found:
+    paths = {platform: LIBRARIES / platform.library for platform in PLATFORMS}
+    installed = {platform: path.read_bytes() for platform, path in paths.items() if path.is_file()}
+    if not installed:
         raise InputError(
             "to: no library that goes into an FMU is in this installation; install the wheel, or build one with make"
         )
-    return found
+    return installed
