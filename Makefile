@@ -96,8 +96,8 @@ wheel: $(VENV)/equipped
 	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
 
-# Zig links for glibc 2.17 and for macOS, mingw for Windows. Optimized as a whole, as these linkers leave in what nothing calls. One
-# after the other: each takes some minutes. What is built here goes into every FMU that this checkout exports.
+# Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each.
+# What is built here goes into every FMU that this checkout exports.
 platforms: $(VENV)/equipped
 	tests/platforms/install
 	tests/platforms/build

@@ -61,7 +61,6 @@ def _run(folder, *words):
         "law elevator-1974",
         "law elevator-2khz --law robust --save-law robust.json",
         "design elevator-2khz",
-        "design sidestick-roll",
         "export elevator-2khz --law robust --to c --out c",
         "export elevator-2khz --law robust --to fmu --out fmu",
         "run elevator-2khz --law robust --duration 1",

@@ -20,8 +20,8 @@ from forcefeel.export.fmu_files import LIBRARIES, PLATFORMS
 
 pytestmark = pytest.mark.skipif("FORCEFEEL_PLATFORMS" not in os.environ, reason="make platforms builds and tests them")
 
-MOST_ZIPPED = 1_000_000
-"""Bytes of one library in an FMU."""
+MOST_ZIPPED = 2_000_000
+"""Bytes of one library in an FMU: 0.8 MB for Linux, 1.8 MB elsewhere."""
 OLDEST_GLIBC = (2, 17)
 DLLS_OF_WINDOWS = {"kernel32.dll", "msvcrt.dll", "ntdll.dll", "bcryptprimitives.dll", "userenv.dll", "ws2_32.dll"}
 
@@ -74,9 +74,12 @@ def test_windows_library_gives_a_simulations_bits_under_wine(tmp_path):
     about = fmpy.read_model_description(str(folder))
     reference = {variable.name: str(variable.valueReference) for variable in about.modelVariables}
     importer = tmp_path / "fmu_step.exe"
-    said("x86_64-w64-mingw32-gcc", "-O1", "-o", importer, Path(__file__).with_name("fmu_step.c"))
+    here = Path(__file__).parent
+    said("x86_64-w64-mingw32-gcc", "-O1", "-o", importer, here / "fmu_step.c")
+    # Used by Wine only where it has none of its own.
+    said("x86_64-w64-mingw32-gcc", "-shared", "-o", tmp_path / "bcryptprimitives.dll", here / "bcryptprimitives.c")
     words = [
-        "Z:" + str(folder / "binaries/win64/pitch_loader.dll"),
+        "Z:" + str(folder / "binaries/win64/pitch_loader.dll").replace("/", "\\"),
         "file:///Z:" + str(folder / "resources").replace(" ", "%20"),
         about.guid,
         *(reference["pilot_force"], "80.0", reference["column_angle"], "300", "0.001"),
