@@ -5,6 +5,8 @@
 # make docs     validation table and the README's picture from the program itself
 # make demo     the live loader's compiled model and laws, docs/demo/engine.js
 # make site     the documentation as pages, in site/; PICTURES=0 where there is no Chromium
+# make platforms  the library inside FMUs for Linux (glibc 2.17), Windows x64, macOS x64 and arm64, cross-compiled
+# make audit    advisories on the dependencies, with a network, cargo-deny and pip-audit; the tests check licenses and sources
 # make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
 
 PYTHON ?= python3
@@ -17,7 +19,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.ld')
 
-.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links wheel clean
+.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links platforms audit wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -95,6 +97,17 @@ wheel: $(VENV)/equipped
 	$(MATURIN) --features pyo3/extension-module,every-machine --out dist
 	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
+
+# Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each.
+# What is built here goes into every FMU that this checkout exports.
+platforms: $(VENV)/equipped
+	tests/platforms/install
+	tests/platforms/build
+	FORCEFEEL_PLATFORMS=1 $(BIN)/pytest -n 0 tests/platforms
+
+audit:
+	cargo deny check licenses sources advisories
+	pip-audit --require-hashes --disable-pip --requirement requirements-dev.lock
 
 # For the tests, from the crates that the extension was built from: nothing is compiled twice.
 target/wheel/built: $(VENV)/equipped $(PACKAGE) LICENSE README.md

@@ -10,6 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from forcefeel.errors import named_extra
+
 
 def public_names(package: str, init_file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """``__getattr__``, ``__dir__`` and ``__all__`` of the package with this ``__name__`` and ``__file__``, from its stub."""
@@ -19,7 +21,8 @@ def public_names(package: str, init_file: str) -> tuple[Callable[[str], Any], Ca
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         module, its_name = homes[name]
-        return getattr(import_module(module), its_name) if its_name else import_module(module)
+        with named_extra():
+            return getattr(import_module(module), its_name) if its_name else import_module(module)
 
     return fetch, lambda: sorted(homes), [name for name, (_, its_name) in homes.items() if its_name]
 

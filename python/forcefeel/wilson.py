@@ -4,8 +4,7 @@ Source: E. B. Wilson, Probable inference, the law of succession, and statistical
 """
 
 import math
-
-from scipy.special import ndtri
+from statistics import NormalDist
 
 CONFIDENCE = 0.95
 """Of the interval of a share."""
@@ -18,7 +17,7 @@ def wilson_interval(count: int, total: int) -> tuple[float, float]:
         count: How many, from 0 to ``total``.
         total: How many were drawn, above 0.
     """
-    share, z = count / total, float(ndtri((1 + CONFIDENCE) / 2))
+    share, z = count / total, NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
     middle, width = share + z**2 / (2 * total), z * math.sqrt(share * (1 - share) / total + (z / (2 * total)) ** 2)
     low, high = ((middle + side * width) / (1 + z**2 / total) for side in (-1, 1))
     return max(low, 0.0) if count else 0.0, min(high, 1.0) if count < total else 1.0

@@ -1,6 +1,7 @@
 """Contact in an envelope: which settings swing on, in numbers, sentences and on the page."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,11 +35,11 @@ def test_the_part_for_contact_quiets_every_setting(envelope):
 
 
 def test_a_law_that_swings_in_contact_does_not_render_the_envelope(envelope):
-    swings = envelope.data.sel(law=["alone"])
+    swings = {name: (over, values[1:]) for name, (over, values) in envelope.arrays.arrays.items()}
     plan = ff.envelope.make_plan(
         ff.digital_elevator(), {"alone": envelope.plan.laws["alone"]}, GRID, contacts=(CLAMP, STOP), changes={}, arms=()
     )
-    alone = ff.envelope.Envelope(plan, swings, envelope.outcomes, envelope.passivity)
+    alone = ff.envelope.Envelope(plan, replace(envelope.arrays, arrays=swings), envelope.outcomes, envelope.passivity)
     assert alone.shares("alone").worst_case_share == 1
     assert not renders(alone)
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from forcefeel import _core
-from forcefeel.laws.sampled import observer, regulator, riccati
+from forcefeel.laws.sampled import observer, regulator
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
+from forcefeel.linear import riccati
 from forcefeel.loader.built_in import BUILT_IN
 
 EXTENDED = np.longdouble

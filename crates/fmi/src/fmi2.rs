@@ -4,7 +4,7 @@ use crate::both::{debug_logging, directional_derivative, itself, variables, whol
 use crate::component::{Component, DISCARD, Log, Status, c_text, cannot, instantiate, needed, none_of_type, with};
 use crate::raw::{self, Logger2};
 use core::ffi::{c_char, c_int, c_void};
-use std::path::PathBuf;
+use forcefeel_fmu::uri::path_of_uri;
 
 /// A yes or a no of FMI 2.0.
 type Boolean = c_int;
@@ -54,25 +54,7 @@ extern "C" fn fmi2Instantiate(
         return core::ptr::null_mut();
     }
     let log = Log::Two(logger, environment, c_text(raw::text(name).unwrap_or_default()));
-    instantiate(log, raw::text(resources).map(path_of).as_deref(), raw::text(guid))
-}
-
-/// The path of a URI such as `file:///tmp/my%20fmu/resources`; a path as it is.
-fn path_of(uri: &str) -> PathBuf {
-    let Some(rest) = uri.strip_prefix("file:") else { return PathBuf::from(uri) };
-    let path = rest.strip_prefix("//localhost").or(rest.strip_prefix("//")).unwrap_or(rest);
-    let (mut bytes, mut left) = (Vec::with_capacity(path.len()), path.as_bytes());
-    while let [first, rest @ ..] = left {
-        let escaped = rest.get(..2).filter(|_| *first == b'%').and_then(|digits| core::str::from_utf8(digits).ok());
-        if let Some(byte) = escaped.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
-            bytes.push(byte);
-            left = &rest[2..];
-        } else {
-            bytes.push(*first);
-            left = rest;
-        }
-    }
-    PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
+    instantiate(log, raw::text(resources).map(path_of_uri).as_deref(), raw::text(guid))
 }
 
 #[unsafe(no_mangle)]

@@ -6,7 +6,7 @@
 //! | question | file |
 //! |---|---|
 //! | which variables there are | [`variables`] |
-//! | what an FMU's resources hold | [`resources`] |
+//! | what an FMU's resources hold, and where they lie | [`resources`], [`uri`] |
 //! | what an importer does with an instance; its variables | [`instance`], `values` |
 //! | its state, derivatives | [`instance_state`], [`derivatives`] |
 //! | a step of each kind of FMU, what is seen of it | `step_state` |
@@ -19,5 +19,6 @@ pub mod instance;
 pub mod instance_state;
 pub mod resources;
 mod step_state;
+pub mod uri;
 mod values;
 pub mod variables;

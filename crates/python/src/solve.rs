@@ -64,6 +64,24 @@ pub fn discretize<'py>(
     Ok((to_numpy(py, &phi)?, to_numpy(py, &h)?))
 }
 
+/// `exp(a)`.
+#[pyfunction]
+pub fn exponential<'py>(py: Python<'py>, a: PyReadonlyArray2<'py, f64>) -> PyResult<Matrix<'py>> {
+    let n = a.as_array().nrows();
+    to_numpy(py, &forcefeel_solve::exponential(&matrix("a", &a, (n, n))?))
+}
+
+/// `D^-1 a D` with a diagonal `D` of powers of two that makes rows and columns alike, and that diagonal.
+#[pyfunction]
+pub fn balanced<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+) -> PyResult<(Matrix<'py>, Bound<'py, PyArray1<f64>>)> {
+    let n = a.as_array().nrows();
+    let (like, diagonal) = forcefeel_solve::balanced(matrix("a", &a, (n, n))?);
+    Ok((to_numpy(py, &like)?, PyArray1::from_slice(py, diagonal.as_slice())))
+}
+
 /// Recursion (22) over a horizon of `steps`, or with a `tolerance` until the gains stand still, at most `steps`.
 #[pyfunction]
 pub fn recursion(

@@ -3,7 +3,8 @@
 //! `[Phi] = exp(A h)`, `[H] = ([Phi] - [I]) A^-1 B` (symbols of the report). `A` is singular where a state is constant, so both
 //! are read off one exponential: `exp([A B; 0 0] h) = [Phi H; 0 I]`.
 
-use nalgebra::DMatrix;
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
+use nalgebra::{DMatrix, DVector};
 
 /// Largest number of `A h`: halving it until its series converges leaves slow states a millionth of their digits, and nalgebra judges
 /// the series by the 27th power of the matrix, which is still a number.
@@ -23,8 +24,25 @@ pub fn discretize(a: &DMatrix<f64>, b: &DMatrix<f64>, h: f64) -> (DMatrix<f64>, 
     (transition.view((0, 0), (n, n)).into_owned(), transition.view((0, n), (n, m)).into_owned())
 }
 
-/// `exp(z)`; not numbers where `z` is larger than [`LARGEST`] or not made of numbers.
-fn exponential(z: &DMatrix<f64>) -> DMatrix<f64> {
+/// `exp(z)`; not numbers where `z` is larger than `1e10` or not made of numbers.
+///
+/// # Panics
+/// If `z` is not square.
+pub fn exponential(z: &DMatrix<f64>) -> DMatrix<f64> {
     let known = z.iter().all(|entry| entry.abs() <= LARGEST);
     if known { z.exp() } else { z.map(|_| f64::NAN) }
+}
+
+/// `D^-1 a D` with a diagonal `D` of powers of two, for which rows and columns are of one size, and that diagonal; `a` itself where
+/// it is not made of numbers. For a matrix of any size; `balance` is for vector lanes.
+///
+/// # Panics
+/// If `a` is not square.
+pub fn balanced(mut a: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    if !a.iter().all(|entry| entry.is_finite()) {
+        let alike = DVector::from_element(a.nrows(), 1.0);
+        return (a, alike);
+    }
+    let diagonal = balance_parlett_reinsch(&mut a);
+    (a, diagonal)
 }

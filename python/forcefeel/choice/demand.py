@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
-from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation import Scenario
 from forcefeel.simulation.demanded import peaks
+from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Release
 from forcefeel.units import PERCENT
 
@@ -80,8 +81,8 @@ def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_r
     slowest = 2 * pi * float(np.sqrt(feel[:, 0] / feel[:, 2]).max())
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
-    runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
-    currents = np.array([runs[row.peak].values for row in peaks(loader.drive)])
+    runs = batch_outputs(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
+    currents = np.array([runs[row.peak] for row in peaks(loader.drive)])
     known = np.isfinite(currents).all(axis=0)
     of_limits = currents[:, known] / limits(loader)[:, None]
     return KINDS[loader.drive](*of_limits.max(axis=1).tolist()) if known.any() else unknown(loader.drive)

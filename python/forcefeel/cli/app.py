@@ -19,7 +19,7 @@ from cyclopts.exceptions import (
 
 from forcefeel.cli.options import HELP_ALL
 from forcefeel.cli.terminal import Output
-from forcefeel.errors import InputError, suggestion
+from forcefeel.errors import InputError, named_extra, suggestion
 
 _LOADER = "[LOADER]"
 _COMMANDS = {
@@ -102,11 +102,13 @@ def run(tokens: list[str]) -> None:
     Raises:
         CycloptsError: If the command line is invalid.
         InputError: If what it gives is bad.
+        MissingExtraError: If a package of an extra is not installed.
     """
     if tokens[:1] == ["help"]:
         tokens = [*tokens[1:], "--help"]
     app = command_line(listed=not tokens or tokens[0].startswith("-"))
-    app(tokens, print_error=False, exit_on_error=False)
+    with named_extra():
+        app(tokens, print_error=False, exit_on_error=False)
 
 
 def command_line_error(error: CycloptsError) -> str:

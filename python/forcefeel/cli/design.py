@@ -5,20 +5,22 @@ from pathlib import Path
 from typing import Annotated
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, LoaderOptions, OutputOptions, option, page_folder
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import answer
 from forcefeel.json_values import json_value
+
+_FOLDER = Path("forcefeel-report")
 
 
 @dataclass(frozen=True, kw_only=True)
 class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel design``."""
 
-    out: Annotated[Path, option("Folder for report.html, results.json and the responses.", OUTPUT)] = Path(
-        "forcefeel-report"
-    )
+    out: Annotated[
+        Path | None, option("Folder for report.html, results.json and the responses.", OUTPUT, default=str(_FOLDER))
+    ] = None
 
 
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
@@ -35,12 +37,14 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
     from forcefeel.design.motor_design import design_motor
-    from forcefeel.design.page.page import FOLDER, write_report
     from forcefeel.laws.law import ROBUST
     from forcefeel.loader.parameters import ELECTRIC
 
     loader, units = options.loader(path), options.units
-    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    if (out := page_folder(options.out, _FOLDER)) is not None:
+        from forcefeel.design.page.page import FOLDER, write_report
+
+        FOLDER.check(out, replace=options.replace)  # before the work, not after it
     electric, digital = loader.drive == ELECTRIC, bool(loader["controller.period"])
     settings = None if electric else options.settings(loader)
     if electric:
@@ -53,13 +57,16 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
         best = tried.best if tried else None
         design = servo or design_motor(loader, best.name if best else ROBUST)
-        bar.describe("report")
-        page = write_report(design, options.out, units, tried, command=options.command_line(path))
+        files = {}
+        if out is not None:
+            bar.describe("report")
+            files["report"] = write_report(design, out, units, tried, command=options.command_line(path))
     concluded = conclusions(design, units, tried)
-    if options.json:
-        print_json({"report": str(page), "design": json_value(design, units), "laws": json_value(tried, units)})
-    else:
-        Terminal().conclude(concluded)
-        print(f"report: {page}")
+    answer(
+        files,
+        lambda: {"design": json_value(design, units), "laws": json_value(tried, units)},
+        lambda terminal: terminal.conclude(concluded),
+        as_json=options.json,
+    )
     if not concluded.ok:
         raise SystemExit(BAD_ANSWER)

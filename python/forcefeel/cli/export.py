@@ -181,6 +181,7 @@ def _settings(exported: "Exported") -> dict[str, int | str]:
 def _show(console: Terminal, exported: "Exported", target: "Target", files: list[str]) -> None:
     from forcefeel.export import Target
     from forcefeel.export.firmware_code import FROM_REGISTRY
+    from forcefeel.export.fmu_files import libraries
 
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
     time = f"every {law.period_s * 1e3:.6g} ms" if law.period_s else "in continuous time"
@@ -188,5 +189,8 @@ def _show(console: Terminal, exported: "Exported", target: "Target", files: list
     console.print(f"loader {loader.fingerprint[:12]}, settings of the feel: {settings}", highlight=False)
     for name in files:
         console.print(f"- {name}", highlight=False)
+    if target is Target.FMU:
+        names = ", ".join(platform.name for platform in libraries())
+        console.print(f"Libraries for {names}.", highlight=False)
     if target is Target.FIRMWARE:
         console.print(f"To compile it, {FROM_REGISTRY}.", highlight=False)

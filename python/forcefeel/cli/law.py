@@ -19,6 +19,7 @@ from forcefeel.cli.options import (
     ThreadOptions,
     named_options,
     option,
+    page_folder,
 )
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
@@ -194,16 +195,18 @@ def _scored(loader: "Loader", law: str, options: LawOptions, command: str) -> No
     """Scores laws and writes the folder; the law goes to its file."""
     from forcefeel.choice import choose, score_laws
     from forcefeel.choice.as_json import choice_json
-    from forcefeel.choice.page.page import FOLDER, write_choice
     from forcefeel.choice.score import COARSE, check_names
     from forcefeel.sweep import text
 
-    out, units = options.out or _FOLDER, options.units
+    out, units = page_folder(options.out, _FOLDER), options.units
     names = None if law == AUTO else (law,)
     if names is not None:
         check_names(loader, names)
     grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
-    FOLDER.check(out, replace=options.replace)  # before the work, not after it
+    if out is not None:
+        from forcefeel.choice.page.page import FOLDER, write_choice
+
+        FOLDER.check(out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("law", "releases", silent=options.json) as bar:
         scored = score_laws(
             loader,
@@ -216,12 +219,14 @@ def _scored(loader: "Loader", law: str, options: LawOptions, command: str) -> No
             changes=options.deviations(loader),
         )
         choice = choose(scored) if names is None else None
-        bar.describe("report")
-        page = write_choice(scored, choice, out, units, replace=options.replace, command=command)
+        files = {}
+        if out is not None:
+            bar.describe("report")
+            files["page"] = write_choice(scored, choice, out, units, replace=options.replace, command=command)
         saved = _law(loader, scored, choice) if options.save_law else None
         if options.save_law and saved:
             saved.save(options.save_law)
-    files = {"page": page, **({"law_file": options.save_law} if saved else {})}
+    files |= {"law_file": options.save_law} if saved and options.save_law else {}
     answer(
         files,
         lambda: choice_json(scored, choice, units),

@@ -22,7 +22,7 @@ from rich.console import Console, ConsoleOptions
 
 from forcefeel.cli.law_option import BENCH_LAW, DEFAULT_LAW, LAW_METAVAR, LAW_NAMES, check_law_name
 from forcefeel.cli.scenario_text import assignments
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, install_command, installed
 from forcefeel.loader.axes import ELECTRIC_AXES, HYDRAULIC_AXES
 from forcefeel.units import UnitSystem
 
@@ -151,6 +151,14 @@ class FolderOptions:
     """What every command that writes a folder has; each gives `out` its own default."""
 
     replace: Annotated[bool, option("Replace existing results in the folder.", OUTPUT)] = False
+
+
+def page_folder(out: Path | None, default: Path) -> Path | None:
+    """The folder of a command that writes a page by default; none if it is not named and pages are not installed, which is said."""
+    if out is None and not installed("pages"):
+        print(f"no page, as none of its extra is installed: {install_command('pages')}", file=sys.stderr)
+        return None
+    return default if out is None else out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,7 +27,7 @@ def check_law(
     envelope_plan = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=toleranced, draws=draws)
     envelope = compute(envelope_plan, threads=plan.threads, progress=progress)
     even = envelope.even_shares(name)
-    drawn = (envelope.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ envelope_plan.settings.weights
+    drawn = (envelope.arrays["drawn_outcome"][0].reshape(plan.draws, -1) == 0) @ envelope_plan.settings.weights
     short = min(even.nominal_share, float(drawn.mean())) < plan.share
     return (
         EnvelopeResult(

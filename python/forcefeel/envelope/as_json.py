@@ -78,7 +78,7 @@ def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
 def releases(envelope: Envelope) -> int:
     """Number of releases, of cases and drawn machines, without inferred ones."""
     names = ("inferred", "drawn_inferred")
-    return sum(int((~envelope.data[name]).sum()) for name in names if name in envelope.data)
+    return sum(int((~envelope.arrays[name]).sum()) for name in names if name in envelope.arrays)
 
 
 def _case(case: Case, units: UnitSystem) -> dict[str, Json]:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
-from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation import Scenario
+from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Pulse, Step
 from forcefeel.units import FORCE, MASS, PERCENT, RATIO, Unit
 
@@ -162,14 +163,14 @@ def swings_on(
     swings, forces = np.zeros(len(feel), dtype=bool), np.zeros(len(feel))
     for first in range(0, len(feel), _BATCH):
         which = np.arange(first, min(first + _BATCH, len(feel)))
-        runs = simulate_batch(
+        runs = batch_outputs(
             there, scenario, rows[which], law.some(which), keep=["column_angle_rad"], first_run=None, threads=threads
         )
-        angle = runs["column_angle_rad"].to_numpy()
+        angle = runs["column_angle_rad"]
         diverged = ~np.isfinite(angle[:, -1])
         angle[diverged] = np.nan_to_num(angle[diverged], nan=np.pi, posinf=np.pi, neginf=-np.pi)
         # Quarters from the end, which is 0.
-        quarter = np.ceil(4 * (scenario.duration_s - runs["time_s"].to_numpy()) / scenario.duration_s)
+        quarter = np.ceil(4 * (scenario.duration_s - runs["time_s"]) / scenario.duration_s)
         parts = [angle[:, quarter == k] for k in (4, 3, 2, 1, 0)]
         # The force rises with the angle: its limits are those of the angle.
         lowest, highest = (

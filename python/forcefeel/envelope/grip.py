@@ -14,10 +14,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matrix_balance
 
 from forcefeel import _core
-from forcefeel._core import GainLaw
+from forcefeel._core import GainLaw, balanced
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import INDEX
@@ -104,7 +103,7 @@ _BASE, _BASE_RATE = 6, 7
 def _balanced(models: Sequence[_Model]) -> _Model:
     balanced_models = []
     for a, b, row in models:
-        balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-        balanced_models.append((balanced, b / scale, row * scale))
+        like, scale = balanced(a)
+        balanced_models.append((like, b / scale, row * scale))
     matrix, by_force, row = (np.array(part) for part in zip(*balanced_models, strict=True))
     return matrix, by_force, row

@@ -13,10 +13,10 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from forcefeel.envelope.grip import Grips
 from forcefeel.laws.law import Law, LawLike
+from forcefeel.linear.bracketing import root_between
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader
 from forcefeel.units import PERCENT
@@ -96,7 +96,7 @@ def _bands(
     at: Callable[[float], float], frequency: NDArray[np.float64], cosine: NDArray[np.float64]
 ) -> tuple[tuple[float, float], ...]:
     """Frequency bands in which the grip is not passive."""
-    edges = [float(brentq(at, *frequency[k : k + 2])) for k in np.flatnonzero(np.diff(np.sign(cosine)))]
+    edges = [root_between(at, *map(float, frequency[k : k + 2])) for k in np.flatnonzero(np.diff(np.sign(cosine)))]
     if cosine[0] < 0:
         edges.insert(0, float(frequency[0]))
     if cosine[-1] < 0:

@@ -21,7 +21,8 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.qualification.release_batch import ReleaseBatch, measure_releases
-from forcefeel.simulation import RunStatus, Scenario, simulate_batch
+from forcefeel.simulation import RunStatus, Scenario
+from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
@@ -201,12 +202,12 @@ def _stepped(
     scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
     law = laws.some(which)
     keep = ["column_angle_rad"]
-    runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=keep, first_run=None, threads=threads)
-    angles = runs["column_angle_rad"].values
+    runs = batch_outputs(plan.loader, scenario, rows[which], law, keep=keep, first_run=None, threads=threads)
+    angles = runs["column_angle_rad"]
     if len(which) < len(rows):
         angles = np.full((len(rows), record.samples), np.nan)
-        angles[which] = runs["column_angle_rad"].values
+        angles[which] = runs["column_angle_rad"]
     stable = stable.copy()
-    stable[which[runs["status"].values == RunStatus.DIVERGED]] = False
+    stable[which[runs["status"] == RunStatus.DIVERGED]] = False
     angles[~stable] = np.nan
     return stable, angles

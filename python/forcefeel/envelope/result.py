@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case, Kind
@@ -17,10 +16,12 @@ from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import ANGLE, HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
 from forcefeel.wilson import wilson_interval
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 PASSES, UNSTABLE, NOT_HELD = "passes", "unstable", "force not held"
@@ -219,10 +220,11 @@ class Envelope:
 
     Attributes:
         plan: Its plan.
-        data: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
+        arrays: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
             margin as a share of its tolerance: 1 exact, 0 at the limit, NaN if not measurable. With drawn machines also
             ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
             parameter as a share of its value. With contacts also ``swings_on`` and ``largest_force_n`` (law, contact, ..).
+            ``data`` is the same as a data set of xarray.
         outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
         passivity: Passivity of the grip, by law.
         smaller: Shares at the angles of ``Plan.smaller_rad``.
@@ -235,11 +237,16 @@ class Envelope:
     """
 
     plan: Plan
-    data: xr.Dataset
+    arrays: LabeledArrays
     outcomes: tuple[str, ...]
     passivity: Mapping[str, Passivity]
     smaller: tuple[AngleShares, ...] = ()
     law_remarks: tuple[str, ...] = ()
+
+    @property
+    def data(self) -> "xr.Dataset":
+        """The arrays as a data set of xarray, an extra."""
+        return self.arrays.dataset
 
     def __repr__(self) -> str:
         all_shares = map(self.shares, self.laws)
@@ -306,7 +313,7 @@ class Envelope:
     @cached_property
     def _codes(self) -> NDArray[np.int8]:
         """Outcomes (law, case, settings)."""
-        values = self.data["outcome"].values
+        values = self.arrays["outcome"]
         return np.asarray(values.reshape(*values.shape[:2], -1))
 
     @property
@@ -329,10 +336,10 @@ class Envelope:
     def contact_shares(self, law: str) -> ContactShares:
         """Settings that are quiet in contact; only with ``Plan.contacts``."""
         row = self.laws.index(law)
-        quiet = ~self.data["swings_on"].to_numpy()[row].reshape(len(self.plan.contacts), -1)
+        quiet = ~self.arrays["swings_on"][row].reshape(len(self.plan.contacts), -1)
         names = [contact.name for contact in self.plan.contacts]
         by_contact = dict(zip(names, quiet.mean(axis=1).tolist(), strict=True))
-        largest = float(self.data["largest_force_n"].to_numpy()[row].max())
+        largest = float(self.arrays["largest_force_n"][row].max())
         return ContactShares(law, float(quiet.all(axis=0).mean()), largest, by_contact)
 
     def shares(self, law: str) -> Shares:
@@ -352,7 +359,7 @@ class Envelope:
     def inferred(self) -> int:
         """Number of outcomes, of cases and drawn machines, that are inferred from neighboring settings."""
         names = ("inferred", "drawn_inferred")
-        return sum(int(self.data[name].sum()) for name in names if name in self.data)
+        return sum(int(self.arrays[name].sum()) for name in names if name in self.arrays)
 
     @property
     def by_angle(self) -> tuple[AngleShares, ...]:
@@ -375,7 +382,7 @@ class Envelope:
         if not self.plan.machines:
             raise InputError("draws: expected drawn machines, got none; compute the envelope with draws")
         index, machines = self.laws.index(law), len(self.plan.machines)
-        passes = self.data["drawn_outcome"].values[index].reshape(machines, -1) == 0
+        passes = self.arrays["drawn_outcome"][index].reshape(machines, -1) == 0
         share = passes.mean(axis=1)
         good = int((share >= MOST).sum())
         return DrawnShares(
@@ -393,7 +400,7 @@ class Envelope:
         stable, passes = self.stable(law), self.passes(law)
         lost = passes[0] & ~passes
         nominal = int(passes[0].sum())
-        inferred = self.data["inferred"].to_numpy()[self.laws.index(law)].reshape(len(self.plan.cases), -1).sum(axis=1)
+        inferred = self.arrays["inferred"][self.laws.index(law)].reshape(len(self.plan.cases), -1).sum(axis=1)
         return tuple(
             CaseShares(
                 case.name,

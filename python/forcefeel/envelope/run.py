@@ -6,7 +6,6 @@ from itertools import groupby, product
 from typing import Any, Unpack
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, Case
@@ -19,6 +18,7 @@ from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
@@ -114,10 +114,12 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
     outcomes = (PASSES, UNSTABLE, *FIGURES)
     # A law designed here is for the plan's reduced loader, a law of a file for the whole loader.
     remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
-    data = _dataset(plan, outcomes, outcome, margin, inferred)
+    arrays = _arrays(plan, outcome, margin, inferred)
     if plan.contacts:
-        _touch(plan, feel, laws, threads, advance, data)
-    return Envelope(plan, data, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
+        _touch(plan, feel, laws, threads, advance, arrays)
+    about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
+    labeled = LabeledArrays(arrays, _coordinates(plan), about)
+    return Envelope(plan, labeled, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
 
 
 def _touch(
@@ -126,9 +128,9 @@ def _touch(
     laws: Mapping[str, Law],
     threads: int,
     advance: Callable[[int], None],
-    data: xr.Dataset,
+    data: dict[str, Any],
 ) -> None:
-    """Add to the data which settings swing on in which contact, and the largest forces."""
+    """Add to the arrays which settings swing on in which contact, and the largest forces."""
     over = ("law", "contact", *AXES)
     swings = np.zeros((len(laws), len(plan.contacts), len(feel)), dtype=bool)
     forces = np.zeros(swings.shape)
@@ -136,7 +138,6 @@ def _touch(
         swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
         advance(plan.contact_releases)
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
-    data.coords["contact"] = [contact.name for contact in plan.contacts]
     data["swings_on"] = over, swings.reshape(shape)
     data["largest_force_n"] = over, forces.reshape(shape)
 
@@ -147,20 +148,23 @@ def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
     return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.laws.items()}
 
 
-def _dataset(
+def _coordinates(plan: Plan) -> dict[str, Any]:
+    axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
+    coordinates: dict[str, Any] = {"law": list(plan.laws), "case": [case.name for case in plan.cases], **axes}
+    if plan.machines:
+        coordinates["parameter"] = list(plan.deviations)
+    if plan.contacts:
+        coordinates["contact"] = [contact.name for contact in plan.contacts]
+    return coordinates
+
+
+def _arrays(
     plan: Plan,
-    outcomes: tuple[str, ...],
     outcome: NDArray[np.int8],
     margin: NDArray[np.float32],
     inferred: NDArray[np.bool_],
-) -> xr.Dataset:
-    axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
-    coordinates: dict[str, Any] = {
-        "law": list(plan.laws),
-        "case": [case.name for case in plan.cases],
-        **axes,
-    }
-    over = tuple(axes)
+) -> dict[str, Any]:
+    over = tuple(AXES)
     shape = (len(plan.laws), -1, *plan.settings.shape)
     single = slice(len(plan.cases))
     data: dict[str, Any] = {
@@ -170,10 +174,8 @@ def _dataset(
     }
     if plan.machines:
         drawn = slice(len(plan.cases), None)
-        coordinates["parameter"] = list(plan.deviations)
         data["drawn_outcome"] = ("law", "machine", *over), outcome[:, drawn].reshape(shape)
         data["drawn_margin"] = ("law", "machine", *over), margin[:, drawn].reshape(shape)
         data["drawn_inferred"] = ("law", "machine", *over), inferred[:, drawn].reshape(shape)
         data["off"] = ("machine", "parameter"), [list(machine.off.values()) for machine in plan.machines]
-    about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
-    return xr.Dataset(data, coordinates, about)
+    return data

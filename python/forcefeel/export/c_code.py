@@ -207,8 +207,8 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
         InputError: If the smallest diverges too.
     """
     for share in _SHARES:
-        history = simulate(loader, scenario(share), law).history
-        if np.isfinite(history.column_angle_rad.values).all():
+        outputs = simulate(loader, scenario(share), law).outputs
+        if np.isfinite(outputs["column_angle_rad"]).all():
             break
     else:
         feel = ", ".join(f"{loader[key]:.6g}" for key in FEEL_SETTING)
@@ -218,8 +218,8 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
         )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
     samples = np.zeros((PART, len(INPUTS)))
-    base = history.column_angle_rad.values * loader["column.base_arm"]
-    for column, values in enumerate((history.load_cell_force_n.values, history[position].values, base)):
+    base = outputs["column_angle_rad"] * loader["column.base_arm"]
+    for column, values in enumerate((outputs["load_cell_force_n"], outputs[position], base)):
         samples[:, column] = values[:PART]
     samples[:, 5] = 1.0
     return samples

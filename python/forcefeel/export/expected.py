@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
+from forcefeel._core import exponential
 from forcefeel.export.exported import Exported
 from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -78,7 +78,7 @@ def _analog(exported: Exported, loader: Loader) -> Expected:
         n = len(model.A)
         block = np.zeros((n + 1, n + 1))
         block[:n, :n], block[:n, n] = model.A, model.B[:, 0]
-        over_step = expm(block * ANALOG_STEP_S)
+        over_step = exponential(block * ANALOG_STEP_S)
         base = model.state_labels.index("base_position_m")
         angles.append(_response(over_step[:n, :n], over_step[:n, n], base) / loader["column.base_arm"])
         critical.append(np.linalg.eigvals(model.A).real.max())

@@ -1,6 +1,7 @@
-"""``modelDescription.xml`` of an FMU, for FMI 2.0 or 3.0, from the library's own table of variables."""
+"""``modelDescription.xml`` and the documentation of an FMU, for FMI 2.0 or 3.0, from the library's own table of variables."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib.metadata import version as version_of
 
 import numpy as np
@@ -28,14 +29,27 @@ _SENSED = ("sensed_load_cell_force", "sensed_drive_position", "sensed_column_bas
 _CELSIUS_AT_ZERO_K = 273.15
 
 
-def description(exported: Exported, kind: str, version: str, about: Mapping[str, object]) -> str:
-    """Model description of an FMU.
+@dataclass(frozen=True)
+class Description:
+    """What an FMU says of itself.
+
+    Attributes:
+        xml: ``modelDescription.xml``.
+        page: ``documentation/index.html``: what it computes, its variables, the platforms that it has a library for.
+    """
+
+    xml: str
+    page: str
+
+
+def description(exported: Exported, kind: str, version: str, about: Mapping[str, object]) -> Description:
+    """Model description and documentation of an FMU.
 
     Args:
         exported: The law with its loader.
         kind: ``loader``, ``law`` or ``machine``.
         version: Version of FMI, ``2.0`` or ``3.0``.
-        about: Identifier, token, description, ``step_s`` and ``delay_s``.
+        about: Identifier, token, description, ``step_s`` and ``delay_s``; the names of its platforms.
     """
     loader, feel = exported.loader, exported.settings
     variables = _core.fmu_variables(kind, loader.rows(FEEL_SETTING, feel)[0], len(feel))
@@ -53,18 +67,24 @@ def description(exported: Exported, kind: str, version: str, about: Mapping[str,
         for index, variable in enumerate(variables, start=1)
         if variable.causality == "output"
     ]
-    template = environment(html=True).get_template(f"export/fmu/fmi{version[0]}.xml.j2")
-    return template.render(
-        about,
-        loader=loader.name,
-        fingerprint=loader.fingerprint,
-        law=exported.law.name,
-        release=version_of("forcefeel"),
-        units=_units(rows),
-        clock=_core.FMU_CLOCK if clocked else None,
-        variables=rows,
-        outputs=outputs,
+    values = {
+        **about,
+        "version": version,
+        "loader": loader.name,
+        "fingerprint": loader.fingerprint,
+        "law": exported.law.name,
+        "release": version_of("forcefeel"),
+        "units": _units(rows),
+        "clock": _core.FMU_CLOCK if clocked else None,
+        "variables": rows,
+        "outputs": outputs,
+    }
+    templates = environment(html=True)
+    xml, page = (
+        templates.get_template(f"export/fmu/{name}.j2").render(values)
+        for name in (f"fmi{version[0]}.xml", "documentation.html")
     )
+    return Description(xml, page)
 
 
 def _variable(variable: FmuVariable, drive: str) -> dict[str, object]:

@@ -1,7 +1,7 @@
 """FMUs of a law and its loader: zipped description, library, resources and icon of each."""
 
-import platform
-import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -36,7 +36,7 @@ _WHEN = (1980, 1, 1, 0, 0, 0)
 
 def fmu_names(name: str) -> tuple[str, ...]:
     """File names of :func:`fmu_files`."""
-    return tuple(_FILE.format(name, kind, version[0]) for kind in KINDS for version in PLATFORMS)
+    return tuple(_FILE.format(name, kind, version[0]) for kind in KINDS for version in _ICONS)
 
 
 def fmu_files(exported: Exported) -> dict[str, str | bytes]:
@@ -51,14 +51,14 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
             "firmware, which take its force, spring and damping"
         )
     numbers = exported.sampled()
-    binary, icon = library(), _ICON.read_bytes()
+    binaries, icon = libraries(), _ICON.read_bytes()
     files: dict[str, str | bytes] = {}
     for kind, what in KINDS.items():
         resources = _resources(exported, numbers, kind)
         token = sha256(resources.encode()).hexdigest()
         identifier = f"{exported.name}_{kind}"
         step_s, (period, _) = controller_steps(exported.loader, LONGEST_STEP_S)
-        for version, folder in PLATFORMS.items():
+        for version, icon_name in _ICONS.items():
             about = description(
                 exported,
                 kind,
@@ -69,13 +69,19 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
                     "what": what,
                     "step_s": step_s * period if kind == "law" else step_s,
                     "delay_s": numbers.delay_s,
+                    "platforms": [platform.name for platform in binaries if version in platform.folders],
                 },
             )
             contents = {
-                "modelDescription.xml": about.encode(),
-                f"binaries/{folder}/{identifier}.so": binary,
+                "modelDescription.xml": about.xml.encode(),
+                "documentation/index.html": about.page.encode(),
+                **{
+                    f"binaries/{platform.folders[version]}/{identifier}{platform.suffix}": binary
+                    for platform, binary in binaries.items()
+                    if version in platform.folders
+                },
                 "resources/loader.txt": f"token {token}\n{resources}".encode(),
-                _ICONS[version]: icon,
+                icon_name: icon,
             }
             files[_FILE.format(exported.name, kind, version[0])] = _zipped(contents)
     return files
@@ -111,27 +117,45 @@ def _zipped(contents: dict[str, bytes]) -> bytes:
     return written.getvalue()
 
 
-LIBRARY = Path(__file__).parent / "fmu" / "libforcefeel_fmi.so"
-"""Path of the library in the package."""
+@dataclass(frozen=True)
+class Platform:
+    """A platform for which an FMU may hold a library.
 
-_BUILT_FOR = ("linux", "x86_64")
+    Attributes:
+        name: As people say it.
+        library: Name of its file in the package.
+        suffix: How its name ends in an FMU.
+        folders: Its folder in an FMU, by version of FMI.
+    """
 
-PLATFORMS = {"2.0": "linux64", "3.0": "x86_64-linux"}
-"""Platform name in each version of FMI."""
+    name: str
+    library: str
+    suffix: str
+    folders: Mapping[str, str] = field(compare=False)
 
 
-def library() -> bytes:
-    """Bytes of the library.
+PLATFORMS = (
+    Platform("Linux x86-64", "libforcefeel_fmi.so", ".so", {"2.0": "linux64", "3.0": "x86_64-linux"}),
+    Platform("Windows x64", "forcefeel_fmi.dll", ".dll", {"2.0": "win64", "3.0": "x86_64-windows"}),
+    Platform("macOS x64", "libforcefeel_fmi_x64.dylib", ".dylib", {"2.0": "darwin64", "3.0": "x86_64-darwin"}),
+    Platform("macOS arm64", "libforcefeel_fmi_arm64.dylib", ".dylib", {"3.0": "aarch64-darwin"}),
+)
+"""FMI 2.0 has one folder for macOS, and no word for its processor."""
+
+LIBRARIES = Path(__file__).parent / "fmu"
+"""Folder of the libraries in the package: ``make`` builds that of the machine, ``make platforms`` all."""
+
+
+def libraries() -> dict[Platform, bytes]:
+    """The libraries of this installation.
 
     Raises:
-        InputError: If this installation has no library.
+        InputError: If it has none.
     """
-    machine = (sys.platform, platform.machine())
-    if machine != _BUILT_FOR:
-        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(machine)}")
-    try:
-        return LIBRARY.read_bytes()
-    except OSError as error:
+    paths = {platform: LIBRARIES / platform.library for platform in PLATFORMS}
+    installed = {platform: path.read_bytes() for platform, path in paths.items() if path.is_file()}
+    if not installed:
         raise InputError(
-            f"to: {LIBRARY.name}, the library inside an FMU, is not in this installation; install the wheel, or build it with make"
-        ) from error
+            "to: no library that goes into an FMU is in this installation; install the wheel, or build one with make"
+        )
+    return installed

@@ -19,7 +19,8 @@ from forcefeel.qualification import Rules
 from forcefeel.qualification.batch_verdicts import judge_releases
 from forcefeel.qualification.release_batch import measure_releases
 from forcefeel.qualification.throw import Throw
-from forcefeel.simulation import RunStatus, Scenario, simulate_batch
+from forcefeel.simulation import RunStatus, Scenario
+from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
@@ -74,15 +75,15 @@ class ReleaseTest:
         rows = full_rows(loader, NOMINAL, feel, Law.of(laws, loader))
         step = min(record.step_s, LONGEST_STEP_S)
         scenario = Scenario(Release(self.angle_rad), record.duration_s, step, record.step_s)
-        runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], first_run=None, threads=threads)
+        runs = batch_outputs(loader, scenario, rows, laws, keep=["column_angle_rad"], first_run=None, threads=threads)
         ideal = ideal_releases(feel, self.angle_rad, record.step_s, record.samples)
         measured, reference = (
             measure_releases(record.time_s, angles, held=1, rules=self.rules.release, threads=threads)
-            for angles in (runs["column_angle_rad"].values, ideal)
+            for angles in (runs["column_angle_rad"], ideal)
         )
         test = self.rules.of("release", "pitch")
         verdicts = judge_releases(measured, reference, test, travel=self.travel_rad)
-        diverged = runs["status"].values == RunStatus.DIVERGED
+        diverged = runs["status"] == RunStatus.DIVERGED
         return [
             DIVERGES if gone else PASSES if good else verdicts.names[first]
             for gone, good, first in zip(diverged, verdicts.passed, verdicts.first_failing, strict=True)

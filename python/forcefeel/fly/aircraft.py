@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, named_extra
 from forcefeel.fly.control_data import control_data
 from forcefeel.loader.axes import FlightAxis
 from forcefeel.loader.loader import Loader
@@ -287,10 +287,8 @@ def hinge_moment(loader: Loader, state: Mapping[str, float], angle_rad: float) -
 
 
 def _loaded(name: str) -> Any:
-    try:
+    with named_extra():
         import jsbsim  # noqa: PLC0415  an extra
-    except ImportError as error:
-        raise InputError("JSBSim is not installed; install it with: pip install forcefeel[fly]") from error
     with silent():
         model = jsbsim.FGFDMExec(None)
         model.set_debug_level(0)

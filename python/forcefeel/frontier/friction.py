@@ -65,7 +65,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
     run = simulate(loader, scenario, _own_law(plan, name))
     if run.status is RunStatus.DIVERGED:
         return SmallestFriction(np.nan, np.nan, loader["column.coulomb_friction"], force)
-    apart = run.history["column_angle_rad"].values - ideal_response(loader, scenario)
+    apart = run.outputs["column_angle_rad"] - ideal_response(loader, scenario)
     down, back = _window(apart, SWEEP_S / 2), _window(apart, SWEEP_S - _WINDOW_S / 2)
     tremble = np.sqrt(np.mean(np.concatenate([_detrended(down), _detrended(back)]) ** 2))
     return SmallestFriction(

@@ -6,11 +6,11 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
-import scipy.optimize
 from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import GainLaw
+from forcefeel.linear.bracketing import root_between
 from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.linear.modes import spectral_abscissa
 from forcefeel.linear.sampled_feel import sampled_feel
@@ -44,7 +44,7 @@ def smallest_stable_stiffness(
     """The smallest G at which the loader is stable, frequency and damping ratio of the feel kept.
 
     The largest real part of the poles is followed downwards from G_max, or from the programmed G if that is larger, until
-    it changes sign; the root between is then bracketed to rounding by Brent's method.
+    it changes sign; the root between is then bracketed to rounding by ``root_between``.
 
     Args:
         loader: The loader.
@@ -93,7 +93,7 @@ def _first_crossing(
         return np.inf
     for near, far in pairwise(path):
         if growth(far) >= 0:
-            return float(scipy.optimize.brentq(growth, far, near, xtol=1e-13, rtol=1e-13))
+            return root_between(growth, float(far), float(near), tolerance=1e-13)
     return None
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-import scipy.linalg
-import scipy.optimize
 from numpy.typing import NDArray
 
+from forcefeel._core import balanced
+from forcefeel.linear.bracketing import root_between
 from forcefeel.linear.models import StateSpaceLike, check_model
 from forcefeel.units import ANGLE, HERTZ, RATIO
 
@@ -114,9 +114,9 @@ _NOTHING = 1e-6
 
 
 def crossings(w: NDArray[np.float64], values: NDArray[np.float64], at: Callable[[float], float]) -> list[float]:
-    """Where a curve goes through zero, by bisection between two points that differ in sign."""
+    """Where a curve goes through zero, between two points that differ in sign."""
     places = np.flatnonzero(np.diff(np.sign(values)) != 0)
-    return [float(scipy.optimize.brentq(at, w[k], w[k + 1])) for k in places if at(w[k]) * at(w[k + 1]) < 0]
+    return [root_between(at, float(w[k]), float(w[k + 1])) for k in places if at(w[k]) * at(w[k + 1]) < 0]
 
 
 def response(model: StateSpaceLike, s: NDArray[Any]) -> NDArray[Any]:
@@ -159,10 +159,26 @@ def _path(model: StateSpaceLike) -> NDArray[np.float64]:
 
 
 def zeros(model: StateSpaceLike) -> NDArray[np.complex128]:
-    """Where ``[A - s, B; C, D]`` of a model with one input and one output loses rank, in 1/s."""
-    whole = np.block([[np.asarray(model.A), np.asarray(model.B)], [np.asarray(model.C), np.asarray(model.D)]])
-    eigenvalues = scipy.linalg.eigvals(whole, np.diag([*np.ones(len(model.A)), 0.0]))
-    return np.asarray(eigenvalues[np.isfinite(eigenvalues)])
+    """Where ``[A - s, B; C, D]`` of a model with one input and one output loses rank, in 1/s.
+
+    Without a feedthrough D the row of A that the input drives holds the input alone: without it, the state that the input is
+    turned into is the next input. Each turn takes one zero at infinity away.
+
+    Source: A. Emami-Naeini and P. Van Dooren, Computation of zeros of linear multivariable systems, Automatica 18 (1982).
+    """
+    a, scale = balanced(np.asarray(model.A, dtype=np.float64))
+    b, c, d = np.asarray(model.B) / scale[:, np.newaxis], np.asarray(model.C) * scale, np.asarray(model.D)
+    through = abs(float(d[0, 0])) > 0
+    while len(a) and not through:
+        turned = np.linalg.qr(b, mode="complete").Q
+        a, c = turned.T @ a @ turned, c @ turned
+        through = abs(float(c[0, 0])) > _NONE * float(np.linalg.norm(c))
+        a, b, c, d = a[1:, 1:], a[1:, :1], c[:, 1:], c[:, :1]
+    return np.asarray(np.linalg.eigvals(a - b @ c / d) if len(a) else np.empty(0), dtype=np.complex128)
+
+
+_NONE = 1e-12
+"""Share of an output's row that is the rounding of no feedthrough."""
 
 
 def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
@@ -178,9 +194,14 @@ def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float
     top = int(np.argmax(np.abs(response(model, 1j * w))))
     if top in {0, len(w) - 1}:
         return None
-    best = scipy.optimize.minimize_scalar(
-        lambda frequency: -abs(response(model, np.array([1j * frequency]))[0]),
-        bounds=(w[top - 1], w[top + 1]),
-        method="bounded",
-    )
-    return Peak(float(best.x), float(-best.fun))
+    frequency = root_between(lambda frequency: _steepness(model, frequency), float(w[top - 1]), float(w[top + 1]))
+    return Peak(frequency, float(abs(response(model, np.array([1j * frequency]))[0])))
+
+
+def _steepness(model: StateSpaceLike, frequency: float) -> float:
+    """Half the slope of ``|G|^2`` over frequency: ``Re(conj(G) dG/dw)``, ``dG/dw = -j C (jw - A)^-2 B``."""
+    resolvent = 1j * frequency * np.eye(len(model.A)) - np.asarray(model.A)
+    states = np.linalg.solve(resolvent, np.asarray(model.B, dtype=complex))
+    gain = np.asarray(model.C) @ states + np.asarray(model.D)
+    slope = -1j * np.asarray(model.C) @ np.linalg.solve(resolvent, states)
+    return float((np.conj(gain) * slope)[0, 0].real)

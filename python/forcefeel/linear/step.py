@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
+from forcefeel._core import balanced, exponential
 from forcefeel.errors import InputError, expect_number
 from forcefeel.linear.models import StateSpaceLike, check_model
 
@@ -82,12 +82,12 @@ def transition(
     """
     n = len(a)
     # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
-    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
+    like, scale = balanced(a)
     block = np.zeros((n + 2, n + 2))
-    block[:n, :n] = balanced * step_s
+    block[:n, :n] = like * step_s
     block[:n, n] = b / scale * step_s
     block[n, n + 1] = 1.0
-    whole = scipy.linalg.expm(block)
+    whole = exponential(block)
     phi = whole[:n, :n] * scale[:, np.newaxis] / scale
     return phi, whole[:n, n] * scale, whole[:n, n + 1] * scale
 
@@ -103,10 +103,10 @@ def equilibrium(model: StateSpaceLike) -> NDArray[np.float64]:
         numpy.linalg.LinAlgError: If it has no solution, or rounding leaves it fewer digits than people read.
     """
     # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
-    balanced, (scale, _) = scipy.linalg.matrix_balance(np.asarray(model.A), permute=False, separate=True)
-    state = np.linalg.solve(balanced, np.asarray(model.B)[:, 0] / scale)
+    like, scale = balanced(np.asarray(model.A))
+    state = np.linalg.solve(like, np.asarray(model.B)[:, 0] / scale)
     # |A^-1| |A| |x| u, the bound of what rounding the entries of A moves it (Skeel 1979)
-    moved = np.abs(np.linalg.inv(balanced)) @ (np.abs(balanced) @ np.abs(state)) * np.finfo(np.float64).eps
+    moved = np.abs(np.linalg.inv(like)) @ (np.abs(like) @ np.abs(state)) * np.finfo(np.float64).eps
     if not np.max(moved) <= _LEAST_DIGITS * np.max(np.abs(state)):
         raise np.linalg.LinAlgError("the equilibrium is lost in rounding")
     return np.asarray(-scale * state)
@@ -131,11 +131,11 @@ def gramian(a: NDArray[np.float64], start: NDArray[np.float64], duration_s: floa
     """
     n = len(a)
     # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
-    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
-    doublings = max(0, int(np.ceil(np.log2(duration_s * max(float(np.linalg.norm(balanced, 1)), 1e-12)))))
+    like, scale = balanced(a)
+    doublings = max(0, int(np.ceil(np.log2(duration_s * max(float(np.linalg.norm(like, 1)), 1e-12)))))
     step = duration_s / 2**doublings
     start = start / scale
-    block = scipy.linalg.expm(np.block([[-balanced, np.outer(start, start)], [np.zeros((n, n)), balanced.T]]) * step)
+    block = exponential(np.block([[-like, np.outer(start, start)], [np.zeros((n, n)), like.T]]) * step)
     phi = block[n:, n:].T
     integral = phi @ block[:n, n:]
     for _ in range(doublings):

@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -22,8 +21,12 @@ from forcefeel.loader.project import Project
 from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, named, outputs
 from forcefeel.simulation.scenario import Scenario
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _Numbers = NDArray[np.float64]
 _Side = tuple[_core.Simulation, _Numbers, Any, _Numbers | None, _Numbers | None]
@@ -59,12 +62,12 @@ def simulate_linked(
     loaders = pair.loaders
     names, rows = pair.run(PairValues(loaders[0].si_values[np.newaxis], loaders[1].si_values[np.newaxis]))
     time = np.arange(rows.shape[1]) * scenario.first.sample_s
-    data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(names.items(), rows[0].T, strict=True)}
-    whole = xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
-    values = {str(name): whole[name].to_numpy() for name in whole.data_vars}
+    values = dict(zip(names, rows[0].T, strict=True))
     measures = link_measures(np.asarray(time, dtype=np.float64), values, loaders[0]["column.grip_arm"])
-    history = whole.where(whole["time_s"] < measures.diverged_at_s)
-    return LinkedRun(pair.link, loaders, pair.laws, scenario, measures, history)
+    known = time < measures.diverged_at_s
+    data = {name: ("time_s", np.where(known, row, np.nan), {"units": names[name]}) for name, row in values.items()}
+    labeled = LabeledArrays(data, {"time_s": ("time_s", time, {"units": "s"})})
+    return LinkedRun(pair.link, loaders, pair.laws, scenario, measures, labeled)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +111,7 @@ def simulate_linked_batch(
     *,
     keep: Sequence[str] = ("column_angle_rad",),
     threads: int | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Runs many pairs of linked loaders through one scenario, on all cores.
 
     Args:
@@ -139,7 +142,7 @@ def simulate_linked_batch(
     names, rows = pair.run(values, keep, threads_or_cores(threads))
     time = np.arange(rows.shape[1]) * scenario.first.sample_s
     data = {name: (("run", "time_s"), rows[:, :, k], {"units": unit}) for k, (name, unit) in enumerate(names.items())}
-    return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})})
+    return LabeledArrays(data, {"time_s": ("time_s", time, {"units": "s"})}).dataset
 
 
 def linked_samples(project: Project, link: str, scenario: LinkedScenario, laws: tuple[LawLike, LawLike]) -> _Numbers:

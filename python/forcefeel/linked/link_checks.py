@@ -155,8 +155,8 @@ def _let_go(loader: Loader) -> LinkedScenario:
 
 def _swing_left(run: LinkedRun) -> float:
     """Swing of both columns in the fourth second after the release, as a share of that in the third."""
-    time = run.history["time_s"].to_numpy()
-    angles = [run.history[f"{side}_column_angle_rad"].to_numpy() for side in SIDES]
+    time = run.outputs["time_s"]
+    angles = [run.outputs[f"{side}_column_angle_rad"] for side in SIDES]
     third, fourth = (
         max(float(np.ptp(angle[(time >= begin) & (time < begin + 1)])) for angle in angles)
         for begin in (_LET_GO_S - 2, _LET_GO_S - 1)
@@ -167,11 +167,11 @@ def _swing_left(run: LinkedRun) -> float:
 def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
     link, loader = run.link, run.loaders[0]
     arm, side = loader["column.grip_arm"], "up" if sign > 0 else "down"
-    history = {str(name): run.history[name].to_numpy() for name in run.history.data_vars}
-    beyond = history["link_gives_way"] > 0
+    outputs = run.outputs
+    beyond = outputs["link_gives_way"] > 0
     out = int(np.argmax(beyond)) if beyond.any() else None
-    angle = history["first_column_angle_rad"]
-    of_link = sign * (history["first_hand_force_n"] - _feel_force(loader, angle, sign))
+    angle = outputs["first_column_angle_rad"]
+    of_link = sign * (outputs["first_hand_force_n"] - _feel_force(loader, angle, sign))
     row = link["breakout"] / arm
     at_breakout = nan if out is None else float(of_link[out])
     checks = [_within(f"breakout, {side}", at_breakout, row, BREAKOUT, FORCE)] if isfinite(row) else []
@@ -181,7 +181,7 @@ def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
         slope = _slope(angle, of_link * arm, out)
         checks.append(_within("stiffness", slope, link.stiffness_to_jam, STIFFNESS, ROTARY_STIFFNESS))
         if isfinite(row) and link.after_breakout is AfterBreakout.OVERRIDE:
-            back = history["first_link_torque_n_m"][len(angle) // 2 :]
+            back = outputs["first_link_torque_n_m"][len(angle) // 2 :]
             step = float(np.abs(np.diff(back)).max()) / arm
             checks.append(OwnCheck("largest step of force, re-engagement", step, 0.0, STEP_N, FORCE))
     return checks
@@ -204,6 +204,5 @@ def _swing(run: LinkedRun) -> float:
     measures = run.measures
     ends = {"first": measures.first_final_angle_rad, "second": measures.second_final_angle_rad}
     return max(
-        float(np.max(np.sign(end) * run.history[f"{side}_column_angle_rad"].to_numpy()) - abs(end))
-        for side, end in ends.items()
+        float(np.max(np.sign(end) * run.outputs[f"{side}_column_angle_rad"]) - abs(end)) for side, end in ends.items()
     )

@@ -2,15 +2,17 @@
 
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Annotated
-
-import xarray as xr
+from typing import TYPE_CHECKING, Annotated
 
 from forcefeel.laws.law import Law
 from forcefeel.linked.scenario import LinkedScenario
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import ANGLE, FORCE, SECONDS, TORQUE
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SIDES = ("first", "second")
 """Both sides, as the names in a history begin."""
@@ -67,7 +69,8 @@ class LinkedRun:
         laws: Their laws.
         scenario: The inputs.
         measures: The measures.
-        history: Every output of both over ``time_s``, names with ``first_`` or ``second_``, and those of the link; SI units.
+        outputs: Every output of both over ``time_s``, names with ``first_`` or ``second_``, and those of the link; SI units;
+            NaN after divergence. ``history`` is the same as a data set of xarray.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
@@ -80,7 +83,12 @@ class LinkedRun:
     laws: tuple[Law, Law]
     scenario: LinkedScenario
     measures: LinkMeasures
-    history: xr.Dataset = field(repr=False)
+    outputs: LabeledArrays = field(repr=False)
+
+    @property
+    def history(self) -> "xr.Dataset":
+        """Every output over ``time_s`` as a data set of xarray, an extra."""
+        return self.outputs.dataset
 
     @property
     def diverged(self) -> bool:

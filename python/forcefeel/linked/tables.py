@@ -46,13 +46,12 @@ def measure_rows(run: LinkedRun, units: UnitSystem) -> tuple[tuple[str, str, str
 def columns(run: LinkedRun, units: UnitSystem) -> tuple[Column, ...]:
     """Time and every output of both sides and of the link."""
     table = []
-    for name in ("time_s", *map(str, run.history.data_vars)):
-        data = run.history[name]
-        measured_in = TORQUE if name.endswith("_n_m") else BY_SI[data.attrs["units"]]
+    for name in ("time_s", *run.outputs):
+        measured_in = TORQUE if name.endswith("_n_m") else BY_SI[run.outputs.unit(name)]
         if name.endswith("motor_current_a"):
             measured_in = MOTOR_CURRENT
         text = name.removesuffix("_n_m").replace("_", " ") if measured_in is TORQUE else in_words(name, measured_in.si)
-        table.append(Column(text, measured_in.shown(units), data.values * measured_in.from_si(1.0, units)))
+        table.append(Column(text, measured_in.shown(units), run.outputs[name] * measured_in.from_si(1.0, units)))
     return tuple(table)
 
 

@@ -105,11 +105,38 @@ class Curve:
 
 
 def pieces_through(x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-    """Rows of coefficients of the pieces between points, unchecked; as ``Curve.coefficients``."""
-    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  most loaders have no curve
+    """Rows of coefficients of the pieces between points, unchecked; as ``Curve.coefficients``.
 
+    Cubics whose slope at a point is the weighted harmonic mean of the chords' beside it, and zero where these differ in sign: they
+    rise and fall with the points.
+
+    Source: F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat.
+    Comput. 5 (1984); at the ends the three-point formula of C. Moler, Numerical Computing with MATLAB, 2004, section 3.4.
+    """
+    at, heights = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     with np.errstate(all="ignore"):
-        return np.ascontiguousarray(PchipInterpolator(x, y).c.T)
+        h = np.diff(at)
+        chord = np.diff(heights) / h
+        slope = np.empty_like(at)
+        slope[0], slope[-1] = _end_slope(h, chord), _end_slope(h[::-1], chord[::-1])
+        before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+        mean = 1.0 / ((before / chord[:-1] + after / chord[1:]) / (before + after))
+        slope[1:-1] = np.where(np.sign(chord[:-1]) * np.sign(chord[1:]) > 0, mean, 0.0)
+        third = (slope[:-1] + slope[1:] - 2 * chord) / h
+        second = (chord - slope[:-1]) / h - third
+        return np.ascontiguousarray(np.transpose([third / h, second, slope[:-1], heights[:-1]]))
+
+
+def _end_slope(h: NDArray[np.float64], chord: NDArray[np.float64]) -> float:
+    """Slope at the first point: of a parabola through three, no steeper than the curve stays monotone with."""
+    if len(h) == 1:
+        return float(chord[0])
+    slope = float(((2 * h[0] + h[1]) * chord[0] - h[0] * chord[1]) / (h[0] + h[1]))
+    if np.sign(slope) != np.sign(chord[0]):
+        return 0.0
+    if np.sign(chord[0]) != np.sign(chord[1]) and abs(slope) > 3 * abs(chord[0]):
+        return float(3 * chord[0])
+    return slope
 
 
 def _numbers(name: str, given: object) -> tuple[float, ...]:

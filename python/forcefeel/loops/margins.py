@@ -21,8 +21,8 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matrix_balance
 
+from forcefeel._core import balanced
 from forcefeel.linear.frequency import crossings
 from forcefeel.loops.command_loop import HIGHEST_ANALOG_RAD_PER_S, CommandLoop
 from forcefeel.units import ANGLE, HERTZ, RATIO, SECONDS
@@ -102,7 +102,7 @@ class _Response:
 
     def __init__(self, loop: CommandLoop) -> None:
         self._period_s = loop.period_s
-        self._matrix, (scale, _) = matrix_balance(loop.matrix, permute=False, separate=True)
+        self._matrix, scale = balanced(loop.matrix)
         self._c, self._b = loop.command * scale, loop.by_command / scale
         opened = np.linalg.eigvals(self._matrix - np.outer(self._b, self._c))
         self._poles = np.concatenate([loop.poles, opened])

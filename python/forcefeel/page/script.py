@@ -2,8 +2,6 @@
 
 from functools import cache
 
-from plotly.offline import get_plotlyjs
-
 SCRIPT = "plotly.min.js"
 """Its name in the folder."""
 
@@ -11,4 +9,6 @@ SCRIPT = "plotly.min.js"
 @cache
 def script() -> str:
     """The script."""
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415  an extra; most folders hold no page
+
     return str(get_plotlyjs())

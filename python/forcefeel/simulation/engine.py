@@ -1,10 +1,9 @@
 """Runs of the Rust engine, single or in batches."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -26,7 +25,11 @@ from forcefeel.simulation.outcome import (
     without_diverged,
 )
 from forcefeel.simulation.scenario import Scenario, Steps
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _SINGLE = 1
 
@@ -69,7 +72,7 @@ def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
         scenario=scenario,
         status=status,
         measures=measures,
-        history=history(values, units, scenario.sample_s, about),
+        outputs=history(values, units, scenario.sample_s, about),
         method="exact" if exact else "stepped",
         angle_noise_rad=noise,
         law_remark=law.made_for_another(loader),
@@ -111,7 +114,7 @@ def simulate_batch(
     keep: Sequence[str] = (),
     first_run: int | None = 0,
     threads: int | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Runs many loaders through one scenario, eight at a time in vector lanes, on all cores.
 
     Args:
@@ -138,6 +141,20 @@ def simulate_batch(
         >>> runs.sizes["run"]
         3
     """
+    return batch_outputs(loader, scenario, values, law, keep=keep, first_run=first_run, threads=threads).dataset
+
+
+def batch_outputs(
+    loader: Loader,
+    scenario: Scenario,
+    values: NDArray[np.float64],
+    law: LawLike = None,
+    *,
+    keep: Sequence[str] = (),
+    first_run: int | None = 0,
+    threads: int | None = None,
+) -> LabeledArrays:
+    """What ``simulate_batch`` makes its data set of; the same arguments."""
     check_loader(loader)
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     values = np.ascontiguousarray(values, dtype=np.float64)
@@ -176,7 +193,7 @@ def simulate_batch(
         for k, name in enumerate(keep):
             cut = _cut_all(histories[:, k], scenario.sample_s, measured[:, -1])
             data[name] = (("run", "time_s"), cut, {"units": units[name]})
-    return xr.Dataset(data, coordinates, {"loader": loader.name})
+    return LabeledArrays(data, coordinates, {"loader": loader.name})
 
 
 def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law | None = None) -> _core.Simulation:

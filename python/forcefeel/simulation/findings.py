@@ -219,7 +219,7 @@ def _heat(run: Run) -> str:
     """How warm the motor becomes, where that is known."""
     if run.loader.drive != ELECTRIC or not isfinite(run.loader["thermal.winding_capacity"]):
         return ""
-    temperature = run.history["winding_temperature_degc"].values
+    temperature = run.outputs["winding_temperature_degc"]
     warm = temperature[np.isfinite(temperature)]
     if not len(warm) or warm.max() - warm.min() < _WARMER:
         return ""

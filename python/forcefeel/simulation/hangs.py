@@ -43,11 +43,11 @@ def hang(run: Run) -> Hang | None:
     """
     if run.status is not RunStatus.SETTLED:
         return None
-    loader, history = run.loader, run.history
-    tail = slice(-max(history.sizes["time_s"] // _TAIL, 1), None)
+    loader, outputs = run.loader, run.outputs
+    tail = slice(-max(len(outputs["time_s"]) // _TAIL, 1), None)
 
     def over_tail(name: str) -> NDArray[np.float64]:
-        return np.asarray(history[name].values[tail])
+        return np.asarray(outputs[name][tail])
 
     angle, feel = over_tail("column_angle_rad"), over_tail(feel_position(run)) / per_feel_angle(run)
     swing = run.measures.maximum_angle_rad - run.measures.minimum_angle_rad

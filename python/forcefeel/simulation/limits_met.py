@@ -72,10 +72,10 @@ def limit_times(run: Run) -> LimitTimes:
         >>> ff.simulation.limit_times(run).over_current
         0.0
     """
-    loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
-    known = np.isfinite(history["column_angle_rad"].values)
+    loader, outputs, sample_s = run.loader, run.outputs, run.scenario.sample_s
+    known = np.isfinite(outputs["column_angle_rad"])
     angle, velocity, feel = (
-        history[name].values[known] for name in ("column_angle_rad", "column_velocity_rad_per_s", feel_position(run))
+        outputs[name][known] for name in ("column_angle_rad", "column_velocity_rad_per_s", feel_position(run))
     )
     feel_angle = feel / per_feel_angle(run)
     moved = np.maximum.accumulate(velocity != 0) if len(velocity) else np.zeros(0, bool)
@@ -89,10 +89,10 @@ def limit_times(run: Run) -> LimitTimes:
         return float(np.count_nonzero(beyond)) * sample_s
 
     def over(row: Demanded) -> float:
-        return share(np.abs(history[row.output].values[known]) > loader[row.whole] * (1 + AT))
+        return share(np.abs(outputs[row.output][known]) > loader[row.whole] * (1 + AT))
 
     def at_limit(row: Demanded) -> float:
-        return share(np.abs(history[row.output].values[known]) >= loader[row.limit] * (1 - AT))
+        return share(np.abs(outputs[row.output][known]) >= loader[row.limit] * (1 - AT))
 
     first, second, _ = rows = DEMANDED[loader.drive]
     over_current, over_flow, over_pressure = map(over, rows) if loader.drive == HYDRAULIC else (0.0, 0.0, 0.0)
@@ -147,7 +147,7 @@ def below_noise(run: Run) -> bool:
 def _why_no_number(run: Run) -> str:
     """Why a run that leads to a new equilibrium has no valid overshoot."""
     measures, met = run.measures, limit_times(run)
-    first, end = float(run.history["column_angle_rad"].values[0]), measures.equilibrium_angle_rad
+    first, end = float(run.outputs["column_angle_rad"][0]), measures.equilibrium_angle_rad
     low, high = measures.minimum_angle_rad, measures.maximum_angle_rad
     travel, excursion, beyond = (
         abs(end - first),

@@ -1,10 +1,9 @@
 """Linear runs of loaders without optional rows, single or in batches, exact at the samples."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -17,7 +16,11 @@ from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.threads import threads_or_cores
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def applies(loader: Loader, scenario: Scenario) -> bool:
@@ -93,7 +96,7 @@ def simulate_linear_batch(
     *,
     keep: Sequence[str] = (_ANGLE,),
     threads: int | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Runs many loaders of the linear model, eq. (17), through one scenario, exact at the samples.
 
     ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)`` with ``Phi = exp(A h)`` of each run's own matrix: exact for a
@@ -182,7 +185,7 @@ def simulate_linear_batch(
         name: (("run", "time_s"), histories[:, k], {"units": units[name]}) for k, name in enumerate(keep)
     }
     data["diverged_at_s"] = ("run", diverged_at_s, {"units": "s"})
-    return xr.Dataset(data, coordinates, {"loader": loader.name})
+    return LabeledArrays(data, coordinates, {"loader": loader.name}).dataset
 
 
 def _check(

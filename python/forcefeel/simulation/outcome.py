@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -18,6 +17,7 @@ from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.scenario import Scenario
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -34,6 +34,7 @@ from forcefeel.units import (
 )
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 BAND = 0.05
@@ -159,7 +160,7 @@ class Run:
         scenario: The inputs.
         status: Status at the end.
         measures: The measures.
-        history: Every output over ``time_s``, SI units; NaN after divergence.
+        outputs: Every output over ``time_s``, SI units; NaN after divergence. ``history`` is the same as a data set of xarray.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
         angle_noise_rad: R.m.s. of the column's angle by the sensors' noise alone.
         law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
@@ -174,10 +175,15 @@ class Run:
     scenario: Scenario
     status: RunStatus
     measures: Measures | MotorMeasures
-    history: xr.Dataset = field(repr=False)
+    outputs: LabeledArrays = field(repr=False)
     method: str = "stepped"
     angle_noise_rad: float = 0.0
     law_remark: str = ""
+
+    @property
+    def history(self) -> "xr.Dataset":
+        """Every output over ``time_s`` as a data set of xarray, an extra."""
+        return self.outputs.dataset
 
     @property
     def note(self) -> str:
@@ -221,16 +227,16 @@ class Run:
         """
         from forcefeel.plots.draw import curves  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        if unknown := [name for name in outputs if name not in self.history]:
+        if unknown := [name for name in outputs if name not in self.outputs]:
             raise InputError(
-                f"outputs: expected names such as {', '.join(map(str, list(self.history)[:3]))}, got {show(unknown[0])}"
+                f"outputs: expected names such as {', '.join(list(self.outputs)[:3])}, got {show(unknown[0])}"
             )
-        curves_si = {name: self.history[name].to_numpy() for name in outputs} or self._angles()
-        kinds = {self.history[name].attrs["units"] for name in outputs} or {"rad"}
+        curves_si = {name: self.outputs[name] for name in outputs} or self._angles()
+        kinds = {self.outputs.unit(name) for name in outputs} or {"rad"}
         if len(kinds) > 1:
             raise InputError(f"outputs: expected one kind of quantity on one axis, got {', '.join(sorted(kinds))}")
         unit = BY_SI[kind := kinds.pop()]
-        scale, time = unit.from_si(1.0, units), self.history["time_s"].to_numpy()
+        scale, time = unit.from_si(1.0, units), self.outputs["time_s"]
         words = {name: in_words(name, kind) for name in curves_si}
         what = (
             next(iter(words.values()))
@@ -247,13 +253,13 @@ class Run:
 
     def _angles(self) -> dict[str, NDArray[np.float64]]:
         """The column's angle, and that which the feel programs."""
-        programmed = self.history[feel_position(self)].to_numpy() / per_feel_angle(self)
-        return {"column_angle_rad": self.history["column_angle_rad"].to_numpy(), "programmed_angle_rad": programmed}
+        programmed = self.outputs[feel_position(self)] / per_feel_angle(self)
+        return {"column_angle_rad": self.outputs["column_angle_rad"], "programmed_angle_rad": programmed}
 
 
 def feel_position(run: Run) -> str:
-    """Name of the programmed displacement in the history; its unit is that of the law."""
-    return next(str(name) for name in run.history.data_vars if str(name).startswith("feel_position"))
+    """Name of the programmed displacement among the outputs; its unit is that of the law."""
+    return next(name for name in run.outputs if name.startswith("feel_position"))
 
 
 def per_feel_angle(run: Run) -> float:
@@ -298,11 +304,11 @@ def outputs(displacement_unit: str, drive: str = HYDRAULIC) -> dict[str, str]:
 
 def history(
     values: NDArray[np.float64], units: dict[str, str], sample_s: float, attributes: dict[str, Any]
-) -> xr.Dataset:
+) -> LabeledArrays:
     """One run's outputs (outputs, samples) over time; not a number once the column has left every bound."""
     time = np.arange(values.shape[1]) * sample_s
     data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(units.items(), values, strict=True)}
-    return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})}, attributes)
+    return LabeledArrays(data, {"time_s": ("time_s", time, {"units": "s"})}, attributes)
 
 
 MOST_HISTORY_BYTES = 4 * 2**30

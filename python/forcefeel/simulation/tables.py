@@ -75,12 +75,13 @@ def measure_rows(run: Run, units: UnitSystem, digits: int = 4) -> tuple[tuple[st
 
 def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
     """Time and every output, up to where the run diverged, by the names that readers of records know."""
-    known = np.isfinite(run.history["column_angle_rad"].values)
+    known = np.isfinite(run.outputs["column_angle_rad"])
     table = []
-    for name in ("time_s", *map(str, run.history.data_vars)):
-        data = run.history[name]
-        unit = MOTOR_CURRENT if name == "motor_current_a" else BY_SI[data.attrs["units"]]
-        table.append(Column(in_words(name, unit.si), unit.shown(units), data.values[known] * unit.from_si(1.0, units)))
+    for name in ("time_s", *run.outputs):
+        unit = MOTOR_CURRENT if name == "motor_current_a" else BY_SI[run.outputs.unit(name)]
+        table.append(
+            Column(in_words(name, unit.si), unit.shown(units), run.outputs[name][known] * unit.from_si(1.0, units))
+        )
     return tuple(table)
 
 

@@ -27,11 +27,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import GainLaw
+from forcefeel._core import GainLaw, exponential
 from forcefeel.linear.electric import BASE, BASE_RATE, CURRENT, OUTPUTS, POSITION, RATE, ElectricPlant
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, INDEX, OFF
@@ -65,7 +64,7 @@ def falls_through_s(
         return latest
     drive = (_motor if loader.drive == ELECTRIC else _valve)(loader)
     friction = drive.by_force * _column_friction(loader)
-    step = scipy.linalg.expm(_driven(drive.matrix, friction, drive.by_input) * drive.time[1])
+    step = exponential(_driven(drive.matrix, friction, drive.by_input) * drive.time[1])
     torque = stiffness * angle_rad
     state = np.vstack([drive.held(angle_rad, torque), np.ones_like(torque), np.zeros_like(torque)])
     gives = drive.gives(state[:-2])
@@ -195,7 +194,7 @@ def _valve_flow(loader: Loader, answers: _Matrix, time: _Matrix) -> _Matrix:
     ``answers`` is the matrix of flow and its rate, eq. (3).
     """
     since, flow = np.maximum(time - _unseen_s(loader), 0.0), Valve(loader).flow_by_current_m3_per_s
-    step = scipy.linalg.expm(answers * time[1])
+    step = exponential(answers * time[1])
     state, impulse = np.array([0.0, -answers[1, 0]]), np.zeros(len(time))
     for moment in range(1, len(time)):
         state = step @ state
@@ -250,8 +249,8 @@ def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: 
     under = plant.a - np.outer(by_voltage, voltage)
     state = np.array([end, 0.0, before, base, 0.0])
     # Until then the old command holds the current.
-    state = scipy.linalg.expm(_driven(plant.a, plant.b[:, 1] * before) * unseen)[:-1] @ np.append(state, 1.0)
-    step = scipy.linalg.expm(under * period)
+    state = exponential(_driven(plant.a, plant.b[:, 1] * before) * unseen)[:-1] @ np.append(state, 1.0)
+    step = exponential(under * period)
     free, pulse, swings = state, by_voltage, 0.0
     largest = np.full(len(time), before)
     for moment, at in enumerate(time):

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.linear.bracketing import root_between
 from forcefeel.loader.loader import Loader
 from forcefeel.units import FORCE, LENGTH, MASS, MOTOR_CURRENT, SECONDS, SPEED, TEMPERATURE, TORQUE, VOLTAGE
 
@@ -235,12 +236,10 @@ LARGEST_EXPONENT = 500.0
 
 def _first_time(rise: Callable[[float], float], level: float, guess: float) -> float:
     """First time at which a rise exceeds a level."""
-    from scipy.optimize import brentq  # noqa: PLC0415  a motor that stays cool does not need it
-
     late = guess
     while rise(late) < level:
         late *= 2
     early = late
     while early > 0 and rise(early) >= level:
         early /= 2
-    return float(brentq(lambda time: rise(time) - level, early, late, xtol=late * 1e-9)) if early > 0 else 0.0
+    return root_between(lambda time: rise(time) - level, early, late, tolerance=late * 1e-9) if early > 0 else 0.0

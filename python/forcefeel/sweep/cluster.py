@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, named_extra
 from forcefeel.sweep.chunk import measure, nominal
 from forcefeel.sweep.plan import Sweep
 
@@ -74,13 +74,9 @@ def on_worker(sweep: Sweep, index: int, expected: NDArray[np.float64]) -> NDArra
 @contextlib.contextmanager
 def _client(address: str) -> "Iterator[Client]":
     """A connection to a scheduler that has workers."""
-    try:
+    with named_extra():
         from distributed import Client, Security  # noqa: PLC0415  an optional extra
         from distributed.comm import connect  # noqa: PLC0415
-    except ImportError as error:
-        raise InputError(
-            f"--scheduler: needs Dask ({error}); install it with: pip install 'forcefeel[cluster]'"
-        ) from error
 
     async def knock() -> None:
         comm = await connect(address, timeout=CONNECT_S, **Security().get_connection_args("client"))

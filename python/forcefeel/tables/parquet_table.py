@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, named_extra
 from forcefeel.tables.table import NOTES, Columns, LocatedColumns, Table, check_size, columns_of
 
 
@@ -13,14 +13,12 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
     """The table in a Parquet file.
 
     Raises:
-        InputError: If it is damaged, or pyarrow is not installed.
+        InputError: If it is damaged.
+        MissingExtraError: If pyarrow is not installed.
     """
-    try:
+    with named_extra():
         import pyarrow as pa  # noqa: PLC0415  large, and only here
         from pyarrow import parquet  # noqa: PLC0415
-    except ImportError as error:
-        remedy = "install forcefeel[parquet], or give a CSV file"
-        raise InputError(f"{path}: Parquet files need pyarrow, which is not installed; {remedy}") from error
 
     @contextmanager
     def refused() -> Iterator[None]:

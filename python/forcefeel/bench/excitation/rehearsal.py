@@ -63,7 +63,7 @@ class Bench:
         else:
             run = simulate(self.loader, scenario, self._law())
             limited = KINDS[self.loader.drive].values()
-            seen = {channel: run.history[named(channel, CHANNELS[channel])].values for channel in limited}
+            seen = {channel: run.outputs[named(channel, CHANNELS[channel])] for channel in limited}
             if run.status is RunStatus.DIVERGED:
                 return (inf,) * len(limits)
         seen[str(self.experiment.drive)] = signal

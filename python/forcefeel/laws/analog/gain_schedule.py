@@ -8,13 +8,13 @@ transition matrix.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, state_scale
 from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, design_model
+from forcefeel.linear.riccati import stationary, stationary_continuous
 from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
 
@@ -135,8 +135,8 @@ def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
     problem = SampledProblem.of(loader, design)
     phi, h = problem.phi[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.h[DESIGN_PLANT]
     scale = problem.scale[DESIGN_PLANT]
-    cost = scipy.linalg.solve_discrete_are(phi, h, problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.r)
-    k = scipy.linalg.solve(h.T @ cost @ h + problem.r, h.T @ cost @ phi)
+    cost, _ = stationary(phi, h, problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.r)
+    k = np.linalg.solve(h.T @ cost @ h + problem.r, h.T @ cost @ phi)
     row = h.T / (problem.r + h.T @ cost @ h)
     return _SolvedPlant(-k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale)
 
@@ -146,7 +146,7 @@ def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
     a = plant.A[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * scale / scale[:, None]
     b = plant.B[DESIGN_PLANT] / scale[:, None]
     q = design.weight(loader)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * np.outer(scale, scale)
-    k = np.linalg.solve([[design.r2]], b.T @ scipy.linalg.solve_continuous_are(a, b, q, [[design.r2]]))
+    k = np.linalg.solve([[design.r2]], b.T @ stationary_continuous(a, b @ b.T / design.r2, q))
     return _SolvedPlant(-k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale)
 
 

@@ -24,9 +24,9 @@ from forcefeel.laws.sampled.observer import observed, process_noise, readings, s
 from forcefeel.laws.sampled.observer_law import Gains, design_with
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.riccati import residual, stationary
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.laws.sampled.tuning import OBSERVER, Power, Tuning
+from forcefeel.linear.riccati import residual, stationary
 from forcefeel.loader.loader import Loader
 
 ABOVE_LEAST = 1.05

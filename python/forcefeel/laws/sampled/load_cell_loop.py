@@ -23,9 +23,9 @@ from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, period_and_delay
-from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.linear.models import DESIGN_PLANT, design_model
+from forcefeel.linear.riccati import stationary
 from forcefeel.linear.sampled_feel import delayed
 from forcefeel.loader.loader import Loader, check_hydraulic
 

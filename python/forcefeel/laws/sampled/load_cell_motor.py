@@ -32,8 +32,8 @@ from forcefeel.laws.sampled.load_cell_loop import heard_torque
 from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_law import SampledLaw
+from forcefeel.linear.riccati import stationary
 from forcefeel.loader.loader import Loader, check_electric
 
 LAG = 0.5

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.tuning import Tuning
+from forcefeel.linear.riccati import stationary
 
 REMEMBERED = 1 - 1e-9
 """Share of the disturbance that a period leaves. A law that forgot nothing would have no rest of its own, as any disturbance goes

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.tuning import Tuning
+from forcefeel.linear.riccati import stationary
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,13 +89,13 @@ def _curve(
     units: UnitSystem,
 ) -> None:
     output, name = names
-    values = run.history[output].to_numpy()
+    values = run.outputs[output]
     values = values[np.isfinite(values)] * measured_in.from_si(1.0, units)
     kept = drawn(values, _MOST_POINTS)
     hover = f"%{{y:.4~g}} {measured_in.shown(units)}"
     add_curve(
         picture,
-        run.history["time_s"].to_numpy()[kept],
+        run.outputs["time_s"][kept],
         values[kept],
         name,
         look,

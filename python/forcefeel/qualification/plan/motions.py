@@ -68,7 +68,7 @@ class SimulatedLoader:
         run = simulate(self.loader, scenario, self.law)
         if run.status is RunStatus.DIVERGED:
             raise LoopError(run.note)
-        return np.array(run.history["column_angle_rad"].values)
+        return np.array(run.outputs["column_angle_rad"])
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
 
 from forcefeel.errors import InputError
 from forcefeel.simulation.inputs.sampled import ROUNDING, Grid, Sampled, check_frequencies, check_number, through_values
@@ -153,6 +152,8 @@ class Multisine:
 
     def _clipped(self, phases: NDArray[np.float64]) -> NDArray[np.float64]:
         """``phases`` after the clippings, which lower the peak."""
+        from scipy.fft import next_fast_len  # noqa: PLC0415  an extra, and only here and below
+
         harmonics = self._harmonics
         points = next_fast_len(_COARSE * int(harmonics[-1]), real=True)
         for level in np.linspace(*_CLIP_AT, _CLIPPINGS):
@@ -167,6 +168,8 @@ class Multisine:
         Near its greatest peak P a sum of cycles up to N stays above ``P cos(2 pi N t)`` (M. Riesz), so with M points the one
         next to the peak has ``P cos(pi N / M)`` at least: only such points are followed up.
         """
+        from scipy.fft import next_fast_len  # noqa: PLC0415
+
         highest = int(self._harmonics[-1])
         points = next_fast_len(_FINE * highest, real=True)
         height = np.abs(self._wave(self.phases_rad, points))

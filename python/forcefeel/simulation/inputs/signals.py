@@ -11,7 +11,6 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import exprel
 
 from forcefeel.errors import InputError
 from forcefeel.simulation.inputs.quantity import Quantity
@@ -227,8 +226,9 @@ class Chirp:
     def _cycles(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         if self.spacing == "linear":
             return self.from_hz * t + (self.to_hz - self.from_hz) * t**2 / (2 * self.duration_s)
-        # exprel(x) = (e^x - 1) / x, right also where b = a.
-        return np.asarray(self.from_hz * t * exprel(math.log(self.to_hz / self.from_hz) * t / self.duration_s))
+        x = math.log(self.to_hz / self.from_hz) * t / self.duration_s
+        # (e^x - 1) / x, right also where b = a.
+        return np.asarray(self.from_hz * t * np.where(x == 0, 1.0, np.expm1(x) / np.where(x == 0, 1.0, x)))
 
 
 @dataclass(frozen=True)

@@ -176,14 +176,14 @@ def _spring(
 
 def _values(run: Run, name: str) -> NDArray[np.float64]:
     """An output up to where the run diverged."""
-    known = np.isfinite(run.history["column_angle_rad"].values)
-    return np.asarray(run.history[name].values[known])
+    known = np.isfinite(run.outputs["column_angle_rad"])
+    return np.asarray(run.outputs[name][known])
 
 
 def _curve(
     picture: go.Figure, run: Run, row: int, name: str, values: NDArray[np.float64], look: LineStyle, hover: str
 ) -> None:
-    time = run.history["time_s"].values[: len(values)]
+    time = run.outputs["time_s"][: len(values)]
     kept = drawn(values, MOST_POINTS)
     add_curve(
         picture,

@@ -79,7 +79,7 @@ def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
     if not count:
         return None
     ideal = ideal_angle(nominal)
-    drawn = sweep_plots.band(result, nominal.history["column_angle_rad"].values, ideal, sweep_plots.color(law))
+    drawn = sweep_plots.band(result, nominal.outputs["column_angle_rad"], ideal, sweep_plots.color(law))
     requested = min(ENVELOPE_RUNS, result.sweep.total)
     whole = "All" if requested == result.sweep.total else "The first"
     sample = (

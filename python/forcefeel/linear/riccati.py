@@ -1,20 +1,16 @@
-"""Stationary discrete Riccati equations, their solution checked by its residual.
+"""Stationary Riccati equations.
 
-By doubling in Rust, which is also the most exact for a filter or a regulator in scaled units. Where rounding leaves it a larger
-residual, such as in an equation of H-infinity, by SciPy's deflating subspaces.
+The discrete one by doubling in Rust, checked by its residual: the most exact for a filter or a regulator in scaled units. Near the
+least gamma of an H-infinity filter rounding leaves a larger residual, to doubling as to SciPy's deflating subspaces.
 """
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from forcefeel import _core
 
 MOST_RESIDUAL = 1e-8
 """Relative; a solution with more is refused. Those of the elevator's designs have 1e-12 at most."""
-
-_EXACT = 1e-12
-"""Residual up to which doubling is taken: that of SciPy in the elevator's designs."""
 
 _ROUNDING = 1e-12
 """Of a pole near one."""
@@ -29,18 +25,32 @@ def stationary(
         numpy.linalg.LinAlgError: If it has no solution, or none in double precision.
     """
     doubled = _core.stationary(a, b, q, r)
-    if doubled is not None and doubled[1] <= _EXACT:
-        return doubled
-    try:
-        solution = np.asarray(scipy.linalg.solve_discrete_are(a, b, q, r))
-    except ValueError as error:  # a pencil that cannot be reordered
-        raise np.linalg.LinAlgError(str(error)) from error
-    left = residual(a, b, q, r, solution)
+    if doubled is None:
+        raise np.linalg.LinAlgError("Riccati equation: doubling does not converge")
+    solution, left = doubled
     if not left <= MOST_RESIDUAL:
         raise np.linalg.LinAlgError(f"Riccati equation: residual of {left:.1e}")
     if not np.abs(np.linalg.eigvals(a - b @ _gain(a, b, r, solution))).max() < 1 - _ROUNDING:
         raise np.linalg.LinAlgError("Riccati equation: a state is left that does not decay")
     return solution, left
+
+
+def stationary_continuous(
+    a: NDArray[np.float64], g: NDArray[np.float64], q: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The stabilizing ``P`` of ``A' P + P A - P G P + Q = 0``, from the stable invariant subspace of its Hamiltonian matrix.
+
+    Raises:
+        numpy.linalg.LinAlgError: If a pole lies on the imaginary axis.
+
+    Source: A. J. Laub, A Schur method for solving algebraic Riccati equations, IEEE Trans. Automatic Control 24 (1979).
+    """
+    poles, vectors = np.linalg.eig(np.block([[a, -g], [-q, -a.T]]))
+    stable = vectors[:, poles.real < 0]
+    if stable.shape[1] != len(a):
+        raise np.linalg.LinAlgError("Riccati equation: a pole on the imaginary axis")
+    cost = np.linalg.solve(stable[: len(a)].T, stable[len(a) :].T).T.real
+    return np.asarray(cost + cost.T) / 2
 
 
 def residual(

@@ -1,0 +1,92 @@
+"""The libraries of ``make platforms``: for whom each is, what it needs, and the bits that it gives where it runs.
+
+They run where ``make platforms`` says so: not in ``make test``, as they take a cross compiler each. macOS is not run.
+"""
+
+import os
+import re
+import shutil
+import struct
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.export.fmu_files import LIBRARIES, PLATFORMS
+
+pytestmark = pytest.mark.skipif("FORCEFEEL_PLATFORMS" not in os.environ, reason="make platforms builds and tests them")
+
+MOST_ZIPPED = 2_000_000
+"""Bytes of one library in an FMU: 0.8 MB for Linux, 1.8 MB elsewhere."""
+OLDEST_GLIBC = (2, 17)
+DLLS_OF_WINDOWS = {"kernel32.dll", "msvcrt.dll", "ntdll.dll", "bcryptprimitives.dll", "userenv.dll", "ws2_32.dll"}
+
+
+def library(name):
+    return LIBRARIES / name
+
+
+def said(*words):
+    return subprocess.run(list(map(str, words)), capture_output=True, text=True, check=True, timeout=100).stdout
+
+
+@pytest.mark.parametrize("platform", PLATFORMS, ids=lambda platform: platform.name)
+def test_library_is_small(platform, tmp_path):
+    with zipfile.ZipFile(tmp_path / "zipped", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.write(library(platform.library))
+        (entry,) = archive.infolist()
+    assert entry.compress_size < MOST_ZIPPED
+
+
+def test_linux_library_runs_on_glibc_2_17():
+    text = said("objdump", "-T", library("libforcefeel_fmi.so"))
+    needed = {tuple(map(int, version)) for version in re.findall(r"GLIBC_(\d+)\.(\d+)", text)}
+    assert needed
+    assert max(needed) <= OLDEST_GLIBC
+
+
+def test_windows_library_needs_windows_alone():
+    text = said("x86_64-w64-mingw32-objdump", "-p", library("forcefeel_fmi.dll"))
+    needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
+    assert needed
+    assert {name for name in needed if not name.startswith("api-ms-win-")} <= DLLS_OF_WINDOWS
+    assert "fmi3InstantiateCoSimulation" in text
+
+
+@pytest.mark.parametrize(("name", "processor"), [("x64", 0x01000007), ("arm64", 0x0100000C)])
+def test_macos_library_is_for_its_processor(name, processor):
+    head = library(f"libforcefeel_fmi_{name}.dylib").read_bytes()[:8]
+    assert struct.unpack("<II", head) == (0xFEEDFACF, processor)  # Mach-O, 64 bits
+
+
+def test_windows_library_gives_a_simulations_bits_under_wine(tmp_path):
+    if not shutil.which("wine"):
+        pytest.skip("wine is not installed")
+    exported = ff.export.Exported.of("robust", ff.digital_elevator(), "pitch")
+    ff.export.write_export(exported, ff.export.Target.FMU, tmp_path)
+    folder = tmp_path / "a folder"
+    with zipfile.ZipFile(tmp_path / "pitch_loader_fmi2.fmu") as archive:
+        archive.extractall(folder)
+    about = fmpy.read_model_description(str(folder))
+    reference = {variable.name: str(variable.valueReference) for variable in about.modelVariables}
+    importer = tmp_path / "fmu_step.exe"
+    here = Path(__file__).parent
+    said("x86_64-w64-mingw32-gcc", "-O1", "-o", importer, here / "fmu_step.c")
+    # Used by Wine only where it has none of its own.
+    said("x86_64-w64-mingw32-gcc", "-shared", "-o", tmp_path / "bcryptprimitives.dll", here / "bcryptprimitives.c")
+    words = [
+        "Z:" + str(folder / "binaries/win64/pitch_loader.dll").replace("/", "\\"),
+        "file:///Z:" + str(folder / "resources").replace(" ", "%20"),
+        about.guid,
+        *(reference["pilot_force"], "80.0", reference["column_angle"], "300", "0.001"),
+    ]
+    env = {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all", "PATH": os.environ["PATH"], "HOME": str(tmp_path)}
+    done = subprocess.run(["wine", importer, *words], capture_output=True, text=True, env=env, timeout=110, check=False)
+    assert done.returncode == 0, done.stderr
+    angles = np.array([float.fromhex(line) for line in done.stdout.split()])
+    run = ff.simulate(exported.loader, ff.Scenario(ff.Step(80.0), duration_s=0.3), exported.law)
+    assert np.array_equal(angles, run.outputs["column_angle_rad"][1:])
