@@ -49,7 +49,7 @@ KNOTS = "mach,stiffness (lb in/rad),frequency (Hz),damping ratio\n1,9600,2,0.3\n
 """The second has an inertia of 2.4e20 lb in s^2/rad."""
 
 
-@pytest.mark.parametrize("target", ["c", "firmware", "fmu", "matlab", "table"])
+@pytest.mark.parametrize("target", ["c", "firmware", "fmu", "matlab", "st", "table"])
 def test_feel_out_of_range_is_not_exported(run, tmp_path, target):
     (tmp_path / "knots.csv").write_text(KNOTS)
     words = ("elevator-2khz", "--law", "robust", "--knots", "knots.csv")

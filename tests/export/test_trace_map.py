@@ -67,6 +67,15 @@ def test_every_statement_is_mapped_to_its_line(folders, name):
 
 
 @pytest.mark.parametrize("name", ["roll", "pitch"])
+def test_rows_of_the_feel_are_in_its_sections(folders, name):
+    """Its own, and what the law does at its neutral and in contact; the observer knows the feel by the law's numbers alone."""
+    document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
+    of_feel = [of for of in document["statements"] if any(row.startswith("feel.") for row in of["rows"])]
+    assert len(of_feel) > 30
+    assert {of["section"] for of in of_feel} <= {"feel", "feel_friction", "feel_stops", "trim", "neutral", "contact"}
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch"])
 def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
     code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
     declared = re.findall(r"\b(?:bool|\w+_real) (\w+)(?: =|;|\[)", code)

@@ -21,10 +21,11 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     """The options of ``forcefeel export``."""
 
     to: Annotated[
-        Literal["c", "firmware", "fmu", "matlab", "table"],
+        Literal["c", "firmware", "fmu", "matlab", "st", "table"],
         option(
             "Target. c: law and feel as C99. firmware: law, feel and supervisor as a static library. fmu: loader, law and "
             "machine as FMI 2.0 and 3.0. matlab: matrices and scripts that close the loop in Python, MATLAB or Octave. "
+            "st: law and feel as Structured Text of IEC 61131-3. "
             "table: settings of a drive with their CoE objects, parameters and observer, as CSV.",
             ASKED,
         ),
@@ -134,7 +135,7 @@ def _of_links(project: "Project", options: ExportOptions) -> dict[str, Any]:
 
 @each_axis(of_axis=_of_axis, of_links=_of_links)
 def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
-    """Export a law as C, firmware, FMU, matrices or a parameter sheet, with test vectors that prove equal results.
+    """Export a law as C, firmware, FMU, matrices, Structured Text or a table, with test vectors that prove equal results.
 
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
     """

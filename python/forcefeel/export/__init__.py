@@ -1,4 +1,4 @@
-"""Export of a law as C, firmware, FMU, matrices or parameter sheet, with expected results."""
+"""Export of a law as C, firmware, FMU, matrices Structured Text or drive settings, with expected results."""
 
 from forcefeel.public_names import public_names
 

@@ -10,6 +10,7 @@ from forcefeel.export.fmu_files import fmu_files, fmu_names
 from forcefeel.export.matlab import matlab_files, matlab_names
 from forcefeel.export.pair_code import PairExport, pair_files, pair_names
 from forcefeel.export.parameter_sheet import OBSERVER, SHEET, observer_sheet, parameter_sheet
+from forcefeel.export.structured_text import st_files, st_names
 from forcefeel.export.target import Target
 from forcefeel.page.folder import OutputFolder
 
@@ -30,6 +31,8 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
             names = fmu_names(name)
         case Target.MATLAB:
             names = matlab_names(name)
+        case Target.ST:
+            names = st_names(name)
         case Target.TABLE:
             names = tuple(file.format(name) for file in (DRIVE, DRIVE_PAGE, SHEET, OBSERVER))
     return OutputFolder("the export", names, plots=False)
@@ -47,6 +50,8 @@ def _files(
             return fmu_files(exported)
         case Target.MATLAB:
             return matlab_files(exported)
+        case Target.ST:
+            return st_files(exported)
         case Target.TABLE:
             settings, name = drive_settings(exported.loader), exported.name
             return {

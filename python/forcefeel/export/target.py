@@ -14,5 +14,7 @@ class Target(StrEnum):
     """Loader, law and machine as FMUs for co-simulation, of FMI 2.0 and 3.0."""
     MATLAB = "matlab"
     """Matrices of law and plant for MATLAB, Octave and Python, with scripts for the closed loop and expected results."""
+    ST = "st"
+    """Structured Text of IEC 61131-3, a function block of law and feel for one axis."""
     TABLE = "table"
     """Drive settings with their CoE objects, parameter sheet and observer of a drive or PLC, as CSV and page."""
