@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import exponential
 from forcefeel.export.exported import Exported
 from forcefeel.linear.models import Linkage, loader_model
+from forcefeel.linear.step import transition
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loops.sampled_loop import sampled_loops
 
@@ -75,12 +75,9 @@ def _analog(exported: Exported, loader: Loader) -> Expected:
     for setting, feel in enumerate(exported.settings):
         at_setting = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
         model = loader_model(at_setting, exported.law.numbers.gain_law(at_setting, setting), Linkage.COMPLIANT)
-        n = len(model.A)
-        block = np.zeros((n + 1, n + 1))
-        block[:n, :n], block[:n, n] = model.A, model.B[:, 0]
-        over_step = exponential(block * ANALOG_STEP_S)
+        phi, by_force, _ = transition(model.A, model.B[:, 0], ANALOG_STEP_S)
         base = model.state_labels.index("base_position_m")
-        angles.append(_response(over_step[:n, :n], over_step[:n, n], base) / loader["column.base_arm"])
+        angles.append(_response(phi, by_force, base) / loader["column.base_arm"])
         critical.append(np.linalg.eigvals(model.A).real.max())
     return Expected(_times(ANALOG_STEP_S), np.stack(angles), np.array(critical))
 

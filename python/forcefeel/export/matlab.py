@@ -7,7 +7,6 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-import scipy.io
 from numpy.typing import NDArray
 
 from forcefeel.export.expected import Expected
@@ -76,6 +75,8 @@ def _matrices(exported: Exported, expected: Expected) -> bytes:
     }
     numbers |= _gains(exported) if law.sampled is None else _sampled(law.sampled)
     file = BytesIO()
+    import scipy.io  # noqa: PLC0415  an extra, and only here
+
     scipy.io.savemat(file, numbers, oned_as="row", do_compression=True)
     return file.getvalue()
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from forcefeel import _core
 from forcefeel.errors import InputError
@@ -22,6 +22,9 @@ from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.loader.feel_settings import check_feel_range
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import FeelChange
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RegularGridInterpolator
 
 _FEEL = len(FEEL_SETTING)
 
@@ -91,7 +94,9 @@ class FlightSchedule:
         return self.feel.reshape(-1, _FEEL)
 
     @cached_property
-    def _numbers(self) -> RegularGridInterpolator:
+    def _numbers(self) -> "RegularGridInterpolator":
+        from scipy.interpolate import RegularGridInterpolator  # noqa: PLC0415  an extra; reading knots needs none
+
         flat = np.hstack([self.rows, *(getattr(self.laws, name).reshape(self.knots, -1) for name in NUMBERS)])
         values = flat.reshape(*self.feel.shape[:-1], -1)
         return RegularGridInterpolator([axis.values for axis in self.axes], values, method="linear", bounds_error=True)
