@@ -111,7 +111,7 @@ def _is_there(command):
 
 def run(folder, *command, status=0):
     """What a command prints; it must end with ``status``."""
-    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=280)
     assert done.returncode == status, done.stdout + done.stderr
     return done.stdout + done.stderr
 

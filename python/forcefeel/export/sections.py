@@ -122,7 +122,7 @@ SECTIONS = {
     "link": Section(
         "Electronic link",
         "T = S(phi) + c phi', S = k (phi - clamp(phi, -p/2, p/2)) up to M_b",
-        "link.rs",
+        "link.rs, electronic_link.rs",
         FEEL,
         PAIRS,
     ),
