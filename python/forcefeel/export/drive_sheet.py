@@ -116,11 +116,11 @@ def _cycle(period_s: float) -> tuple[int, int]:
 
 
 def _value(setting: Setting) -> str:
-    return "off" if abs(setting.value) == inf else repr(float(setting.value))
+    return "off" if abs(setting.value) == inf else f"{setting.value:.12g}"
 
 
 def drive_csv(settings: tuple[Setting, ...]) -> str:
-    """The settings as CSV, exact in SI units."""
+    """The settings as CSV in twelve digits, SI units."""
     return csv_text(COLUMNS, [(s.group, s.name, _value(s), s.unit, s.coe, s.rows) for s in settings])
 
 
