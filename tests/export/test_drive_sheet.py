@@ -9,7 +9,7 @@ import forcefeel as ff
 from forcefeel.export.drive_sheet import COLUMNS, drive_csv, drive_page, drive_settings
 from forcefeel.loader.parameters import table
 
-ROUNDING = 1e-12
+TWELVE_DIGITS = 5e-12
 
 
 @pytest.fixture(scope="module")
@@ -28,22 +28,22 @@ def test_objects_of_cia_402_have_their_values(motor, sheet):
     """A ballscrew of 20 mm: the column's base moves 0.254 m per radian, the drive's end 0.59 of that."""
     revolutions = 0.254 * 0.59 / 0.020
     assert sheet["0x6060"][0] == 10
-    assert sheet["0x6092"][0] == pytest.approx(0.020, rel=ROUNDING)
-    assert sheet["0x608F"][0] == pytest.approx(0.020 / 1.5e-7, rel=ROUNDING)
-    assert sheet["0x607D:1"][0] == pytest.approx(math.radians(-10) * revolutions, rel=ROUNDING)
-    assert sheet["0x607D:2"][0] == pytest.approx(math.radians(12) * revolutions, rel=ROUNDING)
-    assert sheet["0x6080"][0] == pytest.approx(math.radians(600) * revolutions * 60, rel=ROUNDING)
+    assert sheet["0x6092"][0] == pytest.approx(0.020, rel=TWELVE_DIGITS)
+    assert sheet["0x608F"][0] == pytest.approx(0.020 / 1.5e-7, rel=TWELVE_DIGITS)
+    assert sheet["0x607D:1"][0] == pytest.approx(math.radians(-10) * revolutions, rel=TWELVE_DIGITS)
+    assert sheet["0x607D:2"][0] == pytest.approx(math.radians(12) * revolutions, rel=TWELVE_DIGITS)
+    assert sheet["0x6080"][0] == pytest.approx(math.radians(600) * revolutions * 60, rel=TWELVE_DIGITS)
     assert sheet["0x6073"][:2] == (19.0, "A")
     constant = motor["motor.torque_constant"]
-    assert sheet["0x6072"][0] == pytest.approx(19.0 * constant, rel=ROUNDING)
-    assert sheet["0x6087"][0] == pytest.approx(1000.0 * 19.0 * constant, rel=ROUNDING)
+    assert sheet["0x6072"][0] == pytest.approx(19.0 * constant, rel=TWELVE_DIGITS)
+    assert sheet["0x6087"][0] == pytest.approx(1000.0 * 19.0 * constant, rel=TWELVE_DIGITS)
     assert sheet["0x60C2:1 = 5, :2 = -4"][0] == 0.0005
 
 
 def test_motor_and_loop_are_in_the_units_of_a_data_sheet(motor, sheet):
     constant = motor["motor.torque_constant"]
-    assert sheet["torque constant, per r.m.s. ampere"][0] == pytest.approx(constant * math.sqrt(2), rel=ROUNDING)
-    assert sheet["bandwidth of the current loop"][:2] == (pytest.approx(1000.0, rel=ROUNDING), "Hz")
+    assert sheet["torque constant, per r.m.s. ampere"][0] == pytest.approx(constant * math.sqrt(2), rel=TWELVE_DIGITS)
+    assert sheet["bandwidth of the current loop"][:2] == (pytest.approx(1000.0, rel=TWELVE_DIGITS), "Hz")
 
 
 def test_supervisor_lists_every_row_with_its_default(motor):
