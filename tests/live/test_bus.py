@@ -47,10 +47,10 @@ def unhurried_yoke(kind="moteus"):
 
 def activate(session):
     """Switch the law on; again where the machine was too busy to have it."""
-    for _ in range(10):
+    for _ in range(50):
         session.off()
         session.acknowledge()
-        session.wait(20)
+        session.wait(100)
         session.on()
         until(lambda: session.state.name in ("active", "tripped"))
         if session.state.name == "active":
