@@ -19,16 +19,6 @@ _FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, 
 _TOOLS_PX = 30
 """Room right of the curves, in which the tool bar stands: above them it would hide the legend."""
 
-CONFIG = {
-    "responsive": True,
-    "displaylogo": False,
-    "displayModeBar": "hover",
-    "showSendToCloud": False,
-    "plotlyServerURL": "",
-    "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d"],
-}
-"""Plotly's configuration: no logo, nothing that sends a loader's data to anybody, and only the buttons that a reader uses."""
-
 ZERO = {"zeroline": True, "zerolinecolor": _MARK, "zerolinewidth": 1.5}
 """For an axis whose zero matters."""
 

@@ -5,18 +5,19 @@ from base64 import b64encode
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from forcefeel.conclusions import capital
-from forcefeel.page.canvas import CONFIG, html
 from forcefeel.page.palette import DARK
-from forcefeel.page.script import SCRIPT
+from forcefeel.page.script import CONFIG, SCRIPT
 from forcefeel.page.typography import change_text, number_text, percent_text, prose_html, symbol_html, symbol_svg
 from forcefeel.templating import environment
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 
 def render(template: str, /, *, command: str, **values: Any) -> str:
@@ -42,8 +43,10 @@ _INLINE = re.compile("<script>(.*?)</script>", re.DOTALL)
 _OTHERS = "style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
 
 
-def drawing(drawn: go.Figure, key: str) -> Markup:
+def drawing(drawn: "go.Figure", key: str) -> Markup:
     """A plot for a page; ``key`` is its anchor."""
+    from forcefeel.page.canvas import html  # noqa: PLC0415  Plotly is an extra, and a page may have no plot
+
     return html(drawn, key)
 
 

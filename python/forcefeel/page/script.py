@@ -5,6 +5,16 @@ from functools import cache
 SCRIPT = "plotly.min.js"
 """Its name in the folder."""
 
+CONFIG = {
+    "responsive": True,
+    "displaylogo": False,
+    "displayModeBar": "hover",
+    "showSendToCloud": False,
+    "plotlyServerURL": "",
+    "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d"],
+}
+"""Plotly's configuration: no logo, nothing that sends a loader's data to anybody, and only the buttons that a reader uses."""
+
 
 @cache
 def script() -> str:
