@@ -80,7 +80,7 @@ def test_what_cannot_fly_is_named(forcefeel, monkeypatch):
         assert (status, out) == (2, ""), words
         assert part in err
     monkeypatch.setitem(sys.modules, "jsbsim", None)
-    with pytest.raises(ff.InputError, match=r"pip install forcefeel\[fly\]"):
+    with pytest.raises(ff.InputError, match=r"pip install 'forcefeel\[fly\]'"):
         ff.fly.Aircraft("c172p", SPEED, ALTITUDE)
 
 

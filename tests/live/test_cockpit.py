@@ -2,6 +2,7 @@
 
 import re
 import socket
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -208,7 +209,7 @@ def test_host_sends_one_datagram_for_all_axes(tmp_path):
         ff.live.start_cockpit(project, "robust", host=0) as cockpit,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as host,
     ):
-        host.settimeout(20.0)
+        host.settimeout(0.5)
         address, port = cockpit["pitch"].host.listens.split(":")
         trims = {"pitch": 0.02, "roll": -0.1}
 
@@ -217,9 +218,12 @@ def test_host_sends_one_datagram_for_all_axes(tmp_path):
             host.sendto(b"".join(packets), (address, int(port)))
 
         cockpit.on()
+        answer = b""
         for sequence in range(1, 200):
             send(sequence, trims)
-            answer = host.recv(2048)
+            with suppress(TimeoutError):  # a host sends on, whatever comes back
+                answer = host.recv(2048)
+        assert answer
         assert len(answer) % 2 == 0
         parts = [answer[: len(answer) // 2], answer[len(answer) // 2 :]]
         assert all(_core.host_answer(part) is not None for part in parts)
