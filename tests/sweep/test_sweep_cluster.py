@@ -119,5 +119,7 @@ def test_an_unreachable_scheduler_is_named_and_nothing_is_lost(monkeypatch, tmp_
 
 def test_missing_dask_error_gives_install_command(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-    with pytest.raises(InputError, match=r"distributed: expected an installed package.*pip install 'forcefeel\[cluster\]'"):
+    with pytest.raises(
+        InputError, match=r"distributed: expected an installed package.*pip install 'forcefeel\[cluster\]'"
+    ):
         run_sweep(small(64), scheduler="tcp://127.0.0.1:8786")
