@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -190,6 +191,16 @@ def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
         assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
 
 
+def refusal(loader, bus):
+    """Why a bus is refused; asked again where a busy machine had no answer in time."""
+    for _ in range(10):
+        with pytest.raises(ff.InputError) as refused:
+            ff.live.start(loader, endpoint=bus)
+        if "got no answer" not in str(refused.value):
+            break
+    return str(refused.value)
+
+
 def test_bad_slave_is_refused_by_name_and_nothing_moves(wire):
     loader = yoke("ethercat", port=wire[1])
     with ff.live.BusEmulator([loader]) as emulator:
@@ -202,8 +213,7 @@ def test_bad_slave_is_refused_by_name_and_nothing_moves(wire):
             ({"load_cell_object": "0x2200:7"}, "0x2200:7: expected a sensor's object"),
         ):
             bus = replace(loader.bus, **({"port": wire[0]} | change))
-            with pytest.raises(ff.InputError, match=part):
-                ff.live.start(loader, endpoint=bus)
+            assert re.search(part, refusal(loader, bus))
             assert emulator.commands == [0.0]
         bus = replace(loader.bus, port=wire[0])
         with ff.live.start(loader, endpoint=bus), pytest.raises(ff.InputError, match="another program has it open"):
