@@ -1,7 +1,6 @@
 """How far the engine is from the truth: its order, the floor of the slaving, and everything at once."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
