@@ -32,6 +32,15 @@ def test_exponential_is_scipys_and_inverts(matrices):
         np.testing.assert_allclose(_core.exponential(like) @ _core.exponential(-like), np.eye(len(a)), atol=ROUNDING)
 
 
+def test_exponential_keeps_the_digits_of_what_is_slow_beside_what_is_fast():
+    """Closed form of a slow and a fast pole that drives it, over a thousand steps."""
+    slow, fast, step, steps = -2.0, -1e9, 1e-3, 1000
+    over_step = _core.exponential(np.array([[slow, 1.0], [0.0, fast]]) * step)
+    over_all = np.linalg.matrix_power(over_step, steps)
+    np.testing.assert_allclose(over_all[0, 0], np.exp(slow * step * steps), rtol=ROUNDING)
+    np.testing.assert_allclose(over_step[0, 1], np.exp(slow * step) / (slow - fast), rtol=ROUNDING)
+
+
 def test_balancing_is_exact_and_as_small_as_scipys(matrices):
     for a in matrices:
         like, scale = _core.balanced(a)
