@@ -218,12 +218,13 @@ def test_host_sends_one_datagram_for_all_axes(tmp_path):
             host.sendto(b"".join(packets), (address, int(port)))
 
         cockpit.on()
-        answer = b""
+        answers = []
         for sequence in range(1, 200):
             send(sequence, trims)
-            with suppress(TimeoutError):  # a host sends on, whatever comes back
-                answer = host.recv(2048)
-        assert answer
+            with suppress(TimeoutError):  # a loop that is late gives none, and a host sends on
+                answers.append(host.recv(2048))
+        assert len(answers) > 190
+        answer = answers[-1]
         assert len(answer) % 2 == 0
         parts = [answer[: len(answer) // 2], answer[len(answer) // 2 :]]
         assert all(_core.host_answer(part) is not None for part in parts)

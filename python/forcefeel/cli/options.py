@@ -154,9 +154,9 @@ class FolderOptions:
 
 
 def page_folder(out: Path | None, default: Path) -> Path | None:
-    """The folder of a command that writes a page by default; none if it is not named and pages are not installed, which is said."""
+    """The folder of a command that writes a page by default; ``None`` and a message if none is given without the extra."""
     if out is None and not installed("pages"):
-        print(f"no page, as none of its extra is installed: {install_command('pages')}", file=sys.stderr)
+        print(f"no page is written: the extra 'pages' is not installed; {install_command('pages')}", file=sys.stderr)
         return None
     return default if out is None else out
 
