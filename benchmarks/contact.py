@@ -3,7 +3,9 @@
 Contacts and verdict are those of ``forcefeel.envelope.contact``, with more damping ratios. The settings are 4 stiffnesses x 4
 frequencies x 3 damping ratios, from a twenty-fifth of the loader's own stiffness on.
 
-    python benchmarks/contact.py [LOADER ...] [--law robust]
+    python benchmarks/contact.py [LOADER ...] [--law robust] [--sensors "500 Hz"] [--friction "1 lb"]
+
+``--sensors`` gives load cell, encoder and column sensor a bandwidth, ``--friction`` the column dry friction, both known to the law.
 """
 
 import argparse
@@ -25,6 +27,8 @@ LOADERS = (
     "sidestick-roll",
     "desktop-yoke",
 )
+BANDWIDTHS = [f"{sensor}.bandwidth" for sensor in ("load_cell", "potentiometer", "column_sensor")]
+FRICTION = "column.coulomb_friction", "column.static_friction"
 DAMPING_RATIOS = (0.02, 0.1, 0.5)
 CONTACTS = {
     "clamp": [Contact(False, k, ratio, mass) for mass, k, ratio in product((0.0, 3.0), STIFFNESSES, DAMPING_RATIOS)],
@@ -46,10 +50,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("loaders", nargs="*", default=LOADERS)
     parser.add_argument("--law", default="robust")
+    parser.add_argument("--sensors", help="their bandwidth, in place of ideal ones")
+    parser.add_argument("--friction", help="dry friction at the grip, known to the law")
     given = parser.parse_args()
+    changes = dict.fromkeys(BANDWIDTHS, given.sensors) if given.sensors else {}
+    changes |= dict.fromkeys(FRICTION, given.friction) if given.friction else {}
     print("loader             contact  law        swings on     largest force, lb")
     for name in given.loaders:
         loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+        loader = loader.replace(changes)
         feel = settings(loader)
         law = Law.of(given.law, loader, feel)
         for (where, contacts), (kind, one) in product(

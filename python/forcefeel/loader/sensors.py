@@ -57,3 +57,14 @@ def current_lag_s(loader: Loader) -> float:
     """
     held = loader["controller.delay"] + loader["controller.period"] / 2
     return float(held + 1 / loader["current_loop.bandwidth"] + 1 / loader["potentiometer.bandwidth"])
+
+
+def sensor_lag_s(loader: Loader) -> float:
+    """Lag of the slower of the drive's two sensors, ``1 / min(f_F, f_x)``; 0 if both are at once there.
+
+    Example:
+        >>> from forcefeel.loader.sensors import sensor_lag_s
+        >>> f"{1e3 * sensor_lag_s(ff.digital_elevator().replace({'load_cell.bandwidth': '500 Hz'})):.3f} ms"
+        '0.318 ms'
+    """
+    return float(1 / min(loader["load_cell.bandwidth"], loader["potentiometer.bandwidth"]))
