@@ -6,7 +6,7 @@ other row's stead. Matrices come as `(A, B, C, D)` of eqs. (14a), (14b).
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, Self, TypeAlias, final
+from typing import ClassVar, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -304,7 +304,8 @@ class ExportedPair:
     def __new__(
         cls, first: ExportedLaw, second: ExportedLaw, values: _Array, *, delay: int, uncouples: bool
     ) -> Self: ...
-    def source(self, name: str) -> str: ...
+    HALVINGS: ClassVar[int]
+    def source(self, name: str) -> tuple[str, str | None]: ...
     def answers(self, inputs: _Array) -> _Array: ...
     def link_answers(self, inputs: _Array) -> _Array: ...
 
@@ -689,6 +690,7 @@ class LiveSetup:
         cancellation: Sequence[float] | None = None,
         supervised: bool = True,
         rendered: _Array | None = None,
+        flap_trim: float = 0.0,
     ) -> Self: ...
     def with_test_signal(self, samples: Sequence[float], settles: int) -> LiveSetup:
         """The same with a bench signal beside the law's command, which begins once the feel has been there for so many cycles."""

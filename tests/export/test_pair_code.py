@@ -15,6 +15,9 @@ COMMANDS, OPEN, RECORDED_OPEN = ((0, 4), (4, 9)), 15, 12
 """Columns of the answers and of what a run recorded: commands of both laws, and whether the link is open."""
 
 
+BODY = {"middle_inertia": 0.05, "middle_damping": 0.1, "middle_stiffness": 4.0}
+
+
 def pair(name="linked-sticks", after="override", **rows):
     """The laws of a project on its first electronic link, SI rows of the link changed."""
     axes = project(name)
@@ -41,6 +44,8 @@ def written(exported, out, **options):
         {"priority_force": 20.0, "breakout": np.inf},
         {"delay": 2e-3, "breakout": 2.0, "stiffness_after": 40.0, "play": 0.01, "injected_damping": 0.3},
         {"name": "transport"},
+        BODY,
+        {"middle_inertia": 0.05, "middle_stiffness": 4.0, "delay": 2e-3, "injected_damping": 0.3, "play": 0.01},
     ],
 )
 def test_pair_has_the_bits_of_its_simulation(rows):
@@ -94,13 +99,16 @@ int main(void) {
 """
 
 
-@pytest.mark.parametrize(("delay", "after"), [(1, "override"), (2, "uncouple"), (7, "override")])
-def test_link_alone_answers_random_input_with_the_bits_of_the_core(tmp_path, delay, after):
+@pytest.mark.parametrize(
+    ("delay", "after", "middle"),
+    [(1, "override", {}), (2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY), (7, "override", BODY)],
+)
+def test_link_alone_answers_random_input_with_the_bits_of_the_core(tmp_path, delay, after, middle):
     needs("gcc")
     draws = np.random.default_rng(delay)
     rows = {"stiffness": 300.0, "damping": 2.0, "breakout": 30.0, "play": 0.02, "stiffness_after": 40.0}
     more = {"priority_force": 20.0, "injected_damping": 0.5, "delay": delay * 5e-4}
-    exported = pair(after=after, **rows, **more)
+    exported = pair(after=after, **rows, **more, **middle)
     folder = written(exported, tmp_path)
     (folder / "random.c").write_text(_LINK, encoding="utf-8")
     laws = [f"../{axis}" for axis in exported.link.between]

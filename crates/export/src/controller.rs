@@ -58,8 +58,9 @@ pub const FLIGHT: [&str; 11] = [
 /// The place of the first of [`FLIGHT`], beyond all that a controller remembers.
 pub const FIRST_OF_FLIGHT: usize = 1 << 15;
 
-/// What a link is given, in this order: angles and rates of both controls at ages, hands, and flags.
-pub const LINK: [&str; 27] = [
+/// What a link is given, in this order: angles and rates of both controls at ages, hands, and flags; angle and rate of the middle at the same
+/// ages; angles of both controls at rest, and those between which the middle rests.
+pub const LINK: [&str; 39] = [
     "now.angle[0]",
     "now.rate[0]",
     "now.angle[1]",
@@ -87,6 +88,18 @@ pub const LINK: [&str; 27] = [
     "open",
     "by_force[0]",
     "by_force[1]",
+    "middle[0][0]",
+    "middle[0][1]",
+    "middle[1][0]",
+    "middle[1][1]",
+    "middle[2][0]",
+    "middle[2][1]",
+    "middle[3][0]",
+    "middle[3][1]",
+    "angle[0]",
+    "angle[1]",
+    "low",
+    "high",
 ];
 
 /// The place of the first of [`LINK`], beyond the flight.

@@ -36,6 +36,10 @@ pub struct GivenPair {
     pub disconnect: bool,
 }
 
+/// Places of the middle and of the search for its rest among [`LINK`].
+const MIDDLE: usize = 27;
+const REST: usize = MIDDLE + 8;
+
 /// Numbers of a link's answer: force at each grip, damping on each feel; 1 where each pilot has priority, where it gives way, is open.
 pub const LINK_ANSWERS: usize = 8;
 
@@ -49,7 +53,7 @@ impl Pair {
         let LinkTimes { period, change } =
             LinkTimes::new(first.period_s, first.parameters(|_, of| of(0)).safety.fade_time);
         Link {
-            feels: LinkedFeels::new(&self.values.map(&number), self.delay, self.uncouples),
+            feels: LinkedFeels::new(&self.values, &number, self.delay, self.uncouples),
             times: LinkTimes { period: number(period), change: number(change) },
             arms,
         }
@@ -65,15 +69,13 @@ impl Pair {
             let at = |age: usize| [0, 1].map(|side| [0, 1].map(|k| input(4 * age + 2 * side + k)));
             let zero = known(0.0);
             let Link { feels: mut link, times, arms } = self.link(known);
-            for age in (1..=self.delay + 1).rev() {
-                let seen = match age {
-                    1 => at(1),
-                    age if age == self.delay => at(2),
-                    age if age == self.delay + 1 => at(3),
-                    _ => [[zero; 2]; 2],
-                };
-                link.electronic.sampled(seen, times.period);
-            }
+            link.electronic.recall(|age| match self.seen_at(age) {
+                Some(place) => {
+                    let [first, second] = at(place);
+                    [first, second, [0, 1].map(|k| input(MIDDLE + 2 * place + k))]
+                }
+                None => [[zero; 2]; 3],
+            });
             link.open = flag("open");
             link.priority.by_force = [flag("by_force[0]"), flag("by_force[1]")];
             let hands = [input(16), input(17)];
@@ -82,7 +84,7 @@ impl Pair {
             let sides = of_both(at(0), (hands, pressed), flag("disconnect"));
             let LinkOutputs { torques, damping, priority, gives_way } = link.sampled(&times, &sides);
             let forces = at_grips(torques, arms);
-            let outputs = vec![
+            let mut outputs = vec![
                 ("torque[0]", torques[0].0),
                 ("torque[1]", torques[1].0),
                 ("force[0]", forces[0].0),
@@ -100,14 +102,45 @@ impl Pair {
                 ("by_force[0]", link.priority.by_force[0].0),
                 ("by_force[1]", link.priority.by_force[1].0),
             ];
+            if let Some(middle) = link.electronic.middle() {
+                outputs.extend([("middle[0]", middle[0].0), ("middle[1]", middle[1].0)]);
+            }
             (outputs, [torques, forces].as_flattened().iter().map(|number| number.0).collect())
         });
         Program { graph, outputs, numbers, next: Vec::new() }
     }
 
-    /// The body of a sample of the link in C, whose names begin with `name`.
-    pub fn source(&self, name: &str) -> String {
-        body_of(&mut Writer::new(name, self.jobs[0].single), &self.program())
+    /// Which of the ages that the link reads this is: 0, 1, `d` and `d + 1` periods.
+    fn seen_at(&self, age: usize) -> Option<usize> {
+        let ages = [0, 1, self.delay, self.delay + 1];
+        ages.iter().position(|&of| of == age)
+    }
+
+    /// Traces a step of the search for the angle at which the middle rests between controls at rest; nothing without a middle.
+    pub fn halving(&self) -> Option<Program> {
+        let ((outputs, numbers), graph) = traced(self.jobs[0].single, 1, None, || {
+            Trace::section("link");
+            let input = |k: usize| Trace::input(FIRST_OF_LINK + REST + k);
+            let Link { feels, .. } = self.link(|value: f64| Trace::known(&[value], Bank::All));
+            let of = feels.electronic.halved([input(0), input(1)], [input(2), input(3)]);
+            let outputs = of.map_or_else(Vec::new, |[between, half]| {
+                vec![
+                    ("between[0]", between[0].0),
+                    ("between[1]", between[1].0),
+                    ("half[0]", half[0].0),
+                    ("half[1]", half[1].0),
+                ]
+            });
+            let numbers = outputs.iter().map(|&(_, number)| number).collect();
+            (outputs, numbers)
+        });
+        (!outputs.is_empty()).then(|| Program { graph, outputs, numbers, next: Vec::new() })
+    }
+
+    /// The bodies in C of a sample of the link and of a step of that search; the names begin with `name`.
+    pub fn source(&self, name: &str) -> (String, Option<String>) {
+        let body = |program: &Program| body_of(&mut Writer::new(name, self.jobs[0].single), program);
+        (body(&self.program()), self.halving().as_ref().map(body))
     }
 
     /// What a pair answers sample by sample, from rest where all sensors show zero.

@@ -107,7 +107,7 @@ where
 
 /// Both loops in turn, as a cockpit runs them: an electronic link opens where a side is stopped, a shaft takes the other side with it.
 fn go_through(joint: &Joint, mut sides: [Box<dyn Side + '_>; 2]) -> Option<[Record; 2]> {
-    let mut feels = joint.delay.map(|delay| LinkedFeels::with_middle(&joint.values, delay, joint.uncouples));
+    let mut feels = joint.delay.map(|delay| LinkedFeels::new(&joint.values, |value| value, delay, joint.uncouples));
     let h = sides[0].step_s();
     let mut shaft = Shaft::new(&joint.values, joint.uncouples, [sides[0].angle(), sides[1].angle()]);
     shaft.open = feels.is_some();

@@ -26,6 +26,9 @@
 use crate::Scalar;
 use crate::link::{LINK_ROWS, Middle, PilotLink};
 
+/// Place of the middle beside both controls.
+const MIDDLE: usize = 2;
+
 /// Most periods of delay of an electronic link.
 pub const MOST_DELAY: usize = 255;
 
@@ -43,19 +46,32 @@ pub struct ElectronicLink<S> {
     sample: usize,
 }
 
-impl ElectronicLink<f64> {
-    /// A link with values in the order of [its table](crate::link::LINK_TABLE) and so many periods of delay, with its middle if it has one.
-    pub fn with_middle(values: &[f64; LINK_ROWS], delay: usize) -> Self {
-        let (link, middle) = PilotLink::parted(values);
-        Self { middle, ..Self::new(link, delay) }
-    }
-}
-
 impl<S: Scalar> ElectronicLink<S> {
-    /// A link without a middle, with so many periods of delay, at most [`MOST_DELAY`].
-    pub fn new(link: PilotLink<S>, delay: usize) -> Self {
+    /// A link with SI values in the order of [its table](crate::link::LINK_TABLE), as `number` has them, and so many periods of delay, at most
+    /// [`MOST_DELAY`]; with its middle if it has one.
+    pub fn new(values: &[f64; LINK_ROWS], number: impl Fn(f64) -> S, delay: usize) -> Self {
+        let (link, middle) = PilotLink::parted(values, number);
         let zero = link.stiffness.zero();
-        Self { link, middle: None, delay: delay.min(MOST_DELAY), past: [[[zero; 2]; 3]; MOST_DELAY + 2], sample: 0 }
+        Self { link, middle, delay: delay.min(MOST_DELAY), past: [[[zero; 2]; 3]; MOST_DELAY + 2], sample: 0 }
+    }
+
+    /// Remembers angle and rate of both controls and of the middle at samples of so many periods before the next one, of the middle at the next one, too.
+    pub fn recall(&mut self, motions: impl Fn(usize) -> [[S; 2]; 3]) {
+        let length = self.past.len();
+        self.sample = length;
+        for age in 0..=self.delay + 1 {
+            self.past[(self.sample + length - age) % length] = motions(age);
+        }
+    }
+
+    /// Angle and rate of the middle at the next sample; nothing without one.
+    pub fn middle(&self) -> Option<[S; 2]> {
+        self.middle.is_some().then(|| self.past[self.sample % self.past.len()][MIDDLE])
+    }
+
+    /// Of controls at rest at two angles: the angles between which the middle rests, and the half of two such angles in which it does.
+    pub fn halved(&self, controls: [S; 2], between: [S; 2]) -> Option<[[S; 2]; 2]> {
+        self.middle.map(|middle| [Middle::between(&self.link, controls), middle.halved(&self.link, controls, between)])
     }
 
     /// Whether it has seen nothing.
@@ -69,7 +85,6 @@ impl<S: Scalar> ElectronicLink<S> {
     #[inline(always)]
     #[expect(clippy::cast_precision_loss, reason = "at most MOST_DELAY periods")]
     pub fn sampled(&mut self, [first, second]: [[S; 2]; 2], h: S) -> [[S; 2]; 2] {
-        const MIDDLE: usize = 2;
         let (length, link) = (self.past.len(), self.link);
         let now = self.sample % length;
         if self.is_new() {

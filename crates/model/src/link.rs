@@ -183,34 +183,41 @@ pub struct Middle<S> {
     stiffness: S,
 }
 
-impl PilotLink<f64> {
-    /// The link from values in the order of [`LINK_TABLE`]; with a body at its middle the half on each side of it, and the body.
-    pub fn parted(values: &[f64; LINK_ROWS]) -> (Self, Option<Middle<f64>>) {
-        let (whole, middle) = (Self::from_values(values), Middle::from_values(values));
-        (if middle.is_some() { whole.half() } else { whole }, middle)
-    }
-}
-
-impl Middle<f64> {
-    /// From values in the order of [`LINK_TABLE`]; nothing without inertia.
-    pub fn from_values(&[.., inertia, damping, stiffness, _, _]: &[f64; LINK_ROWS]) -> Option<Self> {
-        (inertia > 0.0).then_some(Self { inertia, damping, stiffness })
+impl<S: Scalar> PilotLink<S> {
+    /// The link from SI values in the order of [`LINK_TABLE`], as `number` has them; with a body at its middle the half on each side of it, and the
+    /// body.
+    pub fn parted(values: &[f64; LINK_ROWS], number: impl Fn(f64) -> S) -> (Self, Option<Middle<S>>) {
+        let whole = Self::from_values(&values.map(&number));
+        let &[.., inertia, damping, stiffness, _, _] = values;
+        let middle = Middle { inertia: number(inertia), damping: number(damping), stiffness: number(stiffness) };
+        if inertia > 0.0 { (whole.half(), Some(middle)) } else { (whole, None) }
     }
 }
 
 impl<S: Scalar> Middle<S> {
     /// Where it rests between both controls at rest, its rate zero: the torque on it falls with its angle, which is halved in.
-    pub fn resting(&self, half: &PilotLink<S>, [first, second]: [S; 2]) -> [S; 2] {
-        let (second, zero) = (half.ratio * second, first.zero());
-        let (mut low, mut high) = (first.min(second).min(zero), first.max(second).max(zero));
-        let middle = |low: S, high: S| (low + high).times(0.5);
+    pub fn resting(&self, half: &PilotLink<S>, controls: [S; 2]) -> [S; 2] {
+        let mut between = Self::between(half, controls);
         for _ in 0..HALVINGS {
-            let at = middle(low, high);
-            let torque = half.torque([first - at, zero]) - half.torque([at - second, zero]) - self.stiffness * at;
-            let above = zero.less(torque);
-            (low, high) = (S::select(above, at, low), S::select(above, high, at));
+            between = self.halved(half, controls, between);
         }
-        [middle(low, high), zero]
+        [between[0] + between[1], between[0].zero()].map(|twice| twice.times(0.5))
+    }
+
+    /// Two angles between which it rests.
+    #[inline(always)]
+    pub fn between(half: &PilotLink<S>, [first, second]: [S; 2]) -> [S; 2] {
+        let (second, zero) = (half.ratio * second, first.zero());
+        [first.min(second).min(zero), first.max(second).max(zero)]
+    }
+
+    /// The half of them in which it does.
+    #[inline(always)]
+    pub fn halved(&self, half: &PilotLink<S>, [first, second]: [S; 2], [low, high]: [S; 2]) -> [S; 2] {
+        let (at, zero) = ((low + high).times(0.5), first.zero());
+        let of_second = half.torque([at - half.ratio * second, zero]);
+        let above = zero.less(half.torque([first - at, zero]) - of_second - self.stiffness * at);
+        [S::select(above, at, low), S::select(above, high, at)]
     }
 
     /// Its inverse inertia.
@@ -228,8 +235,8 @@ impl<S: Scalar> Middle<S> {
     }
 }
 
-/// To the last bit of an angle.
-const HALVINGS: usize = 60;
+/// Halvings that find where a middle rests, to the last bit of an angle.
+pub const HALVINGS: usize = 60;
 
 /// Which of two pilots has priority: by a button, else by a force above `F_p`, kept until it is below half of it.
 #[derive(Debug, Clone, Copy)]

@@ -9,7 +9,7 @@
 
 use crate::Scalar;
 use crate::electronic_link::ElectronicLink;
-use crate::link::{LINK_ROWS, PilotLink, Priority};
+use crate::link::{LINK_ROWS, Priority};
 
 /// An electronic link between two feels.
 #[derive(Debug, Clone, Copy)]
@@ -75,19 +75,12 @@ pub struct LinkOutputs<S: Scalar> {
     pub gives_way: S::Mask,
 }
 
-impl LinkedFeels<f64> {
-    /// As [`new`](Self::new), with the middle that it may have.
-    pub fn with_middle(values: &[f64; LINK_ROWS], delay: usize, uncouples: bool) -> Self {
-        Self { electronic: ElectronicLink::with_middle(values, delay), ..Self::new(values, delay, uncouples) }
-    }
-}
-
 impl<S: Scalar> LinkedFeels<S> {
-    /// From values in the order of its table, with so many periods of delay; without the middle that it may have.
-    pub fn new(values: &[S; LINK_ROWS], delay: usize, uncouples: bool) -> Self {
-        let [zero, one] = [values[0].zero(), values[0].constant(1.0)];
-        let electronic = ElectronicLink::new(PilotLink::from_values(values), delay);
-        let priority = Priority::from_values(values);
+    /// From SI values in the order of its table, as `number` has them, with so many periods of delay, and the middle that it may have.
+    pub fn new(values: &[f64; LINK_ROWS], number: impl Fn(f64) -> S, delay: usize, uncouples: bool) -> Self {
+        let priority = Priority::from_values(&values.map(&number));
+        let [zero, one] = [number(0.0), number(1.0)];
+        let electronic = ElectronicLink::new(values, number, delay);
         Self { electronic, priority, open: zero.less(zero), share: one, gains: [one; 2], torques: [zero; 2], uncouples }
     }
 

@@ -27,14 +27,14 @@ pub struct Shaft {
 impl Shaft {
     /// From values in the order of its table, between columns at rest at two angles; whether it stays open once it has given way.
     pub fn new(values: &[f64; LINK_ROWS], uncouples: bool, angles: [f64; 2]) -> Self {
-        let (link, middle) = PilotLink::parted(values);
+        let (link, middle) = PilotLink::parted(values, |value| value);
         let body = middle.map_or([0.0; 2], |middle| middle.resting(&link, angles));
         Self { link, middle, uncouples, open: false, columns: angles.map(|angle| [angle, 0.0]), body }
     }
 
     /// A rate in rad/s that no mode of columns on a shaft is above, from its values and the inverse inertia of each.
     pub fn fastest(values: &[f64; LINK_ROWS], [first, second]: [f64; 2]) -> f64 {
-        let (link, middle) = PilotLink::parted(values);
+        let (link, middle) = PilotLink::parted(values, |value| value);
         let of_both = first + link.on_each(link.on_each(1.0)[1])[1] * second;
         // The largest eigenvalue of a sum of springs is at most the sum of theirs.
         link.rate(of_both + middle.map_or(0.0, |middle| 2.0 * middle.per_inertia()))

@@ -8,7 +8,7 @@ use forcefeel_export::emit::Source;
 use forcefeel_export::pair::{GivenPair, LINK_ANSWERS, PAIR_ANSWERS, Pair};
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::electronic_link::MOST_DELAY;
-use forcefeel_model::link::LINK_ROWS;
+use forcefeel_model::link::{HALVINGS, LINK_ROWS};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS};
 use forcefeel_model::parameters::COUNT;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -126,8 +126,12 @@ impl ExportedPair {
         Ok(Self(Pair { jobs, values: vector::<LINK_ROWS>("values", &values)?, delay, uncouples }))
     }
 
-    /// Body of a sample of the link in C, whose names begin with `name`.
-    fn source(&self, py: Python<'_>, name: &str) -> String {
+    /// Steps of the search for where the middle rests.
+    #[classattr]
+    const HALVINGS: usize = HALVINGS;
+
+    /// Bodies in C of a sample of the link and, with a middle, of a step of the search for where it rests; their names begin with `name`.
+    fn source(&self, py: Python<'_>, name: &str) -> (String, Option<String>) {
         py.detach(|| self.0.source(name))
     }
 

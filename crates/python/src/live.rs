@@ -54,7 +54,7 @@ pub struct LiveSetup {
 #[pymethods]
 impl LiveSetup {
     #[new]
-    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true, rendered = None))]
+    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true, rendered = None, flap_trim = 0.0))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray1<'_, f64>,
@@ -68,6 +68,7 @@ impl LiveSetup {
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
         supervised: bool,
         rendered: Option<PyReadonlyArray2<'_, f64>>,
+        flap_trim: f64,
     ) -> PyResult<Self> {
         let values = vector::<COUNT>("values", &values)?;
         let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), 1)?;
@@ -90,6 +91,7 @@ impl LiveSetup {
             factor: points(stiffness_factor)?,
             host: false,
             rendered: rendered.map_or_else(Vec::new, |of| rows_of(&of.as_array().iter().copied().collect::<Vec<_>>())),
+            flap_trim,
             cancellation,
             beginning: None,
             supervised,
@@ -265,7 +267,7 @@ pub fn start_loops(
     }
     let machines = join(machines, &links)?;
     let electronic = links.iter().filter_map(|LinkOf(sides, values, delay, uncouples, opens)| {
-        let feels = |delay| LinkedFeels::with_middle(values, delay, *uncouples);
+        let feels = |delay| LinkedFeels::new(values, |value| value, delay, *uncouples);
         delay.map(|delay| AxesLink { between: *sides, opens: *opens, feels: feels(delay) })
     });
     let links: Vec<_> = electronic.collect();

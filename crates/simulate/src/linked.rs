@@ -209,7 +209,8 @@ pub fn run_pair(
     (steps, every): (usize, usize),
     rows: &mut Vec<f64>,
 ) {
-    let mut electronic = joint.delay.map(|delay| LinkedFeels::with_middle(&joint.values, delay, joint.uncouples));
+    let mut electronic =
+        joint.delay.map(|delay| LinkedFeels::new(&joint.values, |value| value, delay, joint.uncouples));
     let times = LinkTimes::new(job.shared.period_s(), sides[0].fade_time());
     let (priority, mut holder) = (Priority::from_values(&joint.values), None);
     let angles = [sides[0].angle(), sides[1].angle()];

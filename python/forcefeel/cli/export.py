@@ -99,15 +99,9 @@ def _spelled(error: InputError) -> InputError:
 
 def _of_axis(project: "Project", options: ExportOptions, axis: str) -> ExportOptions:
     """The options with names of the axis, so that the code of several axes goes into one program."""
-    from forcefeel.export import check_link_code
-
     own = axis.replace("-first-officer", "-2").replace("-", "_")
     links = [link for link in project.links.values() if axis in link.between]
     electronic = any(link.kind == "electronic" for link in links)
-    if options.to == "c":
-        # Before anything is written.
-        for link in links:
-            check_link_code(link)
     return replace(options, name=f"{options.name}_{own}", linked=options.to == "c" and (options.linked or electronic))
 
 

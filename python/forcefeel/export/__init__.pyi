@@ -5,5 +5,4 @@ from forcefeel.export.folder import export_folder as export_folder
 from forcefeel.export.folder import write_export as write_export
 from forcefeel.export.folder import write_pair as write_pair
 from forcefeel.export.pair_code import PairExport as PairExport
-from forcefeel.export.pair_code import check_link_code as check_link_code
 from forcefeel.export.target import Target as Target

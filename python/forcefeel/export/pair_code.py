@@ -107,7 +107,6 @@ class PairExport:
         Raises:
             InputError: If a law is analog, or the delay is not whole periods.
         """
-        check_link_code(self.link)
         first, second = (
             traced_law(side.loader, side.law, side.sampled(), single=single, linked=True) for side in self.sides
         )
@@ -162,23 +161,6 @@ class PairExport:
         return min(of_pilot, _BEYOND * breakout / loader["column.grip_arm"]) if isfinite(breakout) else of_pilot
 
 
-def check_link_code(link: Link) -> None:
-    """Refuses a link that has no code.
-
-    Raises:
-        InputError: If it is electronic and has a body at its middle.
-
-    Example:
-        >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
-        >>> ff.export.check_link_code(project.links["stick-pitch"])
-    """
-    if link.kind is LinkKind.ELECTRONIC and link["middle_inertia"]:
-        raise InputError(
-            f"links.{link.name}.middle_inertia: the C of a link has no body at its middle; leave it out, and give each loader "
-            "half of its feel"
-        )
-
-
 def pair_names(name: str, *, electronic: bool) -> tuple[str, ...]:
     """File names of :func:`pair_files`."""
     return (*(file.format(name) for file in _FILES.values()), *TRACE) if electronic else ("README.md",)
@@ -195,7 +177,9 @@ def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
     if not pair.electronic:
         return rendered("c", {"pair_README.md": "README.md"}, fields)
     traced = pair.traced(single=single)
-    code = commented(traced.source(pair.name))
+    sample, step = traced.source(pair.name)
+    sample, halving = commented(sample), commented(step) if step else ""
+    code = sample + halving
     inputs, _ = pair.recorded()
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
@@ -224,6 +208,9 @@ def pair_files(pair: PairExport, *, single: bool) -> dict[str, str | bytes]:
             "after": link.after_breakout.value,
             "fade_s": f"{pair.sides[0].loader['safety.fade_time']!r}{'f' if single else ''}",
             "code": code,
+            "sample": sample,
+            "halving": halving,
+            "halvings": f"{traced.HALVINGS}U",
             "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
             "bits": "uint32_t" if single else "uint64_t",
             "infinity": spelled_bits(inf, single=single, shifted=True),

@@ -101,7 +101,7 @@ fn electronic_energy(run: u64, injected: f64) -> f64 {
     let delay = usize::try_from(draws.whole(1, 20)).expect("positive");
     // The bound is that of a spring: a damper over a delay is another's.
     (values[1], values[6]) = (0.0, injected);
-    let mut link = ElectronicLink::new(PilotLink::from_values(&values), delay);
+    let mut link = ElectronicLink::new(&values, |value| value, delay);
     let dampings = link.injected(STEP_S);
     let (mut out, mut most, mut through) = (0.0, 0.0f64, 0.0);
     for k in 0..STEPS {
@@ -169,7 +169,7 @@ fn no_energy_comes_out_of_an_electronic_link_with_a_body_and_injected_damping() 
         let (mut values, [first, second], opens) = with_body(draws);
         let delay = usize::try_from(draws.whole(1, 20)).expect("positive");
         (values[1], values[6]) = (0.0, f64::INFINITY);
-        let mut link = ElectronicLink::with_middle(&values, delay);
+        let mut link = ElectronicLink::new(&values, |value| value, delay);
         let dampings = link.injected(STEP_S);
         let (mut out, mut through) = (0.0, 0.0);
         for k in 0..STEPS.min(opens) {
