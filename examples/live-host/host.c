@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NUMBERS 21
+#define NUMBERS 22
 #define BYTES (16 + 4 * NUMBERS)
 
 static uint32_t crc32(const uint8_t *bytes, size_t count) {
@@ -37,7 +37,7 @@ static void encode(uint8_t packet[BYTES], uint32_t sequence, uint32_t switches, 
 
 int main(void) {
     const float numbers[NUMBERS] = {6000.0f, 1.5f, 0.05f, -0.1f, 120.0f, 15.0f, 0.5f, -300.0f, 0.02f, 400.0f,
-                                    250.0f, 12.0f, 62.0f, 0.07f, -0.02f, 0.1f, 0.05f, -0.03f, 1.4f, 0.18f, 0.06f};
+                                    250.0f, 12.0f, 62.0f, 0.07f, -0.02f, 0.1f, 0.05f, -0.03f, 1.4f, 0.18f, 0.06f, 0.35f};
     uint8_t packet[BYTES];
     encode(packet, 7, 3, numbers);
     for (int k = 0; k < BYTES; k++) printf("%02x", packet[k]);

@@ -49,11 +49,12 @@ struct FromHost {
     float load_factor = 1.0f;
     float mach = 0.0f;
     float tab = 0.0f;
+    float flap = 0.0f;
 };
 
 constexpr std::size_t NUMBERS = sizeof(FromHost) / sizeof(float);
 constexpr std::size_t BYTES = 16 + 4 * NUMBERS;
-static_assert(NUMBERS == 21, "the numbers of FFH2, in their order");
+static_assert(NUMBERS == 22, "the numbers of FFH2, in their order");
 
 inline std::uint32_t crc32(const std::uint8_t *bytes, std::size_t count) {
     std::uint32_t sum = 0xFFFFFFFFu;

@@ -13,7 +13,7 @@ import zlib
 from dataclasses import astuple, dataclass
 
 ACTIVE, AUTOPILOT, PUSHER, JAM, DISCONNECT, POWER_LOST, TRIM_RUNAWAY, FREEZE, FLIGHT = (1 << bit for bit in range(9))
-_FROM_HOST = struct.Struct("<4sII21f")
+_FROM_HOST = struct.Struct("<4sII22f")
 _TO_HOST = struct.Struct("<4sII6f")
 _SUM = struct.Struct("<I")
 RATE_HZ = 60
@@ -44,6 +44,7 @@ class FromHost:
     load_factor: float = 1.0
     mach: float = 0.0
     tab: float = 0.0
+    flap: float = 0.0  # angle of the flaps; a project's [flap_trim] moves neutrals by it
 
 
 @dataclass(frozen=True)

@@ -204,17 +204,19 @@ def test_shaft_between_simulated_machines_is_opened_and_closed():
 
 
 def test_host_sends_one_datagram_for_all_axes(tmp_path):
-    project = project_of(tmp_path, '[axes]\npitch = "elevator-2khz"\nroll = "aileron-wheel"\n')
+    project = project_of(
+        tmp_path, '[axes]\npitch = "elevator-2khz"\nroll = "aileron-wheel"\n[flap_trim]\npitch = -0.1\n'
+    )
     with (
         ff.live.start_cockpit(project, "robust", host=0) as cockpit,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as host,
     ):
         host.settimeout(0.5)
         address, port = cockpit["pitch"].host.listens.split(":")
-        trims = {"pitch": 0.02, "roll": -0.1}
+        trims = {"pitch": 0.02, "roll": 0.1}
 
         def send(sequence, axes):
-            packets = [_core.host_packet(sequence, 1, {"trim": trims[axis]}) for axis in axes]
+            packets = [_core.host_packet(sequence, 1, {"trim": trims[axis], "flap": 0.5}) for axis in axes]
             host.sendto(b"".join(packets), (address, int(port)))
 
         cockpit.on()
@@ -232,7 +234,8 @@ def test_host_sends_one_datagram_for_all_axes(tmp_path):
         cockpit.wait(200)
         assert cockpit["roll"].host.refused == 1
         neutral = {axis: columns(session)["neutral_rad"][-1] for axis, session in cockpit.items()}
-        assert neutral["pitch"] > 0 > neutral["roll"]
+        # The flaps move the neutral of pitch by -0.05 rad.
+        assert neutral["pitch"] < 0 < neutral["roll"]
 
 
 @pytest.mark.parametrize(

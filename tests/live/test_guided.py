@@ -34,6 +34,7 @@ NONE = {
     "load_factor": 1.0,
     "mach": 0.0,
     "tab": 0.0,
+    "flap": 0.0,
 }
 STANDS_RAD = 2.5e-3
 """Friction, resolution of the sensors and what is left of a transient."""

@@ -33,7 +33,7 @@ def host() -> ModuleType:
 
 
 def test_packet_bytes_match_rust_encoder(host: ModuleType) -> None:
-    flight = (250.0, 12.0, 62.0, 0.07, -0.02, 0.1, 0.05, -0.03, 1.4, 0.18, 0.06)
+    flight = (250.0, 12.0, 62.0, 0.07, -0.02, 0.1, 0.05, -0.03, 1.4, 0.18, 0.06, 0.35)
     values = host.FromHost(6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0, *flight)
     expected = (ROOT / "crates/model/tests/all/host/packet.hex").read_text().strip()
     assert host.encode(7, host.ACTIVE | host.AUTOPILOT, values).hex() == expected
@@ -43,7 +43,7 @@ _CPP = """#include "host.hpp"
 #include <cstdio>
 int main() {
     forcefeel::FromHost v{6000.0f, 1.5f, 0.05f, -0.1f, 120.0f, 15.0f, 0.5f, -300.0f, 0.02f, 400.0f, 250.0f, 12.0f, 62.0f, 0.07f,
-                          -0.02f, 0.1f, 0.05f, -0.03f, 1.4f, 0.18f, 0.06f};
+                          -0.02f, 0.1f, 0.05f, -0.03f, 1.4f, 0.18f, 0.06f, 0.35f};
     for (auto byte : forcefeel::encode(7, forcefeel::ACTIVE | forcefeel::AUTOPILOT, v)) std::printf("%02x", byte);
 }
 """

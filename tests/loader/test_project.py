@@ -68,7 +68,23 @@ def test_byte_order_mark_of_project_is_ignored(cockpit):
         ),
         (
             'name = "x"\n[axes]\npitch = "elevator-1974"\n',
-            "name: a project file has tables [axes], [links] and [trips] and nothing else",
+            "name: a project file has tables [axes], [links], [trips] and [flap_trim] and nothing else",
+        ),
+        (
+            '[axes]\npitch = "elevator-2khz"\n[flap_trim]\nroll = 0.1\n',
+            "flap_trim.roll: expected an axis of [axes] (pitch)",
+        ),
+        (
+            '[axes]\npitch = "elevator-2khz"\n[flap_trim]\npitch = "much"\n',
+            "flap_trim.pitch: expected the angle of its neutral for an angle of the flaps, at most 10 either way",
+        ),
+        (
+            '[axes]\npitch = "elevator-2khz"\n[flap_trim]\npitch = nan\n',
+            "flap_trim.pitch: expected the angle of its neutral",
+        ),
+        (
+            '[axes]\npitch = "elevator-1974"\n[flap_trim]\npitch = 0.1\n',
+            "flap_trim.pitch: the flaps move the neutral of a digital",
         ),
     ],
 )

@@ -49,6 +49,8 @@ pub struct HostControl {
     parameters: Parameters<f64>,
     factor: Option<(Curve, [f64; 2])>,
     rendered: Vec<Rendered>,
+    /// What the flaps move the neutral by, in rad/rad.
+    flap_trim: f64,
     /// Share of the surface's hinge moment, and what it changes by in a period.
     flies: f64,
     flies_by: f64,
@@ -74,6 +76,7 @@ impl HostControl {
             parameters,
             factor,
             rendered: setup.rendered.clone(),
+            flap_trim: setup.flap_trim,
             flies: 0.0,
             flies_by: period_s / TAKES_OFF_S,
             refused: false,
@@ -102,8 +105,8 @@ impl HostControl {
 
     /// What the host's own coefficients and a share of the surface's hinge moment add to the feel, where the control stands.
     fn added(&self, values: &[f64; HOST_NUMBERS], flies: f64) -> Added {
-        let &[dynamic_pressure, .., mach, tab] = values;
-        let &[.., stiffness, damping, true_airspeed, angle_of_attack, sideslip, roll, pitch, yaw, load_factor, _, _] =
+        let &[dynamic_pressure, .., mach, tab, _] = values;
+        let &[.., stiffness, damping, true_airspeed, angle_of_attack, sideslip, roll, pitch, yaw, load_factor, _, _, _] =
             values;
         let flight = FlightState {
             dynamic_pressure,
@@ -144,9 +147,12 @@ impl HostControl {
         let age = self.stream.age();
         let (share, host_share) = allowed.map_or((0.0, 0.0), |allowed| (allowed.share, allowed.host_share));
         self.host_share = if age.is_some() { host_share } else { 0.0 };
-        let values = self.limits.limited(self.stream.values(1.0), self.host_share);
+        let mut wanted = self.stream.values(1.0);
+        // Before the limits: what the flaps move the neutral by is bounded as a trim is.
+        wanted[TRIM] += self.flap_trim * wanted[FLAP];
+        let values = self.limits.limited(wanted, self.host_share);
         let on = self.stream.switches(self.host_share);
-        let of_pressure = self.of_pressure(self.stream.values(1.0)[0]);
+        let of_pressure = self.of_pressure(wanted[0]);
         let of_pressure = 1.0 + self.host_share * (self.limits.spring(of_pressure) - 1.0);
         let flies = on & switches::FLIGHT != 0 && self.stream.age().is_some();
         let by = self.flies_by;
@@ -206,9 +212,11 @@ struct ValueLimits {
     of_pressure: f64,
 }
 
-/// The spring factor's place among the values, and the added force's.
+/// Places among the values: of the spring factor, the trim, the added force and the flaps' angle.
 const SPRING: usize = 1;
+const TRIM: usize = 2;
 const FORCE: usize = 5;
+const FLAP: usize = HOST_NUMBERS - 1;
 /// Time in which the surface's hinge moment comes and goes, in s.
 const TAKES_OFF_S: f64 = 0.1;
 

@@ -35,6 +35,8 @@ pub struct Setup {
     pub host: bool,
     /// Which springs and dampings that it asks for are rendered, by rising spring rate; where there are none, all that are positive.
     pub rendered: Vec<Rendered>,
+    /// What the host's flaps move the neutral by, in rad/rad.
+    pub flap_trim: f64,
     /// What the controller adds to its command.
     pub cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
     /// Where it begins; from the first sample if nothing is known.
@@ -149,6 +151,7 @@ impl Setup {
         if self.host {
             let rows = self.rendered.iter().flat_map(|of| [of.spring, of.damping[0], of.damping[1]]);
             lists.push(("listens", rows.collect()));
+            lists.push(("flap_trim", vec![self.flap_trim]));
         }
         if let Some(Beginning { sensors, delta, rate, neutral, estimate }) = self.beginning {
             lists.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
@@ -189,6 +192,7 @@ impl Setup {
             factor: curve("factor_knots", "factor_coefficients"),
             host: list("listens").is_some(),
             rendered: rows_of(list("listens").unwrap_or(&[])),
+            flap_trim: list("flap_trim").map_or(Some(0.0), |one| one.first().copied())?,
             cancellation: list("cancellation").map(TryInto::try_into).transpose().ok()?,
             beginning,
             supervised: list("supervised")? != [0.0],

@@ -196,7 +196,8 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
     for axis, loader in project.loaders.items():
         axis_law = law.get(axis) if isinstance(law, Mapping) else law
         try:
-            made = Axis.of(loader, axis_law, ends[axis], supervised=supervised, host=listens is not None)
+            flaps, listened = project.flap_trim.get(axis, 0.0), listens is not None
+            made = Axis.of(loader, axis_law, ends[axis], supervised=supervised, host=listened, flap_trim=flaps)
         except InputError as error:
             raise InputError(f"axes.{axis}: {error}") from error
         asked = endpoints.get(axis)

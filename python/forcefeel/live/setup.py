@@ -35,7 +35,13 @@ def live_law(law: LawLike, loader: Loader) -> Law:
 
 
 def made_of(
-    loader: Loader, law: Law, *, supervised: bool = True, scenario: Scenario | None = None, host: bool = False
+    loader: Loader,
+    law: Law,
+    *,
+    supervised: bool = True,
+    scenario: Scenario | None = None,
+    host: bool = False,
+    flap_trim: float = 0.0,
 ) -> tuple[_core.LiveSetup, Steps]:
     """Setup of the loop, and the scenario at the steps of the machine; of one with a host, what it may ask for.
 
@@ -57,6 +63,7 @@ def made_of(
         cancellation=law.cancellation.numbers if law.cancellation else None,
         supervised=supervised,
         rendered=rendered,
+        flap_trim=flap_trim,
     )
     return setup, steps
 

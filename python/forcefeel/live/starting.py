@@ -119,7 +119,9 @@ class Axis:
     link: Link | None = None
 
     @classmethod
-    def of(cls, loader: Loader, law: LawLike, endpoint: Endpoint, *, supervised: bool, host: bool) -> "Axis":
+    def of(
+        cls, loader: Loader, law: LawLike, endpoint: Endpoint, *, supervised: bool, host: bool, flap_trim: float = 0.0
+    ) -> "Axis":
         """A loader with its law and its machine.
 
         Raises:
@@ -129,7 +131,9 @@ class Axis:
         if isinstance(endpoint, Bus):
             check_bus(endpoint, loader, driven_by)
         scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
-        setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario, host=host)
+        setup, steps = made_of(
+            loader, driven_by, supervised=supervised, scenario=scenario, host=host, flap_trim=flap_trim
+        )
         period, _ = steps.timing or (1, 0)
         script, cycles, requests = None, None, []
         if scenario is not None:

@@ -1,4 +1,4 @@
-"""A project file: the axes of a cockpit, the loader of each, the links between two pilots' controls, see ``links``, and trips.
+"""A project file: the axes of a cockpit, the loader of each, the links between two pilots' controls (``links``), trips, flap trim.
 
 [axes]
 pitch = "elevator.toml"     # a loader file, from the project's folder
@@ -6,6 +6,9 @@ roll = "aileron-wheel"      # or a built-in loader
 
 [trips]
 pitch = ["roll"]            # what stops with pitch; "all", or [] for nothing
+
+[flap_trim]
+pitch = -0.1                # the neutral moves by so many degrees for a degree of the host's flaps
 """
 
 from collections.abc import Callable, Mapping
@@ -38,6 +41,7 @@ class Project:
         stops: By axis, the axes that stop in a live run when it trips. Default: the other side of a mechanical link, which would
             otherwise drag a column without power along. An electronic link opens instead, and other axes go on, so that a pilot
             keeps the controls that still work. An emergency stop stops all axes.
+        flap_trim: By axis, the angle of its neutral for an angle of the flaps; axes without it are left out.
     """
 
     path: Path
@@ -45,6 +49,7 @@ class Project:
     paths: Mapping[str, Path]
     links: Mapping[str, Link]
     stops: Mapping[str, tuple[str, ...]]
+    flap_trim: Mapping[str, float]
 
     def sides(self, link: Link) -> tuple[Loader, Loader]:
         """The loaders of a link, in its order."""
@@ -92,11 +97,11 @@ def read_project(path: str | Path) -> Project:
     Args:
         path: The file: a table ``[axes]`` with a loader file, by its path from the project's folder, or a built-in loader for
             ``pitch``, ``roll``, ``yaw``, ``stick-pitch`` or ``stick-roll``, or for one of these with ``-first-officer``; and a
-            table ``[links]`` as of ``links`` and a table ``[trips]``, if any.
+            table ``[links]`` as of ``links``, a table ``[trips]`` and a table ``[flap_trim]``, if any.
 
     Raises:
-        InputError: If it cannot be read, has another key than ``axes``, ``links`` and ``trips``, no axes, an unknown one, one
-            without a loader's name, one file for two axes, or a built-in loader of another axis; or a loader is bad.
+        InputError: If it cannot be read, has another table than these, no axes, an unknown one, one without a loader's name, one
+            file for two axes, or a built-in loader of another axis; or a loader is bad.
 
     Example:
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
@@ -105,9 +110,9 @@ def read_project(path: str | Path) -> Project:
     """
     path = Path(path)
     given = document(path, "a project file")
-    if strangers := [key for key in given if key not in ("axes", "links", "trips")]:
+    if strangers := [key for key in given if key not in ("axes", "links", "trips", "flap_trim")]:
         raise InputError(
-            f"{path}: {', '.join(strangers)}: a project file has tables [axes], [links] and [trips] and nothing else"
+            f"{path}: {', '.join(strangers)}: a project file has tables [axes], [links], [trips] and [flap_trim] and nothing else"
         )
     axes = given.get("axes")
     if not isinstance(axes, dict) or not axes:
@@ -121,9 +126,32 @@ def read_project(path: str | Path) -> Project:
     try:
         links = read_links(given.get("links"), loaders)
         stops = _stops(given.get("trips", {}), loaders, links)
+        flap_trim = _flap_trim(given.get("flap_trim", {}), loaders)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return Project(path, MappingProxyType(loaders), MappingProxyType(paths), links, MappingProxyType(stops))
+    return Project(path, MappingProxyType(loaders), MappingProxyType(paths), links, MappingProxyType(stops), flap_trim)
+
+
+_MOST_FLAP_TRIM = 10.0
+
+
+def _flap_trim(given: object, axes: Mapping[str, Loader]) -> Mapping[str, float]:
+    """The angle of each neutral for an angle of the flaps, from the table ``flap_trim``."""
+    if not isinstance(given, dict):
+        raise InputError(f"flap_trim: expected a table such as [flap_trim] with pitch = -0.1, got {show(given)}")
+    for axis, share in given.items():
+        if axis not in axes:
+            raise InputError(f"flap_trim.{axis}: expected an axis of [axes] ({', '.join(axes)})")
+        if isinstance(share, bool) or not isinstance(share, (int, float)) or not abs(share) <= _MOST_FLAP_TRIM:
+            raise InputError(
+                f"flap_trim.{axis}: expected the angle of its neutral for an angle of the flaps, at most {_MOST_FLAP_TRIM:g} "
+                f"either way, such as -0.1, got {show(share)}"
+            )
+        if not axes[axis]["controller.period"]:
+            raise InputError(
+                f"flap_trim.{axis}: the flaps move the neutral of a digital controller; set controller.period"
+            )
+    return MappingProxyType({axis: float(share) for axis, share in given.items()})
 
 
 def _stops(given: object, axes: Mapping[str, Loader], links: Mapping[str, Link]) -> dict[str, tuple[str, ...]]:

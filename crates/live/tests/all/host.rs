@@ -124,6 +124,21 @@ fn an_added_force_moves_the_column_as_a_hand_does() {
 }
 
 #[test]
+fn flaps_move_the_neutral_within_the_limits_of_a_trim() {
+    const FLAP: usize = HOST_NUMBERS - 1;
+    let of = |name: &str| TABLE.iter().position(|row| row.name == name).expect("a row");
+    let mut setup = Setup { flap_trim: -0.1, host: true, ..setup() };
+    let packet = Some((ACTIVE, sent(&[(TRIM, 0.03), (FLAP, 0.4)])));
+    let mut run = Run::made(setup.clone());
+    let neutral = run.on(6000, packet).neutral_rad;
+    assert!((neutral - (0.03 - 0.1 * 0.4)).abs() < 1e-8, "{neutral}");
+    setup.values[of("host_angle")] = 0.004;
+    let mut run = Run::made(setup);
+    let neutral = run.on(6000, packet).neutral_rad;
+    assert!((neutral + 0.004).abs() < 1e-8, "{neutral}");
+}
+
+#[test]
 fn silence_holds_for_a_tenth_of_a_second_then_fades_to_the_default_feel_and_comes_back() {
     let mut run = Run::new(None);
     let packet = Some((ACTIVE, sent(&[(ADDED, 40.0), (1, 1.5)])));

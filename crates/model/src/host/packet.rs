@@ -33,6 +33,7 @@ pub const FROM_HOST: [(&str, &str, f32, f32, f32); HOST_NUMBERS] = [
     ("load_factor", "", -50.0, 50.0, 1.0),
     ("mach", "", 0.0, 10.0, 0.0),
     ("tab", "rad", -2.0, 2.0, 0.0),
+    ("flap", "rad", -2.0, 2.0, 0.0),
 ];
 
 /// Numbers to the host: name and SI unit.
@@ -40,7 +41,7 @@ pub const TO_HOST: [(&str, &str); LOADER_NUMBERS] =
     [("angle", "rad"), ("rate", "rad/s"), ("force", "N"), ("neutral", "rad"), ("share", ""), ("host_share", "")];
 
 /// How many numbers there are from the host.
-pub const HOST_NUMBERS: usize = 21;
+pub const HOST_NUMBERS: usize = 22;
 /// How many to it.
 pub const LOADER_NUMBERS: usize = 6;
 /// Bytes of a packet from the host.

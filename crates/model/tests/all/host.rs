@@ -22,7 +22,7 @@ fn packet(sequence: u32, trim: f32) -> FromHost {
 fn golden() -> FromHost {
     let numbers = [
         6000.0, 1.5, 0.05, -0.1, 120.0, 15.0, 0.5, -300.0, 0.02, 400.0, 250.0, 12.0, 62.0, 0.07, -0.02, 0.1, 0.05,
-        -0.03, 1.4, 0.18, 0.06,
+        -0.03, 1.4, 0.18, 0.06, 0.35,
     ];
     FromHost { sequence: 7, switches: switches::ACTIVE | switches::AUTOPILOT, numbers }
 }
@@ -40,7 +40,7 @@ fn packets_come_back_as_they_went_and_have_the_published_bytes() {
     assert_eq!((bytes.as_slice(), GOLDEN.trim().len()), (golden.as_slice(), 2 * bytes.len()));
     let back = ToHost { sequence: 3, status: 3, numbers: [0.1, -0.2, 30.0, 0.0, 1.0, 1.0] };
     assert_eq!(ToHost::decode(&back.encode()), Ok(back));
-    assert_eq!((FROM_HOST_BYTES, TO_HOST_BYTES), (100, 40));
+    assert_eq!((FROM_HOST_BYTES, TO_HOST_BYTES), (104, 40));
 }
 
 #[test]
