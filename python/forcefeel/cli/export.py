@@ -12,7 +12,7 @@ from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
-    from forcefeel.export import Exported, Target
+    from forcefeel.export import Exported
     from forcefeel.loader.project import Project
 
 
@@ -170,7 +170,7 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     answer(
         {"folder": options.out},
         lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
-        lambda terminal: _show(terminal, exported, target, list(files)),
+        lambda terminal: _show(terminal, exported, options, list(files)),
         as_json=options.json,
     )
 
@@ -179,9 +179,8 @@ def _settings(exported: "Exported") -> dict[str, int | str]:
     return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
 
 
-def _show(console: Terminal, exported: "Exported", target: "Target", files: list[str]) -> None:
-    from forcefeel.export import Target
-    from forcefeel.export.firmware_code import FROM_REGISTRY
+def _show(console: Terminal, exported: "Exported", options: ExportOptions, files: list[str]) -> None:
+    from forcefeel.export.firmware_library import library_origin, target_of
     from forcefeel.export.fmu_files import libraries
 
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
@@ -190,8 +189,8 @@ def _show(console: Terminal, exported: "Exported", target: "Target", files: list
     console.print(f"loader {loader.fingerprint[:12]}, settings of the feel: {settings}", highlight=False)
     for name in files:
         console.print(f"- {name}", highlight=False)
-    if target is Target.FMU:
+    if options.to == "fmu":
         names = ", ".join(platform.name for platform in libraries())
         console.print(f"Libraries for {names}.", highlight=False)
-    if target is Target.FIRMWARE:
-        console.print(f"To compile it, {FROM_REGISTRY}.", highlight=False)
+    if options.to == "firmware":
+        console.print(library_origin(target_of(options.target), single=options.single), highlight=False)
