@@ -116,9 +116,11 @@ def _is_there(command):
     return (Path(sysroot) / "lib" / "rustlib" / name / "lib").is_dir()
 
 
-def run(folder, *command, status=0):
+def run(folder, *command, status=0, **how):
     """What a command prints; it must end with ``status``."""
-    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=280)
+    done = subprocess.run(
+        list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=280, **how
+    )
     assert done.returncode == status, done.stdout + done.stderr
     return done.stdout + done.stderr
 

@@ -63,6 +63,13 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             metavar="TRIPLE",
         ),
     ] = None
+    board: Annotated[
+        Literal["stm32f405"] | None,
+        option(
+            "With --to firmware: a whole project for this board, in single precision: start, interrupt, watchdog, telemetry.",
+            ASKED,
+        ),
+    ] = None
     out: Annotated[Path, option("Folder for the exported files.", OUTPUT)] = Path("forcefeel-export")
 
     def exported(self, path: Path | None) -> "Exported":
@@ -149,8 +156,12 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
         raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
-    target = Target(options.to)
-    export_folder(target, options.name, triple=options.target).check(options.out, replace=options.replace)
+    if options.board is not None and options.to != "firmware":
+        raise InputError(f"--board: is for --to firmware, and --to is {options.to}; leave it out")
+    if options.board is not None and options.target is not None:
+        raise InputError(f"--board: has its own target, and --target is {options.target}; leave one of them out")
+    target, triple = Target(options.to), options.board or options.target
+    export_folder(target, options.name, triple=triple).check(options.out, replace=options.replace)
     with all_or_nothing("export", silent=options.json) as bar:
         bar.describe("law")
         exported = options.exported(path)
@@ -161,9 +172,9 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
                 target,
                 options.out,
                 replace=options.replace,
-                single=options.single,
+                single=options.single or options.board is not None,
                 measure=options.measure,
-                triple=options.target,
+                triple=triple,
             )
         except InputError as error:
             raise _spelled(error) from error
@@ -180,6 +191,7 @@ def _settings(exported: "Exported") -> dict[str, int | str]:
 
 
 def _show(console: Terminal, exported: "Exported", options: ExportOptions, files: list[str]) -> None:
+    from forcefeel.export.firmware_board import BOARD_TARGET
     from forcefeel.export.firmware_library import library_origin, target_of
     from forcefeel.export.fmu_files import libraries
 
@@ -193,4 +205,5 @@ def _show(console: Terminal, exported: "Exported", options: ExportOptions, files
         names = ", ".join(platform.name for platform in libraries())
         console.print(f"Libraries for {names}.", highlight=False)
     if options.to == "firmware":
-        console.print(library_origin(target_of(options.target), single=options.single), highlight=False)
+        triple = BOARD_TARGET if options.board else target_of(options.target)
+        console.print(library_origin(triple, single=options.single or options.board is not None), highlight=False)

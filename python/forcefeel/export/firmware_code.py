@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import BoardAxis, safety_functions
+from forcefeel.errors import InputError
 from forcefeel.export.c_code import PART, about, recorded, rendered, spelled_rows
 from forcefeel.export.exported import Exported
+from forcefeel.export.firmware_board import BOARD, BOARD_FILES, BOARD_SAMPLES, BOARD_TARGET, board_fields, board_files
 from forcefeel.export.firmware_library import firmware_library, library_origin, target_of
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs.signals import Chirp
@@ -32,27 +34,36 @@ _FILES = {
     "Makefile": "Makefile",
     "README.md": "README.md",
 }
-_OF_BOARD = ("reset.c", "board.ld")
+_OF_EXAMPLE = ("reset.c", "board.ld")
+_ON_BOARD = {name: name for name in ("board.h", "Makefile", "telemetry.py")}
+_NOT_ON_BOARD = ("main.c", "test.c", "Makefile")
 _LIBRARY, _LICENSES = "libforcefeel.a", "LICENSES.txt"
 
 
 def firmware_names(name: str, triple: str | None) -> tuple[str, ...]:
     """File names of :func:`firmware_files`."""
-    own = (file.format(name) for file in _FILES.values())
-    return (*own, *(_OF_BOARD if triple in BOARDS else ()), _LICENSES, _LIBRARY)
+    own = (file.format(name) for file in _own(triple).values())
+    board = (*_ON_BOARD, *BOARD_FILES) if triple == BOARD else _OF_EXAMPLE if triple in BOARDS else ()
+    return (*own, *board, _LICENSES, _LIBRARY)
 
 
 def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> dict[str, str | bytes]:
-    """Files by name for the target ``triple``; default: this machine.
+    """Files by name for the target ``triple``, or the board of that name; default: this machine.
 
     Raises:
-        InputError: If the law is not a sampled one, or there is neither a library for the target nor what compiles one.
+        InputError: If the law is not a sampled one, there is neither a library for the target nor what compiles one, or the board
+            cannot run it.
     """
     numbers = exported.sampled()
-    triple = target_of(triple)
+    board = triple == BOARD
+    if board and not single:
+        raise InputError(f"single: {BOARD} computes in single precision, got double; give --single")
+    triple = BOARD_TARGET if board else target_of(triple)
     library = firmware_library(triple, single=single)
     axis = board_axis(exported)
     inputs, words = golden_inputs(exported)
+    if board:
+        inputs, words = inputs[:BOARD_SAMPLES], words[:BOARD_SAMPLES]
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
     answers, states = axis.answers(inputs, words.tolist(), single=single)
@@ -60,7 +71,8 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
     functions = safety_functions(loader.si_values, loader.drive, numbers.period_s)
     fields = about(exported, numbers, single=single) | {
         "triple": triple,
-        "float_abi": BOARDS.get(triple),
+        "float_abi": None if board else BOARDS.get(triple),
+        "board": board,
         "functions": [(name, does) for name, does, *_ in functions],
         "samples": len(inputs),
         "given": spelled_rows(inputs, single=single),
@@ -70,12 +82,19 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "periods": _periods_until_on(exported),
         "origin": library_origin(triple, single=single),
     }
-    fields |= _numbers(exported, axis)
-    files = rendered("firmware", _FILES, fields)
-    if triple in BOARDS:
-        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_BOARD}
+    fields |= _numbers(exported, axis) | (board_fields(loader) if board else {})
+    files = rendered("firmware", _own(BOARD if board else triple), fields)
+    if board:
+        files |= rendered(f"board/{BOARD}", _ON_BOARD, fields) | board_files()
+    elif triple in BOARDS:
+        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_EXAMPLE}
     files[_LICENSES] = (_HERE / "firmware" / _LICENSES).read_text(encoding="utf-8")
     return files | {_LIBRARY: library}
+
+
+def _own(triple: str | None) -> dict[str, str]:
+    """Templates and file names of the library's own files."""
+    return {name: file for name, file in _FILES.items() if triple != BOARD or name not in _NOT_ON_BOARD}
 
 
 def board_axis(exported: Exported) -> BoardAxis:
