@@ -180,12 +180,19 @@ INPUTS = """
 #include <sys/mman.h>
 #define WORD(address) (*(volatile uint32_t *)(uintptr_t)(address))
 
-void fault(void) { exit(4); }
+void fault(void)
+{
+    printf("%u %u %u\\n", WORD(0x40023804), WORD(0x40023808), WORD(0x40023C00)); /* PLLCFGR, CFGR, FLASH_ACR */
+    exit(4);
+}
 
 int main(int count, char **words)
 {
     static forcefeel_input in;
     (void)mmap((void *)0x40000000, 0x30000, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    WORD(0x40023800) = (uint32_t)strtoul(count == 2 ? words[1] : "0", NULL, 0); /* RCC_CR */
+    if (count == 2)
+        clock_begin();
     inputs_begin();
     for (int k = 1; k + 5 < count; k += 6) {
         WORD(0x40012000) = (uint32_t)strtoul(words[k], NULL, 0);
@@ -204,11 +211,16 @@ READY = 4
 """The converter's flag for four channels converted."""
 
 
-def test_inputs_scale_codes_and_wait_for_the_switch(tmp_path):
-    """The code for converter and pins, with memory in place of the chip's registers."""
+def with_grip_sensor():
+    return valve().loader.replace({"grip_sensor.gain": 1.0})
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """The code for clock, converter and pins, with memory in place of the chip's registers."""
     needs("gcc", f"firmware library {library_name(BOARD_TARGET, single=True)}")
-    loader = valve().loader.replace({"grip_sensor.gain": 1.0})
-    exported = ff.export.Exported.of("robust", loader, "pitch")
+    tmp_path = tmp_path_factory.mktemp("inputs")
+    exported = ff.export.Exported.of("robust", with_grip_sensor(), "pitch")
     ff.export.write_export(exported, ff.export.Target.FIRMWARE, tmp_path, single=True, triple=BOARD)
     (tmp_path / "main.c").write_text(INPUTS, encoding="utf-8")
     strict = (
@@ -220,6 +232,22 @@ def test_inputs_scale_codes_and_wait_for_the_switch(tmp_path):
         "-Wno-unused-variable",
     )
     run(tmp_path, "gcc", *strict, "-o", "inputs", "main.c", "inputs.c")
+    return tmp_path / "inputs"
+
+
+def test_clock_is_168_mhz_or_a_fault(inputs):
+    crystal, pll = 1 << 17, 1 << 25  # ready
+    assert run(inputs.parent, inputs, "0", status=4) == "0 0 0\n"  # no crystal
+    factors, buses, flash = map(int, run(inputs.parent, inputs, str(crystal | pll), status=4).split())
+    m, n, p, of_crystal = factors & 63, factors >> 6 & 511, 2 * (factors >> 16 & 3) + 2, factors >> 22 & 1
+    assert (8e6 / m * n / p, of_crystal) == (168e6, 1)
+    assert 1e6 <= 8e6 / m <= 2e6
+    assert 192e6 <= 8e6 / m * n <= 432e6
+    assert (buses >> 10 & 7, buses >> 13 & 7) == (0b101, 0b100)  # a quarter, a half
+    assert (buses & 3, flash & 7) == (2, 5)  # the multiplied clock, with the wait states of 168 MHz
+
+
+def test_inputs_scale_codes_and_wait_for_the_switch(inputs):
     stop, ill, off, quiet = (1 << pin for pin in (12, 13, 14, 15))
     periods = [
         (READY, 2048, 4094, 1, 3072, quiet),  # on from the start: not taken for on
@@ -230,14 +258,14 @@ def test_inputs_scale_codes_and_wait_for_the_switch(tmp_path):
         (READY, 2048, 2048, 2048, 2048, off),
     ]
     words = [str(word) for row in periods for word in row]
-    rows = [line.split() for line in run(tmp_path, tmp_path / "inputs", *words).splitlines()]
+    rows = [line.split() for line in run(inputs.parent, inputs, *words).splitlines()]
     sensors = np.array([[float.fromhex(word) if "nan" not in word else np.nan for word in row[:4]] for row in rows])
     codes = np.array([row[1:5] for row in periods], dtype=float)
-    ranges = np.array([channel.range for channel in sensor_channels(loader)])
+    ranges = np.array([channel.range for channel in sensor_channels(with_grip_sensor())])
     values = (codes - 2048) / 2048 * ranges
     values[1, :2] = np.nan  # at an end of the converter
     np.testing.assert_allclose(sensors, values, rtol=3e-7)  # two roundings of a float
-    assert ranges[0] == pytest.approx(10.0 / loader["load_cell.gain"], rel=1e-12)  # the file's own volts
+    assert ranges[0] == pytest.approx(10.0 / with_grip_sensor()["load_cell.gain"], rel=1e-12)  # the file's own volts
     stopped, faulty, acknowledged = 1, 2, 4
     states = [list(map(int, row[4:])) for row in rows]
     assert states == [
