@@ -293,7 +293,7 @@ def test_range_of_a_motor_is_its_supervisors():
     ("changes", "single", "message"),
     [
         ({}, False, "single: stm32f405 computes in single precision"),
-        ({"controller.delay": "0.3 ms"}, True, r"expected a whole number of periods .* got 0\.3 ms"),
+        ({"controller.delay": "0.3 ms"}, True, r"expected the period of 0\.5 ms .* got 0\.3 ms"),
         (
             {"controller.period": "0.1 ms", "controller.delay": "0.1 ms"},
             True,

@@ -90,14 +90,13 @@ def board_fields(loader: Loader) -> dict[str, object]:
     """Fields of the board's templates.
 
     Raises:
-        InputError: If the delay is not a whole number of periods, or the period too short for the board.
+        InputError: If the delay is not the period, or the period is too short for the board.
     """
     period, delay = loader["controller.period"], loader["controller.delay"]
-    periods = round(delay / period)
-    if periods < 1 or not isclose(periods * period, delay, rel_tol=1e-6):  # as rows of the file are rounded
+    if not isclose(delay, period, rel_tol=1e-6):  # as rows of the file are rounded
         raise InputError(
-            f"controller.delay: expected a whole number of periods for {BOARD}, which gives a command when a period begins, got "
-            f"{delay * 1e3:.6g} ms with a period of {period * 1e3:.6g} ms; set 'controller.delay={period * 1e3:.6g} ms'"
+            f"controller.delay: expected the period of {period * 1e3:.6g} ms for {BOARD}, which gives a command as the next period "
+            f"begins, got {delay * 1e3:.6g} ms; set 'controller.delay={period * 1e3:.6g} ms'"
         )
     if period < _LEAST_PERIOD_S:
         raise InputError(
@@ -105,17 +104,16 @@ def board_fields(loader: Loader) -> dict[str, object]:
             "set a longer one, or export for a faster target"
         )
     sensors, command = sensor_channels(loader), command_channel(loader)
-    grip = has_grip_sensor(loader)
+    every = ceil(_FRAME_BITS / (_BAUD * _MOST_LOAD * period))
     return {
         "channels": sensors,
         "command_channel": command,
-        "grip_sensor": int(grip),
+        "grip_sensor": int(has_grip_sensor(loader)),
         "ranges": ", ".join(f"{channel.range!r}F" for channel in sensors),
         "command_range": repr(command.range),
         "command_rows": command.rows,
-        "delay_periods": periods,
-        "telemetry_every": ceil(_FRAME_BITS / (_BAUD * _MOST_LOAD * period)),
-        "frames": f"{1.0 / (period * ceil(_FRAME_BITS / (_BAUD * _MOST_LOAD * period))):.0f}",
+        "telemetry_every": every,
+        "frames": f"{1.0 / (period * every):.0f}",
     }
 
 

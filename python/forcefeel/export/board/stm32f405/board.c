@@ -18,14 +18,14 @@ typedef struct {
 
 forcefeel_output board_output;
 static forcefeel_axis axis;
-static float commands[BOARD_DELAY]; /* on their way to the drive */
+static float command; /* on its way to the drive */
 static uint32_t periods, late, longest, stack_free;
 static frame pending;
 static volatile uint32_t is_pending;
 
-static void convert(float command)
+static void convert(float value)
 {
-    const float steps = command * ((float)SWING / BOARD_COMMAND_RANGE);
+    const float steps = value * ((float)SWING / BOARD_COMMAND_RANGE);
     const float within = (steps > (float)SWING) ? (float)SWING : (steps < -(float)SWING) ? -(float)SWING : steps;
     DAC_DHR12R1 = (uint32_t)(MIDDLE + (int32_t)(within + ((within < 0.0F) ? -0.5F : 0.5F)));
 }
@@ -39,15 +39,14 @@ void drive_off(void)
 void period(void)
 {
     static forcefeel_input in = { .stiffness_factor = 1.0F };
-    float *const command = &commands[periods % BOARD_DELAY];
     const uint32_t begin = TIM2_CNT;
     TIM2_SR = 0U;
-    convert(*command); /* the command of BOARD_DELAY periods ago */
+    convert(command); /* of the last sample, whose delay is a period */
     in.late = late;
     read_inputs(&in);
     const uint32_t status
         = forcefeel_step(&axis, BOARD_SETTINGS, sizeof BOARD_SETTINGS / sizeof *BOARD_SETTINGS, &in, &board_output);
-    *command = board_output.command;
+    command = board_output.command;
     if (board_output.enable != 0U) {
         GPIOB_BSRR = 1U << ENABLE;
     } else {
