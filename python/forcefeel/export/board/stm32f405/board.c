@@ -99,7 +99,7 @@ static void outputs_begin(void)
     RCC_APB1ENR = 0x20000001U; /* TIM2, DAC */
     RCC_APB2ENR = 0x110U; /* USART1, ADC1 */
     (void)RCC_APB2ENR; /* the clocks run two cycles later */
-    DAC_CR = 1U;
+    DAC_CR = 3U; /* without its buffer, which does not reach the ends */
     drive_off();
     GPIOB_MODER = (GPIOB_MODER & ~0x3U) | 0x1U; /* PB0 out */
     GPIOA_MODER = (GPIOA_MODER & ~0xC0FFFU) | 0x80FFFU; /* PA0 to PA5 analog, PA9 USART1 */
