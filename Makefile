@@ -6,6 +6,7 @@
 # make demo     the live loader's compiled model and laws, docs/demo/engine.js
 # make site     the documentation as pages, in site/; PICTURES=0 where there is no Chromium
 # make platforms  the library inside FMUs for Linux (glibc 2.17), Windows x64, macOS x64 and arm64, cross-compiled
+# make firmware-libraries  the libraries of exported firmware for Cortex-M4F, aarch64 and x86-64
 # make audit    advisories on the dependencies, with a network, cargo-deny and pip-audit; the tests check licenses and sources
 # make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
 
@@ -17,9 +18,9 @@ unexport PYTHONDONTWRITEBYTECODE
 BIN := $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
-PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.ld')
+PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.h' -o -name '*.ld')
 
-.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links platforms audit wheel clean
+.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links platforms firmware-libraries audit wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -36,9 +37,8 @@ tested-crates:
 	cargo test --release --workspace --locked --quiet
 
 # The tests are compiled for the workers, once.
-fetched: $(VENV)/equipped
+fetched: firmware-libraries
 	tests/browser/install
-	tests/export/install
 	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
 
 # Clippy in the release profile too: the macros of other crates are there already.
@@ -92,7 +92,7 @@ links: $(VENV)/equipped
 MATURIN = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --compatibility pypi --auditwheel check
 
 # What others get runs on all vector instructions.
-wheel: $(VENV)/equipped
+wheel: firmware-libraries
 	rm -rf dist
 	$(MATURIN) --features pyo3/extension-module,every-machine --out dist
 	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 tests/wheel
@@ -100,10 +100,15 @@ wheel: $(VENV)/equipped
 
 # Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each.
 # What is built here goes into every FMU that this checkout exports.
-platforms: $(VENV)/equipped
+platforms: firmware-libraries
 	tests/platforms/install
 	tests/platforms/build
 	FORCEFEEL_PLATFORMS=1 $(BIN)/pytest -n 0 tests/platforms
+
+# What an export to firmware needs no cargo with; a minute. Tests and wheels have them too.
+firmware-libraries: $(VENV)/equipped
+	tests/export/install
+	$(BIN)/python tests/platforms/firmware_libraries.py
 
 audit:
 	cargo deny check licenses sources advisories

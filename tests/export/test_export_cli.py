@@ -53,6 +53,12 @@ def test_json_names_files_law_and_loader(export):
         (("--to", "table", "--law", "torque-mode"), "--law: torque-mode is a law for a motor"),
         (("--to", "matlab", "--law", "robust", "--knots", "none.csv"), "none.csv: cannot be read"),
         (("--to", "c", "--target", "avr"), "--target: is for --to firmware, and --to is c; leave it out"),
+        (("--to", "c", "--board", "stm32f405"), "--board: is for --to firmware, and --to is c; leave it out"),
+        (("--to", "firmware", "--board", "uno"), "--board: expected stm32f405, got 'uno'"),
+        (
+            ("--to", "firmware", "--board", "stm32f405", "--target", "avr"),
+            "--board: has its own target, and --target is avr",
+        ),
         (("--to", "fmu", "--law", "original"), "is gains of an analog law, and elevator-2khz has a digital controller"),
         (("--to", "fmu", "--name", "a-b"), "--name: expected a C identifier"),
         (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),

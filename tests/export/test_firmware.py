@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.export.firmware_code import BOARD, board_axis, golden_inputs
+from forcefeel.export import firmware_library
+from forcefeel.export.firmware_code import board_axis, golden_inputs
+from forcefeel.export.firmware_library import TARGETS, library_name, library_origin
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
 
 TWO = """
@@ -39,7 +41,20 @@ int main(void)
 }
 """
 
-AARCH64 = "aarch64-unknown-linux-gnu"
+BOARD = "thumbv7em-none-eabihf"
+MOST_BYTES = 200_000
+"""Of a library of the installation; 43,000 to 160,000."""
+RUN = {  # compiler, emulator and what make is told, by target
+    "thumbv7em-none-eabihf": ("arm-none-eabi-gcc", "qemu-system-arm"),
+    "thumbv7em-none-eabi": ("arm-none-eabi-gcc", "qemu-system-arm"),
+    "aarch64-unknown-linux-gnu": (
+        "aarch64-linux-gnu-gcc",
+        "qemu-aarch64",
+        "CC=aarch64-linux-gnu-gcc -static",
+        "RUN=qemu-aarch64",
+    ),
+    "x86_64-unknown-linux-gnu": ("x86_64-linux-gnu-gcc", "make"),
+}
 SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
 
 
@@ -78,11 +93,36 @@ def test_host_matches_bitwise_in_single_precision(tmp_path):
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
-def test_aarch64_matches_bitwise(tmp_path):
-    needs("cargo", "aarch64-linux-gnu-gcc", "qemu-aarch64", f"rust target {AARCH64}")
-    exported(motor(), tmp_path, triple=AARCH64)
-    text = run(tmp_path, "make", "test", "CC=aarch64-linux-gnu-gcc -static", "RUN=qemu-aarch64")
-    assert re.search(r"^roll: \d{5} samples, 0 differ$", text, re.MULTILINE)
+@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+@pytest.mark.parametrize("triple", TARGETS)
+def test_library_of_the_installation_matches_bitwise_without_cargo(triple, single, tmp_path, monkeypatch):
+    compiler, emulator, *words = RUN[triple]
+    needs(compiler, emulator, f"firmware library {library_name(triple, single=single)}")
+    for name in ("cargo", "rustc"):
+        (tmp_path / name).write_text("#!/bin/sh\nexit 99\n", encoding="utf-8")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    out = exported(valve() if single else motor(), tmp_path / "out", single=single, triple=triple)
+    name = "pitch" if single else "roll"
+    assert re.search(rf"^{name}: \d{{5}} samples, 0 differ$", run(out, "make", "test", *words), re.MULTILINE)
+    assert "The library is the installation's" in (out / "README.md").read_text(encoding="utf-8")
+    assert "libm" in (out / "LICENSES.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+@pytest.mark.parametrize("triple", TARGETS)
+def test_library_of_the_installation_is_one_object_of_two_functions(triple, single):
+    name = library_name(triple, single=single)
+    tools = RUN[triple][0].removesuffix("gcc")
+    needs(f"{tools}nm", f"firmware library {name}")
+    path = firmware_library.LIBRARIES / name
+    assert path.stat().st_size < MOST_BYTES
+    defined = re.findall(r" [A-Z] (\w+)$", run(path.parent, f"{tools}nm", "--defined-only", name), re.MULTILINE)
+    assert sorted(defined) == ["forcefeel_init", "forcefeel_step"]
+    needed = re.findall(r" U (\w+)$", run(path.parent, f"{tools}nm", "--undefined-only", name), re.MULTILINE)
+    assert set(needed) <= {"memcpy", "memset", "memmove"}
+    content = path.read_bytes()
+    assert not re.search(rb"panic|unwrap|slice_index_fail|/home/|/root/|/tmp/", content)
 
 
 def test_double_precision_board_matches_bitwise(tmp_path, monkeypatch):
@@ -198,14 +238,32 @@ def test_missing_rust_target_is_named_and_nothing_is_written(tmp_path, triple):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_missing_cargo_writes_nothing(tmp_path, monkeypatch):
+@pytest.fixture
+def without_libraries(tmp_path_factory, monkeypatch):
+    """An installation from source before ``make firmware-libraries``."""
+    folder = tmp_path_factory.mktemp("libraries")
+    monkeypatch.setattr(firmware_library, "LIBRARIES", folder)
+    return folder
+
+
+def test_library_of_other_sources_is_not_used(without_libraries):
+    triple = TARGETS[-1]
+    name, digest = library_name(triple, single=False), without_libraries / firmware_library.DIGEST
+    (without_libraries / name).write_bytes(b"!<arch>\n")
+    digest.write_text(firmware_library.source_digest(), encoding="utf-8")
+    assert firmware_library.firmware_library(triple, single=False) == b"!<arch>\n"
+    digest.write_text("0" * 64, encoding="utf-8")
+    assert "because this installation has no library of its sources" in library_origin(triple, single=False)
+
+
+def test_missing_cargo_writes_nothing(tmp_path, monkeypatch, without_libraries):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ff.InputError, match="requires cargo, which was not found"):
         exported(motor(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_cached_crate_is_not_downloaded(tmp_path, forcefeel, monkeypatch):
+def test_cached_crate_is_not_downloaded(tmp_path, forcefeel, monkeypatch, without_libraries):
     """A cargo in between notes how it is called; command and README tell what else it would have fetched."""
     needs("cargo")
     real, asked = shutil.which("cargo"), tmp_path / "asked"
@@ -214,11 +272,12 @@ def test_cached_crate_is_not_downloaded(tmp_path, forcefeel, monkeypatch):
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     status, shown, _ = forcefeel("export", "elevator-electric", "--to", "firmware", "--out", "out")
     assert (status, "cargo takes the crate libm from its cache" in " ".join(shown.split())) == (0, True)
+    assert "make firmware-libraries builds it" in " ".join(shown.split())
     assert [line.split()[-1] for line in asked.read_text(encoding="utf-8").splitlines()] == ["--offline"]
     assert "cargo takes the crate libm from its cache" in (tmp_path / "out" / "README.md").read_text(encoding="utf-8")
 
 
-def test_missing_crate_without_network_is_named(tmp_path, monkeypatch):
+def test_missing_crate_without_network_is_named(tmp_path, monkeypatch, without_libraries):
     needs("cargo")
     monkeypatch.setenv("RUSTUP_HOME", str(Path(os.environ.get("RUSTUP_HOME", Path.home() / ".rustup"))))
     monkeypatch.setenv("CARGO_HOME", str(tmp_path / "empty"))

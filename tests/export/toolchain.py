@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
+from forcefeel.export.firmware_library import DIGEST, LIBRARIES, source_digest
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-ffp-contract=off")
 BOARD = Path(ff.__file__).parent / "export" / "board"
@@ -91,17 +92,23 @@ def written(exported, out, *, single=False):
 
 
 def needs(*commands):
-    """Skips the test where a command, ``rust target ...`` or ``library ...`` is missing, aloud; fails where they are required."""
+    """Skips the test where a command is missing, ``rust target ...``, ``library ...`` or ``firmware library ...``, aloud; fails
+    where they are required."""
     missing = [command for command in commands if not _is_there(command)]
     if missing and os.environ.get("FORCEFEEL_REQUIRE_TARGETS") == "1":
-        pytest.fail(f"not found: {', '.join(missing)}; run tests/export/install")
+        pytest.fail(f"not found: {', '.join(missing)}; run make firmware-libraries")
     if missing:
-        pytest.skip(f"not found: {', '.join(missing)}; run tests/export/install")
+        pytest.skip(f"not found: {', '.join(missing)}; run make firmware-libraries")
 
 
 def _is_there(command):
     if command.startswith("library "):
         return find_library(command.removeprefix("library ")) is not None
+    if command.startswith("firmware library "):
+        fresh = (LIBRARIES / DIGEST).is_file() and (LIBRARIES / DIGEST).read_text(
+            encoding="utf-8"
+        ).strip() == source_digest()
+        return fresh and (LIBRARIES / command.removeprefix("firmware library ")).is_file()
     name = command.removeprefix("rust target ")
     if name == command or not shutil.which("rustc"):
         return shutil.which(command) is not None
@@ -109,9 +116,11 @@ def _is_there(command):
     return (Path(sysroot) / "lib" / "rustlib" / name / "lib").is_dir()
 
 
-def run(folder, *command, status=0):
+def run(folder, *command, status=0, **how):
     """What a command prints; it must end with ``status``."""
-    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=280)
+    done = subprocess.run(
+        list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=280, **how
+    )
     assert done.returncode == status, done.stdout + done.stderr
     return done.stdout + done.stderr
 

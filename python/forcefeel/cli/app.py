@@ -131,7 +131,7 @@ def command_line_error(error: CycloptsError) -> str:
     if isinstance(error, CoercionError) and argument is not None and error.token is not None:
         name, choices = error.token.keyword or argument.name, argument.get_choices()
         expected = (
-            " or ".join((", ".join(choices[:-1]), choices[-1]))
+            " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
             if choices
             else _KINDS.get(error.target_type or object, "")
         )

@@ -12,7 +12,7 @@ from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
-    from forcefeel.export import Exported, Target
+    from forcefeel.export import Exported
     from forcefeel.loader.project import Project
 
 
@@ -61,6 +61,13 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             "With --to firmware: the Rust target, such as thumbv7em-none-eabihf. Default: this machine.",
             ASKED,
             metavar="TRIPLE",
+        ),
+    ] = None
+    board: Annotated[
+        Literal["stm32f405"] | None,
+        option(
+            "With --to firmware: a whole project for this board, in single precision: start, interrupt, watchdog, telemetry.",
+            ASKED,
         ),
     ] = None
     out: Annotated[Path, option("Folder for the exported files.", OUTPUT)] = Path("forcefeel-export")
@@ -143,8 +150,12 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
         raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
-    target = Target(options.to)
-    export_folder(target, options.name, triple=options.target).check(options.out, replace=options.replace)
+    if options.board is not None and options.to != "firmware":
+        raise InputError(f"--board: is for --to firmware, and --to is {options.to}; leave it out")
+    if options.board is not None and options.target is not None:
+        raise InputError(f"--board: has its own target, and --target is {options.target}; leave one of them out")
+    target, triple = Target(options.to), options.board or options.target
+    export_folder(target, options.name, triple=triple).check(options.out, replace=options.replace)
     with all_or_nothing("export", silent=options.json) as bar:
         bar.describe("law")
         exported = options.exported(path)
@@ -155,16 +166,16 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
                 target,
                 options.out,
                 replace=options.replace,
-                single=options.single,
+                single=options.single or options.board is not None,
                 measure=options.measure,
-                triple=options.target,
+                triple=triple,
             )
         except InputError as error:
             raise _spelled(error) from error
     answer(
         {"folder": options.out},
         lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
-        lambda terminal: _show(terminal, exported, target, list(files)),
+        lambda terminal: _show(terminal, exported, options, list(files)),
         as_json=options.json,
     )
 
@@ -173,9 +184,9 @@ def _settings(exported: "Exported") -> dict[str, int | str]:
     return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
 
 
-def _show(console: Terminal, exported: "Exported", target: "Target", files: list[str]) -> None:
-    from forcefeel.export import Target
-    from forcefeel.export.firmware_code import FROM_REGISTRY
+def _show(console: Terminal, exported: "Exported", options: ExportOptions, files: list[str]) -> None:
+    from forcefeel.export.firmware_board import BOARD_TARGET
+    from forcefeel.export.firmware_library import library_origin, target_of
     from forcefeel.export.fmu_files import libraries
 
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
@@ -184,8 +195,9 @@ def _show(console: Terminal, exported: "Exported", target: "Target", files: list
     console.print(f"loader {loader.fingerprint[:12]}, settings of the feel: {settings}", highlight=False)
     for name in files:
         console.print(f"- {name}", highlight=False)
-    if target is Target.FMU:
+    if options.to == "fmu":
         names = ", ".join(platform.name for platform in libraries())
         console.print(f"Libraries for {names}.", highlight=False)
-    if target is Target.FIRMWARE:
-        console.print(f"To compile it, {FROM_REGISTRY}.", highlight=False)
+    if options.to == "firmware":
+        triple = BOARD_TARGET if options.board else target_of(options.target)
+        console.print(library_origin(triple, single=options.single or options.board is not None), highlight=False)

@@ -1,27 +1,25 @@
 """Export of a law as firmware: the Rust code of simulation and live loop, compiled for a target, with header and golden vectors.
 
-The sources are embedded in ``forcefeel._core``; cargo compiles them for the target.
+The library is one of the installation, or cargo compiles it: ``firmware_library.py``.
 """
 
-import shutil
-import subprocess
-import tempfile
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import BoardAxis, board_sources, safety_functions
+from forcefeel._core import BoardAxis, safety_functions
 from forcefeel.errors import InputError
 from forcefeel.export.c_code import PART, about, recorded, rendered, spelled_rows
 from forcefeel.export.exported import Exported
+from forcefeel.export.firmware_board import BOARD, BOARD_FILES, BOARD_SAMPLES, BOARD_TARGET, board_fields, board_files
+from forcefeel.export.firmware_library import firmware_library, library_origin, target_of
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs.signals import Chirp
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import show
 
-BOARD = "thumbv7em-none-eabihf"
-"""Target with an example for a bare board."""
+BOARDS = {"thumbv7em-none-eabihf": "hard -mfpu=auto", "thumbv7em-none-eabi": "soft"}
+"""Targets with an example for a bare board, and how floating-point numbers are passed there."""
 
 _OFF, _ACTIVE = 0, 2
 _EMERGENCY_STOP, _ACKNOWLEDGED = 1, 4
@@ -36,28 +34,36 @@ _FILES = {
     "Makefile": "Makefile",
     "README.md": "README.md",
 }
-_OF_BOARD = ("reset.c", "board.ld")
-FROM_REGISTRY = "cargo takes the crate libm from its cache, or fetches it from its registry, crates.io"
-"""Dependencies outside forcefeel."""
-
-_LIBRARY = "libforcefeel.a"
+_OF_EXAMPLE = ("reset.c", "board.ld")
+_ON_BOARD = {name: name for name in ("board.h", "Makefile", "telemetry.py")}
+_NOT_ON_BOARD = ("main.c", "test.c", "Makefile")
+_LIBRARY, _LICENSES = "libforcefeel.a", "LICENSES.txt"
 
 
 def firmware_names(name: str, triple: str | None) -> tuple[str, ...]:
     """File names of :func:`firmware_files`."""
-    return (*(file.format(name) for file in _FILES.values()), *(_OF_BOARD if triple == BOARD else ()), _LIBRARY)
+    own = (file.format(name) for file in _own(triple).values())
+    board = (*_ON_BOARD, *BOARD_FILES) if triple == BOARD else _OF_EXAMPLE if triple in BOARDS else ()
+    return (*own, *board, _LICENSES, _LIBRARY)
 
 
 def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> dict[str, str | bytes]:
-    """Files by name for the target ``triple``; default: this machine.
+    """Files by name for the target ``triple``, or the board of that name; default: this machine.
 
     Raises:
-        InputError: If the law is not a sampled one, or the target or cargo is not installed.
+        InputError: If the law is not a sampled one, there is neither a library for the target nor what compiles one, or the board
+            cannot run it.
     """
     numbers = exported.sampled()
-    triple = _installed(triple)
+    board = triple == BOARD
+    if board and not single:
+        raise InputError(f"single: {BOARD} computes in single precision, got double; give --single")
+    triple = BOARD_TARGET if board else target_of(triple)
+    library = firmware_library(triple, single=single)
     axis = board_axis(exported)
     inputs, words = golden_inputs(exported)
+    if board:
+        inputs, words = inputs[:BOARD_SAMPLES], words[:BOARD_SAMPLES]
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
     answers, states = axis.answers(inputs, words.tolist(), single=single)
@@ -65,7 +71,8 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
     functions = safety_functions(loader.si_values, loader.drive, numbers.period_s)
     fields = about(exported, numbers, single=single) | {
         "triple": triple,
-        "board": triple == BOARD,
+        "float_abi": None if board else BOARDS.get(triple),
+        "board": board,
         "functions": [(name, does) for name, does, *_ in functions],
         "samples": len(inputs),
         "given": spelled_rows(inputs, single=single),
@@ -73,13 +80,21 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "answers": spelled_rows(answers, single=single),
         "states": _words(states),
         "periods": _periods_until_on(exported),
-        "from_registry": FROM_REGISTRY,
+        "origin": library_origin(triple, single=single),
     }
-    fields |= _numbers(exported, axis)
-    files = rendered("firmware", _FILES, fields)
-    if triple == BOARD:
-        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_BOARD}
-    return files | {_LIBRARY: _library(triple, single=single)}
+    fields |= _numbers(exported, axis) | (board_fields(loader) if board else {})
+    files = rendered("firmware", _own(BOARD if board else triple), fields)
+    if board:
+        files |= rendered(f"board/{BOARD}", _ON_BOARD, fields) | board_files()
+    elif triple in BOARDS:
+        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_EXAMPLE}
+    files[_LICENSES] = (_HERE / "firmware" / _LICENSES).read_text(encoding="utf-8")
+    return files | {_LIBRARY: library}
+
+
+def _own(triple: str | None) -> dict[str, str]:
+    """Templates and file names of the library's own files."""
+    return {name: file for name, file in _FILES.items() if triple != BOARD or name not in _NOT_ON_BOARD}
 
 
 def board_axis(exported: Exported) -> BoardAxis:
@@ -181,62 +196,3 @@ def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
             for values_row, law in zip(values.tolist(), laws.tolist(), strict=True)
         ),
     }
-
-
-def _installed(triple: str | None) -> str:
-    """The target; default: this machine.
-
-    Raises:
-        InputError: If the target or cargo is not installed.
-    """
-    if not (shutil.which("cargo") and shutil.which("rustc")):
-        raise InputError("target: firmware requires cargo, which was not found; install Rust from https://rustup.rs")
-    version_lines = _output_of("rustc", "-vV").splitlines()
-    host = next(line.removeprefix("host: ") for line in version_lines if line.startswith("host: "))
-    library = Path(_output_of("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
-    installed = sorted(path.parent.name for path in library.glob("*/lib"))
-    target = triple or host
-    if target not in installed:
-        raise InputError(
-            f"target: expected an installed one, {', '.join(installed)}, got {show(target)}; run rustup target add {target}"
-        )
-    return target
-
-
-def _output_of(*command: str) -> str:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise InputError(
-            f"target: {' '.join(command)} fails: {done.stderr.strip()}; check the Rust installation with rustup show"
-        )
-    return done.stdout
-
-
-def _library(triple: str, *, single: bool) -> bytes:
-    """Static library for a target, compiled from the sources of this forcefeel, offline if possible.
-
-    Raises:
-        InputError: If cargo fails.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        sources = [
-            *board_sources(),
-            ("Cargo.toml", (_HERE / "firmware" / "workspace.toml").read_text(encoding="utf-8")),
-        ]
-        for name, text in sources:
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-            (root / name).write_text(text, encoding="utf-8")
-        feature = "single" if single else "alone"
-        options = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
-        command = ("cargo", "rustc", *options, "--crate-type", "staticlib", "--target-dir", "built")
-        for network in (("--offline",), ()):
-            done = subprocess.run((*command, *network), cwd=root, capture_output=True, text=True, check=False)
-            if not done.returncode:
-                break
-        else:
-            raise InputError(
-                f"target: cargo could not compile for {triple}: {done.stderr.strip()}; {FROM_REGISTRY}: without a network, "
-                "run the export once where there is one, or copy a CARGO_HOME that has it"
-            )
-        return (root / "built" / triple / "release" / "libforcefeel_firmware.a").read_bytes()

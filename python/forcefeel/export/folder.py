@@ -81,7 +81,7 @@ def write_export(
         replace: Whether the new files may take the place of others.
         single: Of C and firmware, whether the target computes in single precision.
         measure: Of C, whether README and header state stack and instructions of a step on each installed target.
-        triple: Of firmware, the target as Rust names it; else this machine.
+        triple: Of firmware, the target as Rust names it, or the board ``stm32f405``; else this machine.
 
     Returns:
         The path of each file by its name.
