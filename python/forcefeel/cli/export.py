@@ -21,10 +21,11 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     """The options of ``forcefeel export``."""
 
     to: Annotated[
-        Literal["c", "firmware", "fmu", "matlab", "st", "table"],
+        Literal["c", "firmware", "fmu", "matlab", "openffboard", "st", "table"],
         option(
             "Target. c: law and feel as C99. firmware: law, feel and supervisor as a static library. fmu: loader, law and "
             "machine as FMI 2.0 and 3.0. matlab: matrices and scripts that close the loop in Python, MATLAB or Octave. "
+            "openffboard: spring, damper, inertia and friction as commands of that firmware. "
             "st: law and feel as Structured Text of IEC 61131-3. "
             "table: settings of a drive with their CoE objects, parameters and observer, as CSV.",
             ASKED,
@@ -137,6 +138,8 @@ def _of_links(project: "Project", options: ExportOptions) -> dict[str, Any]:
 def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     """Export a law as C, firmware, FMU, matrices, Structured Text or a table, with test vectors that prove equal results.
 
+    --to openffboard exports the feel alone.
+
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
     """
     from forcefeel.export import Target, export_folder, write_export
@@ -183,6 +186,7 @@ def _show(console: Terminal, exported: "Exported", target: "Target", files: list
     from forcefeel.export import Target
     from forcefeel.export.firmware_code import FROM_REGISTRY
     from forcefeel.export.fmu_files import libraries
+    from forcefeel.export.openffboard import BoardFeel
 
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
     time = f"every {law.period_s * 1e3:.6g} ms" if law.period_s else "in continuous time"
@@ -193,5 +197,9 @@ def _show(console: Terminal, exported: "Exported", target: "Target", files: list
     if target is Target.FMU:
         names = ", ".join(platform.name for platform in libraries())
         console.print(f"Libraries for {names}.", highlight=False)
+    if target is Target.OPENFFBOARD:
+        console.print("The feel alone; not rendered:", highlight=False)
+        for line in BoardFeel.of(exported).lost():
+            console.print(f"- {line}", highlight=False)
     if target is Target.FIRMWARE:
         console.print(f"To compile it, {FROM_REGISTRY}.", highlight=False)

@@ -246,7 +246,7 @@ def _phases(checked: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"{part}.{name}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data "
         "sheet gives"
         for part, name in keys
-        if name.endswith(_OF_THREE_PHASES)
+        if name in alternatives(part) and name.endswith(_OF_THREE_PHASES)
     ]
 
 
