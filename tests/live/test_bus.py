@@ -305,6 +305,28 @@ def test_bad_node_is_refused_by_name():
 
 
 @pytest.mark.parametrize(
+    ("kind", "serials"), [("moteus", "000003ec.* and 000007d4"), ("odrive", "000003ec.* and 000007d4")]
+)
+def test_two_drives_of_one_number_are_refused_by_name_and_nothing_moves(kind, serials):
+    """Both answer; firmware 0.5 of an ODrive states no serial number, so there the two cannot be told apart."""
+    loader = yoke(kind, node=4)
+    with ff.live.BusEmulator([loader]) as emulator:
+        emulator.add_twin()
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        for start in (lambda: ff.live.start(loader, endpoint=wired.bus), lambda: ff.bus.check_bus(wired, move=True)):
+            with pytest.raises(ff.InputError, match=f"expected one node 4, got 2, with the serial numbers {serials}"):
+                start()
+        assert emulator.commands == [0.0]
+        assert emulator.angles_rad[0] == pytest.approx(0.0, abs=1e-9)  # rad; at rest
+
+
+@NEEDS_ROOT
+def test_twin_on_ethercat_is_refused():
+    with emulated(yoke("ethercat")) as (_, emulator), pytest.raises(ff.InputError, match="is for drives on CAN"):
+        emulator.add_twin()
+
+
+@pytest.mark.parametrize(
     ("lines", "part"),
     [
         ('kind = "odrive2"\nport = "a"', "kind: expected"),
