@@ -263,8 +263,9 @@ def cockpit_on_bus(folder, wired, port=None):
             yield cockpit, emulator
 
 
-def test_axes_of_one_bus_run_in_one_loop(tmp_path):
-    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+def test_axes_of_one_bus_run_in_one_loop(tmp_path, kind):
+    wired = {axis: yoke(kind, node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator):
         roll, pitch = (column(session, "column_angle_rad")[-1] for session in cockpit.values())
         assert [roll, pitch] == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart

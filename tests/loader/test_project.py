@@ -91,7 +91,7 @@ def test_single_loader_command_names_project_commands(forcefeel, cockpit, comman
     status, out, error = forcefeel(command, "cockpit.toml", *TAKE_A_LOADER[command])
     assert (status, out) == (2, "")
     assert "cockpit.toml: is a project, which names the loader of each axis; expected one of those loaders" in error
-    assert "commission, run, emulate and export take a project" in error
+    assert "commission, run, emulate, bus and export take a project" in error
 
 
 def test_every_loader_command_is_tested():

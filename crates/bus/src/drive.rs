@@ -74,7 +74,8 @@ pub struct Identity {
 impl Identity {
     /// The serial number, hexadecimal.
     pub fn serial_text(&self) -> String {
-        self.serial.iter().map(|part| format!("{part:08x}")).collect()
+        let [first, second, third] = self.serial;
+        format!("{first:08x}{second:08x}{third:08x}")
     }
 }
 

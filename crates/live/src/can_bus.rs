@@ -68,6 +68,8 @@ impl CanBus {
         for tried in 0..TRIES {
             self.error = false;
             answers = self.who(codec, node, PATIENCE);
+            // Others are heard by what they send by themselves.
+            answers.retain(|it| it.node == node);
             if !answers.is_empty() {
                 break;
             }

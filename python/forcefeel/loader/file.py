@@ -47,8 +47,8 @@ from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
 PROJECT_COMMANDS = (
-    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run, emulate "
-    "and export take a project"
+    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run, emulate, "
+    "bus and export take a project"
 )
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
