@@ -8,10 +8,9 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
 
-TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "emulate", "frontier")
+TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "emulate", "frontier", "bus")
 ON_EACH_AXIS = ("analyze", "law", "sweep", "identify", "excite", "commission", "export")
 TAKE_A_LOADER = {
-    "bus": (),
     "design": (),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
     "fly": (),

@@ -94,7 +94,7 @@ impl CanBus {
             several => Err(format!(
                 "expected one node {node}, got {}, with the serial numbers {}; give each a number of its own with the maker's tool",
                 several.len(),
-                several.iter().map(|it| it.serial_text()).collect::<Vec<_>>().join(" and ")
+                several.iter().map(Identity::serial_text).collect::<Vec<_>>().join(" and ")
             )),
         }
     }
@@ -112,7 +112,7 @@ fn apart(mut answers: Vec<Identity>) -> Vec<Identity> {
         match nodes.iter_mut().find(|it| it.node == answer.node) {
             Some(known) if known.serial == NO_SERIAL => known.serial = answer.serial,
             Some(&mut known) if known.registers > answer.registers => {
-                nodes.push(Identity { serial: answer.serial, ..known })
+                nodes.push(Identity { serial: answer.serial, ..known });
             }
             _ => nodes.push(answer),
         }
