@@ -31,10 +31,13 @@ class Board:
         if name != "fxm":
             assert address is None
             self.values[name][command] = int(value)
+            if command == "filterProfile_id":
+                for effect in self.effects:
+                    effect["filter"] = True
         elif command == "reset":
             self.effects, self.active = [], False
         elif command == "new":
-            self.effects.append({"type": int(value), "state": 0})
+            self.effects.append({"type": int(value), "state": 0, "filter": int(value) == 8})
         elif command == "ffbstate":
             self.active = value == "1"
         else:
@@ -54,6 +57,7 @@ class Board:
         total = 0.0
         for effect in self.effects:
             assert effect["state"] == 1
+            assert effect["filter"]  # process() of a null pointer otherwise
             coefficient = effect["coeff"]
             if effect["type"] == 11:
                 fast, full = abs(speed * 45), gains["frictionPctSpeedToRampup"] / 100 * 32767

@@ -132,8 +132,10 @@ class BoardFeel:
         yield "axis.0.fxratio=255"
         yield from (f"fx.0.{name}=255" for name in ("spring", "damper", "inertia", "friction"))
         yield "fx.0.frictionPctSpeedToRampup=1"
+        yield from (f"fxm.0.new={effect.type}" for effect in self.effects)
+        # An effect that a command makes has no filter until a profile is chosen; without one the firmware follows a null pointer.
+        yield "fx.0.filterProfile_id=0"
         for number, effect in enumerate(self.effects):
-            yield f"fxm.0.new={effect.type}"
             yield f"fxm.0.coeff={effect.coefficient}?{number}"
             yield f"fxm.0.sat={FULL}?{number}"
             yield f"fxm.0.deadzone={self.deadband if effect.type == _SPRING else 0}?{number}"
@@ -149,7 +151,7 @@ class BoardFeel:
             yield from _short(loader, effect)
         if loader["feel.coulomb_friction"]:
             yield f"feel.coulomb_friction: rises with the speed, and is full from {_RAMP_DEG_PER_S:.1f} deg/s on; it does not hold"
-        yield "feel.damping, feel.inertia: behind the board's low-pass filters, of 30 and 15 Hz unless you change them"
+        yield "feel.damping, feel.inertia: behind low-pass filters of the board, of 30 and 15 Hz"
         for name in loader.curves:
             yield f"feel.{name}: the spring is a straight line"
         for key in loader.given:
