@@ -172,14 +172,23 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
             raise _spelled(error) from error
     answer(
         {"folder": options.out},
-        lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
+        lambda: {
+            "files": list(files),
+            "law": exported.law.name,
+            "loader": exported.loader.name,
+            **_settings(exported, target),
+        },
         lambda terminal: _show(terminal, exported, target, list(files)),
         as_json=options.json,
     )
 
 
-def _settings(exported: "Exported") -> dict[str, int | str]:
-    return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
+def _settings(exported: "Exported", target: "Target") -> dict[str, Any]:
+    from forcefeel.export import Target
+    from forcefeel.export.openffboard import BoardFeel
+
+    lost = {"not_rendered": list(BoardFeel.of(exported).lost())} if target is Target.OPENFFBOARD else {}
+    return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint, **lost}
 
 
 def _show(console: Terminal, exported: "Exported", target: "Target", files: list[str]) -> None:
