@@ -91,6 +91,8 @@ SI_OF = {
     "lb in/A": POUND * INCH,
     "rad/(s V)": 1.0,
     "rpm/V": math.tau / 60,
+    "V s/rad": 1.0,
+    "V/krpm": 0.06 / math.tau,
     "kg m^2": 1.0,
     "kg cm^2": 1e-4,
     "lb in s^2": POUND * INCH,

@@ -52,6 +52,7 @@ _QUANTITIES = {
     "V": "a voltage",
     "N m/A": "a torque per current",
     "rad/(s V)": "a speed per voltage",
+    "V s/rad": "a voltage per speed",
     "kg m^2": "a moment of inertia",
     "ohm": "a resistance",
     "H": "an inductance",
@@ -235,7 +236,8 @@ def factor_by_pint(source: str, target: str) -> float:
     """
     given, wanted = _parse_unit(source), _parse_unit(target)
     radian = _parse_unit("rad")
-    if wanted.dimensionality.get("[angle]") == -1 and "[angle]" not in given.dimensionality:
+    unsaid = wanted.dimensionality.get("[angle]") == -1 and "[angle]" not in given.dimensionality
+    if unsaid and "[voltage]" not in wanted.dimensionality:  # a data sheet's mV min is per revolution
         given = given / radian  # what is per radian may leave it unsaid
     if given.dimensionality != wanted.dimensionality:
         name, other = _names().get(wanted.dimensionality), _names().get(_parse_unit(source).dimensionality)

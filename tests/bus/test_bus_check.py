@@ -100,3 +100,52 @@ def test_host_findings_have_a_remedy_unless_they_are_well(monkeypatch):
     bad = {finding.name: finding.remedy for finding in ff.bus.check_host() if not finding.ok}
     assert {"isolated processor", "memory lock", "real-time priority"} <= set(bad)
     assert "memlock" in bad["memory lock"]
+
+
+def project_of(folder, **buses):
+    for axis, loader in buses.items():
+        (folder / f"{axis}.toml").write_text(replace(loader, name=f"rig-{axis}").to_toml(), encoding="utf-8")
+    path = folder / "cockpit.toml"
+    path.write_text("[axes]\n" + "".join(f'{axis} = "{axis}.toml"\n' for axis in buses), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_path, kind):
+    loaders = {"pitch": yoke(kind, node=2), "roll": yoke(kind, node=7)}
+    with ff.live.BusEmulator([*loaders.values(), yoke(kind, node=9)]) as emulator:
+        wired = {axis: replace(it, bus=replace(it.bus, port=emulator.port)) for axis, it in loaders.items()}
+        path = project_of(tmp_path, **wired)
+        status, out, err = run(path.name, "--out", "measured.toml", "--json")
+        assert (status, err) == (0, "")
+        axes = json.loads(out)["axes"]
+        assert list(axes) == ["pitch", "roll"]
+        period = 0.5e-3
+        both = sum(axis["delay"]["p99_s"] for axis in axes.values())
+        for axis, node in (("pitch", 2), ("roll", 7)):
+            delay = axes[axis]["delay"]["delay_s"]
+            assert delay == pytest.approx(-(-both // period) * period)
+            measured = ff.load(tmp_path / f"measured-{axis}.toml")
+            assert measured["controller.delay"] == pytest.approx(delay, rel=1e-9)  # written with digits
+            assert measured.bus.node == node
+        status, out, _ = run(path.name, "--move")
+        assert status == 0
+        for part in ("pitch: drive watchdog", "roll: column encoder", "node 9 belongs to no axis", "This computer:"):
+            assert part in out
+        assert out.count("real-time kernel") == 1
+        assert run(path.name, "--out", "measured.toml")[0] == 2
+
+
+def test_two_axes_of_one_node_are_refused_before_anything_is_powered(run, tmp_path):
+    """The port need not be there: nothing is opened."""
+    path = project_of(tmp_path, pitch=yoke(node=3, port="/dev/none"), roll=yoke(node=3, port="/dev/none"))
+    status, _, err = run(path.name)
+    assert status == 2
+    assert "axes.roll: expected a node of its own at /dev/none, got 3, which pitch has" in err
+
+
+def test_axis_without_a_bus_is_named(run, tmp_path):
+    status, _, err = run(str(project_of(tmp_path, roll=ff.loader.electric("desktop-yoke"))))
+    assert status == 2
+    assert "axes.roll" in err
+    assert "add the table [bus]" in err

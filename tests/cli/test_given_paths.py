@@ -83,7 +83,7 @@ def words_for(command, name, path):
 
 
 def test_all_commands_with_paths_are_covered():
-    assert len(READ) == 28
+    assert len(READ) == 30
     assert len(WRITTEN) == 16
 
 

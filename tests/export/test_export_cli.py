@@ -44,7 +44,7 @@ def test_json_names_files_law_and_loader(export):
     [
         (("--to", "table", "--name", "9x"), "--name: expected a C identifier"),
         (("--to", "table", "--name", "a-b"), "--name: expected a C identifier"),
-        (("--to", "plc"), "--to: expected c, firmware, fmu, matlab, st or table"),
+        (("--to", "plc"), "--to: expected c, firmware, fmu, matlab, openffboard, st or table"),
         (
             ("--to", "matlab", "--law", "original"),
             "is gains of an analog law, and elevator-2khz has a digital controller",

@@ -119,10 +119,12 @@ def test_conditions_become_knots_of_a_schedule(run, tmp_path):
 
 
 def test_data_sheet_gives_the_drive(run, ten, tmp_path):
-    (tmp_path / "motor.toml").write_text('[winding]\nresistance = "0.5 ohm"\ninductance = "1 mH"\n', encoding="utf-8")
-    assert run("elevator-electric", *ten, "--drive", "motor.toml")[0] == 0
+    (tmp_path / "motor.toml").write_text(
+        '[winding]\nresistance_phase = "0.5 ohm"\ninductance_phase = "1 mH"\n', encoding="utf-8"
+    )
+    assert run("elevator-electric", *ten, "--data-sheet", "motor.toml")[0] == 0
     assert ff.load(tmp_path / "my.toml")["winding.resistance"] == pytest.approx(0.5)
-    status, _, err = run("elevator-2khz", *ten, "--drive", "motor.toml", "--replace")
+    status, _, err = run("elevator-2khz", *ten, "--data-sheet", "motor.toml", "--replace")
     assert status == 2
     assert "a data sheet takes a loader with an electric drive" in err
 

@@ -263,8 +263,9 @@ def cockpit_on_bus(folder, wired, port=None):
             yield cockpit, emulator
 
 
-def test_axes_of_one_bus_run_in_one_loop(tmp_path):
-    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+def test_axes_of_one_bus_run_in_one_loop(tmp_path, kind):
+    wired = {axis: yoke(kind, node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator):
         roll, pitch = (column(session, "column_angle_rad")[-1] for session in cockpit.values())
         assert [roll, pitch] == pytest.approx(emulator.angles_rad, abs=1e-4)  # a cycle apart
@@ -302,6 +303,28 @@ def test_bad_node_is_refused_by_name():
         ff.live.start(loader.replace({"controller.delay": "0 ms"}), endpoint=bus)
     with pytest.raises(ff.InputError, match="add the table"):
         ff.live.BusEmulator([ff.loader.electric("desktop-yoke")])
+
+
+@pytest.mark.parametrize(
+    ("kind", "serials"), [("moteus", "000003ec.* and 000007d4"), ("odrive", "000003ec.* and 000007d4")]
+)
+def test_two_drives_of_one_number_are_refused_by_name_and_nothing_moves(kind, serials):
+    """Both answer; firmware 0.5 of an ODrive states no serial number, so there the two cannot be told apart."""
+    loader = yoke(kind, node=4)
+    with ff.live.BusEmulator([loader]) as emulator:
+        emulator.add_twin()
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        for start in (lambda: ff.live.start(loader, endpoint=wired.bus), lambda: ff.bus.check_bus(wired, move=True)):
+            with pytest.raises(ff.InputError, match=f"expected one node 4, got 2, with the serial numbers {serials}"):
+                start()
+        assert emulator.commands == [0.0]
+        assert emulator.angles_rad[0] == pytest.approx(0.0, abs=1e-9)  # rad; at rest
+
+
+@NEEDS_ROOT
+def test_twin_on_ethercat_is_refused():
+    with emulated(yoke("ethercat")) as (_, emulator), pytest.raises(ff.InputError, match="is for drives on CAN"):
+        emulator.add_twin()
 
 
 @pytest.mark.parametrize(

@@ -82,9 +82,13 @@ def of_other(key: str, which: str, this: str, tables: str) -> str:
 
 KT_CHOICE = (
     "give either torque_constant, or torque_constant_peak, or torque_constant_rms, or speed_constant, or speed_constant_peak, or "
-    "speed_constant_rms"
+    "speed_constant_rms, or voltage_constant, or voltage_constant_peak, or voltage_constant_rms"
 )
-WINDING_CHOICE = "give either resistance and inductance, or resistance_line_to_line and inductance_line_to_line"
+WINDING_CHOICE = (
+    "give either resistance and inductance, or resistance_line_to_line and inductance_line_to_line, or resistance_phase and "
+    "inductance_phase"
+)
+TRAVEL_CHOICE = "give either travel, or lead, or lead and gear_ratio, or radius, or radius and gear_ratio"
 BRUSHED = (
     "is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
 )
@@ -108,13 +112,13 @@ BRUSHED = (
         ),
         (
             {"motor": {"torque_constant_rms": "0.49 N m/A", "three_phase": True}},
-            [f"motor: given both ways at once (torque_constant, torque_constant_rms); {KT_CHOICE}"],
+            [f"motor: stated in more than one way (torque_constant, torque_constant_rms); {KT_CHOICE}"],
         ),
         (
             {"motor": {"three_phase": True}},
             [
-                "motor.torque_constant: of a motor with three phases a data sheet gives it per peak or per r.m.s. ampere, 1.41 "
-                "times as much; expected torque_constant_peak or torque_constant_rms"
+                "motor.torque_constant: of a motor with three phases, per peak or per r.m.s. ampere, 1.41 times apart? Expected "
+                "torque_constant_peak or torque_constant_rms"
             ],
         ),
         (
@@ -129,7 +133,7 @@ BRUSHED = (
                     "torque_constant_rms": "0.4 N m/A",
                 }
             },
-            [f"motor: given both ways at once (torque_constant_peak, torque_constant_rms); {KT_CHOICE}"],
+            [f"motor: stated in more than one way (torque_constant_peak, torque_constant_rms); {KT_CHOICE}"],
         ),
         (
             {"motor": {"torque_constant": OFF, "torque_constant_peak": "0.49 N m/A"}},
@@ -141,7 +145,9 @@ BRUSHED = (
         ),
         (
             {"winding": {"resistance_line_to_line": "3 ohm"}},
-            [f"winding: given both ways at once (resistance, inductance, resistance_line_to_line); {WINDING_CHOICE}"],
+            [
+                f"winding: stated in more than one way (resistance, inductance, resistance_line_to_line); {WINDING_CHOICE}"
+            ],
         ),
         (
             {
@@ -161,13 +167,28 @@ BRUSHED = (
         ),
         ({"transmission": OFF}, ["transmission: missing value; add the table [transmission]"]),
         (
+            {"transmission": {"gear_ratio": 5.0}},
+            [f"transmission: stated in more than one way (travel, gear_ratio); {TRAVEL_CHOICE}"],
+        ),
+        (
+            {"transmission": {"travel": OFF, "gear_ratio": 5.0}},
+            [f'transmission: missing value; add lead = "4.9474 in"; {TRAVEL_CHOICE}'],
+        ),
+        (
+            {"current_loop": {"peak_time": "2 s"}},
+            [
+                "current_loop.peak_time: has no effect without current_loop.continuous_current; give "
+                "current_loop.continuous_current too, such as '6 A', or leave current_loop.peak_time out"
+            ],
+        ),
+        (
             {"transmission": {"travel": "0 mm"}},
             ["transmission.travel: out of range: expected 0.0001 to 100 in (0.000254 to 254 cm), got '0 mm'"],
         ),
         (
             {"transmission": {"travel": "20 mm", "lead": "20 mm"}},
             [
-                "transmission: given both ways at once (travel, lead); give either travel, or lead",
+                f"transmission: stated in more than one way (travel, lead); {TRAVEL_CHOICE}",
             ],
         ),
         (
@@ -273,7 +294,7 @@ def test_bad_value_of_electric_file_gives_one_line_error(
     if messages is None:
         known = "torque_constant, inertia, three_phase, viscous_friction"
         assert [line.split(known)[0] for line in said] == ["motor.kt: unknown key; known are "]
-        assert said[0].endswith("speed_constant_rms")
+        assert said[0].endswith("voltage_constant_rms")
     else:
         assert said == messages
 
@@ -412,10 +433,13 @@ def test_unknown_built_in_loader_error_lists_valid_names() -> None:
 
 
 def test_motor_alternatives_are_all_tested() -> None:
-    parts = {"motor", "winding", "transmission"}
+    parts = {"motor", "winding", "current_loop", "transmission"}
     assert {row.name for row in ALTERNATIVES.values() if row.part in parts} == {
         "torque_constant_peak", "torque_constant_rms", "speed_constant", "speed_constant_peak",
         "speed_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
+        "voltage_constant", "voltage_constant_peak", "voltage_constant_rms", "resistance_phase", "inductance_phase",
+        "current_limit_peak", "current_limit_rms", "continuous_current_peak", "continuous_current_rms", "supply_voltage",
+        "radius", "gear_ratio", "backlash_angle",
     }  # fmt: skip
 
 

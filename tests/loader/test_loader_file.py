@@ -290,20 +290,20 @@ FEEL_CHOICE = "give either inertia and damping, or natural_frequency and damping
     [
         (
             [("[valve]", '[valve]\noperating_current = "0.2"\noperating_pressure = "0.33"')],
-            "valve: given both ways at once (current_gain, pressure_gain, operating_current, operating_pressure); "
+            "valve: stated in more than one way (current_gain, pressure_gain, operating_current, operating_pressure); "
             + VALVE_CHOICE,
         ),
         (
             [(CURRENT_GAIN, 'operating_current = "0.2"')],
-            f"valve: given both ways at once (pressure_gain, operating_current); {VALVE_CHOICE}",
+            f"valve: stated in more than one way (pressure_gain, operating_current); {VALVE_CHOICE}",
         ),
         (
             [(STIFFNESS, f'{STIFFNESS}\nresonance_frequency = "12 Hz"')],
-            f"linkage: given both ways at once (stiffness, damping, resonance_frequency); {LINKAGE_CHOICE}",
+            f"linkage: stated in more than one way (stiffness, damping, resonance_frequency); {LINKAGE_CHOICE}",
         ),
         (
             [(FEEL_DAMPING, "damping_ratio = 0.2")],
-            f"feel: given both ways at once (inertia, damping_ratio); {FEEL_CHOICE}",
+            f"feel: stated in more than one way (inertia, damping_ratio); {FEEL_CHOICE}",
         ),
         ([(STIFFNESS, "")], f'linkage: missing value; add stiffness = "6107.86 lb/in"; {LINKAGE_CHOICE}'),
         (
@@ -501,7 +501,7 @@ def test_several_errors_give_one_line_each(path: Path) -> None:
         f"{WANTED} '2 lb': 'lb' measures a force, not an area",
         'column.grip_arm: missing value; add grip_arm = "31.375 in"',
         "column.grib_arm: unknown key; did you mean grip_arm?",
-        f"valve: given both ways at once (current_gain, pressure_gain, operating_current); {VALVE_CHOICE}",
+        f"valve: stated in more than one way (current_gain, pressure_gain, operating_current); {VALVE_CHOICE}",
     ]
 
 

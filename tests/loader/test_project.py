@@ -8,10 +8,9 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import AXIS_OF
 from forcefeel.loader.built_in import BUILT_IN
 
-TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "emulate", "frontier")
+TAKE_A_PROJECT = ("qualify", "envelope", "size", "simulate", "run", "emulate", "frontier", "bus")
 ON_EACH_AXIS = ("analyze", "law", "sweep", "identify", "excite", "commission", "export")
 TAKE_A_LOADER = {
-    "bus": (),
     "design": (),
     "feel": ("--from", "x.csv", "--out", "x.toml"),
     "fly": (),
@@ -107,7 +106,7 @@ def test_single_loader_command_names_project_commands(forcefeel, cockpit, comman
     status, out, error = forcefeel(command, "cockpit.toml", *TAKE_A_LOADER[command])
     assert (status, out) == (2, "")
     assert "cockpit.toml: is a project, which names the loader of each axis; expected one of those loaders" in error
-    assert "commission, run, emulate and export take a project" in error
+    assert "commission, run, emulate, bus and export take a project" in error
 
 
 def test_every_loader_command_is_tested():

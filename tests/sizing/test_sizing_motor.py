@@ -155,3 +155,32 @@ def test_motor_without_thermal_data_has_no_continuous_force():
     capability = Motor(ELECTRIC.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"]))).capability
     assert isnan(capability.continuous_force_n)
     assert capability.peak_force_n == Motor(ELECTRIC).capability.peak_force_n
+
+
+PEAKED = {"current_loop.continuous_current": "4 A", "current_loop.peak_time": "3 s"}
+
+
+def test_drive_limits_what_is_held_where_the_winding_lasts_longer():
+    """A winding that holds 8 A and more without end, behind a drive that gives 4 A."""
+    alone, behind = (Motor(loader) for loader in (ELECTRIC, ELECTRIC.replace(PEAKED)))
+    assert alone.capability.continuous_current_a > 4.0
+    assert behind.capability.continuous_current_a == pytest.approx(4.0, rel=ROUNDING)
+    assert behind.capability.continuous_torque_n_m == pytest.approx(
+        4.0 * ELECTRIC["motor.torque_constant"], rel=ROUNDING
+    )
+    assert behind.capability.peak_force_n == alone.capability.peak_force_n
+    assert behind.derates_after_s(3.9) == alone.derates_after_s(3.9) == inf
+    assert behind.derates_after_s(4.1) == 3.0
+    hot = 1000.0  # A; here the winding is first
+    assert behind.derates_after_s(hot) == alone.derates_after_s(hot) < 3.0
+
+
+def test_holding_beyond_the_drives_continuous_current_is_told():
+    current = Motor(ELECTRIC).needs(np.array([ELECTRIC["pilot.force"]]), np.zeros(1), held=True).current_a
+    loader = ELECTRIC.replace({**PEAKED, "current_loop.continuous_current": f"{current / 3} A"})
+    sizing = ff.sizing.size_drive(loader)
+    text = " ".join(ff.sizing.sizing_conclusions(sizing, ff.UnitSystem.SI).findings)
+    assert f"The drive gives {current:.3g} A for 3 s, {current / 3:.3g} A continuously: the pilot's force" in text
+    held = next(demand for demand in sizing.demands if demand.name == "pilot's force")
+    assert held.of_continuous == pytest.approx(3.0, rel=ROUNDING)
+    assert held.needs.derates_after_s == 3.0

@@ -2,6 +2,8 @@
 
 use crate::fault::Fault;
 use crate::frame::Frame;
+use alloc::format;
+use alloc::string::String;
 
 /// The number that all nodes answer.
 pub const ALL_NODES: u8 = 0x7f;
@@ -67,6 +69,14 @@ pub struct Identity {
     pub registers: u32,
     /// Serial number.
     pub serial: [u32; 3],
+}
+
+impl Identity {
+    /// The serial number, hexadecimal.
+    pub fn serial_text(&self) -> String {
+        let [first, second, third] = self.serial;
+        format!("{first:08x}{second:08x}{third:08x}")
+    }
 }
 
 /// Where frames go.

@@ -3,6 +3,7 @@
 //! | frame, `node << 5` or | data | |
 //! |---|---|---|
 //! | 0x00, on request | protocol, hardware 3 bytes, firmware 3 bytes | 0.6 alone |
+//! | 0x06, on request | node u8, serial number 6 bytes, connection u8 | 0.6 alone |
 //! | 0x01, by itself | error u32, state u8 | state 1 idle, 8 closed loop |
 //! | 0x07 | state u32 | |
 //! | 0x09, on request | position f32 in turns, velocity f32 | |
@@ -26,6 +27,7 @@ pub const MOST_NODE: u8 = 55;
 
 pub(crate) const VERSION: u32 = 0x00;
 pub(crate) const HEARTBEAT: u32 = 0x01;
+pub(crate) const ADDRESS: u32 = 0x06;
 pub(crate) const SET_STATE: u32 = 0x07;
 pub(crate) const ESTIMATES: u32 = 0x09;
 pub(crate) const SET_MODE: u32 = 0x0b;
@@ -172,6 +174,9 @@ impl Codec for Odrive {
         // Without a request to all nodes, each is heard by its heartbeat.
         if node != ALL_NODES {
             send(&request(node, VERSION));
+            if self.firmware == Firmware::Six {
+                send(&request(node, ADDRESS));
+            }
         }
     }
 
@@ -183,6 +188,10 @@ impl Codec for Odrive {
                 model: u32::from_be_bytes([0, 0, line, model]),
                 firmware: u32::from_be_bytes([0, major, minor, revision]),
                 registers: 6,
+                ..known
+            }),
+            (ADDRESS, &[_, a, b, c, d, e, f, _]) if !frame.remote => Some(Identity {
+                serial: [u32::from_le_bytes([a, b, c, d]), u32::from(u16::from_le_bytes([e, f])), 0],
                 ..known
             }),
             (HEARTBEAT, &[_, _, _, _, _, ..]) => Some(Identity { registers: 5, ..known }),

@@ -5,8 +5,8 @@
 use crate::drive::{Action, Node, Send, Shown};
 use crate::frame::Frame;
 use crate::odrive::{
-    CLEAR, CLOSED_LOOP, ESTIMATES, Firmware, HEARTBEAT, IDLE, SENSORS, SET_MODE, SET_STATE, SET_TORQUE, TORQUE_MODE,
-    TURN, VERSION, frame,
+    ADDRESS, CLEAR, CLOSED_LOOP, ESTIMATES, Firmware, HEARTBEAT, IDLE, SENSORS, SET_MODE, SET_STATE, SET_TORQUE,
+    TORQUE_MODE, TURN, VERSION, frame,
 };
 
 /// `axis.config.watchdog_timeout`.
@@ -19,6 +19,7 @@ const HEARTBEAT_S: f64 = 0.1;
 pub struct OdriveNode {
     number: u8,
     firmware: Firmware,
+    serial: i32,
     state: u8,
     error: u32,
     torque_mode: bool,
@@ -29,9 +30,18 @@ pub struct OdriveNode {
 
 impl OdriveNode {
     /// A node that is idle.
-    pub fn new(number: u8, firmware: Firmware) -> Self {
-        let beaten_s = f64::NEG_INFINITY;
-        Self { number, firmware, state: IDLE, error: 0, torque_mode: false, torque: 0.0, commanded_s: 0.0, beaten_s }
+    pub fn new(number: u8, firmware: Firmware, serial: i32) -> Self {
+        Self {
+            number,
+            firmware,
+            serial,
+            state: IDLE,
+            error: 0,
+            torque_mode: false,
+            torque: 0.0,
+            commanded_s: 0.0,
+            beaten_s: f64::NEG_INFINITY,
+        }
     }
 
     fn disarm(&mut self, error: u32) {
@@ -48,6 +58,10 @@ impl OdriveNode {
         let version = [2, 4, 4, 58, 0, 6, 11, 0];
         match command {
             VERSION if self.firmware == Firmware::Six => Some(frame(self.number, VERSION, &version)),
+            ADDRESS if self.firmware == Firmware::Six => {
+                let [a, b, c, d] = self.serial.to_le_bytes();
+                Some(frame(self.number, ADDRESS, &[self.number, a, b, c, d, 0, 0, 0]))
+            }
             ESTIMATES => {
                 let [position, velocity] = [shown.position as f32, shown.velocity as f32].map(f32::to_le_bytes);
                 Some(frame(self.number, ESTIMATES, [position, velocity].as_flattened()))

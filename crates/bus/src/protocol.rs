@@ -61,9 +61,20 @@ impl Protocol {
     /// A node that answers as the drive would; of EtherCAT with its units, the last of its line or not.
     pub fn node(self, number: u8, units: Units, last: bool) -> Box<dyn Node + Send> {
         match self {
-            Self::Moteus => Box::new(MoteusNode::new(number, SERIAL + i32::from(number))),
-            Self::Odrive(firmware) => Box::new(OdriveNode::new(number, firmware)),
             Self::EtherCat => Box::new(Slave::new(units, number, last)),
+            _ => self.on_can(number, SERIAL + i32::from(number)),
+        }
+    }
+
+    /// A second drive on CAN with the number of another: its serial number is its own.
+    pub fn twin(self, number: u8) -> Box<dyn Node + Send> {
+        self.on_can(number, 2 * SERIAL + i32::from(number))
+    }
+
+    fn on_can(self, number: u8, serial: i32) -> Box<dyn Node + Send> {
+        match self {
+            Self::Odrive(firmware) => Box::new(OdriveNode::new(number, firmware, serial)),
+            Self::Moteus | Self::EtherCat => Box::new(MoteusNode::new(number, serial)),
         }
     }
 }

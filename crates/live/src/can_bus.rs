@@ -13,6 +13,8 @@ use std::time::{Duration, Instant};
 /// How long a node is waited for, and how often it is asked.
 const PATIENCE: Duration = Duration::from_millis(200);
 const TRIES: usize = 3;
+/// What a node that states no serial number has.
+const NO_SERIAL: [u32; 3] = [0; 3];
 /// How long nodes are listened to.
 const LISTENS: Duration = Duration::from_millis(250);
 
@@ -48,10 +50,7 @@ impl CanBus {
                 None => carrier.wait(left),
             }
         }
-        // Of one node the fullest answer first; two nodes of a number differ by their serial number.
-        answers.sort_by_key(|it: &Identity| (it.node, it.serial, Reverse(it.registers)));
-        answers.dedup_by_key(|it| (it.node, it.serial));
-        answers
+        apart(answers)
     }
 
     /// Finds a node that can be driven.
@@ -69,6 +68,8 @@ impl CanBus {
         for tried in 0..TRIES {
             self.error = false;
             answers = self.who(codec, node, PATIENCE);
+            // Others are heard by what they send by themselves.
+            answers.retain(|it| it.node == node);
             if !answers.is_empty() {
                 break;
             }
@@ -91,11 +92,33 @@ impl CanBus {
                 format!("node {node}: expected {expected}, got register map {}", identity.registers)
             }),
             several => Err(format!(
-                "expected one node {node}, got {}; give each a number of its own with the maker's tool",
-                several.len()
+                "expected one node {node}, got {}, with the serial numbers {}; give each a number of its own with the maker's tool",
+                several.len(),
+                several.iter().map(Identity::serial_text).collect::<Vec<_>>().join(" and ")
             )),
         }
     }
+}
+
+/// The nodes of answers, each with the most that it stated: two of one number differ by their serial number, which not every answer has.
+fn apart(mut answers: Vec<Identity>) -> Vec<Identity> {
+    answers.sort_by_key(|it| (it.node, Reverse(it.registers)));
+    let mut nodes: Vec<Identity> = vec![];
+    for answer in answers {
+        let same = |it: &Identity| it.node == answer.node && (it.serial == answer.serial || answer.serial == NO_SERIAL);
+        if nodes.iter().any(same) {
+            continue;
+        }
+        match nodes.iter_mut().find(|it| it.node == answer.node) {
+            Some(known) if known.serial == NO_SERIAL => known.serial = answer.serial,
+            Some(&mut known) if known.registers > answer.registers => {
+                nodes.push(Identity { serial: answer.serial, ..known });
+            }
+            _ => nodes.push(answer),
+        }
+    }
+    nodes.sort_by_key(|it| (it.node, it.serial));
+    nodes
 }
 
 impl Fieldbus for CanBus {
@@ -148,6 +171,6 @@ impl Fieldbus for CanBus {
         let mut answers = self.who(&*codec, ALL_NODES, LISTENS);
         // A node that does not answer a request to all may answer its own.
         answers.extend(self.who(&*codec, settings.node, LISTENS).into_iter().filter(|it| it.node == settings.node));
-        answers
+        apart(answers)
     }
 }

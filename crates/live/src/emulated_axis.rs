@@ -18,6 +18,8 @@ pub type Place = (Setup, NodeSettings, Script);
 pub(crate) struct Axis {
     pub machine: Box<dyn Stepped>,
     pub node: Box<dyn Node + Send>,
+    /// A second drive with the same number, whose motor moves nothing here.
+    pub twin: Option<Box<dyn Node + Send>>,
     /// To make it anew; whether it is the last of its line.
     settings: (NodeSettings, bool),
     scale: Scale,
@@ -46,6 +48,7 @@ impl Axis {
         Self {
             machine,
             node: node(&settings, last),
+            twin: None,
             settings: (settings, last),
             scale,
             shown: scale.shown(sensors, 0.0, 0.0),
@@ -62,6 +65,12 @@ impl Axis {
     pub fn restart(&mut self) {
         let (settings, last) = &self.settings;
         self.node = node(settings, *last);
+    }
+
+    /// Adds a second drive with the same number.
+    pub fn add_twin(&mut self) {
+        let (settings, _) = &self.settings;
+        self.twin = Some(settings.protocol.twin(settings.node));
     }
 
     /// Steps of the machine, with what the drive does.

@@ -48,6 +48,8 @@ pub enum EmulatorRequest {
     Fail(usize, u16),
     /// A drive loses its supply for a moment.
     Restart(usize),
+    /// A second drive has the number of one.
+    Twin(usize),
     /// Something happens to a machine.
     Machine(usize, Disturbance),
 }
@@ -162,6 +164,7 @@ impl Wire {
             }
             EmulatorRequest::Fail(place, code) => self.axes[place].node.fail(code),
             EmulatorRequest::Restart(place) => self.axes[place].restart(),
+            EmulatorRequest::Twin(place) => self.axes[place].add_twin(),
             EmulatorRequest::Machine(place, disturbance) => self.axes[place].machine.disturb(disturbance),
         }
     }
@@ -226,10 +229,14 @@ impl Wire {
         if sent && !self.is(WireFault::Gone) {
             for axis in &mut self.axes {
                 let shown = axis.shown;
-                let commanded = axis.node.take(frame, &shown, axis.time_s, &mut |answer| {
+                let mut send = |answer: &Frame| {
                     let (bytes, count) = lines.give(answer);
                     answers.push(bytes[..count].to_vec());
-                });
+                };
+                let commanded = axis.node.take(frame, &shown, axis.time_s, &mut send);
+                if let Some(twin) = &mut axis.twin {
+                    twin.take(frame, &shown, axis.time_s, &mut send);
+                }
                 if commanded && !by_clock {
                     axis.advance(axis.period);
                 }

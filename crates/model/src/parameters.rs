@@ -13,6 +13,7 @@
 //! | valve operating point | `C_i`, `C_p` | [`Valve::gains_at`](crate::drive::hydraulic::valve), eqs. (1)-(2) |
 //! | linkage resonance | `k`, `c` | [`Linkage::from_resonance`](crate::linkage), appendix |
 //! | feel frequency and damping ratio | `I`, `B` | [`Feel::from_frequency`](crate::feel), eq. (11) |
+//! | data sheet of motor, drive or gear | `K_t`, `R`, `L`, limits, `r`, `b_t` | the loader file's reader |
 
 use crate::units::{self, Unit};
 
@@ -71,7 +72,7 @@ macro_rules! parameter_table {
         }
         $(alternative to $replaced:tt {
             $( $other:ident: $osymbol:literal, $omeaning:literal, $ounit:ident, $odefault:expr, $ominimum:literal .. $omaximum:literal, $osource:literal; )*
-        })?
+        })*
     )*) => {
         $(
             #[doc = $doc]
@@ -111,7 +112,7 @@ macro_rules! parameter_table {
         pub const ALTERNATIVES: &[Parameter] = &[ $( $( $( Parameter {
             part: stringify!($part), name: stringify!($other), symbol: $osymbol, meaning: $omeaning, unit: units::$ounit,
             default_us: $odefault, off_us: None, minimum_us: $ominimum, maximum_us: $omaximum, source: $osource, instead_of: names!($replaced),
-        }, )* )? )* ];
+        }, )* )* )* ];
 
         /// The parts and what each is.
         pub const PARTS: &[(&str, &str)] = &[ $( (stringify!($part), $doc.trim_ascii()) ),* ];
@@ -204,6 +205,9 @@ parameter_table! {
         speed_constant: "K_v", "speed without load per volt at the terminals of a brushed or block-commutated motor", SPEED_PER_VOLTAGE, 27.56, 1e-2..1e5, "servo motor";
         speed_constant_peak: "K_v,peak", "speed without load per peak volt between two of three phases", SPEED_PER_VOLTAGE, 23.87, 1e-2..1e5, "servo motor";
         speed_constant_rms: "K_v,rms", "speed without load per r.m.s. volt between two of three phases", SPEED_PER_VOLTAGE, 33.75, 1e-2..1e5, "servo motor";
+        voltage_constant: "K_e", "back-EMF at the terminals of a brushed or block-commutated motor", VOLTAGE_PER_SPEED, 36.28, 1e-2..1e5, "servo motor";
+        voltage_constant_peak: "K_e,peak", "peak of the back-EMF between two of three phases", VOLTAGE_PER_SPEED, 41.9, 1e-2..1e5, "servo motor";
+        voltage_constant_rms: "K_e,rms", "r.m.s. of the back-EMF between two of three phases", VOLTAGE_PER_SPEED, 29.63, 1e-2..1e5, "servo motor";
     }
 
     /// Winding of the motor.
@@ -217,6 +221,8 @@ parameter_table! {
     alternative to [resistance, inductance] {
         resistance_line_to_line: "R_ll", "resistance between two of three phases", RESISTANCE, 3.07, 1e-5..1e4, "servo motor";
         inductance_line_to_line: "L_ll", "inductance between two of three phases", INDUCTANCE, 6.57, 1e-5..1e4, "servo motor";
+        resistance_phase: "R_ph", "resistance of one of three phases", RESISTANCE, 1.535, 1e-5..1e4, "servo motor";
+        inductance_phase: "L_ph", "inductance of one of three phases", INDUCTANCE, 3.285, 1e-5..1e4, "servo motor";
     }
 
     /// Current loop of the motor's amplifier: it makes the current follow the command, which is in A.
@@ -226,6 +232,19 @@ parameter_table! {
     optional {
         current_limit: "i_max", "largest current, peak of a phase", MOTOR_CURRENT, 19.0, 1e-3..1e4, off f64::INFINITY;
         voltage_limit: "u_max", "largest voltage of a phase, peak; of three phases the supply over the root of 3", VOLTAGE, 179.0, 0.1..1e5, off f64::INFINITY;
+        continuous_current: "i_c", "current that the drive gives without end, peak of a phase; for sizing", MOTOR_CURRENT, 6.0, 1e-3..1e4, off f64::INFINITY;
+        peak_time: "t_p", "time for which the drive gives more than its continuous current; for sizing", TIME, 2000.0, 1.0..1e6, off f64::INFINITY;
+    }
+    alternative to [current_limit] {
+        current_limit_peak: "i_max,peak", "largest current, peak of one of three phases", MOTOR_CURRENT, 19.0, 1e-3..1e4, "illustrative";
+        current_limit_rms: "i_max,rms", "largest current, r.m.s. of one of three phases", MOTOR_CURRENT, 13.43, 1e-3..1e4, "illustrative";
+    }
+    alternative to [continuous_current] {
+        continuous_current_peak: "i_c,peak", "continuous current of the drive, peak of one of three phases", MOTOR_CURRENT, 6.0, 1e-3..1e4, "illustrative";
+        continuous_current_rms: "i_c,rms", "continuous current of the drive, r.m.s. of one of three phases", MOTOR_CURRENT, 4.243, 1e-3..1e4, "illustrative";
+    }
+    alternative to [voltage_limit] {
+        supply_voltage: "U", "voltage of the drive's supply or link", VOLTAGE, 310.0, 0.1..1e5, "servo motor";
     }
 
     /// Transmission from the motor to the linkage: gear, belt, capstan or ballscrew.
@@ -239,7 +258,12 @@ parameter_table! {
         backdriving_efficiency: "eta_b", "share of the linkage's power that arrives at the motor", RATIO, 0.9, 0.05..1.0, off 1.0;
     }
     alternative to [travel] {
-        lead: "2 pi r", "travel of the linkage's end per turn of the motor", LENGTH, 4.9474, 1e-3..1e3, "illustrative";
+        lead: "2 pi r", "travel of the linkage's end per turn of the motor or, with gear_ratio, of the gear's output", LENGTH, 4.9474, 1e-3..1e3, "illustrative";
+        radius: "r_o", "radius of the pulley, capstan or arm at the motor or, with gear_ratio, at the gear's output", LENGTH, 0.7874, 1e-4..100.0, "illustrative";
+        gear_ratio: "N", "turns of the motor per turn of the gear's output", RATIO, 5.0, 1e-3..1e4, "illustrative";
+    }
+    alternative to [backlash] {
+        backlash_angle: "b_g", "free play at the output of a gear, or at the motor", ANGLE, 0.05, 0.0..90.0, "illustrative";
     }
 
     /// Heat of the motor: winding and housing as two masses.

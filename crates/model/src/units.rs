@@ -66,6 +66,8 @@ pub const ENERGY: Unit = unit("J", "J", "J", 1.0);
 pub const TORQUE_PER_CURRENT: Unit = unit("N m/A", "N m/A", "lb in/A", LB * IN);
 /// Speed of a motor per voltage.
 pub const SPEED_PER_VOLTAGE: Unit = unit("rad/(s V)", "rpm/V", "rpm/V", core::f64::consts::TAU / 60.0);
+/// Back-EMF of a motor per speed; a krpm is 1000 revolutions per minute.
+pub const VOLTAGE_PER_SPEED: Unit = unit("V s/rad", "V/krpm", "V/krpm", 0.06 / core::f64::consts::TAU);
 /// Electric current of a motor.
 pub const MOTOR_CURRENT: Unit = unit("A", "A", "A", 1.0);
 /// Torque of a motor.

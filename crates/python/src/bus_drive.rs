@@ -55,9 +55,6 @@ pub fn bus_nodes(py: Python<'_>, node: NodeOf) -> PyResult<Vec<Described>> {
     let nodes = py.detach(|| opened(&node.1, settings.protocol).map(|mut bus| bus.nodes(&settings)))?;
     let mut nodes: Vec<_> = nodes.iter().map(described).collect();
     nodes.sort();
-    nodes.reverse();
-    nodes.dedup_by_key(|it| (it.0, it.4.clone()));
-    nodes.reverse();
     Ok(nodes)
 }
 
@@ -65,6 +62,5 @@ pub fn bus_nodes(py: Python<'_>, node: NodeOf) -> PyResult<Vec<Described>> {
 type Described = (u8, u32, u32, u32, String);
 
 fn described(identity: &Identity) -> Described {
-    let serial = identity.serial.map(|part| format!("{part:08x}")).concat();
-    (identity.node, identity.model, identity.firmware, identity.registers, serial)
+    (identity.node, identity.model, identity.firmware, identity.registers, identity.serial_text())
 }

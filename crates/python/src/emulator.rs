@@ -70,6 +70,12 @@ impl BusEmulator {
         Ok(())
     }
 
+    /// A second drive has the number of one.
+    fn add_twin(&self, axis: usize) -> PyResult<()> {
+        self.emulator.ask(EmulatorRequest::Twin(self.of(axis)?));
+        Ok(())
+    }
+
     /// Does something to a machine.
     #[pyo3(signature = (axis, name, sensor = 0, number = None))]
     fn disturb(&self, axis: usize, name: &str, sensor: usize, number: Option<f64>) -> PyResult<()> {

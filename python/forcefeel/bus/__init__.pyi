@@ -3,6 +3,8 @@
 from forcefeel.bus.bench_record import PLAYED as PLAYED
 from forcefeel.bus.bench_record import play as play
 from forcefeel.bus.check import check_bus as check_bus
+from forcefeel.bus.cockpit import CockpitBusCheck as CockpitBusCheck
+from forcefeel.bus.cockpit import check_cockpit as check_cockpit
 from forcefeel.bus.host import check_host as check_host
 from forcefeel.bus.result import BusCheck as BusCheck
 from forcefeel.bus.result import BusDelay as BusDelay

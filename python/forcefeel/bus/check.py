@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
         drive = _core.BusDrive(setup, bus.engine)
     except OSError as error:
         raise InputError(f"bus: {error}") from error
-    delay = _delay(drive.round_trips(COMMANDS), loader["controller.period"])
+    delay = _delay(drive.round_trips(COMMANDS), loader)
     watchdog = _watchdog(drive, bus)
     directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
     return BusCheck(nodes, delay, watchdog, directions, check_host())
@@ -86,7 +86,13 @@ def bus_of(loader: Loader) -> Bus:
     return bus
 
 
-def _delay(times: list[float], period: float) -> BusDelay:
+def whole_periods(time_s: float, loader: Loader) -> float:
+    """The least whole number of periods of a loader's controller in which an answer comes, in s."""
+    period = loader["controller.period"]
+    return ceil(time_s / period) * period if isfinite(time_s) else time_s
+
+
+def _delay(times: list[float], loader: Loader) -> BusDelay:
     answered = np.array([took for took in times if took < float("inf")])
     if not len(answered):
         nan = float("nan")
@@ -94,7 +100,7 @@ def _delay(times: list[float], period: float) -> BusDelay:
     p99 = float(np.quantile(answered, _QUANTILE))
     # A sample is answered in the first cycle that has it.
     return BusDelay(
-        len(answered), len(times), float(np.median(answered)), p99, float(answered.max()), ceil(p99 / period) * period
+        len(answered), len(times), float(np.median(answered)), p99, float(answered.max()), whole_periods(p99, loader)
     )
 
 

@@ -1,7 +1,7 @@
 """Files of bench data and what the options say of each: for one file by its stem, or for all."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,6 @@ from forcefeel.units import show
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord, Hold
     from forcefeel.bench.responses import Response
-    from forcefeel.loader.loader import Loader
 
 DATA = Group("Bench data", sort_key=10)
 
@@ -134,29 +133,6 @@ class BenchOptions:
                 )
                 for path in files
             ]
-
-
-def law_of_runs(data: "Sequence[Response | BenchRecord]", loader: "Loader") -> str | None:
-    """Name of the law that live runs among the data state; ``None`` if the data state no law.
-
-    Raises:
-        InputError: If they state two, or were of another loader, whose law is another.
-    """
-    from forcefeel.bench.records import BenchRecord
-
-    runs = {record.name: record.run for record in data if isinstance(record, BenchRecord) and record.run}
-    laws = {run.get("law", ""): name for name, run in runs.items()}
-    if len(laws) > 1:
-        came = " and ".join(f"{law} in {name}" for law, name in laws.items())
-        raise InputError(f"--data: live runs under two laws, {came}; expected one law; identify from the runs of one")
-    for name, run in runs.items():
-        if run.get("loader_hash") != loader.fingerprint:
-            came = run.get("loader", "unknown")
-            raise InputError(
-                f"{name}: was run on a loader {came} of other values than {loader.name}, so that its law is another; give the "
-                "loader file of the run, or the law's own file by --law"
-            )
-    return next(iter(laws), None)
 
 
 def _stems(files: tuple[Path, ...]) -> list[str]:

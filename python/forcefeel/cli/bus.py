@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import OUTPUT, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, LoaderOptions, LoaderOrProject, OutputOptions, option
 from forcefeel.cli.terminal import Terminal, answer, titled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
-    from forcefeel.bus import BusCheck, Finding
+    from forcefeel.bus import BusCheck, BusDelay, CockpitBusCheck, Finding
+    from forcefeel.loader.loader import Loader
+    from forcefeel.loader.project import Project
 
 CHECK = Group("Check", sort_key=10)
 
@@ -29,38 +31,82 @@ class BusOptions(LoaderOptions, OutputOptions):
         ),
     ] = False
     out: Annotated[
-        Path | None, option("Loader file to write, with the measured controller.delay.", OUTPUT, metavar="FILE")
+        Path | None,
+        option(
+            "Loader file to write, with the measured controller.delay; of a project one for each axis, such as FILE-pitch.",
+            OUTPUT,
+            metavar="FILE",
+        ),
     ] = None
     replace: Annotated[bool, option("Replace an existing file.", OUTPUT)] = False
 
+    def files(self, axes: "Iterable[str]") -> dict[str, Path]:
+        """The loader file of each axis, the empty name being that of one loader.
 
-def run(path: LoaderFile = None, /, *, options: BusOptions = BusOptions()) -> None:
+        Raises:
+            InputError: If a file is there, or cannot be written.
+        """
+        from forcefeel.files import check_output_file
+
+        if (out := self.out) is None:
+            return {}
+        files = {axis: out.with_stem(f"{out.stem}-{axis}") if axis else out for axis in axes}
+        for file in files.values():
+            check_output_file(file, replace=self.replace)
+        return files
+
+
+def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) -> None:
     """Check a drive on its bus before the first run: nodes, delay and jitter, watchdog, directions, and this computer.
 
     The loader file's table [bus] names the drive. The check powers the drive without torque and lets its watchdog run out; with
-    --move it moves the column. Exit status 1 if the drive is not ready; the computer's properties are advice.
+    --move it moves the column. Of a project it checks the drives of all axes in turn. Exit status 1 if a drive is not ready; the
+    computer's properties are advice.
 
     Example: forcefeel bus my-yoke.toml --move --out my-yoke-measured.toml
     """
-    from forcefeel.bus.check import check_bus, with_delay
-    from forcefeel.files import check_output_file, write_whole
+    from forcefeel.bus.check import check_bus
+    from forcefeel.bus.cockpit import check_cockpit
 
-    loader = options.loader(path)
-    if options.out is not None:
-        check_output_file(options.out, replace=options.replace)
-    check = check_bus(loader, move=options.move)
-    written: dict[str, Path] = {}
-    if options.out is not None and check.delay.answers:
-        write_whole(options.out, with_delay(loader, check.delay).to_toml(options.units))
-        written = {"loader": options.out}
-    answer(
-        written,
-        lambda: {**asdict(check), "ok": check.ok},
-        lambda terminal: _show(terminal, check, moved=options.move),
-        as_json=options.json,
-    )
-    if not check.ok:
+    if project := options.project(path):
+        files = options.files(project.loaders)
+        cockpit = check_cockpit(project, move=options.move)
+        axes = cockpit.axes
+        written = _written(files, project.loaders, {axis: check.delay for axis, check in axes.items()}, options)
+        answer(
+            written,
+            lambda: {"axes": {axis: asdict(check) for axis, check in axes.items()}, "ok": cockpit.ok},
+            lambda terminal: _show_cockpit(terminal, project, cockpit, moved=options.move),
+            as_json=options.json,
+        )
+        ok = cockpit.ok
+    else:
+        loader = options.loader(path)
+        files = options.files([""])
+        check = check_bus(loader, move=options.move)
+        written = _written(files, {"": loader}, {"": check.delay}, options)
+        answer(
+            {"loader": written.get("")} if written else {},
+            lambda: {**asdict(check), "ok": check.ok},
+            lambda terminal: _show(terminal, check, moved=options.move),
+            as_json=options.json,
+        )
+        ok = check.ok
+    if not ok:
         raise SystemExit(BAD_ANSWER)
+
+
+def _written(
+    files: "dict[str, Path]", loaders: "Mapping[str, Loader]", delays: "dict[str, BusDelay]", options: BusOptions
+) -> "dict[str, Path]":
+    """Writes the loader of each axis with its measured delay; one that did not answer has none."""
+    from forcefeel.bus.check import with_delay
+    from forcefeel.files import write_whole
+
+    measured = {axis: file for axis, file in files.items() if delays[axis].answers}
+    for axis, file in measured.items():
+        write_whole(file, with_delay(loaders[axis], delays[axis]).to_toml(options.units))
+    return measured
 
 
 def _show(terminal: Terminal, check: "BusCheck", *, moved: bool) -> None:
@@ -68,23 +114,57 @@ def _show(terminal: Terminal, check: "BusCheck", *, moved: bool) -> None:
     for node in check.nodes:
         table.add_row(str(node.node), str(node.model), hex(node.firmware), str(node.registers), node.serial)
     terminal.show(table)
-    delay = check.delay
-    times = (
-        ", ".join(f"{1e6 * took:.0f} us" for took in (delay.median_s, delay.p99_s, delay.worst_s))
-        if delay.answers
-        else ""
+    terminal.print(
+        f"- answers: {check.delay.answers:,} of {check.delay.commands:,}; median, 99 %, worst: {_times(check)}",
+        highlight=False,
     )
-    terminal.print(f"- answers: {delay.answers:,} of {delay.commands:,}; median, 99 %, worst: {times}", highlight=False)
-    terminal.print(f"- controller.delay: {1e3 * delay.delay_s:g} ms", highlight=False)
+    terminal.print(f"- controller.delay: {1e3 * check.delay.delay_s:g} ms", highlight=False)
     _findings(terminal, (check.watchdog, *check.directions))
+    _advice(terminal, check.host, moved=moved)
+
+
+def _show_cockpit(terminal: Terminal, project: "Project", cockpit: "CockpitBusCheck", *, moved: bool) -> None:
+    table = titled(
+        f"{project.name}: the drives of its axes",
+        "axis",
+        "port",
+        "node",
+        "serial",
+        "median, 99 %, worst",
+        "controller.delay",
+    )
+    for axis, check in cockpit.axes.items():
+        bus = project.loaders[axis].bus
+        if bus is None:
+            continue
+        serials = ", ".join(node.serial for node in check.nodes if node.node == bus.node)
+        delay = f"{1e3 * check.delay.delay_s:g} ms"
+        table.add_row(axis, bus.port, str(bus.node), serials, _times(check), delay)
+    terminal.show(table, ["serial"])
+    for axis, check in cockpit.axes.items():
+        _findings(terminal, (check.watchdog, *check.directions), f"{axis}: ")
+    for port, nodes in cockpit.others.items():
+        for node in nodes:
+            terminal.print(f"- {port}: node {node.node} belongs to no axis", highlight=False)
+    _advice(terminal, cockpit.host, moved=moved)
+
+
+def _times(check: "BusCheck") -> str:
+    delay = check.delay
+    if not delay.answers:
+        return "no answer"
+    return ", ".join(f"{1e6 * took:.0f} us" for took in (delay.median_s, delay.p99_s, delay.worst_s))
+
+
+def _advice(terminal: Terminal, host: "tuple[Finding, ...]", *, moved: bool) -> None:
     if not moved:
         terminal.print("- directions: not tested; add --move with nothing in the column's way", highlight=False)
     terminal.print("This computer:", highlight=False)
-    _findings(terminal, check.host)
+    _findings(terminal, host)
 
 
-def _findings(terminal: Terminal, findings: "Iterable[Finding]") -> None:
+def _findings(terminal: Terminal, findings: "Iterable[Finding]", of: str = "") -> None:
     for finding in findings:
         style = None if finding.ok else "bold red"
         remedy = f": {finding.remedy}" if finding.remedy else ""
-        terminal.print(f"- {finding.name}: {finding.stated}{remedy}", style=style, highlight=False)
+        terminal.print(f"- {of}{finding.name}: {finding.stated}{remedy}", style=style, highlight=False)

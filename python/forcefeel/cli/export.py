@@ -21,10 +21,11 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     """The options of ``forcefeel export``."""
 
     to: Annotated[
-        Literal["c", "firmware", "fmu", "matlab", "st", "table"],
+        Literal["c", "firmware", "fmu", "matlab", "openffboard", "st", "table"],
         option(
             "Target. c: law and feel as C99. firmware: law, feel and supervisor as a static library. fmu: loader, law and "
             "machine as FMI 2.0 and 3.0. matlab: matrices and scripts that close the loop in Python, MATLAB or Octave. "
+            "openffboard: spring, damper, inertia and friction as commands of that firmware. "
             "st: law and feel as Structured Text of IEC 61131-3. "
             "table: settings of a drive with their CoE objects, parameters and observer, as CSV.",
             ASKED,
@@ -138,6 +139,8 @@ def _of_links(project: "Project", options: ExportOptions) -> dict[str, Any]:
 def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     """Export a law as C, firmware, FMU, matrices, Structured Text or a table, with test vectors that prove equal results.
 
+    --to openffboard exports the feel alone.
+
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
     """
     from forcefeel.export import Target, export_folder, write_export
@@ -174,20 +177,29 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
             raise _spelled(error) from error
     answer(
         {"folder": options.out},
-        lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
+        lambda: {
+            "files": list(files),
+            "law": exported.law.name,
+            "loader": exported.loader.name,
+            **_settings(exported, options.to),
+        },
         lambda terminal: _show(terminal, exported, options, list(files)),
         as_json=options.json,
     )
 
 
-def _settings(exported: "Exported") -> dict[str, int | str]:
-    return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
+def _settings(exported: "Exported", target: str) -> dict[str, Any]:
+    from forcefeel.export.openffboard import BoardFeel
+
+    lost = {"not_rendered": list(BoardFeel.of(exported).lost())} if target == "openffboard" else {}
+    return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint, **lost}
 
 
 def _show(console: Terminal, exported: "Exported", options: ExportOptions, files: list[str]) -> None:
     from forcefeel.export.firmware_board import BOARD_TARGET
     from forcefeel.export.firmware_library import library_origin, target_of
     from forcefeel.export.fmu_files import libraries
+    from forcefeel.export.openffboard import BoardFeel
 
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
     time = f"every {law.period_s * 1e3:.6g} ms" if law.period_s else "in continuous time"
@@ -201,3 +213,7 @@ def _show(console: Terminal, exported: "Exported", options: ExportOptions, files
     if options.to == "firmware":
         triple = BOARD_TARGET if options.board else target_of(options.target)
         console.print(library_origin(triple, single=options.single or options.board is not None), highlight=False)
+    if options.to == "openffboard":
+        console.print("The feel alone; not rendered:", highlight=False)
+        for line in BoardFeel.of(exported).lost():
+            console.print(f"- {line}", highlight=False)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
 
-from forcefeel.cli.options import LOADER, OUTPUT, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, DataSheetOptions, LoaderFile, OutputOptions, option
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
@@ -24,7 +24,7 @@ STATED = Group("Known numbers", sort_key=20)
 
 
 @dataclass(frozen=True, kw_only=True)
-class FeelOptions(LoaderOptions, OutputOptions):
+class FeelOptions(DataSheetOptions, OutputOptions):
     """The options of ``forcefeel feel``."""
 
     points: Annotated[
@@ -82,15 +82,6 @@ class FeelOptions(LoaderOptions, OutputOptions):
         str | None,
         option("Damping ratio.", STATED, default="from the release, otherwise the loader's", metavar="RATIO"),
     ] = None
-    drive: Annotated[
-        Path | None,
-        option(
-            "Data sheet of the motor: a TOML file with tables such as [motor] and [winding], each in place of the loader's.",
-            LOADER,
-            default="the loader's",
-            metavar="FILE",
-        ),
-    ] = None
     out: Annotated[Path, option("Loader file to write.", OUTPUT, metavar="FILE")]
     knots: Annotated[
         Path | None,
@@ -105,18 +96,6 @@ class FeelOptions(LoaderOptions, OutputOptions):
         Path | None, option("Folder for feel.html and results.json.", OUTPUT, default="no page", metavar="FOLDER")
     ] = None
     replace: Annotated[bool, option("Replace existing files.", OUTPUT)] = False
-
-    def loader(self, path: Path | None) -> "Loader":
-        """The loader, with the drive of ``--drive``.
-
-        Raises:
-            InputError: If the file or a change is bad.
-        """
-        from forcefeel.loader.built_in import open_loader
-        from forcefeel.loader.data_sheet import with_drive
-
-        loader = open_loader(path)
-        return self.changed(loader if self.drive is None else with_drive(loader, self.drive))
 
     def plan(self, loader: "Loader") -> "FeelPlan":
         """The request for a loader.
@@ -175,7 +154,7 @@ class FeelOptions(LoaderOptions, OutputOptions):
         """
         from forcefeel.feel.page.page import FOLDER
 
-        inputs = tuple(path for path in (self.points, self.release, self.drive) if path is not None)
+        inputs = tuple(path for path in (self.points, self.release, self.data_sheet) if path is not None)
         for name, target in (("--out", self.out), ("--knots", self.knots)):
             if target is None:
                 continue

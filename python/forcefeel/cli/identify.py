@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group
 
-from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
+from forcefeel.cli.bench_data import DATA, BenchOptions
 from forcefeel.cli.each_axis import each_axis, shaft_notes
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import ORIGINAL, chosen_law
@@ -115,10 +115,11 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
             InputError: If it is of no use to these data or cannot be designed.
         """
         from forcefeel.bench.experiments import Loop
+        from forcefeel.bench.run_law import law_of_runs
         from forcefeel.loader.parameters import HYDRAULIC
 
         if self.law is None and (law := law_of_runs(data, loader)) is not None:
-            return chosen_law(law, loader)
+            return law
         if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
         if all(measurement.experiment.loop is not Loop.LOADER for measurement in data):

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 from forcefeel.cli.options import OUTPUT, OutputOptions, option
 from forcefeel.cli.terminal import print_json
 from forcefeel.errors import InputError, suggestion
-from forcefeel.files import check_output_file, write_whole
+from forcefeel.files import check_output_file, is_same, write_whole
 from forcefeel.loader.axes import AXIS_OF, ELECTRIC_AXES, HYDRAULIC_AXES, control_of
 from forcefeel.printable import visible
 
@@ -40,6 +40,16 @@ class NewOptions(OutputOptions):
             converter=_name,
         ),
     ] = None
+    data_sheet: Annotated[
+        Path | None,
+        option(
+            "Data sheet of motor, drive and gear: a TOML file with tables such as [motor] and [winding], each in place of the "
+            "built-in loader's. Selects --drive electric.",
+            WHICH,
+            default="the built-in loader's drive",
+            metavar="FILE",
+        ),
+    ] = None
     replace: Annotated[bool, option("Replace an existing file.", OUTPUT)] = False
 
 
@@ -56,9 +66,15 @@ def run(
     Example: forcefeel new my.toml --drive electric --axis stick --units si
     """
     from forcefeel.loader.built_in import BUILT_IN
+    from forcefeel.loader.data_sheet import with_drive
 
+    sheet = options.data_sheet
+    if sheet and is_same(sheet, path):
+        raise InputError(f"{path} is the data sheet that the loader is made from; name another file")
     check_output_file(path, replace=options.replace)
     loader = BUILT_IN[_chosen(options)]()
+    if sheet:
+        loader = with_drive(loader, sheet)
     write_whole(path, loader.to_toml(options.units))
     if options.json:
         print_json({"loader_file": str(path), **loader.as_json(options.units)})
@@ -73,10 +89,11 @@ def _chosen(options: NewOptions) -> str:
         InputError: If no loader fits.
     """
     drives = dict.fromkeys(HYDRAULIC_AXES, "hydraulic") | dict.fromkeys(ELECTRIC_AXES, "electric")
+    drive = options.drive or ("electric" if options.data_sheet and not options.built_in else None)
     fitting = [
         name
         for name, axis in AXIS_OF.items()
-        if options.drive in (None, drives[name])
+        if drive in (None, drives[name])
         and options.axis in (None, control_of(axis))
         and options.built_in in (None, name)
     ]

@@ -227,6 +227,34 @@ class LoaderOptions:
         return loader.replace(assignments("--set", self.set_)) if self.set_ else loader
 
 
+@dataclass(frozen=True, kw_only=True)
+class DataSheetOptions(LoaderOptions):
+    """What a command has for which a drive is chosen."""
+
+    data_sheet: Annotated[
+        Path | None,
+        option(
+            "Data sheet of motor, drive and gear: a TOML file with tables such as [motor] and [winding], each in place of "
+            "the loader's.",
+            LOADER,
+            default="the loader's drive",
+            metavar="FILE",
+        ),
+    ] = None
+
+    def loader(self, path: Path | None) -> "Loader":
+        """The loader of ``path``, with the drive of ``--data-sheet`` and with ``--set``.
+
+        Raises:
+            InputError: If a file or a change is bad.
+        """
+        from forcefeel.loader.built_in import open_loader
+        from forcefeel.loader.data_sheet import with_drive
+
+        loader = open_loader(path)
+        return self.changed(loader if self.data_sheet is None else with_drive(loader, self.data_sheet))
+
+
 def _law(_: type, tokens: Any) -> str:
     (token,) = tokens
     return check_law_name(token.value)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOptions, LoaderOrProject, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, DataSheetOptions, FolderOptions, LoaderOrProject, OutputOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SizeOptions(AngleOptions, LoaderOptions, FolderOptions, OutputOptions):
+class SizeOptions(AngleOptions, DataSheetOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel size``."""
 
     axis: Annotated[
@@ -38,14 +38,14 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
 
     For a project file with a table [axes], checks all axes. Exit status 1 if a drive is too small for the programmed feel.
 
-    Example: forcefeel size sidestick-pitch --units si --out size
+    Example: forcefeel size sidestick-pitch --data-sheet motor.toml --units si --out size
     """
     from forcefeel.loader.project import Project
     from forcefeel.sizing import size_cockpit, size_drive
     from forcefeel.sizing.as_json import sizing_json
     from forcefeel.sizing.page.page import FOLDER, write_sizing
 
-    subject = options.project(path, axis=options.axis) or options.loader(path)
+    subject = options.project(path, axis=options.axis, data_sheet=options.data_sheet) or options.loader(path)
     inputs = (subject.path,) if isinstance(subject, Project) else ()
     FOLDER.check(options.out, replace=options.replace, inputs=inputs)
     with all_or_nothing("size", silent=options.json):

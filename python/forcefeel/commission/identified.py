@@ -16,6 +16,7 @@ from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
+from forcefeel.bench.run_law import law_of_runs
 from forcefeel.commission.curve import curve_of
 from forcefeel.commission.fits import Fits, fit_what_is_seen
 from forcefeel.commission.friction_drift import drift_sentence, with_drift
@@ -73,8 +74,8 @@ def identify_loader(
             without_lag(measurement, loader) if isinstance(measurement, BenchRecord) else measurement
             for measurement in data
         ]
-    # The bench ran under the law of the file, without the start value of the friction.
-    law = Law.of(None, bare) if loader.drive == ELECTRIC else None
+    # Otherwise the bench ran under the law of the file, without the start value of the friction.
+    law = law_of_runs(data, loader) or (Law.of(None, bare) if loader.drive == ELECTRIC else None)
     if requested:
         progress(f"fit of {len(requested)} parameters")
         fits = Fits(identify(bare, data, requested, law=law, starts=plan.starts))

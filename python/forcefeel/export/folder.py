@@ -8,6 +8,7 @@ from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import firmware_files, firmware_names
 from forcefeel.export.fmu_files import fmu_files, fmu_names
 from forcefeel.export.matlab import matlab_files, matlab_names
+from forcefeel.export.openffboard import COMMANDS, README, openffboard_files
 from forcefeel.export.pair_code import PairExport, pair_files, pair_names
 from forcefeel.export.parameter_sheet import OBSERVER, SHEET, observer_sheet, parameter_sheet
 from forcefeel.export.structured_text import st_files, st_names
@@ -31,6 +32,8 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
             names = fmu_names(name)
         case Target.MATLAB:
             names = matlab_names(name)
+        case Target.OPENFFBOARD:
+            names = (COMMANDS.format(name), README.format(name))
         case Target.ST:
             names = st_names(name)
         case Target.TABLE:
@@ -50,6 +53,8 @@ def _files(
             return fmu_files(exported)
         case Target.MATLAB:
             return matlab_files(exported)
+        case Target.OPENFFBOARD:
+            return openffboard_files(exported)
         case Target.ST:
             return st_files(exported)
         case Target.TABLE:

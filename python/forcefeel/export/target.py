@@ -14,6 +14,8 @@ class Target(StrEnum):
     """Loader, law and machine as FMUs for co-simulation, of FMI 2.0 and 3.0."""
     MATLAB = "matlab"
     """Matrices of law and plant for MATLAB, Octave and Python, with scripts for the closed loop and expected results."""
+    OPENFFBOARD = "openffboard"
+    """Feel as serial commands of the OpenFFBoard firmware, with what its effects do not render."""
     ST = "st"
     """Structured Text of IEC 61131-3, a function block of law and feel for one axis."""
     TABLE = "table"

@@ -82,6 +82,7 @@ class BusEmulator(EndsWithBlock):
         kinds, numbers = ([node[1][place] for node in nodes] for place in (0, 2))
         if len(set(kinds)) != 1 or len(set(numbers)) < len(numbers):
             raise InputError("loaders: expected one or more of one kind of bus, each with a node of its own")
+        self._kind = kinds[0]
         try:
             self._emulator = _core.BusEmulator(nodes, by_clock=real_time)
         except OSError as error:
@@ -129,6 +130,16 @@ class BusEmulator(EndsWithBlock):
     def restart(self, axis: int = 0) -> None:
         """Have a drive lose its supply for a moment."""
         self._emulator.restart(axis)
+
+    def add_twin(self, axis: int = 0) -> None:
+        """Add a second drive with the number of an axis's, as of two boards from the box; on CAN only.
+
+        Raises:
+            InputError: On EtherCAT, where the place on the wire is the number.
+        """
+        if self._kind == "ethercat":
+            raise InputError("add_twin: is for drives on CAN; on EtherCAT the place on the wire is the number")
+        self._emulator.add_twin(axis)
 
     def push(self, force_n: float, axis: int = 0) -> None:
         """Set the force of a hand at the grip, N."""

@@ -57,6 +57,8 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("motor.cogging_phase", ("motor.cogging_torque",)),
     ("motor.cogging_periods_2", ("motor.cogging_torque_2",)),
     ("motor.cogging_phase_2", ("motor.cogging_torque_2",)),
+    ("current_loop.continuous_current", ("current_loop.peak_time",)),
+    ("current_loop.peak_time", ("current_loop.continuous_current",)),
     ("winding.temperature_coefficient", ("thermal.winding_capacity",)),
     *((key, (other,)) for key in _HEAT for other in _HEAT if key != other),
     *((f"thermal.{name}", ("thermal.winding_capacity",)) for name in ("ambient", "derating_from", "winding_limit")),

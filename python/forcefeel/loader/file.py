@@ -1,52 +1,36 @@
 """The loader file: TOML, one axis, every value with its unit as text.
 
 pydantic checks it against the parameter table of the Rust model: the schema is made from the table's rows, so a new
-row is a new key. What a file may state in another way is turned into the table's rows here:
-
-=======  ================================================  ==========================  ===================
-part     given                                             instead of                  by
-=======  ================================================  ==========================  ===================
-valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``            eqs. (1), (2)
-linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
-feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
-motor    ``torque_constant_`` or ``speed_constant...``     ``K_t``                     ``_TORQUE_CONSTANT``
-winding  ``resistance_``, ``inductance_line_to_line``      ``R``, ``L``                a half: two phases in star
-=======  ================================================  ==========================  ===================
-
-and the transmission's ``lead`` for its travel, ``r = lead / (2 pi)``.
+row is a new key. What a file may state in the stead of rows is in ``conversions``.
 
 Curves are read in ``curve_text``, tolerances in ``tolerance_text``; ``loader_text`` writes the file.
 """
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
-from math import sqrt, tau
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
-from forcefeel import _core
 from forcefeel._core import Parameter
 from forcefeel.errors import MOST_LINES, InputError, nearest
 from forcefeel.files import MOST_TEXT_BYTES, read_input
 from forcefeel.loader import bus, curve_text, tolerance_text
 from forcefeel.loader.contents import Contents, misfits
+from forcefeel.loader.conversions import groups
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
     DRIVES,
     ELECTRIC,
     HYDRAULIC,
-    INDEX,
     OFF,
     TABLE,
     a_drive,
-    absent,
     alternatives,
     in_range,
     is_switch,
@@ -63,8 +47,8 @@ from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
 PROJECT_COMMANDS = (
-    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run, emulate "
-    "and export take a project"
+    "forcefeel size, analyze, law, simulate, sweep, envelope, frontier, qualify, identify, excite, commission, run, emulate, "
+    "bus and export take a project"
 )
 """The commands that take a cockpit's project in place of a loader, for messages."""
 
@@ -76,28 +60,6 @@ _QUOTED = re.compile(r"""\"(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)""")
 """Text in quotes on a line, closed or not."""
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-_BRUSHED = "speed_constant"
-_TORQUE_CONSTANT: Mapping[str, Callable[[float], float]] = {
-    "torque_constant_peak": lambda peak: peak,
-    "torque_constant_rms": lambda rms: rms / sqrt(2),
-    # Power in equals power out: K_t = U / omega, and of three phases 3/2 times the peak voltage of a phase.
-    _BRUSHED: lambda speed: 1 / speed,
-    "speed_constant_peak": lambda speed: sqrt(3) / 2 / speed,
-    "speed_constant_rms": lambda speed: sqrt(1.5) / speed,
-}
-"""Torque constant from what a data sheet states; of a brushed motor, or per peak ampere of a phase of three."""
-
-_DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, ...]]] = {
-    "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
-    "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
-    "motor": lambda _, a: (next(_TORQUE_CONSTANT[name](value) for name, value in a.items()),),
-    "winding": lambda _, a: (a["resistance_line_to_line"] / 2, a["inductance_line_to_line"] / 2),
-    "transmission": lambda _, a: (a["lead"] / tau,),
-    "feel": lambda v, a: _core.feel_from_frequency(
-        a["natural_frequency"], a["damping_ratio"], v[INDEX["feel.stiffness"]]
-    ),
-}
 
 
 def read(path: Path) -> Contents:
@@ -121,7 +83,7 @@ def checked_contents(path: Path, given: Mapping[str, Any]) -> Contents:
             f"{PROJECT_COMMANDS}"
         )
     drive = _drive(path, given)
-    complaints = [complaint for part in parts(drive) if (complaint := _contradiction(part, given.get(part), drive))]
+    complaints = [complaint for part in parts(drive) for complaint in _contradictions(part, given.get(part), drive)]
     try:
         checked = _schema(drive).model_validate(given)
     except ValidationError as error:
@@ -233,74 +195,72 @@ def _switch(row: Parameter, given: object) -> float:
     return float(given)
 
 
-def _contradiction(part: str, given: object, drive: str) -> str | None:
-    """What is wrong where a part can be stated in several ways; nothing if one of them is given, whole."""
-    if not alternatives(part) or not isinstance(given, dict):
-        return None
-    ways = _ways(part)
-    begun = [way for way in ways if any(key in given for key in way)]
-    choice = "give " + ", or ".join(("either " * (k == 0)) + " and ".join(way) for k, way in enumerate(ways))
-    if len(begun) > 1:
-        keys = [key for way in begun for key in way if key in given]
-        return f"{part}: given {'both' if len(begun) == 2 else 'several'} ways at once ({', '.join(keys)}); {choice}"
-    usual = ways[1] if part == "motor" and given.get("three_phase") is True else ways[0]
-    missing = [_example(part, key, drive) for key in (begun[0] if begun else usual) if key not in given]
-    return f"{part}: missing value; add {' and '.join(missing)}; {choice}" if missing else None
-
-
-def _ways(part: str) -> list[list[str]]:
-    """The keys of each way to state a part: of what stands for one row each by itself, of what stands for several all together."""
-    first, other = replaced(part), list(alternatives(part))
-    return [first, *([key] for key in other)] if len(first) == 1 else [first, other]
+def _contradictions(part: str, given: object, drive: str) -> Iterator[str]:
+    """A line for each of the rows that can be stated in several ways, unless one of them is given, whole."""
+    if not isinstance(given, dict):
+        return
+    for rows, conversions in groups(part).items():
+        ways = [rows, *(conversion.stated for conversion in conversions)]
+        stated = [key for key in dict.fromkeys(key for way in ways for key in way) if key in given]
+        optional = all(main_rows(part, drive)[row].off_si is not None for row in rows)
+        if any(set(way) == set(stated) for way in ways) or (optional and not stated):
+            continue
+        choice = "give " + ", or ".join(("either " * (k == 0)) + " and ".join(way) for k, way in enumerate(ways))
+        begun = [way for way in ways if set(way) > set(stated)]
+        if not begun:
+            yield f"{part}: stated in more than one way ({', '.join(stated)}); {choice}"
+            continue
+        usual = ways[1] if part == "motor" and not stated and given.get("three_phase") is True else begun[0]
+        missing = [_example(part, key, drive) for key in usual if key not in stated]
+        yield f"{part}: missing value; add {' and '.join(missing)}; {choice}"
 
 
 def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[str, float], list[str]]:
-    """The table's values, with those stated in another way worked out by the model; and what is wrong with them."""
+    """The table's values, with those stated in another way worked out; and what is wrong with them."""
     stated = {key: checked[row.part][row.name] for key, row in table(drive).items()}
-    # The model's formulas read only rows that are given; the others stand as "not a number" until worked out.
+    # Rows that are not given yet stand as "not a number" until worked out.
     values: dict[str, float] = {key: OFF.get(key, np.nan) if it is None else it for key, it in stated.items()}
-    array = np.array([values.get(key, absent(row)) for key, row in TABLE.items()])
     complaints = _phases(checked) if drive == ELECTRIC else []
     for part in parts(drive):
-        if part not in _DERIVE:
-            continue
-        derive = _DERIVE[part]
         given = {name: value for name in alternatives(part) if (value := checked[part][name]) is not None}
-        derived = zip(replaced(part), derive(array, given), strict=True) if given else ()
-        for name, value in derived:
-            row = TABLE[f"{part}.{name}"]
-            values[f"{part}.{name}"] = value
-            if not in_range(row, value):
-                came = f"{name} = {with_unit(row, value, UnitSystem.US)}"
-                complaints.append(f"{part}: {' and '.join(given)} lead to {came}; expected {range_text(row)}")
+        for rows, conversions in groups(part).items():
+            keys = {key for conversion in conversions for key in conversion.stated if key in given}
+            for conversion in (it for it in conversions if set(it.stated) == keys):
+                for name, value in zip(rows, conversion.formula(values, given), strict=True):
+                    row = TABLE[f"{part}.{name}"]
+                    values[f"{part}.{name}"] = value
+                    if not in_range(row, value):
+                        came = f"{name} = {with_unit(row, value, UnitSystem.US)}"
+                        complaints.append(
+                            f"{part}: {' and '.join(conversion.stated)} lead to {came}; expected {range_text(row)}"
+                        )
     return values, complaints
 
 
 def _phases(checked: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A line for each value of a motor that goes with another number of phases."""
+    keys = [(part, name) for part in parts(ELECTRIC) for name, value in checked[part].items() if value is not None]
     if checked["motor"]["three_phase"]:
-        kinds = {"torque_constant": _KIND, _BRUSHED: _KIND_OF_SPEED}
-        return [f"motor.{name}: {kind}" for name, kind in kinds.items() if checked["motor"][name] is not None]
-    of_three = [
-        f"{part}.{name}"
-        for part in ("motor", "winding")
-        for name in alternatives(part)
-        if checked[part][name] and name != _BRUSHED
-    ]
+        return [f"{part}.{name}: {_OF_TWO_TERMINALS[name]}" for part, name in keys if name in _OF_TWO_TERMINALS]
     return [
-        f"{key}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
-        for key in of_three
+        f"{part}.{name}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data "
+        "sheet gives"
+        for part, name in keys
+        if name in alternatives(part) and name.endswith(_OF_THREE_PHASES)
     ]
 
 
-_KIND_OF_SPEED = (
-    "of a motor with three phases a data sheet gives it per peak or per r.m.s. volt between two of them; expected "
-    "speed_constant_peak or speed_constant_rms; of a block-commutated motor, leave three_phase out"
+_OF_THREE_PHASES = ("_peak", "_rms", "_line_to_line", "_phase")
+_BETWEEN_TWO = (
+    "of a motor with three phases, per peak or per r.m.s. volt between two of them, 1.41 times apart? Expected {0}_peak or "
+    "{0}_rms; of a block-commutated motor, leave three_phase out"
 )
-_KIND = (
-    "of a motor with three phases a data sheet gives it per peak or per r.m.s. ampere, 1.41 times as much; expected "
-    "torque_constant_peak or torque_constant_rms"
-)
+_OF_TWO_TERMINALS = {
+    "torque_constant": "of a motor with three phases, per peak or per r.m.s. ampere, 1.41 times apart? Expected "
+    "torque_constant_peak or torque_constant_rms",
+    **{name: _BETWEEN_TWO.format(name) for name in ("speed_constant", "voltage_constant")},
+}
+"""The question to ask of a key that a data sheet of three phases leaves open."""
 
 
 def _explain(error: ErrorDetails, drive: str) -> str:

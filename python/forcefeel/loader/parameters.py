@@ -152,8 +152,8 @@ def alternatives(part: str) -> dict[str, Parameter]:
 
 
 def replaced(part: str) -> list[str]:
-    """Names of the rows of ``part`` in whose stead the alternatives may stand."""
-    return next((row.instead_of for row in ALTERNATIVES.values() if row.part == part), [])
+    """Names of the rows of ``part`` in whose stead alternatives may stand."""
+    return list(dict.fromkeys(name for row in alternatives(part).values() for name in row.instead_of))
 
 
 def main_rows(part: str, drive: str) -> dict[str, Parameter]:

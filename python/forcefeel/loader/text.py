@@ -20,7 +20,6 @@ from forcefeel.loader.parameters import (
     meaning,
     parts,
     range_text,
-    replaced,
     with_unit,
 )
 from forcefeel.loader.tolerances import nothing
@@ -48,10 +47,7 @@ def write(contents: Contents, units: UnitSystem) -> str:
         rows=lambda part: main_rows(part, contents.drive),
         meaning_of=lambda row: meaning(row, contents.drive),
         stated=lambda row: _stated(row, values).name,
-        alternatives=lambda part: [
-            row for row in alternatives(part).values() if row.name not in _stated_names(part, values)
-        ],
-        replaced=lambda part: _stated_names(part, values),
+        alternatives=lambda part: _alternatives(part, values),
         value=lambda row: toml_value(row, values[f"{row.part}.{row.name}"], units),
         example=lambda row: toml_value(row, row.default_si, units, _EXAMPLE_DIGITS),
         limits=lambda row: _limits(row, units),
@@ -71,9 +67,14 @@ def _stated(row: Parameter, values: Mapping[str, float]) -> Parameter:
     return ALTERNATIVES["motor.torque_constant_peak"] if of_three else row
 
 
-def _stated_names(part: str, values: Mapping[str, float]) -> list[str]:
-    """Names of the rows of a part that could stand in another way, as they stand."""
-    return [_stated(TABLE[f"{part}.{name}"], values).name for name in replaced(part)]
+def _alternatives(part: str, values: Mapping[str, float]) -> dict[str, list[Parameter]]:
+    """The rows of a part that could stand in the stead of others, by the names of those as they stand."""
+    groups: dict[str, list[Parameter]] = {}
+    for row in alternatives(part).values():
+        stated = [_stated(TABLE[f"{part}.{name}"], values).name for name in row.instead_of]
+        if row.name not in stated:
+            groups.setdefault(" and ".join(stated), []).append(row)
+    return groups
 
 
 def _optional(contents: Contents, part: str, units: UnitSystem) -> list[str]:

@@ -220,9 +220,14 @@ def _heat(sizing: Sizing, units: UnitSystem) -> Iterator[str]:
         needs = demand.needs
         if not isinstance(needs, MotorNeeds) or not demand.programmed or demand.duration is Duration.MOVING:
             continue
-        if isnan(needs.winding_degc):
-            return
         held = _demand_text(demand, units)
+        if needs.current_a > (continuous := sizing.loader["current_loop.continuous_current"]):
+            yield (
+                f"The drive gives {to_text(needs.current_a, 3)} A for {time_text(sizing.loader['current_loop.peak_time'])}, "
+                f"{to_text(continuous, 3)} A continuously: {held}, cannot be held longer."
+            )
+        if isnan(needs.winding_degc) or needs.derates_after_s == sizing.loader["current_loop.peak_time"]:
+            continue
         if needs.winding_degc <= limit:
             yield f"Held continuously, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
         elif not isnan(needs.derates_after_s):
@@ -245,7 +250,11 @@ def _mass(sizing: Sizing, units: UnitSystem) -> str:
 def _unknown(sizing: Sizing) -> Iterator[str]:
     heat = [row for row in sizing.missing if row.startswith("thermal.")]
     if heat:
-        yield f"The continuous torque is unknown: state {', '.join(heat)} in the loader file."
+        known = isfinite(sizing.loader["current_loop.continuous_current"])
+        what = (
+            "heat of the winding, below which the drive's continuous current may lie," if known else "continuous torque"
+        )
+        yield f"The {what} is unknown: state {', '.join(heat)} in the loader file."
     for row in sizing.missing:
         if row in heat:
             continue

@@ -28,7 +28,8 @@ class MotorNeeds:
     Attributes:
         torque_n_m, current_a, voltage_v: Largest magnitudes over time; current and voltage are phase peaks.
         winding_degc: Final winding temperature of a held force; infinite in thermal runaway, NaN if unknown.
-        derates_after_s: Time until a cold winding reaches derating; infinite if it does not.
+        derates_after_s: Time until the current falls: until a cold winding reaches derating or the drive's peak time is over;
+            infinite if it does not.
     """
 
     torque_n_m: Annotated[float, TORQUE]
@@ -44,7 +45,8 @@ class MotorCapability:
 
     Attributes:
         peak_force_n: Force at rest at the largest current; infinite without a limit.
-        continuous_force_n: Force that keeps the winding below derating; NaN if its thermal data are unknown.
+        continuous_force_n: Force that keeps the winding below derating and the drive at its continuous current; NaN if neither
+            is known.
         fastest_m_per_s: Speed without load; infinite without a voltage limit.
         peak_torque_n_m, continuous_torque_n_m, continuous_current_a: Limits at the motor.
         added_mass_kg: Mass of the rotor at the grip.
@@ -132,7 +134,8 @@ class Motor:
         """Capability at the grip."""
         limits = [self.loader[f"current_loop.{name}_limit"] for name in ("current", "voltage")]
         stalled = min(limits[0], float(self._current(limits[1], np.zeros(1))[0]))
-        lasting = min(self.continuous_current_a, stalled) if isfinite(self.continuous_current_a) else nan
+        lasting = float(np.fmin(self.continuous_current_a, self.loader["current_loop.continuous_current"]))
+        lasting = min(lasting, stalled) if isfinite(lasting) else nan
         peak_force, continuous_force = self.statics.given(np.array([stalled, lasting]), np.zeros(2)).tolist()
         return MotorCapability(
             peak_force_n=peak_force,
@@ -189,6 +192,15 @@ class Motor:
         return inf if runs_away else self.loader["thermal.ambient"] - float(np.linalg.solve(matrix, heat)[0, 0])
 
     def derates_after_s(self, current: float) -> float:
+        """Time until the current falls, s; NaN if the thermal data are unknown and the drive's peak time does not count.
+
+        The first of two: a winding at ambient temperature reaches derating, or the drive's peak time is over.
+        """
+        if abs(current) > self.loader["current_loop.continuous_current"]:
+            return float(np.fmin(self._heated_after_s(current), self.loader["current_loop.peak_time"]))
+        return self._heated_after_s(current)
+
+    def _heated_after_s(self, current: float) -> float:
         """Time until a winding at ambient temperature reaches derating, s; NaN if its thermal data are unknown."""
         if self.heat_rows:
             return nan

@@ -275,3 +275,21 @@ def test_slow_controller_limits_the_band():
     assert lines[-1] == 31.0  # of 125 Hz a quarter, on a grid of half a hertz
     with pytest.raises(ff.InputError, match=r"expected lines below half the controller's rate, 62.5 Hz, got 80 Hz"):
         excite(slow, "J", "servo-closed", replace(PLAN, to_hz=80.0))
+
+
+def test_default_voltage_leaves_the_noise_at_rest_its_room():
+    """The law of the yoke takes 16 of 20.7 V for sensor noise alone, in ten seconds 18.6: the peak of a run without a signal."""
+    loader = ff.loader.electric("desktop-yoke")
+    plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=2000.0)
+    found = ff.bench.excite(loader, "J_m,k,J", plan=plan)
+    voltage = next(use for use in found.uses if use.limit.name == "voltage")
+    scenario = ff.Scenario(duration_s=4.0, step_s=0.5e-3, sample_s=0.5e-3)
+    rest = float(np.abs(ff.simulate(loader, scenario, "robust").history["motor_voltage_v"]).max())
+    bound = loader["current_loop.voltage_limit"]
+    assert 0.7 * bound < rest < bound
+    assert voltage.limit.noise == pytest.approx(rest, rel=0.02)  # a step more or less of noise
+    assert voltage.limit.value == pytest.approx(voltage.limit.noise + 0.8 * (bound - voltage.limit.noise))
+    assert rest < voltage.peak <= voltage.limit.value < bound
+    stated = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=2000.0, limits={"voltage": 0.95 * rest})
+    with pytest.raises(ff.InputError, match="however small the excitation is"):
+        ff.bench.excite(loader, "J_m,k,J", plan=stated)

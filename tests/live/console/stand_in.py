@@ -95,6 +95,7 @@ class StandIn:
             recorded=0,
             record_ended=self.record_ended,
             ended=self._end.is_set(),
+            drive_fault="",
         )
 
     @property

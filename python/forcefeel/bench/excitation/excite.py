@@ -11,7 +11,7 @@ from forcefeel.bench.excitation.limits import limits_of
 from forcefeel.bench.excitation.lines import Lines, lines_of
 from forcefeel.bench.excitation.optimal_power import PowerProblem, optimal_power
 from forcefeel.bench.excitation.plan import ExcitationPlan, Timing, spectral_lines, timing
-from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
+from forcefeel.bench.excitation.rehearsal import Bench, beside_noise, fit_to_limits
 from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.bench.excitation.waves import Wave, chirps, multisine
 from forcefeel.bench.experiments import Drive, Experiment, Loop, check_experiment
@@ -90,14 +90,14 @@ def excite(
     progress("law")
     if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
         law = Law.of(bench_law(law, loader), loader)  # designed or read once, not for each rehearsal
-    limits = limits_of(loader, resolved.drive, plan.limits)
     times = timing(plan)
+    bench = Bench(loader, resolved, law, plan.rate_hz)
+    limits = beside_noise(bench, len(times.times_s), limits_of(loader, resolved.drive, plan.limits))
     progress("information of the lines")
     lines = lines_of(loader, keys, resolved, plan, spectral_lines(plan, times, loader), law, limits)
     progress("spectrum")
     best = optimal_power(lines.problem(0.0)).power
     wave = _best_chirp(lines, times) if plan.signal == "chirp" else _multisine(lines, times)
-    bench = Bench(loader, resolved, law, plan.rate_hz)
     progress("runs up to the limits")
     scale, peaks = fit_to_limits(bench, wave.signal, limits)
     power = scale**2 * wave.power

@@ -1,7 +1,7 @@
 """Limits of an excitation: current, travel of the column, force at the load cell, drive; voltage and speed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 from types import MappingProxyType
 
@@ -30,6 +30,10 @@ OF_SUPPLY = 2 / 3
 """Share of supply pressure times piston area: at two thirds of its pressure across the piston a valve gives the most power."""
 
 
+STATED = "as given"
+"""Reason of a limit that was stated."""
+
+
 @dataclass(frozen=True)
 class Limit:
     """A limit, SI units.
@@ -39,12 +43,27 @@ class Limit:
         channel: The channel that it is on.
         value: The largest magnitude.
         reason: Its origin.
+        noise: Peak of the channel at rest under the law, of sensor noise alone; counted for a motor's voltage.
     """
 
     name: str
     channel: str
     value: float
     reason: str
+    noise: float = 0.0
+
+    def used(self, peak: float) -> float:
+        """Share of the limit that a signal takes, of what the noise leaves."""
+        return (peak - self.noise) / (self.value - self.noise)
+
+    def beside(self, noise: float) -> "Limit":
+        """The default limit with the noise at rest: the share is of what it leaves."""
+        bound = self.value / OF_LIMIT
+        if not 0.0 < noise < bound:
+            return self
+        left = f"{percent(OF_LIMIT)} of what the noise at rest leaves of"
+        reason = self.reason.replace(f"{percent(OF_LIMIT)} of", left)
+        return replace(self, value=noise + OF_LIMIT * (bound - noise), reason=reason, noise=noise)
 
     @property
     def unit(self) -> Unit:
@@ -93,7 +112,7 @@ def limits_of(loader: Loader, drive: Drive, stated: Mapping[str, float]) -> tupl
     defaults = (_motor_defaults if electric else _valve_defaults)(loader, drive) | _travel_default(loader)
     limits = []
     for name, channel in kinds.items():
-        value, reason = (stated[name], "as given") if name in stated else defaults[name]
+        value, reason = (stated[name], STATED) if name in stated else defaults[name]
         if name not in stated and not isfinite(value):
             raise InputError(
                 f"limits: the loader file gives no {reason}; give a {name}, or put its limit into the file"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.bench.channels import CHANNELS
-from forcefeel.bench.excitation.limits import KINDS, Limit
+from forcefeel.bench.excitation.limits import KINDS, STATED, Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.record_run import driven, engine_step_s
@@ -97,6 +97,26 @@ class Bench:
                 return bench_law(self.law, self.loader)
 
 
+def beside_noise(bench: Bench, samples: int, limits: Sequence[Limit]) -> tuple[Limit, ...]:
+    """The limits with the noise at rest counted in a motor's default voltage.
+
+    A law makes voltage of the rates of its sensors' noise, whether there is a signal or not.
+
+    Args:
+        bench: The loader in its experiment.
+        samples: Samples of the signal, so that the noise has as long to peak.
+        limits: The limits; one that was stated stays.
+    """
+    if bench.experiment.loop is not Loop.LOADER or all(_fixed(limit) for limit in limits):
+        return tuple(limits)
+    peaks = bench.peaks(np.zeros(samples), limits)
+    return tuple(limit if _fixed(limit) else limit.beside(peak) for limit, peak in zip(limits, peaks, strict=True))
+
+
+def _fixed(limit: Limit) -> bool:
+    return limit.name != "voltage" or limit.reason == STATED
+
+
 def fit_to_limits(
     bench: Bench, signal: NDArray[np.float64], limits: Sequence[Limit]
 ) -> tuple[float, tuple[float, ...]]:
@@ -116,7 +136,7 @@ def fit_to_limits(
     scale, best = 1.0, (0.0, (0.0,) * len(limits))
     for _ in range(_TRIALS):
         peaks = bench.peaks(scale * signal, limits)
-        used = max(peak / limit.value for peak, limit in zip(peaks, limits, strict=True))
+        used = max(limit.used(peak) for peak, limit in zip(peaks, limits, strict=True))
         if used <= 1 and scale > best[0]:
             best = scale, peaks
         if NEAR <= used <= 1:
@@ -128,7 +148,7 @@ def fit_to_limits(
                 f"experiment: {bench.experiment} runs away however small the excitation is; its loop is unstable, so take another "
                 "or give the law that makes it stable"
             )
-        worst = max(zip(peaks, limits, strict=True), key=lambda pair: pair[0] / pair[1].value)
+        worst = max(zip(peaks, limits, strict=True), key=lambda pair: pair[1].used(pair[0]))
         raise InputError(
             f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].text(worst[1].value, UnitSystem.US)} however "
             f"small the excitation is ({worst[1].text(worst[0], UnitSystem.US)}); raise the limit (--limit-{worst[1].name}) "

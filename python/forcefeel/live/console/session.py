@@ -272,6 +272,7 @@ class ConsoleSession:
                 missed=state.missed,
                 record_ended=state.record_ended,
                 ended=state.ended,
+                drive_fault=state.drive_fault,
                 trips=[{"name": trip.name, "sentence": trip.sentence} for trip in running.trips],
                 holder=holder and holder.number,
                 watchers=len(self.watchers),

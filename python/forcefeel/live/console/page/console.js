@@ -90,6 +90,8 @@ function show(now) {
   }
   feel.show(now);
   judged.progress(now.test);
+  by("drive").hidden = !now.drive_fault;
+  if (by("drive").textContent !== `Drive: ${now.drive_fault}.`) by("drive").textContent = `Drive: ${now.drive_fault}.`;
   trips(now.trips, mine || free);
   const allowed = told.role === "control" && (mine || free);
   feel.enable(allowed);

@@ -1,0 +1,45 @@
+"""A fault of the drive on the page of its axis, by name, in a real browser; the emulated machine waits for the loop."""
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.live.console import session as console_session
+from tests.live.test_bus import running, until, yoke
+
+pytestmark = pytest.mark.browser
+
+LONGEST_MS = 40_000
+
+
+@pytest.fixture(scope="module")
+def wired():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(console_session, "HELD_UP_S", LONGEST_MS / 1e3)
+        with running(yoke()) as (session, emulator), ff.live.Console(session, port=0) as console:
+            yield session, emulator, console
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_page_names_the_drives_fault_until_it_is_well(browser, wired, width):
+    session, emulator, console = wired
+    session.on()
+    until(lambda: session.state.name == "active")
+    page = browser.new_page(viewport={"width": width, "height": 900})
+    page.set_default_timeout(LONGEST_MS)
+    page.goto(console.address)
+    page.locator("#state.active").wait_for()
+    assert page.locator("#drive").is_hidden()
+    emulator.fail(40)
+    page.locator("#drive", has_text="Drive: moteus: under voltage; check the supply.").wait_for()
+    assert "drive fault" in page.inner_text("#trips")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    emulator.fail(0)
+    until(lambda: _acknowledged(session))
+    page.locator("#drive").wait_for(state="hidden")
+    page.close()
+
+
+def _acknowledged(session):
+    session.off()
+    session.acknowledge()
+    return not session.state.drive_fault
