@@ -5,6 +5,7 @@
 #define ENABLE 0U /* PB0, high: the drive has power */
 #define MIDDLE 2048
 #define SWING 2047
+#define BARRIER() __asm volatile("" ::: "memory") /* a frame is whole before it is pending, and sent after */
 
 /* A frame of telemetry, little-endian; telemetry.py reads it. */
 typedef struct {
@@ -61,6 +62,7 @@ void period(void)
         pending = (frame) { periods, o->command, o->torque, o->feel[0], o->feel[1], o->acting, o->tripped, (uint16_t)stack_free,
             (uint16_t)(longest / (PERIOD_TICKS / 1000U)), (uint8_t)o->state, (uint8_t)o->enable, (uint8_t)status,
             (uint8_t)((late > 255U) ? 255U : late) };
+        BARRIER();
         is_pending = 1U;
     }
     ++periods;
@@ -143,10 +145,12 @@ int main(void)
     for (;;) {
         __asm volatile("wfi");
         if (is_pending != 0U) {
+            BARRIER();
             send_frame((const uint8_t *)&pending, sizeof pending);
             if ((pending.period % 1024U) == 0U) {
                 stack_free = stack_never_used();
             }
+            BARRIER();
             is_pending = 0U;
         }
     }
