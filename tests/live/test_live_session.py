@@ -147,7 +147,7 @@ def test_invalid_use_of_live_run_is_refused_with_remedy(shaken, forcefeel, tmp_p
         ((shaken, "--experiment", "loader test_signal"), "has no test_signal: nothing measured it in this run"),
         (
             (shaken, "--set", "linkage.stiffness=7000 lb/in"),
-            "give the loader file of the run, or the law's own file by --law",
+            "give the loader file of the run, or identify with the law's own file by --law",
         ),
         ((idle,), "pilot_force never moves from 0 N"),
     ):
