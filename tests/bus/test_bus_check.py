@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import forcefeel as ff
-from forcefeel.bus import check, host
+from forcefeel.bus import check, cockpit, host
 from tests.command_line import runs
 from tests.live.test_bus import KINDS, emulated, until, yoke
 
@@ -149,3 +149,19 @@ def test_axis_without_a_bus_is_named(run, tmp_path):
     assert status == 2
     assert "axes.roll" in err
     assert "add the table [bus]" in err
+
+
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+def test_missing_or_double_node_of_one_axis_stops_the_check_before_any_axis_is_powered(tmp_path, monkeypatch, kind):
+    def powered(loader, *, move):
+        raise AssertionError(loader.name)
+
+    monkeypatch.setattr(cockpit, "check_bus", powered)
+    with ff.live.BusEmulator([yoke(kind, node=2), yoke(kind, node=7)]) as emulator:
+        pair = {axis: yoke(kind, node=node, port=emulator.port) for axis, node in (("pitch", 2), ("roll", 8))}
+        with pytest.raises(ff.InputError, match=r"axes\.roll: bus: .* expected node 8, got no answer"):
+            ff.bus.check_cockpit(ff.loader.read_project(project_of(tmp_path, **pair)), move=True)
+        emulator.add_twin(1)
+        pair["roll"] = yoke(kind, node=7, port=emulator.port)
+        with pytest.raises(ff.InputError, match=r"axes\.roll: bus: .* expected one node 7, got 2"):
+            ff.bus.check_cockpit(ff.loader.read_project(project_of(tmp_path, **pair)), move=True)

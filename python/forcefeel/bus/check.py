@@ -55,8 +55,8 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
     """
     bus = bus_of(loader)
     setup, _ = made_of(loader, live_law(None, loader), supervised=False)
+    nodes = nodes_of(bus)
     try:
-        nodes = tuple(BusNode(*node) for node in _core.bus_nodes(bus.engine))
         drive = _core.BusDrive(setup, bus.engine)
     except OSError as error:
         raise InputError(f"bus: {error}") from error
@@ -64,6 +64,18 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
     watchdog = _watchdog(drive, bus)
     directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
     return BusCheck(nodes, delay, watchdog, directions, check_host())
+
+
+def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
+    """What each node at a port states of itself.
+
+    Raises:
+        InputError: If the port cannot be opened.
+    """
+    try:
+        return tuple(BusNode(*node) for node in _core.bus_nodes(bus.engine))
+    except OSError as error:
+        raise InputError(f"bus: {error}") from error
 
 
 def with_delay(loader: Loader, delay: BusDelay) -> Loader:

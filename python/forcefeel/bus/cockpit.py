@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from forcefeel.bus.check import bus_of, check_bus, whole_periods
+from forcefeel.bus.check import bus_of, check_bus, nodes_of, whole_periods
 from forcefeel.bus.result import BusCheck, BusNode, Finding
 from forcefeel.errors import InputError
+from forcefeel.loader.bus import Bus
 from forcefeel.loader.project import Project
 
 
@@ -40,7 +41,8 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
         move: Whether the directions are tested, one axis after the other.
 
     Raises:
-        InputError: If two axes have one node at one port, before anything is powered; otherwise as ``check_bus``, with the axis.
+        InputError: Before anything is powered, if two axes have one node at one port, or the node of an axis is missing or there
+            twice; otherwise as ``check_bus``, with the axis.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/cockpit.toml")
@@ -58,6 +60,7 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
                 f"{project.path}: axes.{axis}: expected a node of its own at {bus.port}, got {bus.node}, which {other} has; change "
                 "[bus] node, and the drive's number with the maker's tool"
             )
+    project.each(lambda axis, _: _check_alone(buses[axis]))
     checks = project.each(lambda _, loader: check_bus(loader, move=move))
     together = {
         axis: sum(checks[other].delay.p99_s for other in buses if buses[other].port == bus.port)
@@ -72,3 +75,17 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
         for axis, bus in buses.items()
     }
     return CockpitBusCheck(MappingProxyType(axes), MappingProxyType(others), next(iter(checks.values())).host)
+
+
+def _check_alone(bus: Bus) -> None:
+    """Refuses a node that is not there, or twice."""
+    serials = [node.serial for node in nodes_of(bus) if node.node == bus.node]
+    if not serials:
+        raise InputError(
+            f"bus: {bus.port}: expected node {bus.node}, got no answer from it; check power, cable, adapter and [bus] node"
+        )
+    if len(serials) > 1:
+        raise InputError(
+            f"bus: {bus.port}: expected one node {bus.node}, got {len(serials)}, with the serial numbers "
+            f"{' and '.join(serials)}; give each a number of its own with the maker's tool"
+        )

@@ -4,7 +4,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.live.console import session as console_session
-from tests.live.test_bus import running, until, yoke
+from tests.live.test_bus import cockpit_on_bus, running, until, yoke
 
 pytestmark = pytest.mark.browser
 
@@ -43,3 +43,21 @@ def _acknowledged(session):
     session.off()
     session.acknowledge()
     return not session.state.drive_fault
+
+
+def test_cockpit_names_the_fault_beside_its_axis(browser, tmp_path):
+    wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(console_session, "HELD_UP_S", LONGEST_MS / 1e3)
+        with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator), ff.live.Console(cockpit, port=0) as console:
+            page = browser.new_page(viewport={"width": 390, "height": 900})
+            page.set_default_timeout(LONGEST_MS)
+            page.goto(console.address)
+            emulator.fail(40, axis=1)
+            rows = {
+                axis: page.locator("#axes tbody tr").filter(has=page.locator(f"th:text-is('{axis}')")) for axis in wired
+            }
+            rows["pitch"].locator("td", has_text="moteus: under voltage; check the supply").wait_for()
+            assert "moteus" not in rows["roll"].inner_text()
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+            page.close()

@@ -43,7 +43,7 @@ function show({ name, axis, summary, cells }) {
   if (!told || axis.last("column_angle_rad") === null) return;
   put(cells[1], `${text(axis.last("column_angle_rad"))} ${told.angle.unit}`);
   put(cells[2], `${text(axis.force())} ${told.force.unit}`);
-  put(cells[3], [...(status?.trips.map((trip) => trip.name) ?? []), status?.drive_fault].filter(Boolean).join(", ") || "none");
+  put(cells[3], [status?.drive_fault, ...(status?.trips.map((trip) => trip.name) ?? [])].filter(Boolean).join(", ") || "none");
   controls.move(name, axis.last("column_angle_rad") / told.angle.scale, state);
   if (told.link && !links.has(told.link.name)) links.set(told.link.name, linkRow(told.link));
 }
