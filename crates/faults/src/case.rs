@@ -3,6 +3,7 @@
 use crate::fault::{Fault, Kind};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::supervisor::Limits;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
@@ -101,6 +102,12 @@ impl Case {
         let last = faults.iter().map(|fault| if fault.kind == Kind::None { 0 } else { fault.from }).max().unwrap_or(0);
         let values = parameters.values();
         Self { loader, values, faults, hand, angle, samples: last + GOES_ON, seed: seed ^ number }
+    }
+
+    /// Whether the loader is to go on in spite of its faults. Two that are bridged may be more than one that is.
+    pub fn is_bridged(&self, limits: &Limits) -> bool {
+        let faults = self.faults.iter().filter(|fault| fault.kind != Kind::None);
+        faults.clone().count() < 2 && faults.clone().all(|fault| fault.is_bridged(limits))
     }
 
     /// First sample of a fault.

@@ -115,11 +115,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     }
     let kinds = case.faults.map(|fault| Kind::ALL.iter().position(|&kind| kind == fault.kind).unwrap_or(0));
     let only = |kind: Kind| case.faults.iter().all(|fault| fault.kind == kind || fault.kind == Kind::None);
-    // Two faults that are bridged may be more than one that is.
-    let bridged = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() < 2
-        && case.faults.iter().all(|fault| fault.is_bridged(limits));
     // Before there is power, one that is not bridged does no harm.
-    let bridged = bridged && onset.is_none_or(|from| rows[from].allowed.enable);
+    let bridged = case.is_bridged(limits) && onset.is_none_or(|from| rows[from].allowed.enable);
     // Beside what is due within a few samples, which the supervisor may see first.
     wrong.false_alarm = bridged && stopped.is_some_and(|at| due.is_none_or(|(_, by)| by > at + SOONER));
     let swings = rows.iter().any(|row| row.allowed.tripped.has(Function::Swing));

@@ -47,11 +47,15 @@ pub fn outcome(joints: &[Joint], loaders: Loaders<'_>, (seed, number): (u64, u64
     let of = |side: usize| loaders.observers.map(|laws| &laws[joint.between[side]]);
     let on_shaft = joint.delay.is_none();
     let records = go_through(joint, [begun(&cases[0], of(0), on_shaft)?, begun(&cases[1], of(1), on_shaft)?])?;
+    let from = cases[faulty].onset().unwrap_or(0);
     let sides = [0, 1].map(|side| {
         let Record { limits, moving, rows } = &records[side];
-        Outcome { loader: joint.between[side], ..judge(&cases[side], limits, moving, rows) }
+        let mut outcome = Outcome { loader: joint.between[side], ..judge(&cases[side], limits, moving, rows) };
+        // Over a shaft a fault shakes the other column too: its supervisor may be the first to stop it, for what its own sensors show then.
+        let shaken = on_shaft && side != faulty && !cases[faulty].is_bridged(&records[faulty].limits);
+        outcome.wrong.false_alarm &= !(shaken && outcome.stopped.is_some_and(|at| at >= from));
+        outcome
     });
-    let from = cases[faulty].onset().unwrap_or(0);
     let other = &records[1 - faulty];
     let of_link: Vec<f64> =
         other.rows[from..].iter().map(|row| (row.shaft + row.link) / other.limits.grip_arm).collect();
