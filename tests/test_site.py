@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from manual.pictures import Camera
 from manual.reference import command_names, public_modules
-from manual.terminal import Answer, blocks, missing
+from manual.terminal import Answer, blocks, missing, prepared
 from sphinx.errors import ExtensionError
 
 import forcefeel as ff
@@ -82,6 +82,7 @@ def test_code_blocks_are_found_in_order_with_test_changes():
         "<!-- console\nforcefeel new a.toml\n-->\n\n<!-- small: --runs 9000 => --runs 2 -->\n"
         "```console\nforcefeel sweep --runs 9000\n```\n\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
     )
+    assert prepared(text) == ["forcefeel new a.toml\n"]
     first, second, third = blocks(text)
     assert (first.body, second.body) == ("forcefeel new a.toml\n", "forcefeel sweep --runs 2\n")
     assert (third.language, third.shows, third.body.strip()) == ("terminal", ("one", "two"), "forcefeel reproduce")

@@ -9,11 +9,12 @@ from typing import Any, ClassVar
 from docutils import nodes
 from docutils.parsers.rst import directives as options
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
 from manual.pictures import Camera
-from manual.terminal import Answer, Terminal, commands, missing
+from manual.terminal import Answer, Terminal, commands, missing, prepared
 
 _CAMERA = Camera()
 _FOLDERS = tempfile.TemporaryDirectory(prefix="forcefeel-site-")
@@ -24,12 +25,15 @@ _NAMES: dict[str, dict[str, Any]] = {}
 PICTURES = "_pictures"
 
 
-def terminal(page: str) -> Terminal:
-    """The terminal of a page, in a folder of its own."""
+def terminal(env: BuildEnvironment) -> Terminal:
+    """The terminal of the page that is read, in a folder of its own, with what the page prepares unseen."""
+    page = env.docname
     if page not in _TERMINALS:
         folder = Path(_FOLDERS.name, page.replace("/", "-"))
         folder.mkdir()
         _TERMINALS[page] = Terminal(folder)
+        for body in prepared(Path(env.doc2path(page)).read_text(encoding="utf-8")):
+            _TERMINALS[page].run(body)
     return _TERMINALS[page]
 
 
@@ -43,7 +47,7 @@ class TerminalBlock(SphinxDirective):
         body = "\n".join(self.content)
         if not self.config.manual_runs:
             return [self._shown(line, "") for line in commands(body)]
-        answers = terminal(self.env.docname).run(body)
+        answers = terminal(self.env).run(body)
         _must_show(self.options, answers, self.get_location())
         return [self._shown(answer.command, self._cut(answer.output)) for answer in answers]
 
@@ -121,7 +125,7 @@ class Picture(SphinxDirective):
         if not (self.config.manual_pictures and self.config.manual_runs):
             note = nodes.paragraph("", f"(A picture that this build leaves out: {self.options['alt']})")
             return [note]
-        page = (terminal(self.env.docname).folder / self.arguments[0]).resolve()
+        page = (terminal(self.env).folder / self.arguments[0]).resolve()
         name = f"{self.env.docname.replace('/', '-')}-{self.lineno}.png"
         _CAMERA.take(
             page, Path(self.env.srcdir, PICTURES, name), self.options.get("of", ""), self.options.get("width", 1100)

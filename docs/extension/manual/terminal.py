@@ -71,6 +71,11 @@ def blocks(text: str) -> Iterator[Block]:
         yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows)
 
 
+def prepared(text: str) -> list[str]:
+    """The blocks of a page that only prepare the others."""
+    return [match["body"] for match in _HIDDEN.finditer(text)]
+
+
 def missing(shows: tuple[str, ...], answers: list[Answer]) -> list[str]:
     """What should have been printed and was not; lines may break anywhere."""
     printed = _flat("".join(answer.output for answer in answers))
