@@ -44,6 +44,13 @@ def test_a_law_that_swings_in_contact_does_not_render_the_envelope(envelope):
     assert not renders(alone)
 
 
+def test_shares_without_contacts_are_refused():
+    grid = {name: values.partition(",")[0] for name, values in GRID.items()}
+    bare = ff.find_envelope(ff.digital_elevator(), ["robust"], grid, changes={}, arms=())
+    with pytest.raises(ff.InputError, match="contacts: the envelope was made without"):
+        bare.contact_shares("robust")
+
+
 def test_swings_are_those_of_single_runs(envelope):
     """The setting and contact of the largest force, run by itself: the force is still there at the end."""
     data = envelope.data.sel(law="alone")

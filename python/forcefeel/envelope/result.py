@@ -334,7 +334,13 @@ class Envelope:
         return np.asarray(self.codes(law) != self.outcomes.index(UNSTABLE))
 
     def contact_shares(self, law: str) -> ContactShares:
-        """Settings that are quiet in contact; only with ``Plan.contacts``."""
+        """Settings that are quiet in contact.
+
+        Raises:
+            InputError: If the plan has no contacts.
+        """
+        if not self.plan.contacts:
+            raise InputError("contacts: the envelope was made without; give find_envelope some, such as Contact(True, 1e6, 0.02)")
         row = self.laws.index(law)
         quiet = ~self.arrays["swings_on"][row].reshape(len(self.plan.contacts), -1)
         names = [contact.name for contact in self.plan.contacts]
