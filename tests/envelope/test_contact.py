@@ -45,8 +45,7 @@ def test_a_law_that_swings_in_contact_does_not_render_the_envelope(envelope):
 
 
 def test_shares_without_contacts_are_refused():
-    grid = {name: values.partition(",")[0] for name, values in GRID.items()}
-    bare = ff.find_envelope(ff.digital_elevator(), ["robust"], grid, changes={}, arms=())
+    bare = ff.find_envelope(ff.digital_elevator(), ["robust"], GRID, changes={}, arms=())
     with pytest.raises(ff.InputError, match="contacts: the envelope was made without"):
         bare.contact_shares("robust")
 
