@@ -314,7 +314,7 @@ def test_time_in_wrong_unit_raises_input_error(run, tmp_path):
         (["--throw", "20"], "--throw: expected a number with its unit"),
         (["--throw", "-5 deg"], "throw: expected an angle above 0"),
         (["--rule", "part61"], "rule: expected one of"),
-        (["--axis", "collective"], "axis: part60-a-2014 has tests for"),
+        (["--axis", "collective"], "none for collective; choose a rule with some: part60-c-2014, part60-d-2014"),
         (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
         (["--record", "a.csv", "--law", "published"], "--law: is about the simulated loader"),
         (["--compare", "--law", "published"], "--compare: takes every law"),

@@ -6,7 +6,7 @@ from typing import Literal
 
 from forcefeel.errors import InputError
 from forcefeel.qualification import Rules
-from forcefeel.qualification.rules import Axis, Kind, Test
+from forcefeel.qualification.rules import Axis, Kind, Test, editions, load_rules
 from forcefeel.units import show
 
 SweepName = Literal["slow", "medium", "fast"]
@@ -153,7 +153,9 @@ def trials(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
         cases.append(RuleTestCase(SMALL, "Small control inputs", small))
     if not cases:
         known = ", ".join(sorted({test.axis for test in rules.tests}))
-        raise InputError(f"axis: {rules.id} has tests for {known}, none for {axis}")
+        having = [name for name in editions() if any(test.axis == axis for test in load_rules(name).tests)]
+        remedy = f"; choose a rule with some: {', '.join(having)}" if having else ""
+        raise InputError(f"axis: {rules.id} has tests for {known}, none for {axis}{remedy}")
     return tuple(cases)
 
 
