@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -334,6 +335,15 @@ def test_unstable_loop_fails_and_states_time():
     assert results["release-25-positive"].outcome is Outcome.FAILED
     assert "diverged at" in results["release-25-positive"].reason
     assert results["static"].outcome is Outcome.FAILED
+
+
+def test_sweep_brings_a_control_that_friction_holds_back_to_neutral():
+    """A collective of 3 lb of friction and 1.4 lb of spring at its stops stays there without a hand."""
+    setup = QualificationSetup(rule="part60-c-2014", axis="collective", laws=["robust"])
+    found = qualify_loader(ff.load(Path(__file__).parents[2] / "examples/cockpit/collective.toml"), setup)
+    results = _by(found.sections[0].results)
+    assert results["freeplay"].outcome is Outcome.PASSED
+    assert "covers" not in results["static"].reason
 
 
 def test_column_held_by_friction_fails():

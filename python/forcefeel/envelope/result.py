@@ -340,7 +340,9 @@ class Envelope:
             InputError: If the plan has no contacts.
         """
         if not self.plan.contacts:
-            raise InputError("contacts: the envelope was made without; give find_envelope some, such as Contact(True, 1e6, 0.02)")
+            raise InputError(
+                "contacts: the envelope was made without; give find_envelope some, such as Contact(True, 1e6, 0.02)"
+            )
         row = self.laws.index(law)
         quiet = ~self.arrays["swings_on"][row].reshape(len(self.plan.contacts), -1)
         names = [contact.name for contact in self.plan.contacts]

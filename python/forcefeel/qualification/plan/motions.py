@@ -32,6 +32,9 @@ _LEAST_S, _MOST_S, _PERIODS, _LEFT = 3.0, 60.0, 12, 1e-4
 SHORT = 0.97
 """Share of the throw that a sweep reaches; the force of a stop is not part of the feel."""
 
+_HELD_SHARE = 0.5
+"""Share of the throw beyond which a control at the end of a sweep is held by its friction."""
+
 _ROUNDS, _NEAR, _MOST_FACTOR = 12, 5e-3, 4.0
 """Iterations of the sweep's force, their tolerance, and the largest change in one iteration."""
 
@@ -123,15 +126,25 @@ class Motions:
                 min(SHORT * target / came, _MOST_FACTOR) if came > 0 else _MOST_FACTOR
                 for target, came in zip((-throw.low_rad, throw.high_rad), reached, strict=True)
             ]
-            if all(abs(factor - 1) <= _NEAR for factor in factors):
+            held = not force.end_n and float(record.position[-1]) < _HELD_SHARE * throw.low_rad
+            if not held and all(abs(factor - 1) <= _NEAR for factor in factors):
                 break
             force = force.scaled(*factors)
+            if held:
+                force = replace(force, end_n=_friction(record))
         return record
 
     def _scenario(self, force: Force, duration_s: float, sample_s: float) -> Scenario:
         pressure = self.dynamic_pressure_pa
         schedule = None if pressure is None else Schedule((0.0,), (pressure,))
         return Scenario(force, duration_s, min(sample_s, _SAMPLE_S), sample_s, dynamic_pressure_pa=schedule)
+
+
+def _friction(record: Record) -> float:
+    """Force that moves a control up through neutral: that of the way down, turned."""
+    down = int(record.position.argmax())
+    at = down + int((record.position[down:] <= 0).argmax())
+    return float(-record.force_n[at]) if record.force_n is not None else 0.0
 
 
 def first_force(loader: Loader, throw: Throw) -> SweepForce:

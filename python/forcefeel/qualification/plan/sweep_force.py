@@ -1,7 +1,7 @@
 """The force of a sweep neutral - stop - opposite stop - neutral, without corners, to avoid oscillation.
 
-``F`` goes from 0 to ``F_high`` in a quarter of the time, to ``F_low`` in a half, and back to 0 in a quarter, each as half a
-cosine: ``F = a + (b - a) (1 - cos(pi s)) / 2``, ``s`` from 0 to 1.
+``F`` goes from 0 to ``F_high`` in a quarter of the time, to ``F_low`` in a half, and back to ``F_end`` in a quarter, each as half a
+cosine: ``F = a + (b - a) (1 - cos(pi s)) / 2``, ``s`` from 0 to 1. ``F_end`` is 0, but of a control that its friction holds.
 """
 
 from dataclasses import dataclass
@@ -21,10 +21,12 @@ class SweepForce:
 
     Attributes:
         low_n, high_n: Lowest and highest force, below and above 0.
+        end_n: Force at the end, which brings back to neutral what does not go there by itself.
     """
 
     low_n: float
     high_n: float
+    end_n: float = 0.0
 
     def over(self, duration_s: float) -> Recorded:
         """The force of a sweep of ``duration_s``."""
@@ -32,12 +34,12 @@ class SweepForce:
         part = 4 * time / duration_s
         out = self.high_n * _eased(part)
         across = (self.low_n - self.high_n) * _eased((part - 1) / 2)
-        back = -self.low_n * _eased(part - 3)
+        back = (self.end_n - self.low_n) * _eased(part - 3)
         return Recorded(time, out + across + back, "sweep")
 
     def scaled(self, low: float, high: float) -> "SweepForce":
         """The force with each side scaled by a factor."""
-        return SweepForce(self.low_n * low, self.high_n * high)
+        return SweepForce(self.low_n * low, self.high_n * high, self.end_n)
 
 
 def _eased(share: NDArray[np.float64]) -> NDArray[np.float64]:
