@@ -99,3 +99,10 @@ def test_breakout_of_falling_force_is_read_above_next_line():
     x = np.linspace(0.001, 1.6, 1000)
     force = np.interp(x, [0.0, 0.3, 0.5, 1.6], [0.0, 7.5, 4.5, 10.0])
     assert breakout(x, force, 0.0).value == pytest.approx(4.0, abs=FINE_N)
+
+
+def test_friction_that_falls_a_little_once_it_slides_is_no_detent():
+    """13.3 N hold a lever; on the way to sliding its linkage gives by 0.03 deg and 14.4 N are reached."""
+    x = np.concatenate([np.linspace(0.0, 0.03, 600), np.linspace(0.03, 1.0, 120)])
+    force = np.where(x < 0.03, 14.4 * x / 0.03, 13.3 + 0.5 * x + 1.1 * np.exp(-(x - 0.03) / 0.03))
+    assert 13.0 < breakout(x, force, 0.0).value < 15.5

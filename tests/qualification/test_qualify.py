@@ -16,7 +16,7 @@ from forcefeel.qualification import Outcome, Record, load_rules
 from forcefeel.qualification.plan import QualificationSetup, QualificationStatus, qualify_loader
 from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.qualification.plan.law_names import named_laws
-from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
+from forcefeel.qualification.plan.motions import SHORT, Motions, SimulatedLoader, first_force
 from forcefeel.qualification.plan.plan import trials
 from forcefeel.qualification.plan.sentences import conclusions, result_text
 from forcefeel.qualification.plan.sweep_force import SweepForce
@@ -343,7 +343,17 @@ def test_sweep_brings_a_control_that_friction_holds_back_to_neutral():
     found = qualify_loader(ff.load(Path(__file__).parents[2] / "examples/cockpit/collective.toml"), setup)
     results = _by(found.sections[0].results)
     assert results["freeplay"].outcome is Outcome.PASSED
-    assert "covers" not in results["static"].reason
+    assert results["static"].outcome is not Outcome.NOT_EVALUATED
+    assert "Breakout" not in results["static"].reason
+
+
+def test_sweep_finds_the_force_beyond_friction():
+    """Where a force below friction moves nothing and four times that goes far beyond the throw."""
+    loader = ff.load(Path(__file__).parents[2] / "examples/cockpit/collective.toml")
+    throw = Throw(-0.2, 0.2, "stated")
+    record = Motions.of(loader, None).swept(FeelAlone(loader), throw, first_force(loader, throw), 100.0, "static")
+    assert record.position.max() == pytest.approx(SHORT * 0.2, rel=0.01)
+    assert record.position.min() == pytest.approx(-SHORT * 0.2, rel=0.01)
 
 
 def test_column_held_by_friction_fails():

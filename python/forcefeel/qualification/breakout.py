@@ -40,6 +40,9 @@ _BUILT_UP = 0.5
 _GONE = 0.1
 """Largest share of the built-up force that remains beyond a detent; also the largest slope of a deadband, in spring slopes."""
 
+_KEPT = 0.5
+"""Share of the force at a knee from which on it has not vanished, although it falls a little."""
+
 _SAME = 1e-10
 """Regularization; keeps the system solvable where two knots coincide."""
 
@@ -207,6 +210,10 @@ class _Lines:
         built_up = float(np.sum((changes * (self.knots - self.knots[beyond - 1]))[beyond:]))
         residual = abs(float(np.sum(changes * self.knots)))
         after, last = float(first + np.sum(changes[:beyond])), float(first + np.sum(changes))
+        knee = self.knots[beyond - 1]
+        at_knee = float(self.terms[0] + first * knee + np.sum((changes * (knee - self.knots))[: beyond - 1]))
+        if float(self.terms[0] - np.sum(changes * self.knots)) > _KEPT * at_knee:
+            return False  # most of it is still there on the last line: friction, of which a little was that of rest
         # A falling force is not a spring's, although a jump across it blurs the samples that follow.
         return built_up > 0 and (after < -_GONE * last or (after > _GONE * last and residual <= _GONE * built_up))
 

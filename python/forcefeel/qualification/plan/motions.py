@@ -32,8 +32,8 @@ _LEAST_S, _MOST_S, _PERIODS, _LEFT = 3.0, 60.0, 12, 1e-4
 SHORT = 0.97
 """Share of the throw that a sweep reaches; the force of a stop is not part of the feel."""
 
-_HELD_SHARE = 0.5
-"""Share of the throw beyond which a control at the end of a sweep is held by its friction."""
+_HELD_SHARE, _BEYOND_FRICTION = 0.5, 1.05
+"""Share of the throw beyond which a control at the end of a sweep is held by its friction, and the force that brings it back."""
 
 _ROUNDS, _NEAR, _MOST_FACTOR = 12, 5e-3, 4.0
 """Iterations of the sweep's force, their tolerance, and the largest change in one iteration."""
@@ -119,13 +119,12 @@ class Motions:
             duration_s: Duration.
             name: Name of the record.
         """
+        tries: tuple[list[tuple[float, float]], ...] = ([], [])
         for _ in range(_ROUNDS):
             record = self.forced(moved, force.over(duration_s), name)
             reached = max(-float(record.position.min()), 0.0), max(float(record.position.max()), 0.0)
-            factors = [
-                min(SHORT * target / came, _MOST_FACTOR) if came > 0 else _MOST_FACTOR
-                for target, came in zip((-throw.low_rad, throw.high_rad), reached, strict=True)
-            ]
+            sides = zip(tries, (-force.low_n, force.high_n), (-throw.low_rad, throw.high_rad), reached, strict=True)
+            factors = [_factor(tried, size, SHORT * target, came) for tried, size, target, came in sides]
             held = not force.end_n and float(record.position[-1]) < _HELD_SHARE * throw.low_rad
             if not held and all(abs(factor - 1) <= _NEAR for factor in factors):
                 break
@@ -140,11 +139,25 @@ class Motions:
         return Scenario(force, duration_s, min(sample_s, _SAMPLE_S), sample_s, dynamic_pressure_pa=schedule)
 
 
+def _factor(tried: list[tuple[float, float]], size: float, target: float, came: float) -> float:
+    """Factor on a force that came so far; ``tried`` has those before, and is given this one.
+
+    In proportion, but where friction holds the control at a force that was tried: then by the line between two tries.
+    """
+    tried.append((size, came))
+    below = max((one for one in tried if one[1] < target), default=None)
+    above = min((one for one in tried if one[1] >= target), default=None)
+    if below and above and any(reached < _NEAR * target for _, reached in tried):
+        share = (target - below[1]) / (above[1] - below[1])
+        return (below[0] + share * (above[0] - below[0])) / size
+    return min(target / came, _MOST_FACTOR) if came > 0 else _MOST_FACTOR
+
+
 def _friction(record: Record) -> float:
-    """Force that moves a control up through neutral: that of the way down, turned."""
+    """Force that moves a control up through neutral: that of the way down, turned, and a little more for what damps it."""
     down = int(record.position.argmax())
     at = down + int((record.position[down:] <= 0).argmax())
-    return float(-record.force_n[at]) if record.force_n is not None else 0.0
+    return float(-_BEYOND_FRICTION * record.force_n[at]) if record.force_n is not None else 0.0
 
 
 def first_force(loader: Loader, throw: Throw) -> SweepForce:
