@@ -78,13 +78,16 @@ def test_friction_level_is_saved_and_interpolated_between_laws(tmp_path):
 REST = -1
 """Place of the rate of rest among the numbers of the friction."""
 
+AT_REST_DEG = 0.02
+
 
 @pytest.mark.parametrize("name", ["elevator-2khz", "aileron-wheel"])
 @pytest.mark.parametrize("true_share", [0.8, 1.0, 1.2])
 def test_released_column_comes_to_rest(name, true_share):
     """Hands off for 12 s after a release from 3 deg, friction exact and off: the column ends near the neutral, within 0.02 deg.
 
-    Under the same law without its part for rest it swings by 0.14 to 0.27 deg in each of these cases.
+    Under the same law without its part for rest it swings on in each of these cases: by 0.03 deg on the wheel whose friction
+    is a fifth higher than known, by 0.14 to 0.29 deg elsewhere.
     """
     feel = {"feel.stiffness": 200.0, "feel.inertia": 2.25, "feel.damping": 12.7}  # 1.5 Hz, damping ratio 0.3
     loader = BUILT_IN[name]().replace(feel if name == "elevator-2khz" else {}, si=True)
@@ -99,10 +102,10 @@ def test_released_column_comes_to_rest(name, true_share):
         return angle[-len(angle) // 4 :]
 
     last = last_quarter(law)
-    assert np.ptp(last) < 0.02
+    assert np.ptp(last) < AT_REST_DEG
     numbers = law.sampled.friction.copy()
     numbers[:, REST] = 0.0
-    assert np.ptp(last_quarter(Law.of(replace(law.sampled, friction=numbers), loader, name="restless"))) > 0.1
+    assert np.ptp(last_quarter(Law.of(replace(law.sampled, friction=numbers), loader, name="restless"))) > AT_REST_DEG
     # The spring has less than a tenth of the friction, and what the link gives as it is unloaded.
     friction_n_m = loader["column.coulomb_friction"] * loader["column.grip_arm"]
     assert abs(last[-1]) < np.degrees(0.15 * friction_n_m / loader["feel.stiffness"])

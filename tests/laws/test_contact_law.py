@@ -17,6 +17,7 @@ QUIET_RAD = np.radians(0.5)
 NOISE_OF_STOP = 0.15
 """Range of the load cell's force over its mean where the column rests on a stop: its noise, and the stop's own vibration."""
 
+WITNESS_RTOL = 1e-7
 SAME_M = 1e-5
 """Of the drive's position, at rest and from run to run: a hundredth of the swing."""
 
@@ -193,7 +194,7 @@ def test_an_independent_integrator_finds_a_stick_with_slow_sensors_at_rest_on_st
     )
     law = ff.Law.of("robust", on_steel)
     run = ff.simulate(on_steel, ff.Scenario(ff.Step("40 N"), 0.6, 5e-4, 5e-4), law).history["drive_position_m"]
-    found = witness.simulate(on_steel, law.sampled, lambda _: 40.0, 0.6, rtol=1e-7)["drive_position_m"]
+    found = witness.simulate(on_steel, law.sampled, lambda _: 40.0, 0.6, rtol=WITNESS_RTOL)["drive_position_m"]
     for position in (run.to_numpy(), found):
         assert np.ptp(position[-200:]) < SAME_M
     assert abs(run.to_numpy()[-1] - found[-1]) < SAME_M

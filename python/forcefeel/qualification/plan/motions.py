@@ -145,8 +145,8 @@ def _factor(tried: list[tuple[float, float]], size: float, target: float, came: 
     In proportion, but where friction holds the control at a force that was tried: then by the line between two tries.
     """
     tried.append((size, came))
-    below = max((one for one in tried if one[1] < target), default=None)
-    above = min((one for one in tried if one[1] >= target), default=None)
+    below = max((attempt for attempt in tried if attempt[1] < target), default=None)
+    above = min((attempt for attempt in tried if attempt[1] >= target), default=None)
     if below and above and any(reached < _NEAR * target for _, reached in tried):
         share = (target - below[1]) / (above[1] - below[1])
         return (below[0] + share * (above[0] - below[0])) / size
