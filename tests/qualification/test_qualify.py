@@ -343,8 +343,8 @@ def test_sweep_brings_a_control_that_friction_holds_back_to_neutral():
     found = qualify_loader(ff.load(Path(__file__).parents[2] / "examples/cockpit/collective.toml"), setup)
     results = _by(found.sections[0].results)
     assert results["freeplay"].outcome is Outcome.PASSED
-    assert results["static"].outcome is not Outcome.NOT_EVALUATED
-    assert "Breakout" not in results["static"].reason
+    # Its linkage gives 0.03 deg before the lever slides: the force until then is not compared, the breakout is.
+    assert results["static"].outcome is Outcome.PASSED
 
 
 OF_THE_END = 0.01
