@@ -481,5 +481,5 @@ def test_folder_of_results_does_not_hide_a_built_in_loader(tmp_path: Path, monke
     (tmp_path / "aileron-wheel").mkdir()
     monkeypatch.chdir(tmp_path)
     assert open_loader("aileron-wheel").name == "aileron-wheel"
-    (tmp_path / "cockpit.toml").write_text('name = "c"\n[axes]\nroll = "aileron-wheel"\n')
+    (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\n')
     assert ff.loader.read_project("cockpit.toml").loaders["roll"].name == "aileron-wheel"

@@ -203,11 +203,11 @@ class ExciteOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
     """Design the bench signal that determines the chosen parameters best within the limits of the loader.
 
-    Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it; with --machine bus the drive
-    plays the signal, and they are there. Exit status 1 if the experiment cannot separate the parameters (no file is written) or
-    does not determine one.
+    Writes a CSV file for the bench. forcefeel identify reads it once the measured columns are added; with --machine bus the drive
+    plays the signal and adds them. Exit status 1 if the experiment cannot separate the parameters (no file is written) or does
+    not determine one.
 
-    Example: forcefeel excite elevator --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
+    Example: forcefeel excite elevator-2khz --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
     """
     from forcefeel.bench.excitation import NotSeparableError, excite, write_excitation
     from forcefeel.bench.excitation.as_json import excitation_json
