@@ -24,9 +24,8 @@ FACTORS = Path(units.__file__).parent / "data" / "factors.csv"
 VALIDATION = """\
 # The 1974 report, number by number
 
-Made by `make docs` from what `forcefeel reproduce` prints. Printed values are typed in from the report; computed values come
-from the models. "Agrees" means: rounds to the printed digits. The lost curves of figures 7 to 11 and 14 are compared by
-what the text says of them; figures 1, 3 to 6, 12 and 13 are drawings.
+Made by `make docs` from `forcefeel reproduce`. "Agrees" means: rounds to the printed digits, or the claim holds. The curves of
+figures 7 to 11 and 14 are lost, so the report's statements on them are compared. Figures 1, 3 to 6, 12 and 13 are drawings.
 
 """
 

@@ -39,11 +39,10 @@ def columns() -> Section:
         reason = None
         if key in _ROUNDED_FACTORS:
             words, rounded = _ROUNDED_FACTORS[key]
-            text = f"converted with a rounded factor, {words}; the U.S. column is the one that was computed with"
+            text = f"rounded factor, {words}"
             reason = Reason(text, float(entry["us"]) * rounded)
-        item = f"{TABLE[key].symbol}, SI column"
-        rows.append(number(item, "appendix", entry["si"], converted, entry["si_unit"], reason))
-    return Section("Appendix: the SI column against the U.S. column", tuple(rows))
+        rows.append(number(TABLE[key].symbol, "appendix", entry["si"], converted, entry["si_unit"], reason))
+    return Section("SI column, converted from the U.S. column", tuple(rows))
 
 
 def origins(loader: Loader) -> Section:
@@ -56,7 +55,7 @@ def origins(loader: Loader) -> Section:
     frequency, damping_ratio = _core.feel_frequency(values)
     share = loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
     return Section(
-        "Appendix: where the values come from",
+        "Origin of the values",
         (
             _us("C_i from eq. (1)", "eqs. (1), (2)", "valve.current_gain", c_i, _truncated(c_i)),
             _us("C_p from eq. (1)", "eqs. (1), (2)", "valve.pressure_gain", c_p),

@@ -1,10 +1,10 @@
 """The comparison as Markdown, and in a sentence."""
 
-from forcefeel.reproduction.table import Row, Section, Verdict
+from forcefeel.reproduction.table import Section, Verdict
 
 
 def markdown(sections: tuple[Section, ...]) -> str:
-    """The comparison as Markdown.
+    """The comparison as Markdown: a table per section, a reason that several of its rows share at the first of them.
 
     Example:
         >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
@@ -13,13 +13,18 @@ def markdown(sections: tuple[Section, ...]) -> str:
     """
     lines = [summary(sections), ""]
     for section in sections:
-        lines += [
-            f"## {section.title}",
-            "",
-            "| item | where | printed | computed | unit | verdict | reason |",
-            "|---" * 7 + "|",
-        ]
-        lines += [_markdown_row(row) for row in section.rows] + [""]
+        places = {row.where for row in section.rows}
+        title = f"{section.title} ({places.pop()})" if len(places) == 1 else section.title
+        head = ["item", *(["where"] if places else []), "printed", "computed", "verdict"]
+        lines += [f"## {title}", "", _line(head), "|---" * len(head) + "|"]
+        first: dict[str, str] = {}
+        for row in section.rows:
+            same = first.setdefault(row.reason, row.item)
+            reason = row.reason if same == row.item else f"as {same}"
+            where = [row.where] if places else []
+            verdict = f"{row.verdict}: {reason}" if row.reason else str(row.verdict)
+            lines.append(_line([row.item, *where, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict]))
+        lines.append("")
     return "\n".join(lines)
 
 
@@ -39,6 +44,5 @@ def summary(sections: tuple[Section, ...]) -> str:
     )
 
 
-def _markdown_row(row: Row) -> str:
-    cells = (row.item, row.where, row.printed, row.computed, row.unit, str(row.verdict), row.reason)
+def _line(cells: list[str]) -> str:
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"

@@ -87,7 +87,7 @@ def _scale(loader: Loader) -> list[Row]:
             1 + assessment.static_error,
             "",
             holds=abs(assessment.static_error) <= SMALL_ERROR,
-            reason="share of it that is reached: K_1 = 0.005 V/lb is too small for G to be what it says",
+            reason="reached share; K_1 = 0.005 V/lb is too small",
         ),
         claim(
             "it does with K_1 = K_3 (alpha R_b)^2 / G_max",
@@ -95,7 +95,7 @@ def _scale(loader: Loader) -> list[Row]:
             1 + right.static_error,
             "",
             holds=abs(right.static_error) <= SMALL_ERROR,
-            reason="share of it that is reached; what is left is the oil that p drives through C_p at rest",
+            reason="reached share; at rest p drives oil through C_p",
         ),
     ]
 
@@ -172,10 +172,7 @@ def _other_setting(loader: Loader) -> Loader:
 
 def _low_stiffness(design: Design) -> Row:
     before, after = (design.configuration(name).boundary for name in ("compliant", "compensated"))
-    reason = (
-        f"smallest stable G; {_us(before.stiffness_n_m_per_rad)} in the original system. Eq. (19) leaves the load-cell loop out"
-        " of the plant, so no gain can see it"
-    )
+    reason = f"smallest stable G; {_us(before.stiffness_n_m_per_rad)} in the original system. Eq. (19) omits the load-cell loop"
     value = _number(after.stiffness_n_m_per_rad)
     return claim(
         "the instability at low G is eliminated", "page of fig. 14", value, _UNIT, holds=value == 0, reason=reason
@@ -187,7 +184,7 @@ def _valve_dynamics(design: Design) -> Row:
     fast = design.loader.replace({"valve.natural_frequency": "37700 rad/s"})
     with_valve, without = (assess(loader, law).frequency_rad_per_s for loader in (design.loader, fast))
     change = with_valve / without - 1
-    reason = "change of the feel's frequency from a valve a hundred times faster to the real one"
+    reason = "change of the feel's frequency against a valve a hundred times faster"
     return claim(
         "the valve's dynamics may be neglected in the design",
         "page of eq. (19)",
@@ -201,7 +198,7 @@ def _valve_dynamics(design: Design) -> Row:
 def _feasible(design: Design) -> Row:
     peaks = design.configuration("compensated").programmed.peaks
     share = 100 * max(peaks.current_share, peaks.flow_share) if isinstance(peaks, Peaks) else np.inf
-    reason = "largest share of rated current or flow that the step of pilot force asks for"
+    reason = "largest share of rated current or flow at the step of pilot force"
     return claim(
         "current and flow stay within the valve's limits",
         "page of eq. (22)",
@@ -225,9 +222,8 @@ def _insensitive(design: Design) -> Row:
             reason=f"{row.quantity} at {row.change:+.0%} makes it unstable",
         )
     reason = (
-        f"tracking error at {row.quantity} {row.change:+.0%}, {nominal:.1%} with nothing off. Stability is insensitive (no"
-        f" deviation up to {max(CHANGES):.0%} loses it), the feel is not: the gains of x_p and delta must match the linkage's"
-        " geometry for the column to settle right"
+        f"tracking error at {row.quantity} {row.change:+.0%}, {nominal:.1%} nominal. All deviations up to {max(CHANGES):.0%}"
+        " are stable, but the column settles right only if the gains of x_p and delta match the linkage's geometry"
     )
     return claim(
         "the scheme is insensitive to plant parameters",
@@ -256,10 +252,7 @@ def _dropped(design: Design) -> Row:
 def _stabilizable(loader: Loader) -> Row:
     plant = design_model(loader)
     unmoved = len(plant.A) - int(np.linalg.matrix_rank(np.hstack([plant.A, plant.B])))
-    reason = (
-        "states that neither move by themselves nor by e: F_p. A Riccati solver refuses the plant; recursion (22) and a linear"
-        " equation for c_7 do not"
-    )
+    reason = "F_p is constant and e does not move it: a Riccati solver refuses the plant, recursion (22) does not"
     verdict = Verdict.EXPLAINED if unmoved == 1 else Verdict.OPEN  # F_p and nothing else
     item = "the plant of eq. (19) is stabilizable"
     return Row(item, "eq. (19)", "assumed", str(unmoved), float(unmoved), "states", verdict, reason)
@@ -270,8 +263,7 @@ def _converged_at_rest(design: Design) -> Row:
     with_force = assess(loader, state_feedback(loader, gains)).static_error
     without = assess(loader, state_feedback(loader, gains[:6])).static_error
     reason = (
-        f"static error with the pilot force fed back through c_7; without it {100 * without:.3g} %. The published horizon is"
-        " right at rest without it, by its length"
+        f"static error with c_7; without it {100 * without:.3g} %. The published horizon needs no c_7, by its length"
     )
     return claim(
         "converged gains settle the column right",

@@ -12,8 +12,7 @@ from forcefeel.reproduction.table import Reason, Row, Section, about, claim, num
 from forcefeel.units import to_text
 
 _HYDRAULICS = (
-    "oil, valve and position loop damp the mode and shift it; 12.00 Hz and 0.100 belong to the column swinging on the link"
-    " with the piston held, the zeros of this response"
+    "oil, valve and position loop shift and damp the mode; 12.00 Hz and 0.100 are the zeros: the column on the link"
 )
 
 
@@ -50,7 +49,7 @@ def figures(design: Design) -> Section:
                 float(np.degrees(assessment.static_angle_rad)),
                 "deg",
                 holds=abs(assessment.static_error) <= SMALL_ERROR,
-                reason=f"{to_text(assessment.static_angle_rad)} rad; programmed are R_p F_p / G = {to_text(programmed_deg)} deg",
+                reason=f"{to_text(assessment.static_angle_rad)} rad; programmed: R_p F_p / G = {to_text(programmed_deg)} deg",
             ),
             claim(
                 "fig. 14: the compensated column moves as programmed",
@@ -58,7 +57,7 @@ def figures(design: Design) -> Section:
                 assessment.frequency_rad_per_s / (2 * np.pi),
                 "Hz",
                 holds=abs(assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE,
-                reason="2.0 Hz are programmed; the column's own inertia J adds to I",
+                reason="programmed: 2.0 Hz; the column's own inertia J adds to I",
             ),
         ),
     )

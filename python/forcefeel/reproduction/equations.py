@@ -17,8 +17,8 @@ ROUNDING = 1e-14
 """Relative difference of entries that are the same formula in another order of multiplication."""
 
 _SIGN = (
-    "as printed the load cell moves the column against the pilot: at rest A p = -R_p F_p / (alpha R_b), eq. (6);"
-    " forcefeel takes the signal with the pilot's sign, and the printed sign is a negative K_1"
+    "with the printed sign the load cell moves the column against the pilot: at rest A p = -R_p F_p / (alpha R_b),"
+    " eq. (6). forcefeel takes the pilot's sign"
 )
 
 
@@ -83,8 +83,8 @@ def _sign(loader: Loader) -> Row:
 def _pilot_force(loader: Loader) -> Row:
     plant = _core.design_plant(loader.si_values, loader["column.grip_arm"])[0]
     text = (
-        "G_max in place of a lever arm: units and size are off. The column's torque at rest, R_p F_p, gives R_p / I, which"
-        " forcefeel uses; the printed c_7 was computed with -alpha R_b / I"
+        "G_max in place of a lever arm: wrong unit and size. forcefeel uses R_p / I, from the torque at rest; the report"
+        " computed c_7 with -alpha R_b / I"
     )
     value = plant[3, 6] * factor("1/(N s^2)", "1/(lb s^2)")
     return number(

@@ -19,7 +19,7 @@ def published(design: Design) -> tuple[Section, ...]:
     """The appendix's vector in U.S. and in SI units, from the published horizon."""
     return tuple(
         Section(
-            f"Appendix: feedback coefficients, {title}",
+            f"Feedback coefficients, {title}",
             tuple(_rows(design, system, printed()["gains"][system.value])),
         )
         for system, title in ((UnitSystem.US, "U.S. units"), (UnitSystem.SI, "SI units"))
@@ -35,13 +35,13 @@ def horizon(design: Design) -> Section:
     seventh = _seventh(design)
     c_1, c_7 = float(gains["published"][0]), float(gains["published"][6])
     not_converged = Reason(
-        "recursion (22) run until the gains stand still does not give the printed vector; over a horizon of 0.05 s"
-        " (500 steps of 0.1 ms from [E]_0 = [Q]) it does",
+        "recursion (22) gives the printed vector over 0.05 s (500 steps of 0.1 ms from [E]_0 = [Q]), not when it has"
+        " converged",
         c_1,
     )
-    coupling = Reason("the printed one was computed with -alpha R_b / I, see above", c_7)
+    coupling = Reason("the report computed it with -alpha R_b / I", c_7)
     return Section(
-        "Appendix: how the feedback coefficients were computed",
+        "Computation of the feedback coefficients",
         (
             number("c_1, recursion converged", "eq. (22)", "-4.93", gains["converged"][0], "V/in", not_converged),
             number("c_1, horizon of 0.05 s", "eq. (22)", "-4.93", gains["published"][0], "V/in"),
@@ -69,8 +69,8 @@ def _reason(design: Design, symbol: str, system: UnitSystem) -> Reason | None:
         return None
     low, high = (_c_3(design, c_i) for c_i in (_C_I_LOW, _C_I_UNCUT))
     text = (
-        f"within the rounding of the inputs, all else to the printed digits: C_i = {_C_I_LOW}, printed as 5.45, gives"
-        f" {to_text(low)}. Which C_i was used is not known: the uncut {_C_I_UNCUT} would give {to_text(high)}"
+        f"within the rounding of C_i: {_C_I_LOW}, printed as 5.45, gives {to_text(low)}; the uncut {_C_I_UNCUT} gives"
+        f" {to_text(high)}"
     )
     return Reason(text, low)
 
