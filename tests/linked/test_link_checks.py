@@ -35,6 +35,13 @@ def test_breakout_and_stiffness_are_those_of_the_rows_by_hand():
     assert all(check.passed for check in checks.values())
 
 
+def test_stiffness_is_measured_beyond_the_friction_of_the_feel():
+    """3 lb of friction hold the lever, and its spring has less than 1 lb at 5 deg: half of the push moved nothing."""
+    checks = by_name(project("helicopter"), "collective")
+    assert checks["stiffness"].value == pytest.approx(8000 * LB_IN, rel=SLOW)
+    assert all(check.passed for check in checks.values())
+
+
 def test_uncoupling_link_has_its_swing_measured_without_a_limit():
     swing = by_name(project("uncoupling"))["swing beyond rest, uncoupling"]
     assert swing.outcome == "measured"

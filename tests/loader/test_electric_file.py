@@ -11,7 +11,7 @@ import tomlkit
 import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.loader.axes import ELECTRIC_AXES
-from forcefeel.loader.built_in import digital_elevator, electric, elevator
+from forcefeel.loader.built_in import digital_elevator, electric, elevator, open_loader
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import ALTERNATIVES, ELECTRIC, TABLE, absent, has
 from forcefeel.units import UnitSystem
@@ -474,3 +474,12 @@ def test_supervisor_forces_match_axis_limits(name):
     loader = ff.loader.electric(name)
     found = loader["safety.force_limit"] / LB_N, loader["safety.absolute_force"] / LB_N
     assert found == pytest.approx(LIMITS_LB[name], rel=1e-9)  # rounding of the units
+
+
+def test_folder_of_results_does_not_hide_a_built_in_loader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``simulate aileron-wheel --out aileron-wheel``, twice."""
+    (tmp_path / "aileron-wheel").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert open_loader("aileron-wheel").name == "aileron-wheel"
+    (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\n')
+    assert ff.loader.read_project("cockpit.toml").loaders["roll"].name == "aileron-wheel"

@@ -56,8 +56,8 @@ def _version() -> str:
     return f"forcefeel {version('forcefeel')}"
 
 
-def command_line(*, listed: bool) -> App:
-    """The commands; ``listed`` with a line on each, for the list of them."""
+def command_line(*, listed: bool, helped: str = "") -> App:
+    """The commands; ``listed`` with a line on each, for the list of them; ``helped`` with its help in whole paragraphs."""
     app = App(
         name="forcefeel",
         help="Design, prove and run the force feel of aircraft simulator controls.",
@@ -77,7 +77,7 @@ def command_line(*, listed: bool) -> App:
         app.command(
             f"{_PLACE}.{name}:run",
             name=name,
-            help=_first_line(name) if listed else None,
+            help=_paragraphs(name)[0] if listed else "\n\n".join(_paragraphs(name)) if name == helped else None,
             sort_key=place,
             usage=" ".join(f"Usage: forcefeel {name} {takes} [OPTIONS]".split()),
             help_epilogue="",
@@ -88,12 +88,15 @@ def command_line(*, listed: bool) -> App:
 _PLACE = "forcefeel.cli"
 
 
-def _first_line(command: str) -> str:
-    """The first line of a command's help, read and not run: its file would load the numerical libraries."""
+def _paragraphs(command: str) -> list[str]:
+    """The paragraphs of a command's help, a line each, which the terminal breaks.
+
+    They are read and not run: the command's file would load the numerical libraries.
+    """
     spec = find_spec(f"{_PLACE}.{command}")
     source = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
     (function,) = (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef) and node.name == "run")
-    return (ast.get_docstring(function) or "").partition("\n")[0]
+    return [" ".join(paragraph.split()) for paragraph in (ast.get_docstring(function) or "").split("\n\n")]
 
 
 def run(tokens: list[str]) -> None:
@@ -106,7 +109,8 @@ def run(tokens: list[str]) -> None:
     """
     if tokens[:1] == ["help"]:
         tokens = [*tokens[1:], "--help"]
-    app = command_line(listed=not tokens or tokens[0].startswith("-"))
+    listed = not tokens or tokens[0].startswith("-")
+    app = command_line(listed=listed, helped=tokens[0] if "--help" in tokens or HELP_ALL in tokens else "")
     with named_extra():
         app(tokens, print_error=False, exit_on_error=False)
 

@@ -24,7 +24,7 @@ from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
-from forcefeel.files import input_kind
+from forcefeel.files import Kind, input_kind
 
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord
@@ -149,7 +149,7 @@ def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = Commiss
     inputs = [
         path_given
         for path_given in (path, options.simulate_bench, *options.data)
-        if path_given is not None and input_kind(path_given)
+        if path_given is not None and input_kind(path_given) is Kind.FILE
     ]
     command = options.command_line(path)
     check_folder(options.out, command, replace=options.replace, inputs=inputs)  # before the work, not after it

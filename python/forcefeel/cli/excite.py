@@ -148,7 +148,7 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     machine: Annotated[
         Literal["bus"] | None,
         option(
-            "Play the signal on the drive of the file's table [bus], and record its sensors: the motor moves the column. "
+            "Play the signal on the drive of the file's table [bus], and write what its sensors show: the motor moves the column. "
             "For motor-open at the controller's rate.",
             MACHINE,
             default="none: the file has the signal alone",
@@ -203,11 +203,11 @@ class ExciteOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
     """Design the bench signal that determines the chosen parameters best within the limits of the loader.
 
-    Writes a CSV file for the bench. With the measured columns added, forcefeel identify reads it; --machine bus
-    plays the signal on the drive and adds them. Exit status 1 if the experiment cannot separate the parameters (no file is
-    written) or does not determine one.
+    Writes a CSV file for the bench. forcefeel identify reads it once the measured columns are added; with --machine bus the drive
+    plays the signal and adds them. Exit status 1 if the experiment cannot separate the parameters (no file is written) or does
+    not determine one.
 
-    Example: forcefeel excite elevator-1974 --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
+    Example: forcefeel excite elevator-2khz --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
     """
     from forcefeel.bench.excitation import NotSeparableError, excite, write_excitation
     from forcefeel.bench.excitation.as_json import excitation_json

@@ -26,7 +26,6 @@ from forcefeel.cli.options import (
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
-from forcefeel.files import input_kind
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -185,9 +184,9 @@ def _percent(share: float) -> str:
 
 def _loader_file(path: Path | None) -> list[Path]:
     """The loader file, where it is one and not a built-in loader."""
-    from forcefeel.loader.built_in import BUILT_IN
+    from forcefeel.loader.built_in import is_built_in
 
-    return [] if path is None or (str(path) in BUILT_IN and not input_kind(path)) else [path]
+    return [] if path is None or is_built_in(path) else [path]
 
 
 def _estimated(identification: "Identification", given: "Sequence[Response | BenchRecord]") -> "list[Response]":

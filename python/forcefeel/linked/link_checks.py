@@ -46,7 +46,7 @@ _RAMP_S, _BEYOND = 8.0, 1.4
 """Time of a slow push to its largest force, and that force as a share of what the breakout takes."""
 
 _LOW, _HIGH = 0.3, 0.8
-"""Part of the way to the breakout over which the stiffness is measured."""
+"""Part of the way to the breakout over which the stiffness is measured, from the force at which the feel lets the column go."""
 
 _RELEASE_RAD, _RELEASE_S = radians(5.0), 2.0
 
@@ -111,10 +111,10 @@ def _of_run(run: LinkedRun, checks: list[OwnCheck]) -> list[OwnCheck]:
 def _breakout_force(link: Link, loader: Loader) -> float:
     """Force at the first grip that the breakout takes, with the feel's at the angle there.
 
-    Without a breakout, that of the feel alone at the angle of a release.
+    Without a breakout, that of the feel alone at the angle of a release, beyond the force at which it lets the column go.
     """
     if not isfinite(link["breakout"]):
-        return float(_feel_force(loader, np.array([_RELEASE_RAD]), 1.0)[0])
+        return float(np.sum(_feel_force(loader, np.array([0.0, _RELEASE_RAD]), 1.0)))
     angle = link["breakout"] / link["stiffness"] + link["play"] / 2
     return float(link["breakout"] / loader["column.grip_arm"] + _feel_force(loader, np.array([angle]), 1.0)[0])
 
@@ -178,7 +178,7 @@ def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
     if not isfinite(row):
         out = len(angle) // 2  # the top of the push
     if sign > 0:
-        slope = _slope(angle, of_link * arm, out)
+        slope = _slope(angle, of_link * arm, outputs["first_hand_force_n"], loader, out)
         checks.append(_within("stiffness", slope, link.stiffness_to_jam, STIFFNESS, ROTARY_STIFFNESS))
         if isfinite(row) and link.after_breakout is AfterBreakout.OVERRIDE:
             back = outputs["first_link_torque_n_m"][len(angle) // 2 :]
@@ -187,12 +187,14 @@ def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
     return checks
 
 
-def _slope(angle: _Array, torque: _Array, out: int | None) -> float:
+def _slope(angle: _Array, torque: _Array, force: _Array, loader: Loader, out: int | None) -> float:
     """Torque of the link per angle on the way to where it gives way."""
     if not out:
         return nan
-    part = slice(int(_LOW * out), int(_HIGH * out))
-    return float(np.polyfit(angle[part], torque[part], 1)[0])
+    lets_go = float(_feel_force(loader, np.array([0.0]), 1.0)[0])
+    share = (force[:out] - lets_go) / (force[out] - lets_go)
+    part = (share > _LOW) & (share < _HIGH)
+    return float(np.polyfit(angle[:out][part], torque[:out][part], 1)[0])
 
 
 def _within(name: str, value: float, row: float, share: float, unit: Unit) -> OwnCheck:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from forcefeel.errors import InputError, suggestion
-from forcefeel.files import input_kind
+from forcefeel.files import Kind, input_kind
 from forcefeel.loader.axes import ELECTRIC_AXES
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import HYDRAULIC, OFF, TABLE, absent, has
@@ -111,6 +111,11 @@ BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
 """Loaders by name."""
 
 
+def is_built_in(given: str | Path) -> bool:
+    """Whether a name is a built-in loader's, and no file has it; a folder of results may."""
+    return str(given) in BUILT_IN and input_kind(Path(given)) in (None, Kind.FOLDER)
+
+
 def open_loader(given: str | Path | None) -> Loader:
     """The loader of a file, or a built-in one by its name; ``elevator-2khz`` if not given.
 
@@ -120,9 +125,8 @@ def open_loader(given: str | Path | None) -> Loader:
     if given is None:
         return digital_elevator()
     name = str(given)
-    there = input_kind(Path(given))
-    if name in BUILT_IN and not there:
+    if is_built_in(given):
         return BUILT_IN[name]()
-    if not there and (close := suggestion(name, BUILT_IN)):
+    if not input_kind(Path(given)) and (close := suggestion(name, BUILT_IN)):
         raise InputError(f"{name}: expected a loader file or a built-in loader, found no such file{close}")
     return load(given)

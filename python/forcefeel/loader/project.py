@@ -183,7 +183,7 @@ def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> t
         raise InputError(f"expected a loader, such as {_EXAMPLE}, got {show(given)}")
     file = folder / given
     at = file
-    if input_kind(file) or given not in BUILT_IN:
+    if given not in BUILT_IN or input_kind(file) not in (None, Kind.FOLDER):
         loader = load(file)
         if (other := taken.get(file.resolve(), motion_axis(axis))) != motion_axis(axis):
             raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")

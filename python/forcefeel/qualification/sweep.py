@@ -213,9 +213,10 @@ def _begin(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: 
     beyond = known & (off > 0) & (size > onset)
     begins_at = float(np.min(size[beyond], initial=np.inf))
     rising = beyond & (size <= begins_at + (_ONSET[1] - _ONSET[0]) * most)
-    # Position over force, extrapolated to zero force.
+    # Position over force, extrapolated to zero force. The spring begins no farther than where its force is seen: the steep rise
+    # of a breakout, which no line fits, leaves no more in doubt than an even distribution up to there.
     begin, _, deviation, _ = _line(size[rising], off[rising])
-    return begin, deviation
+    return begin, min(deviation, float(np.min(off[beyond], initial=np.inf)) / math.sqrt(12))
 
 
 def _freeplay(legs: Legs, spring: _Array, known_n: float, unit: PositionUnit) -> Figure:

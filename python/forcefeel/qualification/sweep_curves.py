@@ -30,6 +30,8 @@ class Legs:
         moved: First sample away from neutral.
         turns: Samples at which the control turns back.
         directions: Samples of rising and of falling position (samples,), without the stops.
+        left: Samples since the control left the grid point of neutral (samples,). The force of a control at rest in its
+            friction is any up to its limit, and its linkage gives a little under it: no curve has that force.
         near: Distance within which positions are equal.
     """
 
@@ -39,6 +41,7 @@ class Legs:
     moved: int
     turns: tuple[int, int]
     directions: tuple[_Mask, _Mask]
+    left: _Mask
     near: float
 
     @classmethod
@@ -69,7 +72,9 @@ class Legs:
         rising = (leg_number != 1) == first_up
         last = len(x) - int(np.argmax(np.abs(x[::-1] - x[-1]) > near))
         usable = ~at_stop & (np.arange(len(x)) >= moved) & (np.arange(len(x)) < last)
-        legs = cls(np.linspace(low, high, points), x, neutral, moved, turns, (usable & rising, usable & ~rising), near)
+        grid = np.linspace(low, high, points)
+        left = np.maximum.accumulate(np.abs(x - neutral) > (grid[1] - grid[0]) / 2)
+        legs = cls(grid, x, neutral, moved, turns, (usable & rising, usable & ~rising), left, near)
         for curve, direction in zip(legs.curves(x), ("rises", "falls"), strict=True):
             if np.mean(np.isfinite(curve)) < _COVERED:
                 raise InputError(
@@ -85,7 +90,8 @@ class Legs:
             values: Values of the samples (samples,).
             among: Mask of the used samples (samples,). Default: all.
         """
-        up, down = (direction if among is None else direction & among for direction in self.directions)
+        used = self.left if among is None else self.left & among
+        up, down = (direction & used for direction in self.directions)
         return self._binned(values, up), self._binned(values, down)
 
     @property
