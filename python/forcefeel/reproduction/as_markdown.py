@@ -38,12 +38,12 @@ def summary(sections: tuple[Section, ...]) -> str:
 
 
 def _table(rows: list[Row]) -> list[str]:
-    """The rows as a table, a reason that several share at the first of them."""
+    """The rows as a table; a reason of the row above is not repeated."""
     lines = ["| item | where | printed | computed | verdict |", "|---|---|---|---|---|"]
-    first: dict[str, str] = {}
+    above = ""
     for row in rows:
-        same = first.setdefault(row.reason, row.item)
-        verdict = f"{row.verdict}: {row.reason if same == row.item else f'as {same}'}"
+        verdict = f"{row.verdict}: {'as above' if row.reason == above else row.reason}"
+        above = row.reason
         cells = (row.item, row.where, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict)
         lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return [*lines, ""] if rows else []
