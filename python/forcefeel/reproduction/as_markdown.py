@@ -39,11 +39,13 @@ def summary(sections: tuple[Section, ...]) -> str:
 
 def _table(rows: list[Row]) -> list[str]:
     """The rows as a table; a reason of the row above is not repeated."""
-    lines = ["| item | where | printed | computed | verdict |", "|---|---|---|---|---|"]
+    lines = ["| item | printed | computed | verdict |", "|---|---|---|---|"]
     above = ""
     for row in rows:
-        verdict = f"{row.verdict}: {'as above' if row.reason == above else row.reason}"
+        item = row.item if row.where.removeprefix("page of ") in row.item else f"{row.item} ({row.where})"
+        reason = "as above" if row.reason == above else row.reason
         above = row.reason
-        cells = (row.item, row.where, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict)
+        verdict = f"{str(row.verdict).partition(',')[0]}: {reason or 'no known reason'}"
+        cells = (item, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict)
         lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return [*lines, ""] if rows else []

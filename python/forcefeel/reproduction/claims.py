@@ -48,7 +48,7 @@ def _sign(design: Design) -> list[Row]:
         fastest = poles[np.argmax(poles.real)]
         rows.append(
             claim(
-                f"{linkage} model is stable at the low setting, with the sign of eq. (12) as printed",
+                f"{linkage} model is stable at the low setting, printed sign of eq. (12)",
                 "eq. (12)",
                 float(fastest.real),
                 "1/s",
