@@ -46,9 +46,7 @@ def single(tmp_path_factory):
     return out
 
 
-@pytest.mark.parametrize(
-    ("compiler", "level"), [("gcc", 0), ("gcc", 2), ("gcc", 3), ("clang", 2)]
-)
+@pytest.mark.parametrize(("compiler", "level"), [("gcc", 0), ("gcc", 2), ("gcc", 3), ("clang", 2)])
 def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, level):
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_law.c", "pitch_test.o", "-lm")
