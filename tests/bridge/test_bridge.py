@@ -232,7 +232,7 @@ def test_mutated_packets_are_left_out_without_an_error():
     [
         (("x-plane", "--answers", "127.0.0.1:5"), "--answers"),
         (("text", "--at", "here"), "--at: expected an address"),
-        (("text", "--at", "192.0.2.1:5000"), "cannot be listened at"),
+        (("text", "--at", "192.0.2.1:5000"), "cannot listen at"),
         (("text", "--loader", "127.0.0.1:0"), "--loader"),
         (("text", "--travel", "0 deg"), "--travel: expected a value above 0"),
         (("text", "--travel", "15"), "--travel"),

@@ -22,7 +22,7 @@ class Text:
     """A simulator that sends lines to an address of ours, and is answered where it sent them from, or at another.
 
     Raises:
-        OSError: If the address cannot be listened at.
+        OSError: If it cannot listen at the address.
 
     Example:
         >>> text = ff.bridge.Text(("127.0.0.1", 0))

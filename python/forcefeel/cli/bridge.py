@@ -54,7 +54,7 @@ class BridgeOptions(OutputOptions):
             metavar="HOST:PORT",
         ),
     ] = None
-    axis: Annotated[Axis, option("The control that the loader is.", BRIDGE)] = Axis.PITCH
+    axis: Annotated[Axis, option("Control of the loader.", BRIDGE)] = Axis.PITCH
     travel: Annotated[
         str, option("Angle of the column at which the aircraft's control is fully over.", BRIDGE, metavar="ANGLE")
     ] = "15 deg"
@@ -74,9 +74,9 @@ def run(
 ) -> None:
     """Connect an aircraft simulator to a running loader: the flight to the loader, the column's angle to the aircraft.
 
-    Start the loader with forcefeel run LOADER --host 8732. x-plane is X-Plane 11 or 12 by its UDP interface; text takes lines of
-    text over UDP, as FlightGear's generic protocol and a script in DCS send them. The loader's surface has its hinge moment in
-    that flight. Ctrl-C ends the bridge and gives the aircraft's control back. Exit status 1 if simulator or loader never
+    Start the loader with forcefeel run LOADER --host 8732. x-plane connects X-Plane 11 or 12 by its UDP interface; text
+    takes lines of text over UDP from FlightGear's generic protocol or a script in DCS. The loader's surface has its hinge moment
+    in that flight. Ctrl-C ends the bridge and gives the aircraft's control back. Exit status 1 if simulator or loader never
     answered, or the loader refused the last packet.
 
     Example: forcefeel bridge x-plane --loader 127.0.0.1:8732 --travel '15 deg'
@@ -119,7 +119,7 @@ def _simulator(kind: SimulatorKind, options: BridgeOptions) -> "Simulator":
     try:
         return Text(_address("--at", at), None if options.answers is None else _address("--answers", options.answers))
     except OSError as error:
-        raise InputError(f"--at: {at} cannot be listened at ({error.strerror}); take another port") from error
+        raise InputError(f"--at: cannot listen at {at} ({error.strerror}); take another port") from error
 
 
 def _address(name: str, text: str) -> tuple[str, int]:

@@ -54,10 +54,10 @@ class EmulateOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOptions()) -> None:
     """Run a loader's simulated machine behind its drive's bus: a serial port that any client of the drive opens.
 
-    Prints the port, then the table [bus] of each loader. forcefeel run --machine bus opens it. So does any client: of
-    moteus, whose port has the lines of the fdcanusb adapter, moteus_tool and the Python package moteus; of ODrive, whose port is an
-    slcan adapter, python-can with interface="slcan"; of EtherCAT, on a network interface, any master. Of a project all axes are on
-    one bus.
+    Prints the port, then the table [bus] of each loader. forcefeel run --machine bus and any client of the drive open it.
+    A moteus is behind an fdcanusb adapter, for moteus_tool and the Python package moteus; an ODrive behind an slcan adapter, for
+    python-can with interface="slcan"; a drive on EtherCAT at a network interface, for any master. All axes of a project are on one
+    bus.
 
     Example: forcefeel emulate desktop-yoke --bus moteus --port yoke-bus
     """

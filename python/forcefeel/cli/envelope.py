@@ -78,7 +78,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         from forcefeel.sweep import text
 
         if self.compare and self.law:
-            raise InputError("--compare and --law: given both; --compare takes all, leave one out")
+            raise InputError("--compare and --law: given both, and --compare takes all laws; leave one out")
         names = names_for(loader) if self.compare else self.law or (default_law(loader),)
         plan = make_plan(
             loader,

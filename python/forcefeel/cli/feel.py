@@ -174,7 +174,8 @@ _OPTIONS = {
 def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:
     """Make a feel from measured force over position and a recorded release.
 
-    Replaces the feel of the loader and writes the loader file. Prints each row with its 95 % interval, and what stays open.
+    Replaces the feel of the loader and writes the loader file. Prints each row with its 95 % interval, and the rows that the data
+    leave open.
 
     Example: forcefeel feel elevator-2khz --from flight.csv --frequency "2 Hz" --damping 0.2 --out my.toml
     """

@@ -42,7 +42,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
     axis: Annotated[
         FlightAxis | None,
         option(
-            "Control that the loader is: pitch, roll or yaw.",
+            "Control of the loader: pitch, roll or yaw.",
             FLIGHT,
             default="axis of the built-in loader, otherwise pitch",
         ),
@@ -88,7 +88,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
     rules: Annotated[
         bool,
         option(
-            "Fly what the rules need and judge them: Part 60 beside the feel alone, and 14 CFR 23, 25 or MIL-F-8785C by "
+            "Fly the tests of the rules and judge them: Part 60 against the feel alone, and 14 CFR 23, 25 or MIL-F-8785C by "
             "the aircraft's category. Exit status 0 if all are met, otherwise 1.",
             MANEUVER,
         ),

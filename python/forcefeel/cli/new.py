@@ -70,7 +70,7 @@ def run(
 
     sheet = options.data_sheet
     if sheet and is_same(sheet, path):
-        raise InputError(f"{path} is the data sheet that the loader is made from; name another file")
+        raise InputError(f"{path} is the data sheet of this loader; name another file")
     check_output_file(path, replace=options.replace)
     loader = BUILT_IN[_chosen(options)]()
     if sheet:
@@ -101,5 +101,5 @@ def _chosen(options: NewOptions) -> str:
         asked = {"--drive": options.drive, "--axis": options.axis, "--built-in": options.built_in}
         given = " ".join(f"{name} {value}" for name, value in asked.items() if value)
         known = ", ".join(f"{name} ({drives[name]}, {control_of(axis)})" for name, axis in AXIS_OF.items())
-        raise InputError(f"{given}: there is no such loader; built in are {known}")
+        raise InputError(f"{given}: no built-in loader has these; expected {known}")
     return fitting[0]

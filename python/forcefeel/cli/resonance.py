@@ -125,7 +125,7 @@ def _response(data: "Response | BenchRecord", measured: str | None) -> "Response
         return estimate_response(data, channel(measured))
     names = [name for name in OUTPUTS if name in data.channels]
     if "column_angle" not in names and len(names) > 1:
-        raise InputError(f"--channel: expected which channel is read, {' or '.join(names)}; give one")
+        raise InputError(f"--channel: expected {' or '.join(names)}, got none; name the channel to read")
     return estimate_response(data, "column_angle" if "column_angle" in names else names[0])
 
 

@@ -91,7 +91,7 @@ def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
             raise InputError(f"{option}: {key} is given twice; give it once")
         values[key] = _WORDS.get(given.lower(), given)
         if values[key] is None and key in TABLE and TABLE[key].off_si is None:
-            raise InputError(f"{option}: {key} is what every loader has; expected a value, got {show(given)}")
+            raise InputError(f"{option}: {key} is required in every loader; expected a value, got {show(given)}")
     return values
 
 

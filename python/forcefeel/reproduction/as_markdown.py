@@ -1,10 +1,10 @@
 """The comparison as Markdown, and in a sentence."""
 
-from forcefeel.reproduction.table import Section, Verdict
+from forcefeel.reproduction.table import Row, Section, Verdict
 
 
 def markdown(sections: tuple[Section, ...]) -> str:
-    """The comparison as Markdown: a table per section, a reason that several of its rows share at the first of them.
+    """The comparison as Markdown: per section a table of what differs or has a remark, then the numbers that agree.
 
     Example:
         >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
@@ -13,18 +13,11 @@ def markdown(sections: tuple[Section, ...]) -> str:
     """
     lines = [summary(sections), ""]
     for section in sections:
-        places = {row.where for row in section.rows}
-        title = f"{section.title} ({places.pop()})" if len(places) == 1 else section.title
-        head = ["item", *(["where"] if places else []), "printed", "computed", "verdict"]
-        lines += [f"## {title}", "", _line(head), "|---" * len(head) + "|"]
-        first: dict[str, str] = {}
-        for row in section.rows:
-            same = first.setdefault(row.reason, row.item)
-            reason = row.reason if same == row.item else f"as {same}"
-            where = [row.where] if places else []
-            verdict = f"{row.verdict}: {reason}" if row.reason else str(row.verdict)
-            lines.append(_line([row.item, *where, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict]))
-        lines.append("")
+        agree = [row for row in section.rows if row.verdict is Verdict.AGREES and not row.reason]
+        lines += [f"## {section.title}", "", *_table([row for row in section.rows if row not in agree])]
+        if agree:
+            numbers = "; ".join(f"{row.item}: {row.printed} {row.unit}".rstrip() for row in agree)
+            lines += [f"Agree: {numbers}.", ""]
     return "\n".join(lines)
 
 
@@ -44,5 +37,13 @@ def summary(sections: tuple[Section, ...]) -> str:
     )
 
 
-def _line(cells: list[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
+def _table(rows: list[Row]) -> list[str]:
+    """The rows as a table, a reason that several share at the first of them."""
+    lines = ["| item | where | printed | computed | verdict |", "|---|---|---|---|---|"]
+    first: dict[str, str] = {}
+    for row in rows:
+        same = first.setdefault(row.reason, row.item)
+        verdict = f"{row.verdict}: {row.reason if same == row.item else f'as {same}'}"
+        cells = (row.item, row.where, row.printed, f"{row.computed} {row.unit}".rstrip(), verdict)
+        lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
+    return [*lines, ""] if rows else []
