@@ -46,9 +46,7 @@ def single(tmp_path_factory):
     return out
 
 
-@pytest.mark.parametrize(
-    ("compiler", "level"), [("gcc", 0), ("gcc", 1), ("gcc", 2), ("gcc", 3), ("clang", 1), ("clang", 2)]
-)
+@pytest.mark.parametrize(("compiler", "level"), [("gcc", 0), ("gcc", 2), ("gcc", 3), ("clang", 2)])
 def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, level):
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_law.c", "pitch_test.o", "-lm")
@@ -160,9 +158,13 @@ def several(tmp_path_factory):
     return written(valve(), tmp_path_factory.mktemp("several"), single=True)
 
 
-def test_misra_rules_hold_except_for_documented_deviations(single, several):
-    """One setting, and several that are linked to one program with it: their names must not meet."""
+def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
+    """Several settings with every part, and a motor that is linked to one program with them: their names must not meet.
+
+    The checker takes a second for each part of a feel, so that the motor has only its own: its curve and its cogging.
+    """
     needs("cppcheck")
+    single = written(motor({}), tmp_path, single=True)
     # As gcc for the board sees it: each configuration is checked anew, and takes as long.
     asked = ("--addon=misra", "--std=c99", "--enable=style,warning,performance,portability", "-D__GNUC__=12", "--quiet")
     sources = [several / "pitch_law.c", single / "roll_law.c", several / "pitch_main.c"]

@@ -125,14 +125,21 @@ def test_library_of_the_installation_is_one_object_of_two_functions(triple, sing
     assert not re.search(rb"panic|unwrap|slice_index_fail|/home/|/root/|/tmp/", content)
 
 
-def test_double_precision_board_matches_bitwise(tmp_path, monkeypatch):
+def test_double_precision_board_matches_bitwise_without_a_download(tmp_path, monkeypatch):
+    """A cargo in between notes how it is called; the README tells what else it would have fetched."""
     needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")
+    real, asked, out = shutil.which("cargo"), tmp_path / "asked", tmp_path / "out"
+    (tmp_path / "cargo").write_text(f'#!/bin/sh\necho "$@" >> {asked}\nexec {real} "$@"\n', encoding="utf-8")
+    (tmp_path / "cargo").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("RUSTFLAGS", "-C target-cpu=cortex-m7 -C target-feature=+fp64")
-    exported(motor(), tmp_path, triple=BOARD)
-    text = run(tmp_path, "make", "test", "CPU=cortex-m7", f"MACHINE={BOARDS['cortex-m7']}")
+    exported(motor(), out, triple=BOARD)
+    assert [line.split()[-1] for line in asked.read_text(encoding="utf-8").splitlines()] == ["--offline"]
+    assert "cargo takes the crate libm from its cache" in (out / "README.md").read_text(encoding="utf-8")
+    text = run(out, "make", "test", "CPU=cortex-m7", f"MACHINE={BOARDS['cortex-m7']}")
     assert re.search(r"^roll: \d{5} samples, 0 differ$", text, re.MULTILINE)
     # The law itself has no call of a sum or product in software.
-    assert "vmul.f64" in run(tmp_path, "arm-none-eabi-objdump", "-d", "roll_test")
+    assert "vmul.f64" in run(out, "arm-none-eabi-objdump", "-d", "roll_test")
 
 
 def test_modified_law_is_detected(here, tmp_path):
@@ -253,7 +260,10 @@ def test_library_of_other_sources_is_not_used(without_libraries):
     digest.write_text(firmware_library.source_digest(), encoding="utf-8")
     assert firmware_library.firmware_library(triple, single=False) == b"!<arch>\n"
     digest.write_text("0" * 64, encoding="utf-8")
-    assert "because this installation has no library of its sources" in library_origin(triple, single=False)
+    assert library_origin(triple, single=False) == (
+        f"Compiled by cargo, because this installation has no library of its sources for {triple}; make firmware-libraries builds "
+        "it; cargo takes the crate libm from its cache, or fetches it from its registry, crates.io."
+    )
 
 
 def test_missing_cargo_writes_nothing(tmp_path, monkeypatch, without_libraries):
@@ -263,18 +273,10 @@ def test_missing_cargo_writes_nothing(tmp_path, monkeypatch, without_libraries):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_cached_crate_is_not_downloaded(tmp_path, forcefeel, monkeypatch, without_libraries):
-    """A cargo in between notes how it is called; command and README tell what else it would have fetched."""
-    needs("cargo")
-    real, asked = shutil.which("cargo"), tmp_path / "asked"
-    (tmp_path / "cargo").write_text(f'#!/bin/sh\necho "$@" >> {asked}\nexec {real} "$@"\n', encoding="utf-8")
-    (tmp_path / "cargo").chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+def test_command_tells_where_the_library_is_from(forcefeel):
     status, shown, _ = forcefeel("export", "elevator-electric", "--to", "firmware", "--out", "out")
-    assert (status, "cargo takes the crate libm from its cache" in " ".join(shown.split())) == (0, True)
-    assert "make firmware-libraries builds it" in " ".join(shown.split())
-    assert [line.split()[-1] for line in asked.read_text(encoding="utf-8").splitlines()] == ["--offline"]
-    assert "cargo takes the crate libm from its cache" in (tmp_path / "out" / "README.md").read_text(encoding="utf-8")
+    origin = library_origin(firmware_library.target_of(None), single=False)
+    assert (status, origin in " ".join(shown.split())) == (0, True)
 
 
 def test_missing_crate_without_network_is_named(tmp_path, monkeypatch, without_libraries):

@@ -66,12 +66,12 @@ def test_pair_has_the_bits_of_its_simulation(rows):
 
 
 @pytest.mark.parametrize("single", [False, True])
-@pytest.mark.parametrize("level", [0, 2])
-def test_compiled_pair_matches_bitwise(tmp_path, single, level):
+def test_compiled_pair_matches_bitwise(tmp_path, single):
     needs("gcc")
     folder = written(pair(priority_force=20.0), tmp_path, single=single)
-    printed = run(folder, "make", "test", "CC=gcc", f"CFLAGS=-O{level}")
-    assert "x_stick_pitch_link: 6000 samples, 0 differ\n" in printed
+    for level in (0, 2):
+        printed = run(folder, "make", "-B", "test", "CC=gcc", f"CFLAGS=-O{level}")
+        assert "x_stick_pitch_link: 6000 samples, 0 differ\n" in printed
     run(folder, "make", "CC=gcc")
     assert len(run(folder, "./x_stick_pitch_link_main").splitlines()) == 4
 
@@ -101,7 +101,7 @@ int main(void) {
 
 @pytest.mark.parametrize(
     ("delay", "after", "middle"),
-    [(1, "override", {}), (2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY), (7, "override", BODY)],
+    [(2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY)],
 )
 def test_link_alone_answers_random_input_with_the_bits_of_the_core(tmp_path, delay, after, middle):
     needs("gcc")

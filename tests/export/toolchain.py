@@ -79,9 +79,9 @@ def valve():
     return ff.export.Exported.of("robust", loader, "pitch", ff.flight_schedule.read_knots(KNOTS).feel[:2])
 
 
-def motor():
+def motor(feel=NONLINEAR):
     """A motor's law for one setting, with every nonlinear part of the feel, a curve for its spring, and cogging."""
-    loader = ff.loader.electric("elevator-electric").replace(NONLINEAR | {"motor.cogging_torque": "0.1 N m"})
+    loader = ff.loader.electric("elevator-electric").replace(feel | {"motor.cogging_torque": "0.1 N m"})
     curve = ff.loader.Curve((-0.3, -0.1, 0.0, 0.1, 0.3), (-300.0, -120.0, 0.0, 100.0, 320.0))
     return ff.export.Exported.of("robust", replace(loader, force_curve=curve), "roll")
 

@@ -9,6 +9,9 @@ from forcefeel import _core
 from forcefeel.loader.built_in import open_loader
 
 MOST_ENERGY_J, MOST_TIME_ABOVE_S = 10.0, 0.02
+RUNS = 1200
+"""Some fifty of each kind. ``benchmarks/faults.py`` and ``benchmarks/linked_faults.py`` run millions."""
+
 KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
 """Columns of the outcomes."""
 
@@ -27,7 +30,7 @@ def loaders() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def test_fault_gives_hand_less_than_ten_joules(loaders) -> None:
-    outcomes = _core.supervised_faults(*loaders, seed=3, count=4000, faults=1)
+    outcomes = _core.supervised_faults(*loaders, seed=3, count=RUNS, faults=1)
     kinds = np.array(_core.fault_kinds())[outcomes[:, KIND].astype(int)]
     assert set(kinds) == set(_core.fault_kinds())
     assert not outcomes[:, WRONG].any()
@@ -57,7 +60,7 @@ def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -
     rows = np.array([law.rows()[0] for law in laws if law is not None])
     shaft = ff.loader.read_project("examples/cockpit/transport-column.toml").links["pitch"]
     links = [((0, 0), sticks.values.tolist(), 2, False), ((1, 1), shaft.values.tolist(), None, False)]
-    outcomes = _core.supervised_pair_faults(values, rows, links, seed=5, count=3000, faults=1)
+    outcomes = _core.supervised_pair_faults(values, rows, links, seed=5, count=RUNS, faults=1)
     sides = outcomes[:, 4:].reshape(len(outcomes), 2, -1)
     faulty = outcomes[:, 1].astype(int)
     at, other = sides[np.arange(len(sides)), faulty], sides[np.arange(len(sides)), 1 - faulty]

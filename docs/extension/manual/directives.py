@@ -1,4 +1,4 @@
-"""Directives: a terminal that was typed in, Python that was run, a picture of what came of it."""
+"""Directives: a terminal that was typed in, Python that was run, a picture of what came of it, a recording of the console."""
 
 import contextlib
 import io
@@ -136,6 +136,20 @@ class Picture(SphinxDirective):
         return [figure]
 
 
+class Recording(SphinxDirective):
+    """The console of a built-in loader while a hand moves the column."""
+
+    required_arguments = 1
+    option_spec: ClassVar[dict[str, Any]] = {"alt": options.unchanged_required}
+
+    def run(self) -> list[nodes.Node]:
+        if not (self.config.manual_pictures and self.config.manual_runs):
+            return [nodes.paragraph("", f"(A recording that this build leaves out: {self.options['alt']})")]
+        name = f"{self.arguments[0]}.webp"
+        _CAMERA.record(self.arguments[0], Path(self.env.srcdir, PICTURES, name))
+        return [_image(self, f"/{PICTURES}/{name}", self.options.get("alt", ""))]
+
+
 def _image(directive: SphinxDirective, uri: str, alt: str) -> nodes.image:
     if not alt:
         raise directive.error("a picture has a text for those who cannot see it: give :alt:")
@@ -146,4 +160,5 @@ def setup(app: Sphinx) -> None:
     app.add_directive("terminal", TerminalBlock)
     app.add_directive("run-python", RunPython)
     app.add_directive("picture", Picture)
+    app.add_directive("recording", Recording)
     app.connect("build-finished", lambda app, problem: _CAMERA.close())

@@ -8,6 +8,7 @@ from sphinx.errors import ExtensionError
 
 from forcefeel.errors import InputError
 from forcefeel.page.chromium import VARIABLE, find_chromium
+from manual.recording import record
 
 _DRAWN = "() => [...document.querySelectorAll('.plotly-graph-div')].every(plot => plot.querySelector('.trace, .hm'))"
 _PATIENCE_MS = 60_000
@@ -38,6 +39,10 @@ class Camera:
         if not element.count():
             raise ExtensionError(f"picture: {page_file.name} has nothing that {selector!r} finds")
         element.screenshot(path=picture, timeout=_PATIENCE_MS)
+
+    def record(self, loader: str, picture: Path) -> None:
+        """Records the console of a built-in loader, see ``recording``."""
+        record(self._started(), loader, picture)
 
     def close(self) -> None:
         """Ends the Chromium, if one was started."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import isfinite, radians
 from types import MappingProxyType
 from typing import Annotated, TypedDict, Unpack
@@ -155,7 +156,7 @@ class Plan:
         """Number of releases that take as long as all settings in one contact."""
         return round(self.settings.count * CONTACT_TIME)
 
-    @property
+    @cached_property
     def linear(self) -> bool:
         """Whether the loader has no optional rows, so that releases are exact."""
         return not self.loader.given

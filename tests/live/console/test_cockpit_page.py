@@ -11,6 +11,7 @@ import pytest
 import forcefeel as ff
 
 STICKS = Path(__file__).parents[3] / "examples" / "cockpit" / "linked-sticks.toml"
+WIDTHS = (1280, 390)
 FIRST, SECOND = "stick-pitch", "stick-pitch-first-officer"
 LONGEST_MS = 40_000
 
@@ -32,7 +33,7 @@ def console(cockpit):
         yield server
 
 
-@pytest.fixture(scope="module", params=(1280, 390))
+@pytest.fixture(scope="module", params=WIDTHS)
 def page(request, browser, console):
     window = browser.new_page(viewport={"width": request.param, "height": 900})
     window.set_default_timeout(LONGEST_MS)
@@ -80,6 +81,7 @@ def test_drag_in_a_panel_moves_both_linked_controls(page, cockpit):
     until(page, lambda: cockpit[FIRST].hand_force_n == 0)
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_link_is_opened_and_closed(page, cockpit):
     button = page.locator("#links button").first
     button.click()
@@ -89,6 +91,7 @@ def test_link_is_opened_and_closed(page, cockpit):
     until(page, lambda: all(session.settings.link_holds for session in cockpit.values()))
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_priority_is_taken_and_given(page, cockpit):
     button = page.locator("#links button", has_text=f"Priority {SECOND}")
     button.click()
@@ -98,6 +101,7 @@ def test_priority_is_taken_and_given(page, cockpit):
     until(page, lambda: not cockpit[SECOND].priority)
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_stop_of_the_cockpit_is_shown_cleared_and_followed_by_restart(page):
     page.keyboard.press("Escape")
     for axis in (FIRST, SECOND):

@@ -128,6 +128,7 @@ def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
     assert running.trips == ()
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_closed_browser_releases_hand_and_loop_continues(page, browser, console, running):
     page.click("#take")
     page.locator("#holder", has_text="No client").wait_for()
@@ -149,6 +150,7 @@ def test_closed_browser_releases_hand_and_loop_continues(page, browser, console,
     page.locator("#holder", has_text="You have control.").wait_for()
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_feel_sliders_change_the_feel(page, running):
     before = running.loader["feel.stiffness"]
     number = page.locator("[id='number-feel.stiffness']")
@@ -198,6 +200,7 @@ def test_stop_without_connection_is_sent_first_on_reconnect(page, running):
     page.locator("#state.active").wait_for()
 
 
+@pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_fault_is_injected_and_cleared(page, running):
     page.locator("#fault").select_option("no_samples")
     page.click("#break")

@@ -19,12 +19,11 @@ def wired():
             yield session, emulator, console
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-def test_page_names_the_drives_fault_until_it_is_well(browser, wired, width):
+def test_page_names_the_drives_fault_until_it_is_well(browser, wired):
     session, emulator, console = wired
     session.on()
     until(lambda: session.state.name == "active")
-    page = browser.new_page(viewport={"width": width, "height": 900})
+    page = browser.new_page(viewport={"width": 390, "height": 900})
     page.set_default_timeout(LONGEST_MS)
     page.goto(console.address)
     page.locator("#state.active").wait_for()
