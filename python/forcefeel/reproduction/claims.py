@@ -53,7 +53,7 @@ def _sign(design: Design) -> list[Row]:
                 float(fastest.real),
                 "1/s",
                 holds=bool(fastest.real < 0),
-                reason="a real pole runs away: the printed sign is not the loader's",
+                reason="a real pole runs away",
             )
         )
     return rows
@@ -70,7 +70,7 @@ def _printed_digits(design: Design) -> Row:
         assessment.static_angle_rad,
         "rad",
         holds=abs(assessment.static_error) <= SMALL_ERROR,
-        reason=f"steady angle with the printed c_1 .. c_6 on the compliant model, {100 * assessment.static_error:+.2f} % off",
+        reason=f"steady angle with the printed c_1 .. c_6, {100 * assessment.static_error:+.2f} % off",
     )
 
 
@@ -116,7 +116,7 @@ def _overdamped(design: Design) -> Row:
 def _compliance(design: Design) -> Row:
     rigid, compliant = (design.configuration(name).boundary for name in ("rigid", "compliant"))
     holds = compliant.stiffness_n_m_per_rad > rigid.stiffness_n_m_per_rad
-    reason = f"smallest stable G of the compliant model; of the rigid model {_us(rigid.stiffness_n_m_per_rad)}"
+    reason = f"smallest stable G; of the rigid model {_us(rigid.stiffness_n_m_per_rad)}"
     return claim(
         "compliance makes low G unstable",
         "page of fig. 10",
@@ -131,9 +131,7 @@ def _structural_damping(design: Design) -> Row:
     before, after = (
         design.configuration(name).programmed.assessment.least_damping_ratio for name in ("compliant", "compensated")
     )
-    reason = (
-        f"damping ratio of the structural mode at the programmed setting; {to_text(before, 2)} in the original system"
-    )
+    reason = f"damping ratio of the structural mode; {to_text(before, 2)} in the original system"
     return claim(
         "the structural oscillation is reduced", "introduction", after, "", holds=after > before, reason=reason
     )
@@ -184,7 +182,7 @@ def _valve_dynamics(design: Design) -> Row:
     fast = design.loader.replace({"valve.natural_frequency": "37700 rad/s"})
     with_valve, without = (assess(loader, law).frequency_rad_per_s for loader in (design.loader, fast))
     change = with_valve / without - 1
-    reason = "change of the feel's frequency against a valve a hundred times faster"
+    reason = "change of the feel's frequency with a valve a hundred times faster"
     return claim(
         "the valve's dynamics may be neglected in the design",
         "page of eq. (19)",
@@ -198,7 +196,7 @@ def _valve_dynamics(design: Design) -> Row:
 def _feasible(design: Design) -> Row:
     peaks = design.configuration("compensated").programmed.peaks
     share = 100 * max(peaks.current_share, peaks.flow_share) if isinstance(peaks, Peaks) else np.inf
-    reason = "largest share of rated current or flow at the step of pilot force"
+    reason = "largest share of a rating"
     return claim(
         "current and flow stay within the valve's limits",
         "page of eq. (22)",

@@ -105,7 +105,7 @@ def _phase_margins(design: Design) -> list[Row]:
             compliant - rigid,
             "deg",
             holds=compliant < rigid - 30,  # "sizable": a third of the 90 degrees that a loop can well use
-            reason=f"from {to_text(rigid, 3)} to {to_text(compliant, 3)} deg at the low setting of the figure's caption",
+            reason=f"from {to_text(rigid, 3)} to {to_text(compliant, 3)} deg at the low setting",
         )
     ]
 

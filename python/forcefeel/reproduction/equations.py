@@ -16,10 +16,7 @@ from forcefeel.units import factor
 ROUNDING = 1e-14
 """Relative difference of entries that are the same formula in another order of multiplication."""
 
-_SIGN = (
-    "with the printed sign the load cell moves the column against the pilot: at rest A p = -R_p F_p / (alpha R_b),"
-    " eq. (6). forcefeel takes the pilot's sign"
-)
+_SIGN = "with the printed sign the load cell moves the column against the pilot, eq. (6)"
 
 
 def matrices(loader: Loader) -> Section:
