@@ -22,8 +22,8 @@ _PULLS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the way from 1 g to the limit load factor."""
 _SMALL = 2
 """Pulls from which the force per g is taken, and the largest force that a short maneuver needs."""
-_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, (0.0, 0.5, 1.0, 1.5)
-"""Time for which the trim runs, and load factors: 14 CFR 25.255(a), (c)(2), up to what trims."""
+_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, ((1.0, 0.5, 0.0, -0.5, -1.0), (1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5))
+"""Time for which the trim runs, and load factors from 1 g down and up: 14 CFR 25.255(a), (c)(1)."""
 _HELD_G = 0.1
 """Load factor by which a held flight may be off."""
 _SPEEDS = (0.85, 0.925, 1.075, 1.15)
@@ -38,6 +38,7 @@ _HISTORIES = {
     "power": CHANGED,
     "flaps": CHANGED,
     "gear": CHANGED,
+    "speed-brake": CHANGED,
     "short-period": {"pitch_attitude": ANGLE, "load_factor": LOAD_FACTOR},
 }
 """Maneuvers whose time histories are compared."""
@@ -207,18 +208,28 @@ def _of_pulls(pulls: list[Point], limit_load_factor: float) -> dict[str, Quantit
 
 
 def out_of_trim(case: FlightCase) -> Quantity | str:
-    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive."""
+    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive.
+
+    From 1 g down and up to where JSBSim no longer trims, which each label states.
+    """
     rate = case.trim.data.trim_rate_rad_per_s
     if rate is None or not case.feel["surface.per_tab"]:
         return "the aircraft has no flight.trim_rate with surface.per_tab: a tab that runs"
     slopes: list[Compared] = []
     for tab in (-rate * _OUT_OF_TRIM_S, rate * _OUT_OF_TRIM_S):
-        points = [_point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab)) for n in _OUT_OF_TRIM_G]
-        if fault := _first_fault(points):
+        points: dict[float, Point] = {}
+        for side in _OUT_OF_TRIM_G:
+            for n in side:
+                points[n] = points.get(n) or _point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab))
+                if not points[n].held:
+                    break
+        if fault := _first_fault(points[n] for side in _OUT_OF_TRIM_G for n in side[:2] if n in points):
             return fault
-        held = [point.held for point in points if point.held]
+        held = [held for n in sorted(points) if (held := points[n].held)]
+        span = f"{held[0].load_factor:.1f} to {held[-1].load_factor:.1f} g flown"
         for less, more in pairwise(held):
-            label = f"{round(less.load_factor, 2) + 0.0:.2f} to {more.load_factor:.2f} g, tab {degrees(tab):+.3g} deg"
+            ends = [round(each.load_factor, 2) + 0.0 for each in (less, more)]
+            label = f"{ends[0]:.2f} to {ends[1]:.2f} g, tab {degrees(tab):+.3g} deg; {span}"
             slope = _slope(label, "load_factor", less, more)
             slopes.append(Compared(label, -slope.with_loader, -slope.feel))
     return Quantity(FORCE, tuple(slopes))
@@ -331,8 +342,9 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
     for name in report.case.without if report.case.axis == "pitch" else ():
-        number = {"flaps": "2.c.2", "gear": "2.c.4"}[name]
-        findings.append(f"JSBSim's {report.case.aircraft} has no {name} that a lever moves: {number} does not apply.")
+        number = {"flaps": "2.c.2", "speed-brake": "2.c.3", "gear": "2.c.4"}[name]
+        lever = name.replace("-", " ")
+        findings.append(f"JSBSim's {report.case.aircraft} has no {lever} that a lever moves: {number} does not apply.")
     findings.append(f"The numbers of the aircraft's {report.case.axis} control are illustrative.")
     name = f"{report.case.loader.name} as the {report.case.axis} control of {report.case.aircraft}"
     return Conclusions(report.fulfilled, f"{name}: {rows}.", tuple(findings))
