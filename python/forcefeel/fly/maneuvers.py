@@ -349,7 +349,9 @@ def _lever(case: FlightCase, request: ManeuverRequest, *, lever: str) -> _Plan:
         InputError: If JSBSim's aircraft has none that moves.
     """
     if lever in case.without:
-        raise InputError(f"aircraft: JSBSim's {case.aircraft} has no {lever} that a lever moves; take another maneuver")
+        raise InputError(
+            f"aircraft: JSBSim's {case.aircraft} has no {lever.replace('-', ' ')} that a lever moves; take another maneuver"
+        )
     throttle, lasts_s = case.trim.throttle, _CALM_S + _CHANGE_S + _AFTER_S
 
     def levers(time_s: float, aircraft: Aircraft) -> None:

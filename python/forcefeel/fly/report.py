@@ -34,7 +34,7 @@ _FREE_RETURN = ("light", "transport")
 """Categories whose rules ask for a free return."""
 _EACH_SIDE = 2
 """Speeds above and below trim that 14 CFR Part 60 requires."""
-_HISTORIES = {
+HISTORIES = {
     "power": CHANGED,
     "flaps": CHANGED,
     "gear": CHANGED,
@@ -120,7 +120,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         _point(case, f"{100 * share:.4g} % of the trim speed", partial(case.at, share * case.speed_m_per_s))
         for share in _SPEEDS
     ]
-    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name not in case.without]
+    requests = [(name, ManeuverRequest()) for name in (*HISTORIES, "phugoid") if name not in case.without]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
     maneuvers, faults = _fly_maneuvers(case, requests, progress)
@@ -226,7 +226,7 @@ def out_of_trim(case: FlightCase) -> Quantity | str:
         if fault := _first_fault(points[n] for side in _OUT_OF_TRIM_G for n in side[:2] if n in points):
             return fault
         held = [held for n in sorted(points) if (held := points[n].held)]
-        span = f"{held[0].load_factor:.1f} to {held[-1].load_factor:.1f} g flown"
+        span = f"{round(held[0].load_factor, 1) + 0.0:.1f} to {held[-1].load_factor:.1f} g flown"
         for less, more in pairwise(held):
             ends = [round(each.load_factor, 2) + 0.0 for each in (less, more)]
             label = f"{ends[0]:.2f} to {ends[1]:.2f} g, tab {degrees(tab):+.3g} deg; {span}"
@@ -281,7 +281,7 @@ def _of_maneuvers(maneuvers: list[Maneuver], faults: dict[str, str]) -> dict[str
     """Largest differences of time histories, the free return, the phugoid."""
     numbers: dict[str, Quantity | str] = {}
     flown = {maneuver.name: maneuver for maneuver in maneuvers}
-    for name, row, unit in ((name, row, unit) for name, rows in _HISTORIES.items() for row, unit in rows.items()):
+    for name, row, unit in ((name, row, unit) for name, rows in HISTORIES.items() for row, unit in rows.items()):
         key = f"{name}: {row.replace('_', ' ')}"
         if name not in flown:
             numbers[key] = faults.get(name, "")

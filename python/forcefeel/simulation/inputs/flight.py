@@ -43,8 +43,8 @@ _SIGNALS = Signals(
 class Flight:
     """A flight state over time, linear between its points.
 
-    At each step the engine takes the hinge moment of the loader's surface in these states (``crates/model/src/surface.rs``), where the
-    programmed control stands, as a live loop does.
+    At each step the engine takes the hinge moment of the loader's surface in these states, where the programmed control stands, as
+    a live loop does (``crates/model/src/surface.rs``).
 
     Attributes:
         time_s: Times of the points, s, rising.
