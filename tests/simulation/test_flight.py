@@ -104,14 +104,19 @@ def test_column_follows_a_hinge_moment_that_steepens_with_the_angle(name):
     off = ff.simulate(loader, scenario, "robust").history["column_angle_rad"].to_numpy() - must
     assert np.abs(off).max() < FOLLOWS_RAD
     assert np.abs(off[2500:]).max() < RESTS_RAD
-    assert np.abs(must - alone(loader, 0.08)).max() > 5 * FOLLOWS_RAD, "the table matters"
+    straight = np.abs(must - alone(loader, 0.08))
+    assert straight.max() > 3 * FOLLOWS_RAD, "the table matters"
+    assert straight[2500:].max() > 30 * RESTS_RAD, "and at rest"
 
 
 @pytest.mark.parametrize(
     ("changes", "part"),
     [
         (TABLE, "surface.per_deflection: stands beside a table over the same angle, from surface.deflection_1 on"),
-        ({"surface.deflection_1": 0.1}, "surface.deflection_1: has no effect without surface.coefficient_1"),
+        (
+            {"surface.deflection_1": -0.1, "surface.deflection_2": 0.1, "surface.coefficient_2": 0.1},
+            "surface.deflection_1: has no effect without surface.coefficient_1",
+        ),
         ({"surface.coefficient_2": 0.1}, "surface.coefficient_2: has no effect without surface.deflection_2"),
         (TABLE | {"surface.deflection_4": -0.1}, "surface.deflection_3: expected less than surface.deflection_4"),
         ({"surface.deflection_1": 0.1, "surface.coefficient_1": 0.0}, "has no effect without surface.deflection_2"),
@@ -128,7 +133,9 @@ def test_runs_side_by_side_have_each_the_hinge_moment_of_its_own_surface():
     scenario = ff.Scenario(ff.Release(0.08), duration_s=1.0, flight=flight)
     other = loader.replace({"surface.area": 2.0}, si=True)
     values = np.array([loader.si_values, other.si_values])
-    together = ff.simulation.simulate_batch(loader, scenario, values, "robust", keep=["column_angle_rad"])
+    together = ff.simulation.simulate_batch(
+        loader, scenario, values, "robust", keep=["column_angle_rad"], first_run=None
+    )
     for run, each in enumerate((loader, other)):
         single = ff.simulate(each, scenario, ff.Law.of("robust", loader)).history["column_angle_rad"]
         assert np.array_equal(together["column_angle_rad"][run], single)

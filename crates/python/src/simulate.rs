@@ -334,7 +334,9 @@ pub fn sampled_loops<'py>(
 }
 
 /// The inputs of each step, and the flight's states where there is one.
-fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<(Vec<Inputs>, Vec<[FlightState; 2]>)> {
+pub(crate) fn steps(
+    given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>,
+) -> PyResult<(Vec<Inputs>, Vec<[FlightState; 2]>)> {
     let count = given.values().next().map_or(0, |input| input.as_array().nrows());
     if count == 0 {
         return Err(refused("inputs: expected an input and a step at least"));

@@ -24,6 +24,7 @@ _SMALL = 2
 """Pulls from which the force per g is taken, and the largest force that a short maneuver needs."""
 _OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, ((1.0, 0.5, 0.0, -0.5, -1.0), (1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5))
 """Time for which the trim runs, and load factors from 1 g down and up: 14 CFR 25.255(a), (c)(1)."""
+_OUT_OF_TRIM = "smallest force per g out of trim"
 _HELD_G = 0.1
 """Load factor by which a held flight may be off."""
 _SPEEDS = (0.85, 0.925, 1.075, 1.15)
@@ -129,7 +130,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     flown |= _of_maneuvers(maneuvers, faults)
     if data.category == "transport":
         progress("out of trim")
-        flown["smallest force per g out of trim"] = out_of_trim(case)
+        flown[_OUT_OF_TRIM] = out_of_trim(case)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
     applying = [rule for rule in flight_rules() if rule.applies(data) and rule.maneuver not in case.without]
     if data.category == "military" and not isinstance(flown["force per g"], str):
@@ -338,6 +339,11 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
         f"{verdict.rule.label} allows more than the force itself: it proves little of this control."
         for verdict in verdicts
         if verdict.loose
+    ]
+    findings += [
+        f"{verdict.rule.label}: {verdict.where.rpartition('; ')[2]} of -1 to 2.5 g; beyond, JSBSim does not trim the aircraft."
+        for verdict in verdicts
+        if verdict.quantity == _OUT_OF_TRIM and verdict.unit
     ]
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
