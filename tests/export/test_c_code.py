@@ -78,16 +78,17 @@ int main(void) {
 
 
 def test_hinge_moment_is_that_worked_out_by_hand_and_refuses_what_is_no_number(folder):
-    """``T = k q S c (C_alpha f alpha_s + C_delta f delta + C_tau f tau + C_rate delta' c / 2 V)``, less the cables' stretch."""
+    """``T = k q S c (C_alpha f alpha_s + f C(delta) + C_tau f tau + C_rate delta' c / 2 V)``, less the cables' stretch."""
     needs("gcc")
     (folder / "flight.c").write_text(_FLIGHT, encoding="utf-8")
     run(folder, "gcc", *STRICT, "-O2", "-o", "flight", "flight.c", "pitch_law.c", "-lm")
     status, *numbers, refused, nothing = run(folder, "./flight").split()
     moment, theta, grown = 2400.0 * 1.0 * 0.4, 0.1, (1 - 0.3**2) ** -0.5
-    of_deflection = -0.3 * grown * 1.2  # halfway to 1.4 at Mach 0.6
+    of_mach = grown * 1.2  # halfway to 1.4 at Mach 0.6
     delta, k = 1.2 * (theta + 0.3 * theta**2 / 2), 1.2 * (1 + 0.3 * theta)
-    coefficient = of_deflection * delta - 0.1 * grown * (0.6 * 0.06 + 4 * 0.2 / 70) - 0.1 * grown * 0.05
-    slope = moment * (1.2 * 0.3 * coefficient + k**2 * of_deflection)
+    of_deflection = of_mach * (-0.01 - 0.4 * (delta - 0.05))  # from -0.01 at 0.05 rad to -0.07 at 0.2 rad
+    coefficient = of_deflection - 0.1 * grown * (0.6 * 0.06 + 4 * 0.2 / 70) - 0.1 * grown * 0.05
+    slope = moment * (1.2 * 0.3 * coefficient - k**2 * 0.4 * of_mach)
     gives = 1 - slope / 20000
     stiffness, damping = -slope / gives, moment * k**2 * 0.5 * 0.4 / 140 / gives
     arm = ff.digital_elevator()["column.grip_arm"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel import _core
 from forcefeel.export import firmware_library
 from forcefeel.export.firmware_code import board_axis, golden_inputs
 from forcefeel.export.firmware_library import TARGETS, library_name, library_origin
@@ -109,16 +110,47 @@ def test_library_of_the_installation_matches_bitwise_without_cargo(triple, singl
     assert "libm" in (out / "LICENSES.txt").read_text(encoding="utf-8")
 
 
+FLIGHT = """#include "pitch_data.h"
+#include <math.h>
+#include <stdio.h>
+
+int main(void)
+{
+    forcefeel_flight flight = {2400.0, 70.0, 0.06, -0.03, 0.1, 0.2, -0.05, 1.4, 0.3, 0.05, 0.1};
+    forcefeel_added out;
+    printf("%u ", forcefeel_hinge_moment(&pitch_settings[1], &flight, &out));
+    printf("%.17g %.17g %.17g ", out.added_force, out.added_stiffness, out.added_damping);
+    flight.tab = NAN;
+    const unsigned int refused = forcefeel_hinge_moment(&pitch_settings[1], &flight, &out);
+    printf("%u %g %u", refused, out.added_force, forcefeel_hinge_moment(NULL, &flight, &out));
+    return 0;
+}
+"""
+
+
+def test_hinge_moment_of_the_library_is_the_simulations_and_refuses_what_is_no_number(tmp_path):
+    needs("cargo", "gcc")
+    law = valve()
+    exported(law, tmp_path)
+    (tmp_path / "flight.c").write_text(FLIGHT, encoding="utf-8")
+    run(tmp_path, "gcc", "-Wl,--gc-sections", "-o", "flight", "flight.c", "libforcefeel.a", "-lm")
+    status, *numbers, refused, nothing, null = run(tmp_path, "./flight").split()
+    flown = [[2400.0, 70.0, 0.06, -0.03, 0.1, 0.2, -0.05, 1.4, 0.3, 0.05, 0.1]]
+    must = _core.hinge_moment(law.loader.si_values, np.array(flown))[0]
+    assert [float(number) for number in numbers] == must.tolist()
+    assert (status, refused, float(nothing), null) == ("0", "2", 0.0, "2")
+
+
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
 @pytest.mark.parametrize("triple", TARGETS)
-def test_library_of_the_installation_is_one_object_of_two_functions(triple, single):
+def test_library_of_the_installation_is_one_object_of_three_functions(triple, single):
     name = library_name(triple, single=single)
     tools = RUN[triple][0].removesuffix("gcc")
     needs(f"{tools}nm", f"firmware library {name}")
     path = firmware_library.LIBRARIES / name
     assert path.stat().st_size < MOST_BYTES
     defined = re.findall(r" [A-Z] (\w+)$", run(path.parent, f"{tools}nm", "--defined-only", name), re.MULTILINE)
-    assert sorted(defined) == ["forcefeel_init", "forcefeel_step"]
+    assert sorted(defined) == ["forcefeel_hinge_moment", "forcefeel_init", "forcefeel_step"]
     needed = re.findall(r" U (\w+)$", run(path.parent, f"{tools}nm", "--undefined-only", name), re.MULTILINE)
     assert set(needed) <= {"memcpy", "memset", "memmove"}
     content = path.read_bytes()

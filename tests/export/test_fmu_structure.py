@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 import forcefeel as ff
 from tests.export.fmus import STEP_S, Imported, unzipped
-from tests.export.toolchain import NONLINEAR, SURFACE
+from tests.export.toolchain import NONLINEAR
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -255,10 +255,3 @@ def test_every_signal_has_its_own_description(fmus, name):
     told = [it.description for it in about.modelVariables if it.causality == "output"]
     assert len(set(told)) == len(told)
     assert all(told)
-
-
-def test_fmu_of_a_loader_with_a_surface_is_refused(tmp_path):
-    loader = ff.digital_elevator().replace(SURFACE)
-    with pytest.raises(ff.InputError, match="an FMU has no inputs for the flight"):
-        ff.export.write_export(ff.export.Exported.of("robust", loader, "pitch"), ff.export.Target.FMU, tmp_path / "fmu")
-    assert not (tmp_path / "fmu").exists()

@@ -25,6 +25,7 @@ def short_releases():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("forcefeel.fly.maneuvers._RETURN_PERIODS", 0.1)
         patch.setattr("forcefeel.fly.maneuvers._PERIODS", 0.8)
+        patch.setattr("forcefeel.fly.maneuvers._AFTER_S", 3.0)
         yield
 
 
@@ -172,6 +173,35 @@ def test_out_of_trim_force_is_the_tabs_and_its_slope_can_fail(tmp_path):
     own.write_text('model = "737"\n' + text.replace('trim_rate = "1 deg/s"', ""), encoding="utf-8")
     still = ff.fly.FlightCase(LOADER, str(own), 250 * KNOT, 3048.0, "robust")
     assert "no flight.trim_rate" in report_module.out_of_trim(still)
+
+
+def test_out_of_trim_goes_as_far_as_the_aircraft_trims_and_says_so(monkeypatch):
+    """``F = -40 n - 5 n^3``, pulls positive, between -0.5 and 2 g: the least slope is about zero, the range in each label."""
+    case = ff.fly.FlightCase(LOADER, "737", 250 * KNOT, 3048.0, "robust")
+    flown = []
+
+    def point(_, label, trimmed):
+        n, tab = trimmed.keywords["load_factor"], trimmed.keywords["tab_rad"]
+        flown.append((n, round(math.degrees(tab), 9)))
+        force = -40 * n - 5 * n**3
+        held = ff.fly.HeldFlight(case.speed_m_per_s, n, force, force, force) if -0.5 <= n <= 2 else None
+        return report_module.Point(label, held, "" if held else "no balance")
+
+    monkeypatch.setattr(report_module, "_point", point)
+    quantity = report_module.out_of_trim(case)
+    assert set(flown) == {(n, tab) for n in (-1, -0.5, 0, 0.5, 1, 1.25, 1.5, 1.75, 2, 2.25) for tab in (-3, 3)}
+    assert len(flown) == len(set(flown))
+    assert quantity.points[0].label == "-0.50 to 0.00 g, tab -3 deg; -0.5 to 2.0 g flown"
+    slopes = [point.with_loader for point in quantity.points if "tab -3" in point.label]
+    assert slopes == pytest.approx([41.25, 41.25, 48.75, 59.0625, 68.4375, 79.6875, 92.8125], rel=EXACT)
+
+
+def test_out_of_trim_is_not_flown_where_neither_side_of_one_g_trims(monkeypatch):
+    case = ff.fly.FlightCase(LOADER, "737", 250 * KNOT, 3048.0, "robust")
+    monkeypatch.setattr(
+        report_module, "_point", lambda _, label, __: report_module.Point(label, None, f"{label}: none")
+    )
+    assert report_module.out_of_trim(case) == "1 g: none"
 
 
 def test_command_judges_and_writes_a_page(forcefeel, tmp_path):

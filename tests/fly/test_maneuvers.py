@@ -1,10 +1,14 @@
 """Maneuvers: a release against JSBSim with the elevator balanced here, modes against a linear model's, levers."""
 
+from types import SimpleNamespace
+
 import jsbsim
 import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.fly import maneuvers
+from forcefeel.fly.aircraft import silent
 from tests.fly.test_modes import stick_free
 
 FT, KNOT = 0.3048, 1852 / 3600
@@ -110,6 +114,30 @@ def test_levers_move_and_the_hand_is_off(case):
         changes = flown.states[key] - flown.states[key][0]
         assert abs(changes[: round(5 / ff.fly.FRAME_S)]).max() < 0.05 * abs(changes).max()
         assert sign * changes[-1] > 0
+
+
+def test_speed_brake_goes_out_and_in_each_with_fifteen_seconds_after(case):
+    """14 CFR Part 60, App. A, 2.c.3: free response from 5 s before each change to 15 s after it."""
+    with pytest.raises(ff.InputError, match="c172p has no speed brake that a lever moves"):
+        ff.fly.fly_maneuver(case, "speed-brake")
+    brakes = ff.fly.FlightCase(ff.digital_elevator(), "T38", 300 * KNOT, 3048.0, "robust")
+    plan, moved = maneuvers.MANEUVERS["speed-brake"](brakes, ff.fly.ManeuverRequest()), []
+    recorder = SimpleNamespace(set_speed_brake=moved.append)
+    for time in (0, 5, 5.5, 6, 21, 21.75, 22, 37):
+        plan.levers(time, recorder)
+    assert moved == [0, 0, 0.5, 1, 1, 0.25, 0, 0]
+    assert plan.lasts_s == 37
+
+
+def test_speed_brake_slows_the_aircraft():
+    still, braked = (ff.fly.Aircraft("T38", 300 * KNOT, 3048.0) for _ in range(2))
+    braked.set_speed_brake(1.0)
+    with silent():
+        for aircraft in (still, braked):
+            for _ in range(500):
+                aircraft.fly(aircraft.trimmed)
+    lost = still.attitude()["calibrated_airspeed"] - braked.attitude()["calibrated_airspeed"]
+    assert lost > 0.5  # m/s in a second: a third of a g at most
 
 
 def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():

@@ -1,6 +1,6 @@
 """Builds the firmware libraries of the package: ``make firmware-libraries``. Needs what tests/export/install installs.
 
-Each is one object without bitcode and debugging text, in which only the two functions of the header are global: an archive of
+Each is one object without bitcode and debugging text, in which only the functions of the header are global: an archive of
 5 MB becomes one of 40 to 160 kB, and no name of Rust's or of its floating-point routines meets one of the program's.
 """
 
@@ -12,12 +12,12 @@ from pathlib import Path
 from forcefeel.export.firmware_library import DIGEST, LIBRARIES, TARGETS, compiled, library_name, source_digest
 
 TOOLS = dict(zip(TARGETS, ("arm-none-eabi-", "arm-none-eabi-", "aarch64-linux-gnu-", "x86_64-linux-gnu-"), strict=True))
-FUNCTIONS = ("forcefeel_init", "forcefeel_step")
+FUNCTIONS = ("forcefeel_init", "forcefeel_step", "forcefeel_hinge_moment")
 SECTIONS = (".llvmbc", ".llvmcmd", ".comment")
 
 
 def one_object(tools: str, archive: bytes) -> bytes:
-    """The archive with one object in it, in which there is only what the two functions reach."""
+    """The archive with one object in it, in which there is only what these functions reach."""
 
     def run(tool: str, *words: str) -> None:
         subprocess.run([tools + tool, *words], cwd=folder, check=True)

@@ -36,7 +36,7 @@ RESTS_RAD = 1e-4
 """What steps and noise of the sensors leave once it is slow."""
 
 
-def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0)):
+def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0), of_angle=lambda delta: -0.3 * delta):
     """Angle of the programmed control over time: ``I theta'' + B theta' + G theta = k q S c C_h - R_p W n``."""
     inertia, damping, stiffness, arm = (
         loader[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness", "column.grip_arm")
@@ -47,7 +47,7 @@ def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0)):
         now = {name: np.interp(t, TIMES, column) for name, column in {**STATES, "mach": MACH}.items()}
         flow = 0.6 * now["angle_of_attack"] + 4.0 * now["pitch_rate"] / now["true_airspeed"]
         of_flow, of_deflection, of_tab = table(now.get("mach", 0.0))
-        coefficient = -0.3 * of_deflection * 1.3 * theta - 0.08 * of_flow * flow - 0.1 * of_tab * now["tab"]
+        coefficient = of_deflection * of_angle(1.3 * theta) - 0.08 * of_flow * flow - 0.1 * of_tab * now["tab"]
         coefficient += -2.0 * 1.3 * rate * 0.4 / (2 * now["true_airspeed"])
         torque = 1.3 * now["dynamic_pressure"] * 1.0 * 0.4 * coefficient - arm * 12.0 * now["load_factor"]
         return rate, (torque - damping * rate - stiffness * theta) / inertia
@@ -85,6 +85,60 @@ def test_coefficients_follow_the_table_over_mach():
     assert np.abs(off).max() < FOLLOWS_RAD
     assert np.abs(off[2500:]).max() < RESTS_RAD
     assert np.abs(off + alone(loader, 0.08, table) - alone(loader, 0.08)).max() > 5 * FOLLOWS_RAD, "the table matters"
+
+
+ANGLES = (-0.2, -0.06, -0.03, 0.0, 0.03, 0.06, 0.2)
+COEFFICIENTS = (0.2, 0.018, 0.004, -0.002, -0.006, -0.02, -0.26)
+TABLE = {f"surface.deflection_{k}": angle for k, angle in enumerate(ANGLES, 1)}
+TABLE |= {f"surface.coefficient_{k}": coefficient for k, coefficient in enumerate(COEFFICIENTS, 1)}
+
+
+@pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
+def test_column_follows_a_hinge_moment_that_steepens_with_the_angle(name):
+    loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(
+        SURFACE | TABLE | {"surface.per_deflection": None}, si=True
+    )
+    assert max(ANGLES) > 1.3 * 0.08, "the table is as wide as the motion"
+    must = alone(loader, 0.08, of_angle=lambda delta: np.interp(delta, ANGLES, COEFFICIENTS))
+    scenario = ff.Scenario(ff.Release(0.08), duration_s=4.0, flight=ff.simulation.Flight(TIMES, STATES))
+    off = ff.simulate(loader, scenario, "robust").history["column_angle_rad"].to_numpy() - must
+    assert np.abs(off).max() < FOLLOWS_RAD
+    assert np.abs(off[2500:]).max() < RESTS_RAD
+    straight = np.abs(must - alone(loader, 0.08))
+    assert straight.max() > 3 * FOLLOWS_RAD, "the table matters"
+    assert straight[2500:].max() > 30 * RESTS_RAD, "and at rest"
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        (TABLE, "surface.per_deflection: stands beside a table over the same angle, from surface.deflection_1 on"),
+        (
+            {"surface.deflection_1": -0.1, "surface.deflection_2": 0.1, "surface.coefficient_2": 0.1},
+            "surface.deflection_1: has no effect without surface.coefficient_1",
+        ),
+        ({"surface.coefficient_2": 0.1}, "surface.coefficient_2: has no effect without surface.deflection_2"),
+        (TABLE | {"surface.deflection_4": -0.1}, "surface.deflection_3: expected less than surface.deflection_4"),
+        ({"surface.deflection_1": 0.1, "surface.coefficient_1": 0.0}, "has no effect without surface.deflection_2"),
+    ],
+)
+def test_bad_table_over_the_angle_is_named(changes, part):
+    with pytest.raises(ff.InputError, match=part):
+        ff.digital_elevator().replace(SURFACE | changes, si=True)
+
+
+def test_runs_side_by_side_have_each_the_hinge_moment_of_its_own_surface():
+    loader = ff.digital_elevator().replace(SURFACE, si=True)
+    flight = ff.simulation.Flight(TIMES, STATES)
+    scenario = ff.Scenario(ff.Release(0.08), duration_s=1.0, flight=flight)
+    other = loader.replace({"surface.area": 2.0}, si=True)
+    values = np.array([loader.si_values, other.si_values])
+    together = ff.simulation.simulate_batch(
+        loader, scenario, values, "robust", keep=["column_angle_rad"], first_run=None
+    )
+    for run, each in enumerate((loader, other)):
+        single = ff.simulate(each, scenario, ff.Law.of("robust", loader)).history["column_angle_rad"]
+        assert np.array_equal(together["column_angle_rad"][run], single)
 
 
 @pytest.mark.parametrize(

@@ -426,18 +426,8 @@ pub fn row_name(row: usize) -> String {
 
 /// Force, spring and damping that a surface adds in a flight and at an angle in the order of [`FLIGHT`].
 fn added<S: Scalar>(parameters: &Parameters<S>, given: [S; FLIGHT.len()]) -> [S; 3] {
-    let [pressure, airspeed, attack, sideslip, roll, pitch, yaw, load_factor, mach, tab, angle] = given;
-    let flight = FlightState {
-        dynamic_pressure: pressure,
-        true_airspeed: airspeed,
-        angle_of_attack: attack,
-        sideslip,
-        rates: [roll, pitch, yaw],
-        load_factor,
-        mach,
-        tab,
-    };
-    let Added { force, stiffness, damping } = parameters.hinge_moment(&flight, angle);
+    let flight = FlightState::from_numbers(core::array::from_fn(|k| given[k]));
+    let Added { force, stiffness, damping } = parameters.hinge_moment(&flight, given[FLIGHT.len() - 1]);
     [force, stiffness, damping]
 }
 

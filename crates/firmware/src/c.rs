@@ -1,8 +1,9 @@
-//! The two functions that C calls.
+//! The functions that C calls.
 #![expect(unsafe_code, reason = "names for C, its arrays, and memory that C keeps")]
 
 use crate::axis::{Axis, Input, Output};
 use crate::loader::{Loader, Setting};
+use crate::surface::{FLOWN, hinge_moment};
 use core::mem::MaybeUninit;
 
 #[cfg(not(feature = "single"))]
@@ -72,6 +73,19 @@ extern "C" fn forcefeel_step(
         }
         None => BAD_INPUT,
     }
+}
+
+/// What the surface of a setting adds in a flight: force, spring and damping. Unless it is `OK`, all three are zero.
+#[unsafe(no_mangle)]
+extern "C" fn forcefeel_hinge_moment(
+    setting: Option<&Setting>,
+    flown: Option<&[Real; FLOWN]>,
+    output: Option<&mut [Real; 3]>,
+) -> u32 {
+    let Some(output) = output else { return BAD_INPUT };
+    let added = setting.zip(flown).and_then(|(setting, flown)| hinge_moment(setting, flown));
+    *output = added.unwrap_or_default();
+    if added.is_some() { OK } else { BAD_INPUT }
 }
 
 /// Nothing panics: the tests show that the linked program has no way here. A library without one does not compile.

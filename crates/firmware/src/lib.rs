@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`axis`] | a period of an axis, for any number type: [`Control`](forcefeel_model::control::Control) under its supervisor |
 //! | [`loader`] | what an axis is made of: the numbers that `forcefeel export --to firmware` writes |
-//! | `c` | `forcefeel_init`, `forcefeel_step` of `forcefeel.h`, which the export writes |
+//! | [`surface`] | what a reversible control's surface adds to the feel in flight |
+//! | `c` | the functions of `forcefeel.h`, which the export writes |
 //!
 //! No allocation, no standard library, nothing that panics: the tests look for it in the linked program.
 #![no_std]
@@ -14,3 +15,4 @@ pub mod axis;
 #[cfg(feature = "alone")]
 mod c;
 pub mod loader;
+pub mod surface;

@@ -13,6 +13,7 @@ use forcefeel_model::drive::Drive;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::dual::Dual;
+use forcefeel_model::surface::FLIGHT;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -31,11 +32,9 @@ impl Instance {
         let mut along = [0.0; MOST_INPUTS];
         for (&known, &by) in knowns.iter().zip(seed) {
             let place = self.input(known).ok_or_else(|| format!("{known}: is the reference of no input"))?;
-            if matches!(self.input_name(place), "trim" | "stiffness_factor" | "shaker") {
-                return Err(format!(
-                    "{}: has no derivative, as it is told to the feel in steps",
-                    self.input_name(place)
-                ));
+            let name = self.input_name(place);
+            if matches!(name, "trim" | "stiffness_factor" | "shaker") || FLIGHT.contains(&name) {
+                return Err(format!("{name}: has no derivative, as it is told to the feel in steps"));
             }
             along[place] += by;
         }
@@ -99,6 +98,7 @@ impl Instance {
             trim: value.trim,
             stiffness_factor: value.stiffness_factor,
             shaker: value.shaker,
+            flight: value.flight,
         }
     }
 }

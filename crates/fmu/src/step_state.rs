@@ -11,6 +11,7 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Equilibrium, Inputs, Machine, Memory, Shared, State, StepStart};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::surface::FlightState;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::outputs::Output;
 use forcefeel_solve::smooth::without_steps;
@@ -34,6 +35,8 @@ pub(crate) struct Given<S> {
     pub trim: f64,
     pub stiffness_factor: f64,
     pub shaker: f64,
+    /// Of no effect on a loader without a surface.
+    pub flight: FlightState,
 }
 
 /// A loader's numbers, worked out: what does not change from step to step but with the feel.
@@ -46,6 +49,8 @@ pub(crate) struct StepConstants<S: Scalar, D: Drive<S>> {
     shared: Shared,
     shown: Vec<Output>,
     shaker_frequency: f64,
+    /// The loader whose surface a flight acts on.
+    in_flight: Option<Parameters<f64>>,
 }
 
 /// What changes from step to step.
@@ -75,7 +80,7 @@ pub(crate) struct StepState<S: Scalar, D: Drive<S>> {
     step: usize,
 }
 
-impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
+impl<S: Scalar + Into<f64>, D: Drive<S>> StepConstants<S, D> {
     /// The loader with these values under the feel and the law of now, `like` a number of its kind.
     pub fn new(resources: &Resources, values: &[f64; COUNT], feel: &Feel, like: S) -> Self {
         let setup = &resources.setup;
@@ -107,6 +112,7 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             shared,
             shown,
             shaker_frequency: Parameters::from_values(values).feel.shaker_frequency,
+            in_flight: Some(Parameters::from_values(values)).filter(|of| of.surface.is_there()),
         };
         if let Some(change) = &feel.change {
             constants.fade_to(resources, &change.to, like);
@@ -138,8 +144,9 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
         self.machine.fade_to(&with_feel(&self.parameters, to, like), Some(&observer(resources, to, like)));
     }
 
-    /// What the inputs are in a step, the feel's fade included.
-    fn inputs(&self, given: &Given<S>, feel: &Feel, step: usize) -> Inputs {
+    /// What the inputs are in a step, the feel's fade and the hinge moment where the control stands included.
+    fn inputs(&self, given: &Given<S>, feel: &Feel, step_state: &StepState<S, D>) -> Inputs {
+        let step = step_state.step;
         let swing = |step: usize| {
             if given.shaker == 0.0 {
                 return 0.0;
@@ -147,14 +154,20 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             let turns = self.shaker_frequency / core::f64::consts::TAU * count(step) * self.shared.step_s;
             given.shaker * Scalar::sin(turns.fract() * core::f64::consts::TAU)
         };
-        Inputs {
+        let inputs = Inputs {
             force: [given.pilot_force; 2],
             trim: [given.trim; 2],
             stiffness_factor: [given.stiffness_factor; 2],
             shaker: [swing(step), swing(step + 1)],
             fade: [feel.fade(step), feel.fade(step + 1)],
             ..Inputs::NONE
-        }
+        };
+        // The moment's slope over the angle is in the spring: a derivative needs none of the angle's own.
+        let angle = match self.kind {
+            Kind::Law => step_state.feeling.motion.at[0] * self.machine.control().per_delta(),
+            _ => self.machine.programmed_motion(&step_state.state)[0],
+        };
+        self.in_flight.as_ref().map_or(inputs, |of| of.in_flight(&inputs, &[given.flight; 2], angle.into()))
     }
 
     /// The hand that holds the column, with the slope of the pilot's force.
@@ -196,7 +209,7 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
 
     /// A step.
     fn step(&self, step_state: &mut StepState<S, D>, feel: &Feel, given: &Given<S>) {
-        let inputs = self.inputs(given, feel, step_state.step);
+        let inputs = self.inputs(given, feel, step_state);
         if self.kind == Kind::Law {
             self.act(step_state, &inputs, given);
         } else {
@@ -239,7 +252,7 @@ impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
             return outputs;
         }
         let mut step_state = step_state.clone();
-        let inputs = self.inputs(given, feel, step_state.step);
+        let inputs = self.inputs(given, feel, &step_state);
         Self::hold(&mut step_state, given);
         let step_start = self.begin(&mut step_state, &inputs, given);
         self.shown.iter().for_each(|output| put(output.of(&step_start.now, self.machine.per_base())));

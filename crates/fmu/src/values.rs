@@ -8,6 +8,7 @@ use crate::variables::{
     is_tunable, range, within,
 };
 use forcefeel_model::parameters::{COUNT, TABLE};
+use forcefeel_model::surface::{FLIGHT, FlightState};
 
 /// Rows of I, B and G.
 const FEEL: [(&str, &str); 3] = [("feel", "inertia"), ("feel", "damping"), ("feel", "stiffness")];
@@ -149,15 +150,25 @@ impl Instance {
             trim: 0.0,
             stiffness_factor: 1.0,
             shaker: 0.0,
+            flight: FlightState::from_numbers([0.0; FLIGHT.len()]),
         };
+        let flight = |first: usize| FlightState::from_numbers(core::array::from_fn(|k| inputs[first + k]));
         match self.resources.kind {
-            Kind::Loader => Given { pilot_force: first, trim: second, stiffness_factor: third, shaker: fourth, ..none },
+            Kind::Loader => Given {
+                pilot_force: first,
+                trim: second,
+                stiffness_factor: third,
+                shaker: fourth,
+                flight: flight(4),
+                ..none
+            },
             Kind::Machine => Given { pilot_force: first, command: second, ..none },
             Kind::Law => Given {
                 sensed: [first, second, third, fourth],
                 trim: inputs[4],
                 stiffness_factor: inputs[5],
                 shaker: inputs[6],
+                flight: flight(7),
                 ..none
             },
         }

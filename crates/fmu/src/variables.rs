@@ -2,8 +2,10 @@
 //!
 //! A variable's reference is its place in a block: time, inputs, outputs, what a run begins with, rows of the parameter table.
 
+use forcefeel_model::host::packet::FROM_HOST;
 use forcefeel_model::law_inputs::{HAND, SHAKER, STIFFNESS_FACTOR, TRIM, sensed};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameter, Parameters, TABLE};
+use forcefeel_model::surface::FLIGHT;
 use forcefeel_solve::outputs::{Output, outputs};
 
 /// What an FMU holds.
@@ -36,7 +38,7 @@ pub const CLOCK: u32 = 301;
 pub const PARAMETERS: u32 = 1001;
 
 /// Most inputs of a kind.
-pub const MOST_INPUTS: usize = 7;
+pub const MOST_INPUTS: usize = 7 + FLIGHT.len();
 /// Most outputs of a kind.
 pub const MOST_OUTPUTS: usize = 14;
 
@@ -79,6 +81,34 @@ const AROUND: [Signal; 3] = [
     Signal { range: SHAKER, ..sampled("shaker", "", "how far the stick shaker is on, 0 to 1") },
 ];
 
+/// The flight that acts on a loader's surface, with units and ranges of the packet of an aircraft simulator.
+fn flight(values: &[f64; COUNT]) -> Vec<Signal> {
+    let of = |(name, meaning): (&'static str, &'static str)| {
+        let row = FROM_HOST.iter().find(|row| row.0 == name);
+        row.map(|&(name, unit, low, high, start)| Signal {
+            start: f64::from(start),
+            range: (f64::from(low), f64::from(high)),
+            ..sampled(name, unit, meaning)
+        })
+    };
+    let is_there = Parameters::from_values(values).surface.is_there();
+    if is_there { FLIGHT.into_iter().zip(FLOWN).filter_map(of).collect() } else { vec![] }
+}
+
+/// What the numbers of a flight mean.
+const FLOWN: [&str; FLIGHT.len()] = [
+    "dynamic pressure of the flight",
+    "true airspeed",
+    "angle of attack of the aircraft",
+    "sideslip of the aircraft",
+    "rate of roll",
+    "rate of pitch",
+    "rate of yaw",
+    "load factor",
+    "Mach number",
+    "angle of the trim tab",
+];
+
 /// What the sensors show, noise and offset included.
 const SENSED: [Signal; 4] = [
     sampled("sensed_load_cell_force", "N", "force that the load cell shows at the controller's sample"),
@@ -108,11 +138,11 @@ const COMMAND: (f64, f64) = (-1e6, 1e6);
 pub fn inputs(kind: Kind, values: &[f64; COUNT]) -> Vec<Signal> {
     let drive = DriveKind::of(values);
     match kind {
-        Kind::Loader => [&[PILOT_FORCE][..], &AROUND].concat(),
+        Kind::Loader => [&[PILOT_FORCE][..], &AROUND, &flight(values)].concat(),
         Kind::Law => {
             let ranges = sensed(&Parameters::from_values(values));
             let shown = SENSED.into_iter().zip(ranges).map(|(signal, range)| Signal { range, ..signal });
-            shown.chain(AROUND).collect()
+            shown.chain(AROUND).chain(flight(values)).collect()
         }
         Kind::Machine => vec![PILOT_FORCE, command(drive)],
     }

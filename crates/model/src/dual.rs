@@ -35,6 +35,13 @@ impl<T: Scalar> Dual<T> {
     }
 }
 
+impl From<Dual> for f64 {
+    /// Without its slope.
+    fn from(number: Dual) -> Self {
+        number.value
+    }
+}
+
 impl<T: Scalar> Add for Dual<T> {
     type Output = Self;
     #[inline(always)]

@@ -445,6 +445,20 @@ parameter_table! {
         tab_factor_1: "f_tau1", "factor of C_tau at the first Mach number of the table", RATIO, 0.9, -20.0..20.0, off 1.0;
         tab_factor_2: "f_tau2", "factor of C_tau at the second Mach number of the table", RATIO, 0.8, -20.0..20.0, off 1.0;
         tab_factor_3: "f_tau3", "factor of C_tau at the third Mach number of the table", RATIO, 0.5, -20.0..20.0, off 1.0;
+        deflection_1: "delta_1", "first angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, -25.0, -90.0..90.0, off f64::INFINITY;
+        deflection_2: "delta_2", "second angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, -15.0, -90.0..90.0, off f64::INFINITY;
+        deflection_3: "delta_3", "third angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, -8.0, -90.0..90.0, off f64::INFINITY;
+        deflection_4: "delta_4", "fourth angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, 0.0, -90.0..90.0, off f64::INFINITY;
+        deflection_5: "delta_5", "fifth angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, 8.0, -90.0..90.0, off f64::INFINITY;
+        deflection_6: "delta_6", "sixth angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, 15.0, -90.0..90.0, off f64::INFINITY;
+        deflection_7: "delta_7", "seventh angle of the surface in the table of the coefficient over it, which is there in place of C_delta", ANGLE, 25.0, -90.0..90.0, off f64::INFINITY;
+        coefficient_1: "C_1", "coefficient of the hinge moment at the first angle of the table", RATIO, 0.3, -5.0..5.0, off f64::INFINITY;
+        coefficient_2: "C_2", "coefficient of the hinge moment at the second angle of the table", RATIO, 0.13, -5.0..5.0, off f64::INFINITY;
+        coefficient_3: "C_3", "coefficient of the hinge moment at the third angle of the table", RATIO, 0.06, -5.0..5.0, off f64::INFINITY;
+        coefficient_4: "C_4", "coefficient of the hinge moment at the fourth angle of the table", RATIO, 0.0, -5.0..5.0, off f64::INFINITY;
+        coefficient_5: "C_5", "coefficient of the hinge moment at the fifth angle of the table", RATIO, -0.06, -5.0..5.0, off f64::INFINITY;
+        coefficient_6: "C_6", "coefficient of the hinge moment at the sixth angle of the table", RATIO, -0.13, -5.0..5.0, off f64::INFINITY;
+        coefficient_7: "C_7", "coefficient of the hinge moment at the seventh angle of the table", RATIO, -0.3, -5.0..5.0, off f64::INFINITY;
         bobweight: "W_b", "force at the grip per load factor, towards negative angles", FORCE, 4.0, -1e3..1e3, off 0.0;
     }
 

@@ -8,9 +8,10 @@
 //! | gearing | `d delta / d theta = k = k_h (1 + k_h' theta)` |
 //! | flow | `alpha_s = a_h alpha + b_h beta + i_h + (l_p p + l_q q + l_r r) / V` |
 //! | tab | `tau = tau_host + k_tau delta + T / k_tab` |
-//! | hinge moment | `H = eta_h q S_h c_h (C_0 + C_alpha alpha_s + C_delta delta + C_tau tau + C_rate delta' c_h / (2 V))` |
-//! | air that gives | `C_alpha, C_delta, C_tau` times `1 / sqrt(1 - M^2)` (Prandtl, Glauert), and each times its factor by the table |
-//! | table | `f(M)` through `(0, 1), (M_1, f_1), (M_2, f_2), (M_3, f_3)`, straight between, beyond as at the last |
+//! | hinge moment | `H = eta_h q S_h c_h (C_0 + C_alpha alpha_s + C(delta) + C_tau tau + C_rate delta' c_h / (2 V))` |
+//! | over the angle | `C(delta) = C_delta delta`, or through `(delta_1, C_1) .. (delta_7, C_7)`, straight between, beyond the ends as beside them |
+//! | air that gives | `C_alpha, C(delta), C_tau` times `1 / sqrt(1 - M^2)` (Prandtl, Glauert), and each times its factor by the table |
+//! | over Mach | `f(M)` through `(0, 1), (M_1, f_1), (M_2, f_2), (M_3, f_3)`, straight between, beyond as at the last |
 //! | torque on the control | `T = s_h k H` by virtual work, of which the share `s_h` reaches it |
 //! | cables | the surface stands where a control at `theta + T / k_cable` has it |
 //! | bobweight | `W_b n` at the grip, towards negative angles |
@@ -24,6 +25,7 @@
 
 use crate::Scalar;
 use crate::parameters::{Parameters, Surface};
+use crate::run::Inputs;
 
 /// How an aircraft flies, as far as a surface feels it; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +46,30 @@ pub struct FlightState<S = f64> {
     pub mach: S,
     /// Angle of the trim tab in rad.
     pub tab: S,
+}
+
+/// The numbers of a flight state by name, in the order of [`FlightState::from_numbers`].
+pub const FLIGHT: [&str; 10] = [
+    "dynamic_pressure",
+    "true_airspeed",
+    "angle_of_attack",
+    "sideslip",
+    "roll_rate",
+    "pitch_rate",
+    "yaw_rate",
+    "load_factor",
+    "mach",
+    "tab",
+];
+
+impl<S> FlightState<S> {
+    /// From its numbers in the order of [`FLIGHT`].
+    pub fn from_numbers(
+        [dynamic_pressure, true_airspeed, angle_of_attack, sideslip, roll, pitch, yaw, load_factor, mach, tab]: [S; 10],
+    ) -> Self {
+        let rates = [roll, pitch, yaw];
+        Self { dynamic_pressure, true_airspeed, angle_of_attack, sideslip, rates, load_factor, mach, tab }
+    }
 }
 
 /// What the programmed control meets beside its own feel: `T_s = R_p F - G_s theta - B_s theta'`.
@@ -69,6 +95,20 @@ impl Surface<f64> {
     }
 }
 
+impl Parameters<f64> {
+    /// The inputs of a step that begins with the control at `theta`, and what its surface adds in the flights at the start and at the end.
+    pub fn in_flight(&self, inputs: &Inputs, flights: &[FlightState; 2], theta: f64) -> Inputs {
+        let [start, end] = [0, 1].map(|side: usize| self.hinge_moment(&flights[side], theta));
+        let beside = |[before, after]: [f64; 2], of: fn(Added) -> f64| [before + of(start), after + of(end)];
+        Inputs {
+            added_force: beside(inputs.added_force, |of| of.force),
+            added_stiffness: beside(inputs.added_stiffness, |of| of.stiffness),
+            added_damping: beside(inputs.added_damping, |of| of.damping),
+            ..*inputs
+        }
+    }
+}
+
 impl<S: Scalar> Parameters<S> {
     /// What the hinge moment of the loader's surface, and its bobweight, are to a control at the angle `theta`.
     #[inline(always)]
@@ -88,9 +128,12 @@ impl<S: Scalar> Parameters<S> {
         let moment = surface.share * surface.pressure_ratio * flight.dynamic_pressure * surface.area * surface.chord;
         let mach = surface.compressible * flight.mach.abs().min(one.times(MOST_MACH));
         let grown = one / (one - mach * mach).sqrt();
-        let [per_flow, per_deflection, per_tab] = surface.at_mach(flight.mach.abs()).map(|of| grown * of);
-        let slope = per_deflection + surface.tab_gearing * per_tab;
-        let still = surface.at_zero + per_flow * flow + per_tab * flight.tab + slope * deflection;
+        let [of_flow, of_deflection, of_tab] = surface.at_mach(flight.mach.abs()).map(|factor| grown * factor);
+        let (per_flow, per_tab) = (of_flow * surface.per_flow, of_tab * surface.per_tab);
+        let [by_deflection, slope] = surface.at_deflection(deflection).map(|of| of_deflection * of);
+        let tab = flight.tab + surface.tab_gearing * deflection;
+        let still = surface.at_zero + per_flow * flow + by_deflection + per_tab * tab;
+        let slope = slope + surface.tab_gearing * per_tab;
         let per_theta = moment * (surface.gearing * surface.gearing_change * still + gearing * gearing * slope);
         let per_rate = moment * gearing * gearing * surface.per_rate * surface.chord / speed.times(2.0);
         let gives = one - per_theta / surface.cable_stiffness - moment * gearing * per_tab / surface.tab_stiffness;
@@ -106,30 +149,77 @@ impl<S: Scalar> Parameters<S> {
 }
 
 impl<S: Scalar> Surface<S> {
-    /// `C_alpha`, `C_delta`, `C_tau` by the table over the Mach number.
+    /// Factors of the coefficients of flow, deflection and tab by the table over the Mach number.
     #[inline(always)]
     fn at_mach(&self, mach: S) -> [S; 3] {
         let one = mach.constant(1.0);
-        // A Mach number that is not given is endless; here it is never reached, and apart from the others.
-        let ends =
-            [(self.mach_1, 1e30), (self.mach_2, 2e30), (self.mach_3, 3e30)].map(|(end, far)| end.min(one.times(far)));
+        let ends = apart([self.mach_1, self.mach_2, self.mach_3]);
         let factors = [
-            (self.per_flow, [self.flow_factor_1, self.flow_factor_2, self.flow_factor_3]),
-            (self.per_deflection, [self.deflection_factor_1, self.deflection_factor_2, self.deflection_factor_3]),
-            (self.per_tab, [self.tab_factor_1, self.tab_factor_2, self.tab_factor_3]),
+            [self.flow_factor_1, self.flow_factor_2, self.flow_factor_3],
+            [self.deflection_factor_1, self.deflection_factor_2, self.deflection_factor_3],
+            [self.tab_factor_1, self.tab_factor_2, self.tab_factor_3],
         ];
-        factors.map(|(coefficient, factors)| {
+        factors.map(|factors| {
             let (mut begin, mut before, mut factor) = (one.times(0.0), one, one);
             for (end, next) in ends.into_iter().zip(factors) {
                 let share = ((mach - begin) / (end - begin)).clamp(one.times(0.0), one);
                 factor = factor + share * (next - before);
                 (begin, before) = (end, next);
             }
-            coefficient * factor
+            factor
         })
+    }
+
+    /// Coefficient by the surface's own angle, and its slope.
+    #[inline(always)]
+    fn at_deflection(&self, deflection: S) -> [S; 2] {
+        let far = deflection.constant(FAR);
+        let angles = apart([
+            self.deflection_1,
+            self.deflection_2,
+            self.deflection_3,
+            self.deflection_4,
+            self.deflection_5,
+            self.deflection_6,
+            self.deflection_7,
+        ]);
+        let coefficients = [
+            self.coefficient_1,
+            self.coefficient_2,
+            self.coefficient_3,
+            self.coefficient_4,
+            self.coefficient_5,
+            self.coefficient_6,
+            self.coefficient_7,
+        ]
+        .map(|of| of.min(far));
+        let rise = |k: usize| (coefficients[k + 1] - coefficients[k]) / (angles[k + 1] - angles[k]);
+        let mut piece = rise(0);
+        let (mut value, mut slope) = (coefficients[0] + piece * (deflection - angles[0]), piece);
+        for k in 1..angles.len() - 1 {
+            // The last piece goes on, also where fewer points are given.
+            let next = S::select(angles[k + 1].less(far), rise(k), piece);
+            value = value + (next - piece) * (deflection - angles[k]).max(far.zero());
+            slope = S::select(angles[k].less(deflection), next, slope);
+            piece = next;
+        }
+        let tabled = angles[1].less(far);
+        [S::select(tabled, value, self.per_deflection * deflection), S::select(tabled, slope, self.per_deflection)]
     }
 }
 
+/// Points of a table: one that is not given is endless, here never reached, and apart from the others.
+#[inline(always)]
+fn apart<S: Scalar, const N: usize>(ends: [S; N]) -> [S; N] {
+    let mut far = 0.0;
+    ends.map(|end| {
+        far += FAR;
+        end.min(end.constant(far))
+    })
+}
+
+/// Beyond every Mach number and angle.
+const FAR: f64 = 1e30;
 /// Mach number up to which the rule of Prandtl and Glauert is taken.
 const MOST_MACH: f64 = 0.8;
 /// Least divisor of a surface on soft cables, or with a soft tab.

@@ -4,6 +4,7 @@ use crate::arrays::rows;
 use crate::errors::refused;
 use forcefeel_firmware::axis::{Axis, Input, Output};
 use forcefeel_firmware::loader::{Loader, Setting};
+use forcefeel_firmware::surface::{FLOWN, hinge_moment};
 use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
 use forcefeel_model::compensator::Compensator;
@@ -104,9 +105,31 @@ impl BoardAxis {
             PyArray1::from_vec(py, words.into_flattened()).reshape(shape)?,
         ))
     }
+
+    /// Force, spring and damping (flights, 3) that the surface of the first setting adds in flights and at angles (flights, 11).
+    #[pyo3(signature = (flown, *, single))]
+    fn added<'py>(
+        &self,
+        py: Python<'py>,
+        flown: PyReadonlyArray2<'py, f64>,
+        single: bool,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let flown = rows::<FLOWN>("flown", &flown)?;
+        let of = |row: &[f64; FLOWN]| {
+            if single { self.added_in(0.0_f32, row) } else { self.added_in(0.0_f64, row) }
+        };
+        let added: Option<Vec<[f64; 3]>> = flown.iter().map(of).collect();
+        let added = added.ok_or_else(|| refused("flown: expected numbers"))?;
+        PyArray1::from_vec(py, added.into_flattened()).reshape([flown.len(), 3])
+    }
 }
 
 impl BoardAxis {
+    fn added_in<S: Scalar + Into<f64>>(&self, like: S, flown: &[f64; FLOWN]) -> Option<[f64; 3]> {
+        let added = hinge_moment(&self.settings[0], &flown.map(|number| like.constant(number)));
+        added.map(|added| added.map(Into::into))
+    }
+
     fn run<S: Scalar + Into<f64>>(
         &self,
         like: S,

@@ -2,12 +2,12 @@
 
 use crate::arrays::{rows, vector};
 use crate::errors::refused;
-use crate::statics::flight_state;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel::{FeelConditions, FeelLaw};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::surface::FlightState;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -25,7 +25,7 @@ fn feel_of(values: &Values<'_>) -> PyResult<(Parameters<f64>, Effects, FeelLaw<f
 
 /// What the surface in a flight state does to a control at `angle`.
 fn conditions(parameters: &Parameters<f64>, flight: &[f64; 10], angle: f64, slider: f64) -> FeelConditions<f64> {
-    let added = parameters.hinge_moment(&flight_state(flight), angle);
+    let added = parameters.hinge_moment(&FlightState::from_numbers(*flight), angle);
     FeelConditions {
         added_force: added.force,
         added: [added.stiffness, added.damping],

@@ -119,7 +119,7 @@ pub struct ScriptOf<'py>(BTreeMap<String, PyReadonlyArray2<'py, f64>>, f64, Opti
 impl ScriptOf<'_> {
     pub fn script(&self) -> PyResult<Script> {
         let Self(inputs, start_force, held, seed) = self;
-        let inputs = if inputs.is_empty() { vec![] } else { steps(inputs)? };
+        let inputs = if inputs.is_empty() { vec![] } else { steps(inputs)?.0 };
         let start = held.map_or(Start::Under(*start_force), |(angle, until)| Start::Held(angle, until));
         Ok(Script { start, inputs, seed: *seed, ..Script::NONE })
     }

@@ -14,6 +14,7 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::surface::{FLIGHT, FlightState};
 use forcefeel_simulate::batch::{Change, Job, Sampling};
 use forcefeel_simulate::measures::{Peaks, Samples, measure, measures};
 use forcefeel_slopes::record_slopes::SlopeJob;
@@ -84,12 +85,13 @@ pub struct Simulation {
     sampling: Sampling,
     outputs: Vec<usize>,
     inputs: Vec<Inputs>,
+    flights: Vec<[FlightState; 2]>,
     start: Start,
     timing: Option<Timing>,
     curve: Option<Curve>,
     cancellation: Option<Cancellation>,
     changes: Vec<Change>,
-    /// Trim, a factor on the spring, or the shaker is among the inputs.
+    /// Trim, a factor on the spring, the shaker or a flight is among the inputs.
     stirred: bool,
     /// There is a test signal or a command signal among the inputs.
     tested: bool,
@@ -125,14 +127,14 @@ impl Simulation {
             let observer = observer.as_ref().map(|numbers| vector::<NUMBERS>("changes", numbers)).transpose()?;
             Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)?, observer })
         });
-        let inputs = steps(&inputs)?;
+        let (inputs, flights) = steps(&inputs)?;
         let still = |step: &Inputs| {
             let Inputs { trim, stiffness_factor, shaker, added_force, added_stiffness, added_damping, .. } = *step;
             let beside = [added_force, added_stiffness, added_damping];
             (trim, stiffness_factor, shaker, beside) == ([0.0; 2], [1.0; 2], [0.0; 2], [[0.0; 2]; 3])
         };
         Ok(Self {
-            stirred: !inputs.iter().all(still),
+            stirred: !flights.is_empty() || !inputs.iter().all(still),
             tested: inputs
                 .iter()
                 .flat_map(|step| [step.test_signal, step.command_signal])
@@ -142,6 +144,7 @@ impl Simulation {
             sampling: if every == 0 { Sampling::Halves } else { Sampling::Every(every) },
             outputs,
             inputs,
+            flights,
             start: held.map_or(Start::Under(start_force), |(angle, until)| Start::Held(angle, until)),
             timing: timing.map(in_steps).transpose()?,
             curve: curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?,
@@ -243,7 +246,13 @@ impl Simulation {
         let shared = Shared { effects, step_s: self.step_s, timing: None, curve: self.curve, cancellation: None };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
         let angles = py.detach(|| {
-            feel_alone(&Parameters::from_values(&values), &shared, self.start, &self.inputs, parts as usize)
+            feel_alone(
+                &Parameters::from_values(&values),
+                &shared,
+                self.start,
+                (&self.inputs, &self.flights),
+                parts as usize,
+            )
         });
         Ok(PyArray1::from_vec(py, angles))
     }
@@ -279,6 +288,7 @@ impl Simulation {
             },
             start: self.start,
             inputs: &self.inputs,
+            flights: &self.flights,
             values,
             law,
             force_scale: None,
@@ -323,8 +333,10 @@ pub fn sampled_loops<'py>(
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
 
-/// The inputs of each step.
-pub(crate) fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Inputs>> {
+/// The inputs of each step, and the flight's states where there is one.
+pub(crate) fn steps(
+    given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>,
+) -> PyResult<(Vec<Inputs>, Vec<[FlightState; 2]>)> {
     let count = given.values().next().map_or(0, |input| input.as_array().nrows());
     if count == 0 {
         return Err(refused("inputs: expected an input and a step at least"));
@@ -339,14 +351,26 @@ pub(crate) fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyRe
                 (count, 2)
             )));
         }
+        if FLIGHT.contains(&name.as_str()) {
+            continue;
+        }
         let Some(place) = Inputs::place(name) else {
-            return Err(refused(format!("inputs: expected names out of {}, got {name:?}", Inputs::NAMES.join(", "))));
+            let names = [Inputs::NAMES, &FLIGHT].concat().join(", ");
+            return Err(refused(format!("inputs: expected names out of {names}, got {name:?}")));
         };
         for (step, row) in steps.iter_mut().zip(input.outer_iter()) {
             *place(step) = [row[0], row[1]];
         }
     }
-    Ok(steps)
+    let flown: Vec<_> = FLIGHT.iter().filter_map(|&name| given.get(name)).collect();
+    let state = |step: usize, side: usize| {
+        FlightState::from_numbers(core::array::from_fn(|k| flown[k].as_array()[[step, side]]))
+    };
+    match flown.len() {
+        0 => Ok((steps, vec![])),
+        10 => Ok((steps, (0..count).map(|step| [state(step, 0), state(step, 1)]).collect())),
+        _ => Err(refused(format!("inputs: expected all of a flight: {}", FLIGHT.join(", ")))),
+    }
 }
 
 pub(crate) fn spring_curve(

@@ -51,24 +51,10 @@ pub fn hinge_moment<'py>(
     let parameters = Parameters::from_values(&vector::<COUNT>("values", &values)?);
     let added = |row: &[f64; 11]| {
         let (state, theta) = (core::array::from_fn(|k| row[k]), row[10]);
-        let Added { force, stiffness, damping } = parameters.hinge_moment(&flight_state(&state), theta);
+        let Added { force, stiffness, damping } = parameters.hinge_moment(&FlightState::from_numbers(state), theta);
         vec![force, stiffness, damping]
     };
     Ok(PyArray2::from_vec2(py, &rows("flight", &flight)?.iter().map(added).collect::<Vec<_>>())?)
-}
-
-/// A flight state from its numbers, in the order of `hinge_moment`.
-pub fn flight_state(&[q, v, alpha, beta, roll, pitch, yaw, n, mach, tab]: &[f64; 10]) -> FlightState {
-    FlightState {
-        dynamic_pressure: q,
-        true_airspeed: v,
-        angle_of_attack: alpha,
-        sideslip: beta,
-        rates: [roll, pitch, yaw],
-        load_factor: n,
-        mach,
-        tab,
-    }
 }
 
 /// Force at the grip that moves the programmed feel slowly along a path, at each of its angles in the direction +1 or -1, 0 without

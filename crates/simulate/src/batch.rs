@@ -13,6 +13,7 @@ use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::surface::FlightState;
 use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
@@ -56,6 +57,8 @@ pub struct Job<'a> {
     pub start: Start,
     /// Inputs of every step.
     pub inputs: &'a [Inputs],
+    /// The flight at the start and at the end of every step, in which each run has its surface's hinge moment; empty without one.
+    pub flights: &'a [[FlightState; 2]],
     /// Parameters of each run, in the order of the table.
     pub values: &'a [[f64; COUNT]],
     /// Laws.
@@ -92,7 +95,8 @@ impl Job<'_> {
         measures: &mut [Values],
         histories: &mut [f64],
     ) {
-        if self.values.len() > 1 {
+        // A flight asks for the angle of each.
+        if self.values.len() > 1 && self.flights.is_empty() {
             return_on_vectors!(
                 level,
                 simd => self.vectorized::<_, Pair<Lanes<_>>, K>(simd, first, measures, histories),
@@ -147,6 +151,13 @@ impl Job<'_> {
         (parameters, machine)
     }
 
+    /// The inputs of a step of a run, in the flight if there is one, with its programmed control at an angle.
+    pub fn in_flight(&self, run: usize, step: usize, inputs: &Inputs, angle: f64) -> Inputs {
+        let Some(&[_, last]) = self.flights.last() else { return *inputs };
+        let flight = self.flights.get(step).copied().unwrap_or([last; 2]);
+        Parameters::from_values(&self.values[run]).in_flight(inputs, &flight, angle)
+    }
+
     /// Where a run begins, found for it alone: a search in lanes would be compiled for each of the vector instructions.
     pub(crate) fn beginning<K: Kind>(&self, run: usize) -> Beginning<f64> {
         self.start.of(&self.machines::<f64, K>(|of| of(run)).1, &self.shared, self.inputs)
@@ -159,9 +170,10 @@ impl Job<'_> {
             Start::Held(angle, until) if until >= steps => return angle,
             _ => {}
         }
-        let moved = [last.shaker, last.added_force, last.added_stiffness, last.test_signal, last.command_signal]
-            .iter()
-            .any(|it| it[1] != 0.0);
+        let moved = !self.flights.is_empty()
+            || [last.shaker, last.added_force, last.added_stiffness, last.test_signal, last.command_signal]
+                .iter()
+                .any(|it| it[1] != 0.0);
         let changing = self.changes.iter().any(|change| change.steps.0 < steps && steps < change.steps.1);
         if moved || changing {
             return f64::NAN;
@@ -201,7 +213,15 @@ impl Job<'_> {
         let runs = first..(first + T::RUNS).min(self.values.len());
         let beginnings: Vec<_> = runs.map(|run| self.beginning::<K>(run)).collect();
         let beginning = Beginning::gathered(token, &beginnings);
-        run(&mut machine, &self.shared, &beginning, self.inputs, &changes, || noise.next(token), &mut recorder);
+        let in_flight = |step: usize, inputs: &Inputs, angle: T| {
+            let mut inputs = *inputs;
+            if !self.flights.is_empty() {
+                angle.scatter(|_, angle| inputs = self.in_flight(first, step, &inputs, angle));
+            }
+            inputs
+        };
+        let around = (in_flight, || noise.next(token));
+        run(&mut machine, &self.shared, &beginning, self.inputs, &changes, around, &mut recorder);
         recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
         let held = beginning.held_until;

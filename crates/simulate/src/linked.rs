@@ -78,6 +78,7 @@ pub trait Side {
 
 struct Loader<'a, D: Drive<f64>> {
     job: &'a Job<'a>,
+    run: usize,
     shared: Shared,
     machine: Machine<f64, D>,
     state: State<f64, D>,
@@ -116,6 +117,7 @@ where
     let noise = Noise::new(seed, &[stream.unwrap_or(0)], shared.effects.grip_sensor);
     Box::new(Loader {
         job,
+        run,
         shared,
         machine,
         state,
@@ -148,7 +150,8 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
 
     fn begin(&mut self, step: usize, on_column: f64, [force, damping]: [f64; 2]) {
         let given = self.job.inputs;
-        let mut inputs = given.get(step).copied().unwrap_or_else(|| given[given.len() - 1].end());
+        let inputs = given.get(step).copied().unwrap_or_else(|| given[given.len() - 1].end());
+        let mut inputs = self.job.in_flight(self.run, step, &inputs, self.programmed()[0]);
         inputs.link_torque = [on_column; 2];
         inputs.added_force = inputs.added_force.map(|other| other + force);
         inputs.added_damping = inputs.added_damping.map(|other| other + damping);

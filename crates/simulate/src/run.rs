@@ -43,7 +43,8 @@ pub trait Record<S: Scalar, D: Drive<S>> {
 /// Runs a loader through `inputs`, one for each step; `record` sees the start of every step and the end of the last, and the
 /// middles if it asks for them.
 ///
-/// `normal` gives a standard normal number for each sensor at each sample.
+/// `in_flight` gives the inputs of a step from those without a flight, with the programmed control at an angle; `normal` a standard normal
+/// number for each sensor at each sample.
 #[inline(always)]
 pub fn run<S: Scalar, D: Drive<S>>(
     machine: &mut Machine<S, D>,
@@ -51,7 +52,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
     beginning: &Beginning<S>,
     inputs: &[Inputs],
     changes: &[FeelChange<S>],
-    mut normal: impl FnMut() -> [S; SENSORS],
+    (in_flight, mut normal): (impl Fn(usize, &Inputs, S) -> Inputs, impl FnMut() -> [S; SENSORS]),
     record: &mut impl Record<S, D>,
 ) {
     if inputs.is_empty() {
@@ -72,11 +73,12 @@ pub fn run<S: Scalar, D: Drive<S>>(
     let middles = record.middles();
     let stride = if middles == Middles::None { 1 } else { 2 };
     let ended = inputs[inputs.len() - 1].end();
-    let mut last: Option<(StepStart<S, D>, &Inputs)> = None;
+    let mut last: Option<(StepStart<S, D>, Inputs)> = None;
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
-        let now = inputs.get(step).unwrap_or(&ended);
-        let step_start = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
+        let angle = machine.programmed_motion(&state)[0];
+        let now = in_flight(step, inputs.get(step).unwrap_or(&ended), angle);
+        let step_start = machine.begin(shared, &mut state, &mut memory, &now, &mut normal);
         if let Some((before, inputs)) = &last {
             match middles {
                 Middles::None => {}
@@ -88,7 +90,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
         if step == inputs.len() {
             return;
         }
-        machine.advance(shared, &mut state, now, &step_start);
+        machine.advance(shared, &mut state, &now, &step_start);
         let next = step + 1;
         if next == held_until {
             Machine::<S, D>::let_go(&mut state);

@@ -12,7 +12,7 @@ use crate::along;
 use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Machine, Shared, Snapshot};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
@@ -81,10 +81,11 @@ impl SlopeJob<'_> {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
         let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
-        let none = || [Dual::constant(0.0); SENSORS];
+        let in_flight = |step: usize, inputs: &Inputs, angle: Dual| job.in_flight(run_index, step, inputs, angle.value);
+        let around = (in_flight, || [Dual::constant(0.0); SENSORS]);
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };
         let beginning = job.start.of(&machine, &shared, job.inputs);
-        run(&mut machine, &shared, &beginning, job.inputs, &changes, none, &mut recorder);
+        run(&mut machine, &shared, &beginning, job.inputs, &changes, around, &mut recorder);
     }
 }
 

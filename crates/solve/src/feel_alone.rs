@@ -8,15 +8,17 @@ use forcefeel_model::feel::{FeelConditions, FeelLaw};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::parameters::Parameters;
+use forcefeel_model::surface::FlightState;
 
 /// Angle in rad at the start of every step and at the end of the last.
 ///
-/// A step is cut into `parts`; of the inputs, force, factor on the spring and what comes beside the feel count.
+/// A step is cut into `parts`; of the inputs, force, factor on the spring and what comes beside the feel count. In a flight, which has a
+/// state at the start and at the end of each step, the surface's hinge moment does, too.
 pub fn feel_alone(
     parameters: &Parameters<f64>,
     shared: &Shared,
     start: Start,
-    inputs: &[Inputs],
+    (inputs, flights): (&[Inputs], &[[FlightState; 2]]),
     parts: usize,
 ) -> Vec<f64> {
     // Under state feedback the displacement is an angle, and the torque the column's.
@@ -36,6 +38,7 @@ pub fn feel_alone(
     angles.push(angle);
     for (step, now) in inputs.iter().enumerate() {
         for part in 0..if step < held_until { 0 } else { parts } {
+            let now = flights.get(step).map_or(*now, |flight| parameters.in_flight(now, flight, motion.at[0]));
             let at = |[begin, end]: [f64; 2]| begin + middle(part) * (end - begin);
             let conditions = FeelConditions {
                 neutral: 0.0,

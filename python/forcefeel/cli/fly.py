@@ -64,7 +64,7 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
         str | None,
         option(
             "Fly a maneuver, with the loader and on the feel alone. In pitch: pull-up, wind-up-turn, release, phugoid, "
-            "short-period, power, flaps, gear or stall; in roll: roll-rate or sideslip; in yaw: yaw-rate or sideslip.",
+            "short-period, power, flaps, gear, speed-brake or stall; in roll: roll-rate or sideslip; in yaw: yaw-rate or sideslip.",
             MANEUVER,
             metavar="NAME",
         ),

@@ -105,8 +105,7 @@ def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[
         "added": added,
         "linked": exported.linked,
         "surface": has_surface(exported.loader),
-        "flight": {name: unit for name, (unit, *_) in _FLIGHT.items()},
-        **(_golden_flights(traced, single=single) if has_surface(exported.loader) else {}),
+        **golden_flights(exported.loader, traced.added, single=single),
         "given": spelled_rows(inputs[:, [INPUTS.index(name) for name in columns]], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
@@ -122,16 +121,22 @@ def with_trace(files: dict[str, str | bytes], file: str, name: str) -> dict[str,
     return files | dict(zip(TRACE, (trace_json(file, code, name), trace_html(file, code, name)), strict=True))
 
 
-def _golden_flights(traced: ExportedLaw, *, single: bool) -> dict[str, object]:
-    """Random flights, and what the surface adds in them."""
+def golden_flights(
+    loader: Loader, added: Callable[[NDArray[np.float64]], NDArray[np.float64]], *, single: bool
+) -> dict[str, object]:
+    """Numbers of a flight with their units; of a loader with a surface, random flights, and what it adds in them."""
+    numbers = {name: unit for name, (unit, *_) in _FLIGHT.items()}
+    if not has_surface(loader):
+        return {"flight": numbers}
     low, high = np.array([limits for _, *limits in _FLIGHT.values()]).T
     flights = np.random.default_rng(_SEED).uniform(low, high, (_FLIGHTS, len(_FLIGHT)))
     if single:
         flights = flights.astype(np.float32).astype(np.float64)
     return {
+        "flight": numbers,
         "flights": _FLIGHTS,
         "flown": spelled_rows(flights, single=single),
-        "adds": spelled_rows(traced.added(flights), single=single),
+        "adds": spelled_rows(added(flights), single=single),
     }
 
 

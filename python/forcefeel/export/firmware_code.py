@@ -3,6 +3,7 @@
 The library is one of the installation, or cargo compiles it: ``firmware_library.py``.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,12 @@ from numpy.typing import NDArray
 
 from forcefeel._core import BoardAxis, safety_functions
 from forcefeel.errors import InputError
-from forcefeel.export.c_code import PART, about, recorded, rendered, spelled_rows
+from forcefeel.export.c_code import PART, about, golden_flights, recorded, rendered, spelled_rows
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_board import BOARD, BOARD_FILES, BOARD_SAMPLES, BOARD_TARGET, board_fields, board_files
 from forcefeel.export.firmware_library import firmware_library, library_origin, target_of
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.surface import has_surface
 from forcefeel.simulation.inputs.signals import Chirp
 from forcefeel.simulation.scenario import Scenario
 
@@ -81,6 +83,8 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "states": _words(states),
         "periods": _periods_until_on(exported),
         "origin": library_origin(triple, single=single),
+        "surface": has_surface(loader),
+        **golden_flights(loader, partial(axis.added, single=single), single=single),
     }
     fields |= _numbers(exported, axis) | (board_fields(loader) if board else {})
     files = rendered("firmware", _own(BOARD if board else triple), fields)

@@ -14,6 +14,8 @@ from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, meaning, unit
 from forcefeel.loader.sensors import has_grip_sensor
+from forcefeel.loader.surface import has_surface
+from forcefeel.simulation.inputs.flight import FLIGHT_UNITS
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, PRESSURE, TORQUE, Unit, UnitSystem, dimensions
 
@@ -168,7 +170,7 @@ def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> se
 def _in_an_event(exported: Exported, output: str) -> set[str]:
     """Inputs with direct feedthrough to an output of the law at a clock tick, from the law's numbers.
 
-    Trim, factor and shaker act on the feel in the following period; the current neutral is a state of the law.
+    Trim, factor, shaker and flight act on the feel in the following period; the current neutral is a state of the law.
     """
     numbers = exported.sampled()
     command, torque = _sensors(numbers, numbers.command), _sensors(numbers, numbers.torque)
@@ -183,7 +185,8 @@ def _in_an_event(exported: Exported, output: str) -> set[str]:
     if output in {"command", "feel_torque"}:
         return command if output == "command" else torque
     gives_way = exported.loader["controller.antiwindup"] > 0
-    return torque | (command if gives_way else set()) | {"trim", "stiffness_factor", "shaker"}
+    flight = set(FLIGHT_UNITS) if has_surface(exported.loader) else set()
+    return torque | (command if gives_way else set()) | {"trim", "stiffness_factor", "shaker"} | flight
 
 
 def _sensors(numbers: SampledLaw, rows: NDArray[np.float64]) -> set[str]:

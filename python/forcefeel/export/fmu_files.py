@@ -14,7 +14,6 @@ from forcefeel.export.exported import Exported
 from forcefeel.export.fmu_description import description
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
-from forcefeel.loader.surface import has_surface
 from forcefeel.loader.timing import controller_steps
 
 KINDS = {
@@ -43,13 +42,8 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
     """FMUs by file name, of each kind one for FMI 2.0 and one for FMI 3.0.
 
     Raises:
-        InputError: If the law is not a sampled one, the loader has a surface, or this installation has no library for FMUs.
+        InputError: If the law is not a sampled one, or this installation has no library for FMUs.
     """
-    if has_surface(exported.loader):
-        raise InputError(
-            "surface: an FMU has no inputs for the flight that acts on it; take the rows of surface out, or export to C or "
-            "firmware, which take its force, spring and damping"
-        )
     numbers = exported.sampled()
     binaries, icon = libraries(), _ICON.read_bytes()
     files: dict[str, str | bytes] = {}

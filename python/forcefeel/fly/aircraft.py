@@ -41,6 +41,7 @@ _TRIM = {axis: f"fcs/{axis}-trim-cmd-norm" for axis in _COMMAND}
 _SURFACE = {"pitch": "elevator", "roll": "aileron", "yaw": "rudder"}
 _COMMAND_SIGN = {"pitch": 1.0, "roll": 1.0, "yaw": -1.0}
 """Of a command per control."""
+_SPEED_BRAKES = ("speedbrake", "spoiler")
 _THROTTLE = "fcs/throttle-cmd-norm"
 _BANK_PER_RAD, _BANK_S = 1.0, 0.5
 _TRIMMED = {
@@ -191,15 +192,25 @@ class Aircraft:
         """Move the lever of the landing gear; 1 is down, as JSBSim trims it."""
         self._model["gear/gear-cmd-norm"] = share
 
+    def set_speed_brake(self, share: float) -> None:
+        """Move the lever of speed brake and spoilers."""
+        for name in _SPEED_BRAKES:
+            self._model[f"fcs/{name}-cmd-norm"] = share
+
     def moved_by_levers(self) -> dict[str, bool]:
-        """Whether the levers move flaps and gear: they are pulled, and the aircraft flown for a second."""
+        """Whether the levers move flaps, gear and speed brake: they are pulled, and the aircraft flown for a second."""
         self.set_flaps(1.0)
         self.set_gear(0.0)
+        self.set_speed_brake(1.0)
         with silent():
             for _ in range(round(1 / FRAME_S)):
                 self.fly(self.trimmed)
-        flaps = any(self._model[f"fcs/flap-pos-{unit}"] for unit in ("norm", "deg", "rad"))
-        return {"flaps": flaps, "gear": self._model["gear/gear-pos-norm"] < 1}
+
+        def moved(*names: str) -> bool:
+            return any(self._model[f"fcs/{name}-pos-{unit}"] for name in names for unit in ("norm", "deg", "rad"))
+
+        gear = self._model["gear/gear-pos-norm"] < 1
+        return {"flaps": moved("flap"), "gear": gear, "speed-brake": moved(*_SPEED_BRAKES)}
 
     def set_bank(self, bank_rad: float) -> None:
         """Roll towards a bank by the ailerons, with an autopilot's damping."""

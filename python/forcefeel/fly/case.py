@@ -95,7 +95,7 @@ class FlightCase:
 
     @cached_property
     def without(self) -> tuple[str, ...]:
-        """Of flaps and gear those that JSBSim's aircraft does not move."""
+        """Of flaps, gear and speed brake those that JSBSim's aircraft does not move."""
         return tuple(name for name, moves in self.at().moved_by_levers().items() if not moves)
 
     @cached_property

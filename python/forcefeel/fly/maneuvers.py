@@ -36,10 +36,10 @@ GRAVITY = 9.80665
 _BEGINS_S, _RAMP_S, _TURN_S = 1.0, 2.0, 6.0
 """Time of calm at the start, time in which hand or target moves, time in which a turn winds up."""
 _CALM_S, _CHANGE_S, _AFTER_S = 5.0, 1.0, 15.0
-"""Of a change of power, flaps or gear, as 14 CFR Part 60 records it."""
+"""Of a change of power, flaps, gear or speed brake, as 14 CFR Part 60 records it."""
 _FLAPS = 0.5
 CHANGED = {"calibrated_airspeed": AIRSPEED, "altitude": ALTITUDE, "pitch_attitude": ANGLE}
-"""States in which a change of power, flaps or gear is measured, and their units: 14 CFR Part 60 App. A 2.c.1, 2.c.2, 2.c.4."""
+"""States in which such a change is measured, and their units: 14 CFR Part 60 App. A 2.c.1 to 2.c.4."""
 _PULSE_G, _PULSE_S, _SHORT_S = 0.1, 2.0, 8.0
 _QUICK_STEP_S, _QUICK_ORDER, _QUICK_RAD_PER_S, _STUCK_RAD = 0.016, 6, 1.0, 1e-3
 _PERIODS, _RETURN_PERIODS = 3.0, 2.5
@@ -158,7 +158,7 @@ def fly_maneuver(case: FlightCase, name: str, request: ManeuverRequest = Maneuve
     Args:
         case: Loader, aircraft and trimmed flight.
         name: In pitch ``pull-up``, ``wind-up-turn``, ``release``, ``phugoid``, ``short-period``, ``power``, ``flaps``,
-            ``gear`` or ``stall``;
+            ``gear``, ``speed-brake`` or ``stall``;
             in roll ``roll-rate`` or ``sideslip``, in yaw ``yaw-rate`` or ``sideslip``.
         request: Its numbers.
 
@@ -343,14 +343,16 @@ def _quick_modes(flown: Flown) -> _Numbers:
 
 
 def _lever(case: FlightCase, request: ManeuverRequest, *, lever: str) -> _Plan:
-    """Hands off while throttle or flaps move, or the gear goes up.
+    """Hands off while throttle, flaps or speed brake move, or the gear goes up.
 
     Raises:
-        InputError: If there are no flaps, or the gear is fixed.
+        InputError: If JSBSim's aircraft has none that moves.
     """
     if lever in case.without:
-        raise InputError(f"aircraft: JSBSim's {case.aircraft} has no {lever} that a lever moves; take another maneuver")
-    throttle = case.trim.throttle
+        raise InputError(
+            f"aircraft: JSBSim's {case.aircraft} has no {lever.replace('-', ' ')} that a lever moves; take another maneuver"
+        )
+    throttle, lasts_s = case.trim.throttle, _CALM_S + _CHANGE_S + _AFTER_S
 
     def levers(time_s: float, aircraft: Aircraft) -> None:
         moved = _ramp(time_s, _CALM_S, _CHANGE_S)
@@ -358,6 +360,8 @@ def _lever(case: FlightCase, request: ManeuverRequest, *, lever: str) -> _Plan:
             aircraft.set_flaps(_FLAPS * moved)
         elif lever == "gear":
             aircraft.set_gear(1 - moved)
+        elif lever == "speed-brake":
+            aircraft.set_speed_brake(moved - _ramp(time_s, lasts_s, _CHANGE_S))
         else:
             aircraft.set_throttle(throttle + (1 - throttle) * moved)
 
@@ -368,8 +372,15 @@ def _lever(case: FlightCase, request: ManeuverRequest, *, lever: str) -> _Plan:
             for name, unit in CHANGED.items()
         }
 
-    label = {"power": "full power", "flaps": f"flaps to {100 * _FLAPS:g} %", "gear": "gear up"}[lever]
-    return _Plan(lambda: lambda *_: 0.0, _CALM_S + _CHANGE_S + _AFTER_S, measured, levers, label=label)
+    label = {
+        "power": "full power",
+        "flaps": f"flaps to {100 * _FLAPS:g} %",
+        "gear": "gear up",
+        "speed-brake": "speed brake out and in",
+    }[lever]
+    if lever == "speed-brake":  # its retraction is recorded, too
+        return _Plan(lambda: lambda *_: 0.0, lasts_s + _CHANGE_S + _AFTER_S, measured, levers, label=label)
+    return _Plan(lambda: lambda *_: 0.0, lasts_s, measured, levers, label=label)
 
 
 def _stall(case: FlightCase, request: ManeuverRequest) -> _Plan:
@@ -472,6 +483,7 @@ MANEUVERS: dict[str, Callable[[FlightCase, ManeuverRequest], _Plan]] = {
     "power": partial(_lever, lever="power"),
     "flaps": partial(_lever, lever="flaps"),
     "gear": partial(_lever, lever="gear"),
+    "speed-brake": partial(_lever, lever="speed-brake"),
     "stall": _stall,
     "roll-rate": _rate,
     "yaw-rate": _rate,

@@ -22,8 +22,9 @@ _PULLS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the way from 1 g to the limit load factor."""
 _SMALL = 2
 """Pulls from which the force per g is taken, and the largest force that a short maneuver needs."""
-_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, (0.0, 0.5, 1.0, 1.5)
-"""Time for which the trim runs, and load factors: 14 CFR 25.255(a), (c)(2), up to what trims."""
+_OUT_OF_TRIM_S, _OUT_OF_TRIM_G = 3.0, ((1.0, 0.5, 0.0, -0.5, -1.0), (1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5))
+"""Time for which the trim runs, and load factors from 1 g down and up: 14 CFR 25.255(a), (c)(1)."""
+_OUT_OF_TRIM = "smallest force per g out of trim"
 _HELD_G = 0.1
 """Load factor by which a held flight may be off."""
 _SPEEDS = (0.85, 0.925, 1.075, 1.15)
@@ -34,10 +35,11 @@ _FREE_RETURN = ("light", "transport")
 """Categories whose rules ask for a free return."""
 _EACH_SIDE = 2
 """Speeds above and below trim that 14 CFR Part 60 requires."""
-_HISTORIES = {
+HISTORIES = {
     "power": CHANGED,
     "flaps": CHANGED,
     "gear": CHANGED,
+    "speed-brake": CHANGED,
     "short-period": {"pitch_attitude": ANGLE, "load_factor": LOAD_FACTOR},
 }
 """Maneuvers whose time histories are compared."""
@@ -119,7 +121,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
         _point(case, f"{100 * share:.4g} % of the trim speed", partial(case.at, share * case.speed_m_per_s))
         for share in _SPEEDS
     ]
-    requests = [(name, ManeuverRequest()) for name in (*_HISTORIES, "phugoid") if name not in case.without]
+    requests = [(name, ManeuverRequest()) for name in (*HISTORIES, "phugoid") if name not in case.without]
     if data.category in _FREE_RETURN:
         requests += [("release", ManeuverRequest(off_trim=share)) for share in _RELEASES]
     maneuvers, faults = _fly_maneuvers(case, requests, progress)
@@ -128,7 +130,7 @@ def fly_rules(case: FlightCase, progress: Callable[[str], None] = lambda _: None
     flown |= _of_maneuvers(maneuvers, faults)
     if data.category == "transport":
         progress("out of trim")
-        flown["smallest force per g out of trim"] = out_of_trim(case)
+        flown[_OUT_OF_TRIM] = out_of_trim(case)
     conditions = {"n_L - 1": beyond, "weight": (data.maximum_weight_n or 0.0) * factor("N", "lb")}
     applying = [rule for rule in flight_rules() if rule.applies(data) and rule.maneuver not in case.without]
     if data.category == "military" and not isinstance(flown["force per g"], str):
@@ -207,18 +209,28 @@ def _of_pulls(pulls: list[Point], limit_load_factor: float) -> dict[str, Quantit
 
 
 def out_of_trim(case: FlightCase) -> Quantity | str:
-    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive."""
+    """Slopes of the force over load factor with the tab run to either side for three seconds; a pull is counted positive.
+
+    From 1 g down and up to where JSBSim no longer trims, which each label states.
+    """
     rate = case.trim.data.trim_rate_rad_per_s
     if rate is None or not case.feel["surface.per_tab"]:
         return "the aircraft has no flight.trim_rate with surface.per_tab: a tab that runs"
     slopes: list[Compared] = []
     for tab in (-rate * _OUT_OF_TRIM_S, rate * _OUT_OF_TRIM_S):
-        points = [_point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab)) for n in _OUT_OF_TRIM_G]
-        if fault := _first_fault(points):
+        points: dict[float, Point] = {}
+        for side in _OUT_OF_TRIM_G:
+            for n in side:
+                points[n] = points.get(n) or _point(case, f"{n:g} g", partial(case.at, load_factor=n, tab_rad=tab))
+                if not points[n].held:
+                    break
+        if fault := _first_fault(points[n] for side in _OUT_OF_TRIM_G for n in side[:2] if n in points):
             return fault
-        held = [point.held for point in points if point.held]
+        held = [held for n in sorted(points) if (held := points[n].held)]
+        span = f"{round(held[0].load_factor, 1) + 0.0:.1f} to {held[-1].load_factor:.1f} g flown"
         for less, more in pairwise(held):
-            label = f"{round(less.load_factor, 2) + 0.0:.2f} to {more.load_factor:.2f} g, tab {degrees(tab):+.3g} deg"
+            ends = [round(each.load_factor, 2) + 0.0 for each in (less, more)]
+            label = f"{ends[0]:.2f} to {ends[1]:.2f} g, tab {degrees(tab):+.3g} deg; {span}"
             slope = _slope(label, "load_factor", less, more)
             slopes.append(Compared(label, -slope.with_loader, -slope.feel))
     return Quantity(FORCE, tuple(slopes))
@@ -270,7 +282,7 @@ def _of_maneuvers(maneuvers: list[Maneuver], faults: dict[str, str]) -> dict[str
     """Largest differences of time histories, the free return, the phugoid."""
     numbers: dict[str, Quantity | str] = {}
     flown = {maneuver.name: maneuver for maneuver in maneuvers}
-    for name, row, unit in ((name, row, unit) for name, rows in _HISTORIES.items() for row, unit in rows.items()):
+    for name, row, unit in ((name, row, unit) for name, rows in HISTORIES.items() for row, unit in rows.items()):
         key = f"{name}: {row.replace('_', ' ')}"
         if name not in flown:
             numbers[key] = faults.get(name, "")
@@ -328,11 +340,17 @@ def flight_conclusions(report: FlightReport) -> Conclusions:
         for verdict in verdicts
         if verdict.loose
     ]
+    findings += [
+        f"{verdict.rule.label}: {verdict.where.rpartition('; ')[2]} of -1 to 2.5 g; beyond, JSBSim does not trim the aircraft."
+        for verdict in verdicts
+        if verdict.quantity == _OUT_OF_TRIM and verdict.unit
+    ]
     if any(not verdict.rule.verified for verdict in verdicts):
         findings.append("Rows marked as unverified are to be confirmed against the document.")
     for name in report.case.without if report.case.axis == "pitch" else ():
-        number = {"flaps": "2.c.2", "gear": "2.c.4"}[name]
-        findings.append(f"JSBSim's {report.case.aircraft} has no {name} that a lever moves: {number} does not apply.")
+        number = {"flaps": "2.c.2", "speed-brake": "2.c.3", "gear": "2.c.4"}[name]
+        lever = name.replace("-", " ")
+        findings.append(f"JSBSim's {report.case.aircraft} has no {lever} that a lever moves: {number} does not apply.")
     findings.append(f"The numbers of the aircraft's {report.case.axis} control are illustrative.")
     name = f"{report.case.loader.name} as the {report.case.axis} control of {report.case.aircraft}"
     return Conclusions(report.fulfilled, f"{name}: {rows}.", tuple(findings))

@@ -14,6 +14,7 @@ BELOW = (
     ("thermal.derating_from", "thermal.winding_limit"),
     ("surface.mach_1", "surface.mach_2"),
     ("surface.mach_2", "surface.mach_3"),
+    *((f"surface.deflection_{k}", f"surface.deflection_{k + 1}") for k in range(1, 7)),
 )
 """Pairs of which the first lies below the second."""
 
@@ -77,6 +78,7 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
             *("chord", "gearing", "gearing_change", "at_zero", "per_flow", "per_deflection", "per_tab", "per_rate"),
             *("share", "pressure_ratio", "flow_per_attack", "flow_per_sideslip", "incidence", "tab_gearing"),
             *("roll_arm", "pitch_arm", "yaw_arm", "tab_stiffness", "cable_stiffness", "compressible", "mach_1"),
+            "deflection_1",
         )
     ),
     ("surface.mach_2", ("surface.mach_1",)),
@@ -86,6 +88,10 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
         for name in ("flow", "deflection", "tab")
         for k in (1, 2, 3)
     ),
+    ("surface.deflection_1", ("surface.deflection_2",)),
+    *((f"surface.deflection_{k}", (f"surface.deflection_{k - 1}",)) for k in range(2, 8)),
+    *((f"surface.deflection_{k}", (f"surface.coefficient_{k}",)) for k in range(1, 8)),
+    *((f"surface.coefficient_{k}", (f"surface.deflection_{k}",)) for k in range(1, 8)),
     ("surface.area", ("surface.chord",)),
 )
 """Rows without effect unless one of the others is given."""
@@ -117,6 +123,7 @@ def complaints(values: Mapping[str, float]) -> list[str]:
         *_late(values),
         *_blind(values),
         *_undriven(values),
+        *_two_springs(values),
     ]
 
 
@@ -155,6 +162,14 @@ def _undriven(values: Mapping[str, float]) -> list[str]:
             "controller.period: missing value; an electric drive takes its command from a digital controller; "
             'add [controller] period = "0.5 ms" and delay = "0.5 ms"'
         ]
+    return []
+
+
+def _two_springs(values: Mapping[str, float]) -> list[str]:
+    """A line for a coefficient of the surface's angle beside a table over that angle."""
+    slope, table = "surface.per_deflection", "surface.deflection_1"
+    if values.get(slope, 0.0) != OFF[slope] and values.get(table, OFF[table]) != OFF[table]:
+        return [f"{slope}: stands beside a table over the same angle, from {table} on; leave one of them out"]
     return []
 
 

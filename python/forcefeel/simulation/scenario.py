@@ -150,7 +150,7 @@ class Steps:
         step_s: The step.
         every: Steps between two samples of the history; 0 for two samples a step.
         inputs: By the engine's name, (steps, 2) at start and end of each step: force; trim, stiffness_factor, shaker, fade,
-            added_force, added_stiffness, added_damping, test_signal and command_signal where there is such a thing.
+            test_signal, command_signal and the numbers of the flight where there is such a thing.
         timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
         start_force_n: Force under which the run begins at rest.
         held: Angle in rad at which the grip is held, and the step at which it is let go; ``None`` but for a release.
@@ -195,7 +195,7 @@ class Steps:
         if (factor := _stiffness_factor(scenario, loader, span)) is not None:
             inputs["stiffness_factor"] = factor.pairs
         if scenario.flight is not None:
-            inputs |= scenario.flight.added(loader, *span)
+            inputs |= scenario.flight.pairs(loader, *span)
         if scenario.shaker is not None:
             on, angle = (
                 scenario.shaker.sample(*span),

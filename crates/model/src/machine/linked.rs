@@ -19,7 +19,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         [now.base, now.base_rate].map(|number| number * self.per_base())
     }
 
-    /// Angle of the programmed control in rad and its rate, under a digital controller.
+    /// Angle of the programmed control in rad and its rate; the rate under a digital controller.
     #[inline(always)]
     pub fn programmed_motion(&self, state: &State<S, D>) -> [S; 2] {
         state.slow.feel.map(|number| number * self.per_delta())

@@ -17,6 +17,8 @@ const FLIGHT: FlightState = FlightState {
 };
 /// Factors of [`tabled`] at Mach 0.3, halfway between the first two.
 const TABLED: [f64; 3] = [1.1, 1.6, 0.75];
+/// Angles and coefficients of [`steepened`], as a tunnel has them: steeper beyond, and not the same on both sides.
+const MEASURED: [(f64, f64); 5] = [(-0.35, 0.16), (-0.17, 0.05), (0.02, -0.001), (0.12, -0.03), (0.3, -0.11)];
 /// Area in m², chord in m.
 const AREA: f64 = 1.3;
 const CHORD: f64 = 0.4;
@@ -42,6 +44,34 @@ fn tabled(of: &mut Parameters<f64>) {
     (surface.tab_factor_1, surface.tab_factor_2, surface.tab_factor_3) = (1.0, 0.5, -1.0);
 }
 
+fn steepened(of: &mut Parameters<f64>) {
+    let surface = &mut of.surface;
+    surface.per_deflection = 0.0;
+    let angles = [
+        &mut surface.deflection_1,
+        &mut surface.deflection_2,
+        &mut surface.deflection_3,
+        &mut surface.deflection_4,
+        &mut surface.deflection_5,
+    ];
+    angles.into_iter().zip(MEASURED).for_each(|(angle, (of, _))| *angle = of);
+    let coefficients = [
+        &mut surface.coefficient_1,
+        &mut surface.coefficient_2,
+        &mut surface.coefficient_3,
+        &mut surface.coefficient_4,
+        &mut surface.coefficient_5,
+    ];
+    coefficients.into_iter().zip(MEASURED).for_each(|(coefficient, (_, of))| *coefficient = of);
+}
+
+/// `C(delta)`: between the two points beside it, or on the line of the two nearest ones.
+fn measured(delta: f64) -> f64 {
+    let k = (1..MEASURED.len() - 1).find(|&k| delta < MEASURED[k].0).unwrap_or(MEASURED.len() - 1);
+    let ((from, low), (to, high)) = (MEASURED[k - 1], MEASURED[k]);
+    (low * (to - delta) + high * (delta - from)) / (to - from)
+}
+
 /// Torque on the control at an angle and a rate, by the balance of control, cables and tab: repeated until it stands.
 fn torque(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
     let of = &parameters.surface;
@@ -56,7 +86,8 @@ fn torque(parameters: &Parameters<f64>, theta: f64, rate: f64) -> f64 {
         let gearing = of.gearing + of.gearing * of.gearing_change * control;
         let deflection = of.gearing * control + of.gearing * of.gearing_change * control * control / 2.0;
         let tab = FLIGHT.tab + of.tab_gearing * deflection + torque / of.tab_stiffness;
-        let angles = grown * (-0.08 * tabled[0] * flow - 0.25 * tabled[1] * deflection - 0.12 * tabled[2] * tab);
+        let of_deflection = if of.deflection_1 < 1.0 { measured(deflection) } else { -0.25 * deflection };
+        let angles = grown * (-0.08 * tabled[0] * flow + tabled[1] * of_deflection - 0.12 * tabled[2] * tab);
         let damped = -0.6 * gearing * rate * CHORD / (2.0 * FLIGHT.true_airspeed);
         torque = moment * gearing * (0.01 + angles + damped);
     }
@@ -96,6 +127,13 @@ fn coefficients_are_those_of_the_balance_of_control_surface_and_tab() {
     agrees(&loader(|of| of.surface.compressible = 1.0), 1e-12);
     agrees(&loader(tabled), 1e-12);
     agrees(&loader(|of| of.surface.gearing_change = 0.8), 1e-12);
+    agrees(&loader(steepened), 1e-12);
+    let all = |of: &mut Parameters<f64>| {
+        (tabled(of), steepened(of));
+        (of.surface.gearing_change, of.surface.tab_gearing) = (0.4, 0.7);
+    };
+    agrees(&loader(all), 1e-12);
+    agrees(&loader(|of| (steepened(of), of.surface.tab_stiffness = 900.0).0), 1e-12);
     agrees(&loader(|of| of.surface.tab_stiffness = 900.0), 1e-12);
     agrees(&loader(|of| of.surface.cable_stiffness = 2000.0), 1e-12);
     agrees(&loader(|of| (of.surface.tab_stiffness, of.surface.cable_stiffness) = (900.0, 2000.0)), 1e-12);
@@ -140,6 +178,30 @@ fn a_table_over_mach_begins_at_one_and_ends_at_its_last_factor() {
     let at = |mach| parameters.hinge_moment(&FlightState { mach, ..FLIGHT }, 0.0).stiffness;
     for (mach, factor) in [(0.1, 1.1), (0.9, 1.2), (3.0, 1.2)] {
         assert!((at(mach) - factor * plain).abs() < 1e-12 * plain, "{mach}");
+    }
+}
+
+#[test]
+fn a_table_over_the_angle_goes_on_beyond_its_points_however_many_there_are() {
+    let stiffness = |parameters: &Parameters<f64>, theta| parameters.hinge_moment(&FLIGHT, theta).stiffness;
+    let plain = stiffness(&loader(|_| ()), 0.0);
+    let parameters = loader(steepened);
+    for (theta, piece) in [(0.6, 1), (0.1, 2), (-0.05, 3), (-0.2, 4), (-0.5, 4)] {
+        let ((from, low), (to, high)) = (MEASURED[piece - 1], MEASURED[piece]);
+        // The gearing is negative: a positive control has a negative surface.
+        let of = (high - low) / (to - from) / -0.25 * plain;
+        assert!((stiffness(&parameters, theta) - of).abs() < 1e-12 * plain.abs(), "{theta}");
+    }
+    // Two points on the straight line are that line, at their own angles too.
+    let line = loader(|of| {
+        let surface = &mut of.surface;
+        (surface.per_deflection, surface.deflection_1, surface.deflection_2) = (0.0, -0.1, 0.2);
+        (surface.coefficient_1, surface.coefficient_2) = (0.025, -0.05);
+    });
+    for theta in [-0.4, -1.0 / 6.0, 0.0, 1.0 / 12.0, 0.5] {
+        let (of, straight) = (line.hinge_moment(&FLIGHT, theta), loader(|_| ()).hinge_moment(&FLIGHT, theta));
+        assert!((of.stiffness - straight.stiffness).abs() < 1e-12 * plain.abs());
+        assert!((of.force - straight.force).abs() < 1e-12 * straight.force.abs());
     }
 }
 

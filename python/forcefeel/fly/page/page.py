@@ -115,6 +115,10 @@ def _maneuver(maneuver: Maneuver, axis: str, units: UnitSystem, k: int) -> dict[
     return {
         "key": f"maneuver-{k}",
         "label": maneuver.label,
+        "states": "; ".join(
+            name.replace("_", " ") + (", positive with the wind from the right" if name == "sideslip" else "")
+            for name in plots.drawn_states(maneuver, axis)
+        ),
         "drawing": drawing(plots.histories(maneuver, axis, units), f"maneuver-{k}"),
         "measures": Table((*heads("Measure", "With the loader", "Feel alone"), Cell("Unit")), rows),
     }

@@ -5,8 +5,9 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
+from forcefeel.conclusions import capital
 from forcefeel.fly.maneuvers import Maneuver
-from forcefeel.fly.report import FORCE_OVER_SPEED, FlightReport, Point
+from forcefeel.fly.report import FORCE_OVER_SPEED, HISTORIES, FlightReport, Point
 from forcefeel.fly.rules import FlightVerdict
 from forcefeel.page.canvas import ZERO, add_curve, drawn, frame
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, LineStyle
@@ -19,12 +20,19 @@ _LOADER, _FEEL, _LIMIT = (
     LineStyle("#B3261E", "dot", 1.8),
 )
 _MOST_POINTS = 1500
-_HISTORIES = {"Force": ("force", FORCE), "Control": ("control", ANGLE)}
+_HAND = {"force": FORCE, "control": ANGLE}
 _OF_AXIS = {
-    "pitch": {"Load factor": ("load_factor", LOAD_FACTOR), "Airspeed": ("calibrated_airspeed", AIRSPEED)},
-    "roll": {"Roll rate": ("roll_rate", ANGULAR_VELOCITY), "Bank": ("bank", ANGLE)},
-    "yaw": {"Yaw rate": ("yaw_rate", ANGULAR_VELOCITY), "Sideslip": ("sideslip", ANGLE)},
+    "pitch": {"load_factor": LOAD_FACTOR, "calibrated_airspeed": AIRSPEED},
+    "roll": {"roll_rate": ANGULAR_VELOCITY, "bank": ANGLE},
+    "yaw": {"yaw_rate": ANGULAR_VELOCITY, "sideslip": ANGLE},
 }
+_TITLES = {"calibrated_airspeed": "Airspeed"}
+"""Where the name is too long for an axis."""
+
+
+def drawn_states(maneuver: Maneuver, axis: str) -> dict[str, Unit]:
+    """States that are drawn, with their units: those that a rule compares, else those of the axis."""
+    return HISTORIES.get(maneuver.name, _OF_AXIS[axis])
 
 
 def force_over_load_factor(report: FlightReport, units: UnitSystem) -> go.Figure:
@@ -93,18 +101,19 @@ def _add_limit(picture: go.Figure, verdict: FlightVerdict, x: NDArray[np.float64
 
 
 def histories(maneuver: Maneuver, axis: str, units: UnitSystem) -> go.Figure:
-    """Force, control angle and two states over time, through the loader and on the feel alone."""
-    drawings = _HISTORIES | _OF_AXIS[axis]
+    """Force, control angle and states over time, through the loader and on the feel alone."""
+    drawings = _HAND | drawn_states(maneuver, axis)
     picture = make_subplots(rows=len(drawings), cols=1, shared_xaxes=True, vertical_spacing=0.04)
     for name, look, flown in (("with the loader", _LOADER, maneuver.flown), ("feel alone", _FEEL, maneuver.alone)):
         rows = {"force": flown.force_n, "control": flown.angle_rad, **flown.states}
-        for k, (title, (key, unit)) in enumerate(drawings.items(), 1):
+        for k, (key, unit) in enumerate(drawings.items(), 1):
+            title = _TITLES.get(key, capital(key.replace("_", " ")))
             values = unit.from_si(1.0, units) * rows[key]
             kept = drawn(values, _MOST_POINTS)
             hover = f"%{{y:.3~g}} {unit.shown(units)}"
             more = {"row": k, "col": 1, "showlegend": k == 1, "legendgroup": name}
             add_curve(picture, flown.time_s[kept], values[kept], name, look, hover, **more)
             picture.update_yaxes(title_text=heading_text(title, unit, units), row=k, col=1)
-    frame(picture, 620, top=48)
+    frame(picture, 80 + 135 * len(drawings), top=48)
     picture.update_xaxes(title_text="Time, s", row=len(drawings), col=1)
     return picture

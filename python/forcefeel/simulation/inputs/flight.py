@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.surface import has_surface
@@ -33,7 +32,6 @@ FLIGHT_UNITS = {
 WITHOUT = {"load_factor": 1.0}
 """A number that is not given is zero, but for these."""
 
-_ADDED = ("added_force", "added_stiffness", "added_damping")
 _SIGNALS = Signals(
     {"time": ("s",), **{name: (unit,) for name, unit in FLIGHT_UNITS.items()}},
     needed=("time", "dynamic_pressure", "true_airspeed"),
@@ -45,8 +43,8 @@ _SIGNALS = Signals(
 class Flight:
     """A flight state over time, linear between its points.
 
-    The engine takes the hinge moment of the loader's surface at these states (``crates/model/src/surface.rs``), with the control at
-    its neutral where ``surface.gearing_change`` is given; a live loop and ``forcefeel fly`` take it where the control stands.
+    At each step the engine takes the hinge moment of the loader's surface in these states, where the programmed control stands, as
+    a live loop does (``crates/model/src/surface.rs``).
 
     Attributes:
         time_s: Times of the points, s, rising.
@@ -61,8 +59,8 @@ class Flight:
         >>> flight = ff.simulation.Flight(np.array([0.0, 2.0]), states)
         >>> surface = {"surface.area": 1.0, "surface.chord": 0.4, "surface.gearing": 1.0, "surface.per_deflection": -0.3}
         >>> loader = ff.digital_elevator().replace(surface, si=True)
-        >>> flight.added(loader, 1.0, 1e-3)["added_stiffness"][0].tolist()
-        [180.0, 180.06]
+        >>> flight.pairs(loader, 1.0, 1e-3)["dynamic_pressure"][0].tolist()
+        [1500.0, 1500.5]
     """
 
     time_s: NDArray[np.float64]
@@ -85,8 +83,8 @@ class Flight:
         object.__setattr__(self, "time_s", rows.pop("time"))
         object.__setattr__(self, "states", rows)
 
-    def added(self, loader: Loader, time_s: float, step_s: float) -> dict[str, NDArray[np.float64]]:
-        """Force, spring and damping beside the feel over a run, (steps, 2) each, by the engine's names.
+    def pairs(self, loader: Loader, time_s: float, step_s: float) -> dict[str, NDArray[np.float64]]:
+        """The states at start and end of each step of a run, (steps, 2) each, by name.
 
         Raises:
             InputError: If the loader has no surface, or the flight does not last as long as the run.
@@ -104,15 +102,13 @@ class Flight:
                 "simulate a shorter time"
             )
         still = np.zeros(grid.steps)
-        columns = [
-            through_points(name, grid, self.time_s, self.states[name])
+        columns = {
+            name: through_points(name, grid, self.time_s, self.states[name])
             if name in self.states
             else Sampled(still + WITHOUT.get(name, 0.0), still + WITHOUT.get(name, 0.0))
             for name in FLIGHT_UNITS
-        ]
-        sides = (np.column_stack([*(of[side] for of in columns), still]) for side in (0, 1))
-        start, end = (_core.hinge_moment(loader.si_values, states) for states in sides)
-        return {name: np.column_stack([start[:, k], end[:, k]]) for k, name in enumerate(_ADDED)}
+        }
+        return {name: column.pairs for name, column in columns.items()}
 
 
 def read_flight(path: str | Path) -> Flight:

@@ -90,6 +90,7 @@ pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<
         },
         start: Start::Under(0.0),
         inputs,
+        flights: &[],
         values,
         law: Law::Original,
         force_scale: None,
