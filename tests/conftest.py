@@ -20,9 +20,12 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
 forcefeel = runs()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator:
-    """A Chromium; without one the tests are skipped, or fail where it is required."""
+    """A Chromium; without one the tests are skipped, or fail where it is required.
+
+    Playwright's loop counts as running in this thread from here on: ``asyncio.run`` takes a thread of its own.
+    """
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  for few of the tests
 
     path = _chromium()
@@ -32,9 +35,9 @@ def browser() -> Iterator:
         opened.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def window(browser) -> Iterator:
-    """A window in which the pages of a module are shown."""
+    """A window in which pages are shown, one after another: their script is compiled once."""
     with new_window(browser) as opened:
         yield opened
 

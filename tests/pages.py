@@ -89,6 +89,7 @@ def new_window(browser) -> Iterator:
 def show(window, page: Path, width: int) -> None:
     """Loads a page in a window of a width and waits for its plots."""
     window.goto("about:blank")
+    window.emulate_media(media="screen", color_scheme="light")
     window.set_viewport_size({"width": width, "height": 900})
     window.mouse.move(0, 0)
     window.complaints.clear()

@@ -38,7 +38,8 @@ pytestmark = pytest.mark.browser
 def page(window):
     window.goto((DEMO / "index.html").as_uri())
     window.wait_for_selector(".passed, .failed")
-    return window
+    yield window
+    window.goto("about:blank")  # its drawing moves on
 
 
 @pytest.fixture(scope="module")

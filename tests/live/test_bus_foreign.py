@@ -7,6 +7,7 @@ import select
 import struct
 import time
 import tty
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -45,8 +46,8 @@ def test_makers_client_drives_the_emulated_moteus_until_its_watchdog():
         finally:
             transport.close()
 
-    with ff.live.BusEmulator([yoke(node=1, watchdog_s=UNHURRIED_S)]) as emulator:
-        states = asyncio.run(drive(emulator.port))
+    with ff.live.BusEmulator([yoke(node=1, watchdog_s=UNHURRIED_S)]) as emulator, ThreadPoolExecutor(1) as thread:
+        states = thread.submit(asyncio.run, drive(emulator.port)).result()
     register = moteus.Register
     assert [states[k][register.MODE] for k in (0, 1, -3, -2, -1)] == [0, 10, 11, 11, 0]
     assert states[50][register.TORQUE] == pytest.approx(0.5, rel=1e-6)  # 32 bits

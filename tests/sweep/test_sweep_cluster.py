@@ -13,7 +13,7 @@ from forcefeel.laws.analog.recursion import published_settings
 from forcefeel.sweep import Sweep, cluster, run_sweep
 from tests.sweeps import PUSH, nonlinear, small
 
-RUNS = 20_000
+RUNS = 8_000
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,8 @@ import contextlib
 import logging
 import time
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Coroutine, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -84,7 +85,7 @@ def _client(address: str) -> "Iterator[Client]":
 
     with _quiet():
         try:
-            asyncio.run(knock())  # a Client that fails leaves threads behind
+            _run(knock())  # a Client that fails leaves threads behind
             client = Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError) as error:
             raise InputError(
@@ -96,6 +97,12 @@ def _client(address: str) -> "Iterator[Client]":
             yield client
         finally:
             client.close(timeout=CONNECT_S)
+
+
+def _run(task: Coroutine[object, object, None]) -> None:
+    """Runs a task in a thread of its own: a notebook's already has a loop."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, task).result()
 
 
 def _check_workers(client: "Client", address: str) -> None:
