@@ -2,6 +2,7 @@
 
 import re
 from functools import cache
+from math import radians
 
 import numpy as np
 
@@ -18,6 +19,11 @@ _ROOM = {
     "thermal.winding_limit": {"thermal.ambient": _COLDEST, "thermal.derating_from": 20.0},
     "surface.mach_2": {"surface.mach_1": 1e-3},
     "surface.mach_3": {"surface.mach_1": 1e-3, "surface.mach_2": 2e-3},
+    "surface.deflection_1": {"surface.deflection_2": radians(85)},
+    **{
+        f"surface.deflection_{k}": {f"surface.deflection_{lower}": radians(lower - 91) for lower in range(1, k)}
+        for k in range(2, 8)
+    },
 }
 """Values of others that leave a row all of its range."""
 

@@ -108,7 +108,8 @@ def test_optional_row_round_trips_through_file(tmp_path: Path, key: str, units: 
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize("drive", DRIVES)
 def test_uncommented_examples_are_valid_together(tmp_path: Path, drive: str, units: UnitSystem) -> None:
-    optional = [key for key in OFF if key in table(drive)]
+    # In place of this row stands the table over the same angle.
+    optional = [key for key in OFF if key in table(drive) and key != "surface.per_deflection"]
     names = "|".join(TABLE[key].name for key in optional)
     text = re.sub(rf"(?m)^# ((?:{names}) = )", r"\1", bare(drive).to_toml(units))
     text = text.replace("\ntorque_constant = ", "\ntorque_constant_peak = ")  # as one of the examples has three phases

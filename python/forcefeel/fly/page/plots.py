@@ -113,7 +113,9 @@ def histories(maneuver: Maneuver, axis: str, units: UnitSystem) -> go.Figure:
             hover = f"%{{y:.3~g}} {unit.shown(units)}"
             more = {"row": k, "col": 1, "showlegend": k == 1, "legendgroup": name}
             add_curve(picture, flown.time_s[kept], values[kept], name, look, hover, **more)
-            picture.update_yaxes(title_text=heading_text(title, unit, units), row=k, col=1)
+            picture.update_yaxes(
+                title_text=heading_text(title, unit, units), exponentformat="none", row=k, col=1
+            )  # an altitude is read in plain numbers
     frame(picture, 80 + 135 * len(drawings), top=48)
     picture.update_xaxes(title_text="Time, s", row=len(drawings), col=1)
     return picture
