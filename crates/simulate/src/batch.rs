@@ -10,7 +10,7 @@ use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::surface::FlightState;
@@ -213,9 +213,10 @@ impl Job<'_> {
         let runs = first..(first + T::RUNS).min(self.values.len());
         let beginnings: Vec<_> = runs.map(|run| self.beginning::<K>(run)).collect();
         let beginning = Beginning::gathered(token, &beginnings);
-        let in_flight = |step: usize, inputs: &Inputs, angle: T| {
+        let in_flight = |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<T>>, state: &State<_, K::Of<T>>| {
             let mut inputs = *inputs;
             if !self.flights.is_empty() {
+                let [angle, _] = machine.programmed_motion(state);
                 angle.scatter(|_, angle| inputs = self.in_flight(first, step, &inputs, angle));
             }
             inputs

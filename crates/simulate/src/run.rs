@@ -2,7 +2,7 @@
 
 use forcefeel_model::Scalar;
 use forcefeel_model::drive::Drive;
-use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, StepStart};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State, StepStart};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
@@ -43,8 +43,8 @@ pub trait Record<S: Scalar, D: Drive<S>> {
 /// Runs a loader through `inputs`, one for each step; `record` sees the start of every step and the end of the last, and the
 /// middles if it asks for them.
 ///
-/// `in_flight` gives the inputs of a step from those without a flight, with the programmed control at an angle; `normal` a standard normal
-/// number for each sensor at each sample.
+/// `in_flight` gives the inputs of a step from those without a flight, where the loader stands; `normal` a standard normal number for each
+/// sensor at each sample.
 #[inline(always)]
 pub fn run<S: Scalar, D: Drive<S>>(
     machine: &mut Machine<S, D>,
@@ -52,7 +52,10 @@ pub fn run<S: Scalar, D: Drive<S>>(
     beginning: &Beginning<S>,
     inputs: &[Inputs],
     changes: &[FeelChange<S>],
-    (in_flight, mut normal): (impl Fn(usize, &Inputs, S) -> Inputs, impl FnMut() -> [S; SENSORS]),
+    (in_flight, mut normal): (
+        impl Fn(usize, &Inputs, &Machine<S, D>, &State<S, D>) -> Inputs,
+        impl FnMut() -> [S; SENSORS],
+    ),
     record: &mut impl Record<S, D>,
 ) {
     if inputs.is_empty() {
@@ -76,8 +79,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
     let mut last: Option<(StepStart<S, D>, Inputs)> = None;
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
-        let angle = machine.programmed_motion(&state)[0];
-        let now = in_flight(step, inputs.get(step).unwrap_or(&ended), angle);
+        let now = in_flight(step, inputs.get(step).unwrap_or(&ended), machine, &state);
         let step_start = machine.begin(shared, &mut state, &mut memory, &now, &mut normal);
         if let Some((before, inputs)) = &last {
             match middles {

@@ -12,7 +12,7 @@ use crate::along;
 use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
@@ -81,7 +81,10 @@ impl SlopeJob<'_> {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
         let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
-        let in_flight = |step: usize, inputs: &Inputs, angle: Dual| job.in_flight(run_index, step, inputs, angle.value);
+        let in_flight =
+            |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<Dual>>, state: &State<_, K::Of<Dual>>| {
+                job.in_flight(run_index, step, inputs, machine.programmed_motion(state)[0].value)
+            };
         let around = (in_flight, || [Dual::constant(0.0); SENSORS]);
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };
         let beginning = job.start.of(&machine, &shared, job.inputs);

@@ -6,7 +6,7 @@ use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_simulate::run::{Middles, Record, run};
 use forcefeel_solve::start::Start;
@@ -126,7 +126,15 @@ fn counts(steps: usize) -> [u64; 3] {
     let normal = || unreachable!("no sensor has noise");
     let inputs = vec![push; steps];
     let beginning = Start::Under(0.0).of(&machine, &shared, &inputs);
-    run(&mut machine, &shared, &beginning, &inputs, &[], (|_, now: &Inputs, _| *now, normal), &mut Nothing);
+    run(
+        &mut machine,
+        &shared,
+        &beginning,
+        &inputs,
+        &[],
+        (|_, now: &Inputs, _: &Machine<_, Hydraulic<_>>, _: &State<_, Hydraulic<_>>| *now, normal),
+        &mut Nothing,
+    );
     COUNTS.get()
 }
 
