@@ -20,7 +20,7 @@ use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, knows_contact, knows_friction};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
-use forcefeel_model::surface::{Added, FlightState};
+use forcefeel_model::surface::{self, Added, FlightState};
 use forcefeel_model::with_drive;
 use std::sync::OnceLock;
 
@@ -41,19 +41,15 @@ pub const INPUTS: [&str; 11] = [
 ];
 
 /// What a surface's hinge moment is given, in this order: the flight, and the control's angle.
-pub const FLIGHT: [&str; 11] = [
-    "dynamic_pressure",
-    "true_airspeed",
-    "angle_of_attack",
-    "sideslip",
-    "roll_rate",
-    "pitch_rate",
-    "yaw_rate",
-    "load_factor",
-    "mach",
-    "tab",
-    "angle",
-];
+pub const FLIGHT: [&str; surface::FLIGHT.len() + 1] = {
+    let mut names = ["angle"; surface::FLIGHT.len() + 1];
+    let mut k = 0;
+    while k < surface::FLIGHT.len() {
+        names[k] = surface::FLIGHT[k];
+        k += 1;
+    }
+    names
+};
 
 /// The place of the first of [`FLIGHT`], beyond all that a controller remembers.
 pub const FIRST_OF_FLIGHT: usize = 1 << 15;

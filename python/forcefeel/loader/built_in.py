@@ -111,9 +111,9 @@ BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
 """Loaders by name."""
 
 
-def is_built_in(given: str | Path) -> bool:
-    """Whether a name is a built-in loader's, and no file has it; a folder of results may."""
-    return str(given) in BUILT_IN and input_kind(Path(given)) in (None, Kind.FOLDER)
+def is_built_in(given: str | Path, folder: Path = Path()) -> bool:
+    """Whether a name is a built-in loader's, and no file in the folder has it; a folder of results may."""
+    return str(given) in BUILT_IN and input_kind(folder / given) in (None, Kind.FOLDER)
 
 
 def open_loader(given: str | Path | None) -> Loader:

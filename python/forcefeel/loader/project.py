@@ -20,7 +20,7 @@ from typing import TypeVar
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, input_kind
 from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES, motion_axis
-from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.built_in import BUILT_IN, is_built_in
 from forcefeel.loader.file import document
 from forcefeel.loader.links import Link, LinkKind, read_links
 from forcefeel.loader.loader import Loader, load
@@ -183,7 +183,7 @@ def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> t
         raise InputError(f"expected a loader, such as {_EXAMPLE}, got {show(given)}")
     file = folder / given
     at = file
-    if given not in BUILT_IN or input_kind(file) not in (None, Kind.FOLDER):
+    if not is_built_in(given, folder):
         loader = load(file)
         if (other := taken.get(file.resolve(), motion_axis(axis))) != motion_axis(axis):
             raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")
