@@ -13,6 +13,7 @@ from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
 from forcefeel.errors import InputError
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.consistency import MOST_UNDER_WAY
 from forcefeel.loader.loader import Loader, check_electric
 from forcefeel.units import to_text
 
@@ -105,14 +106,21 @@ def whole_periods(time_s: float, loader: Loader) -> float:
 
 
 def _delay(times: list[float], loader: Loader) -> BusDelay:
+    limit = MOST_UNDER_WAY * loader["controller.period"]
     answered = np.array([took for took in times if took < float("inf")])
     if not len(answered):
         nan = float("nan")
-        return BusDelay(0, len(times), nan, nan, nan, nan)
+        return BusDelay(0, len(times), nan, nan, nan, nan, limit)
     p99 = float(np.quantile(answered, _QUANTILE))
     # A sample is answered in the first cycle that has it.
     return BusDelay(
-        len(answered), len(times), float(np.median(answered)), p99, float(answered.max()), whole_periods(p99, loader)
+        len(answered),
+        len(times),
+        float(np.median(answered)),
+        p99,
+        float(answered.max()),
+        whole_periods(p99, loader),
+        limit,
     )
 
 

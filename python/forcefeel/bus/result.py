@@ -54,10 +54,11 @@ class BusDelay:
         commands: Number of commands.
         median_s, p99_s, worst_s: Of the answers.
         delay_s: Whole periods from a sample to the command that answers it: the value for ``controller.delay``.
+        limit_s: The longest ``controller.delay`` of the loader, a number of its periods.
 
     Example:
-        >>> ff.bus.BusDelay(1000, 1000, 1e-4, 2e-4, 3e-4, 1e-3).delay_s
-        0.001
+        >>> ff.bus.BusDelay(1000, 1000, 1e-4, 2e-4, 3e-4, 1e-3, limit_s=7e-3).ok
+        True
     """
 
     answers: int
@@ -66,6 +67,12 @@ class BusDelay:
     p99_s: float
     worst_s: float
     delay_s: float
+    limit_s: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether the drive answers, and soon enough."""
+        return self.answers > 0 and self.delay_s <= self.limit_s
 
 
 @dataclass(frozen=True)
@@ -98,4 +105,4 @@ class BusCheck:
     @property
     def ok(self) -> bool:
         """Whether bus and drive are well; the host is not counted."""
-        return self.delay.answers > 0 and self.watchdog.ok and all(finding.ok for finding in self.directions)
+        return self.delay.ok and self.watchdog.ok and all(finding.ok for finding in self.directions)

@@ -99,11 +99,11 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
 def _written(
     files: "dict[str, Path]", loaders: "Mapping[str, Loader]", delays: "dict[str, BusDelay]", options: BusOptions
 ) -> "dict[str, Path]":
-    """Writes the loader of each axis with its measured delay; one that did not answer has none."""
+    """Writes the loader of each axis with its measured delay; one that answers too late or not at all has none."""
     from forcefeel.bus.check import with_delay
     from forcefeel.files import write_whole
 
-    measured = {axis: file for axis, file in files.items() if delays[axis].answers}
+    measured = {axis: file for axis, file in files.items() if delays[axis].ok}
     for axis, file in measured.items():
         write_whole(file, with_delay(loaders[axis], delays[axis]).to_toml(options.units))
     return measured
@@ -118,8 +118,7 @@ def _show(terminal: Terminal, check: "BusCheck", *, moved: bool) -> None:
         f"- answers: {check.delay.answers:,} of {check.delay.commands:,}; median, 99 %, worst: {_times(check)}",
         highlight=False,
     )
-    terminal.print(f"- controller.delay: {1e3 * check.delay.delay_s:g} ms", highlight=False)
-    _findings(terminal, (check.watchdog, *check.directions))
+    _findings(terminal, (_delay_finding(check), check.watchdog, *check.directions))
     _advice(terminal, check.host, moved=moved)
 
 
@@ -131,22 +130,33 @@ def _show_cockpit(terminal: Terminal, project: "Project", cockpit: "CockpitBusCh
         "node",
         "serial",
         "median, 99 %, worst",
-        "controller.delay",
     )
     for axis, check in cockpit.axes.items():
         bus = project.loaders[axis].bus
         if bus is None:
             continue
         serials = ", ".join(node.serial for node in check.nodes if node.node == bus.node)
-        delay = f"{1e3 * check.delay.delay_s:g} ms"
-        table.add_row(axis, bus.port, str(bus.node), serials, _times(check), delay)
+        table.add_row(axis, bus.port, str(bus.node), serials, _times(check))
     terminal.show(table, ["serial"])
     for axis, check in cockpit.axes.items():
-        _findings(terminal, (check.watchdog, *check.directions), f"{axis}: ")
+        _findings(terminal, (_delay_finding(check), check.watchdog, *check.directions), f"{axis}: ")
     for port, nodes in cockpit.others.items():
         for node in nodes:
             terminal.print(f"- {port}: node {node.node} belongs to no axis", highlight=False)
     _advice(terminal, cockpit.host, moved=moved)
+
+
+def _delay_finding(check: "BusCheck") -> "Finding":
+    from forcefeel.bus import Finding
+
+    delay = check.delay
+    stated = f"{1e3 * delay.delay_s:g} ms"
+    if delay.ok or not delay.answers:
+        return Finding("controller.delay", delay.ok, stated if delay.answers else "no answer", "")
+    stated += f", expected at most {1e3 * delay.limit_s:g} ms"
+    return Finding(
+        "controller.delay", False, stated, "set a longer controller.period, or prepare this computer as below"
+    )
 
 
 def _times(check: "BusCheck") -> str:
