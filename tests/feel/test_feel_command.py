@@ -142,6 +142,11 @@ BAD = {
         [(-9, -60, 1), (-3, -25, 1), (0, 5, 1), (3, 25, 1), (6, 60, 1), (9, 40, 1)],
         ("turns back: 60 N at 6 deg, and 40 N at 9 deg", "flight conditions"),
     ),
+    "turns back without directions": (
+        "position (deg),force (N)",
+        [(-9, -60), (-3, -25), (3, 25), (6, 60), (7, 40), (8, 25), (9, 5)],
+        ("turns back: 60 N at 6 deg, and 5 N at 9 deg", "flight conditions"),
+    ),
     "no unit": ("position,force (N)", [(-1, -1), (1, 1)], ("position: has no unit", "add it to the header")),
     "unknown unit": ("position (flurb),force (N)", [(-1, -1), (1, 1)], ("unknown unit 'flurb'",)),
     "too few": (

@@ -92,12 +92,7 @@ def check_branches(points: ForcePoints, direction: _Array) -> None:
         fall = highest - force
         k = int(np.argmax(fall)) if len(fall) else 0
         if len(fall) and fall[k] > _FALL * span:
-            first = int(np.argmax(force[: k + 1]))
-            raise InputError(
-                f"{points.name}: turns back: {force[first]:.4g} N at {points.shown(x[first])}, and {force[k]:.4g} N at "
-                f"{points.shown(x[k])}; expected a force that does not fall in one direction; correct the points, or if they are "
-                "of two flight conditions, add a column such as 'dynamic pressure (Pa)'"
-            )
+            raise _turns_back(points, x, force, int(np.argmax(force[: k + 1])), k)
     (x_up, up), (x_down, down) = branches.values()
     if min(len(up), len(down)) < 2:
         return
@@ -110,6 +105,30 @@ def check_branches(points: ForcePoints, direction: _Array) -> None:
             f"{points.name}: negative friction: the force on the way up lies {-2 * half:.4g} N below that on the way down; "
             "expected it above; check the signs of the force and of the column 'direction'"
         )
+
+
+def check_line(points: ForcePoints) -> None:
+    """Refuses points without directions whose force falls over two steps in a row.
+
+    Points of a loop, or of two flight conditions, never do: the force falls from the upper line to the lower one, and rises along it.
+
+    Raises:
+        InputError: With the first and the last point of the fall.
+    """
+    x, force = _branch(points, np.ones(len(points.force_n), dtype=np.bool_))
+    falls = np.diff(force) < 0
+    for k in np.flatnonzero(falls[:-1] & falls[1:]):
+        last = k + int(np.argmin(np.append(falls[k:], False)))
+        if force[k] - force[last] > _FALL * float(np.ptp(points.force_n)):
+            raise _turns_back(points, x, force, int(k), last)
+
+
+def _turns_back(points: ForcePoints, x: _Array, force: _Array, first: int, last: int) -> InputError:
+    return InputError(
+        f"{points.name}: turns back: {force[first]:.4g} N at {points.shown(x[first])}, and {force[last]:.4g} N at "
+        f"{points.shown(x[last])}; expected a force that does not fall in one direction; correct the points, or if they are "
+        "of two flight conditions, add a column such as 'dynamic pressure (Pa)'"
+    )
 
 
 def _branch(points: ForcePoints, which: NDArray[np.bool_]) -> tuple[_Array, _Array]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel._core import feel_frequency, feel_from_frequency
 from forcefeel.errors import InputError, expect
-from forcefeel.feel.directions import Directions, assigned, both_ways, check_branches
+from forcefeel.feel.directions import Directions, assigned, both_ways, check_branches, check_line
 from forcefeel.feel.plan import FeelPlan
 from forcefeel.feel.release_fit import fit_release
 from forcefeel.feel.result import FeelFit, FittedRow, ReleaseFit, Source
@@ -149,6 +149,7 @@ def _static(points: ForcePoints, plan: FeelPlan) -> tuple[StaticFit, Directions]
             how, best = Directions.ASSIGNED, chosen(replace(model, directions=loop))
         scatter = float(np.sqrt(np.mean(best.residual_n**2)))
         if scatter > _SCATTER * scales["force"]:
+            check_line(points)
             remedy = "; check the stated breakout and friction" if model.stated else ""
             raise InputError(
                 f"{points.name}: the points scatter by {scatter:.3g} N about one line{remedy}; expected the direction of each "
