@@ -63,7 +63,11 @@ class BridgeSettings:
 
 
 def bridge(
-    simulator: Simulator, loader: tuple[str, int], settings: BridgeSettings, ended: Callable[[], bool]
+    simulator: Simulator,
+    loader: tuple[str, int],
+    settings: BridgeSettings,
+    ended: Callable[[], bool],
+    report: BridgeReport | None = None,
 ) -> BridgeReport:
     """Passes the flight on to the loader and the control's angle back, until ``ended`` says so.
 
@@ -74,13 +78,15 @@ def bridge(
         loader: Address of the loader's host port.
         settings: Travels and forces.
         ended: Asked about 500 times a second.
+        report: Where it is reported as it happens; by default a new report.
 
     Example:
         >>> simulator = ff.bridge.Text(("127.0.0.1", 0))
         >>> ff.bridge.bridge(simulator, ("127.0.0.1", 9), ff.bridge.BridgeSettings(0.25), lambda: True).states
         0
     """
-    report, states, next_s, state = BridgeReport(), live_states(), 0.0, None
+    report = BridgeReport() if report is None else report
+    states, next_s, state = live_states(), 0.0, None
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
         wire.setblocking(False)
         wire.connect(loader)

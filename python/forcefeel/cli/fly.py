@@ -9,7 +9,7 @@ from cyclopts import Group
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.scenario_text import seconds, value
+from forcefeel.cli.scenario_text import seconds, speed_and_altitude, value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 from forcefeel.files import check_output_file, write_whole
@@ -132,16 +132,9 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
             InputError: If one is bad.
         """
         from forcefeel.fly import FlightCase
-        from forcefeel.fly.control_data import control_data
 
-        loader = self.loader(path)
-        axis = self.axis or flight_axis(usual_axis(loader.name))
-        data = control_data(self.aircraft, axis)
-        speed = data.speed_m_per_s if self.speed is None else value("--speed", self.speed, "m/s", "100 kt")
-        altitude = data.altitude_m if self.altitude is None else value("--altitude", self.altitude, "m", "3000 ft")
-        if not speed > 0:
-            raise InputError(f"--speed: expected a speed above 0, got {self.speed}")
-        return FlightCase(loader, self.aircraft, speed, altitude, self.law, axis)
+        speed, altitude = speed_and_altitude(self.speed, self.altitude)
+        return FlightCase.of(self.loader(path), self.aircraft, speed, altitude, self.law, self.axis)
 
 
 def run(path: LoaderFile = None, /, *, options: FlyOptions = FlyOptions()) -> None:

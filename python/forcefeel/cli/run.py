@@ -23,12 +23,13 @@ from forcefeel.cli.options import (
     OutputOptions,
     option,
 )
-from forcefeel.cli.scenario_text import seconds, size, value
+from forcefeel.cli.scenario_text import seconds, size, speed_and_altitude, value
 from forcefeel.cli.stop_signals import stop_signals
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
+    from forcefeel.fly import LiveFlight
     from forcefeel.live import Histogram, LiveCockpit, LiveSession, Udp
     from forcefeel.loader.bus import Bus
     from forcefeel.loader.loader import Loader
@@ -62,6 +63,23 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
             default="no simulator",
             metavar="PORT",
         ),
+    ] = None
+    aircraft: Annotated[
+        str | None,
+        option(
+            "Fly an aircraft of JSBSim as the simulator: 737, T38, c172p, f16, or a TOML file with data of its controls. Its feel "
+            "and surface replace the loader's; the console shows the flight, trim and throttle.",
+            LIVE,
+            default="none",
+            metavar="NAME|FILE",
+        ),
+    ] = None
+    speed: Annotated[
+        str | None,
+        option("Calibrated airspeed of the trimmed flight.", LIVE, default="the aircraft's", metavar="SPEED"),
+    ] = None
+    altitude: Annotated[
+        str | None, option("Altitude of the trimmed flight.", LIVE, default="the aircraft's", metavar="LENGTH")
     ] = None
     duration: Annotated[
         str | None, option("Duration, such as '10 s'.", LIVE, default="until Ctrl-C", metavar="TIME")
@@ -111,12 +129,13 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         raise InputError(f"--duration: expected a time above 0, got {options.duration}")
     rate = None if options.record_rate is None else value("--record-rate", options.record_rate, "rad/s", "100 Hz")
     most_bytes = MOST_RECORD_BYTES if options.max_size is None else size("--max-size", options.max_size)
-    project = options.project(path)
-    loaders = {"": options.loader(path)} if project is None else project.loaders
+    project = options.project(path, aircraft=options.aircraft)
+    loaders = {"": options.loader(path)} if project is None else dict(project.loaders)
+    flight = _flight(options, loaders)
     laws = {axis: chosen_law(options.law, loader) for axis, loader in loaders.items()}
     record = None if options.out is None else _record(options.out, replace=options.replace)
     given: dict[str, Any] = {
-        "host": options.host,
+        "host": options.host if flight is None else 0,
         "record": record,
         "record_rate_hz": None if rate is None else rate / (2 * pi),
         "most_bytes": most_bytes,
@@ -131,7 +150,7 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         endpoint = Simulated() if options.machine is None else _machine(options.machine, loaders[""])
         running = start(loaders[""], laws[""], endpoint=endpoint, **given)
     axes = {"": running} if isinstance(running, LiveSession) else dict(running)
-    with running, stop_signals() as ended, _console(running, axes, options):
+    with running, stop_signals() as ended, _flown(flight, running), _console(running, axes, options):
         _wait(next(iter(axes.values())), lasts, ended)
         running.off()
         time.sleep(_OFF_S)
@@ -143,6 +162,41 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
     )
     if any(session.trips or session.state.record_ended for session in axes.values()):
         raise SystemExit(BAD_ANSWER)
+
+
+def _flight(options: RunOptions, loaders: "dict[str, Loader]") -> "LiveFlight | None":
+    """The aircraft that is flown as the simulator; the one loader takes its surface and feel.
+
+    Raises:
+        InputError: If an option does not go with another, or the aircraft does not trim.
+    """
+    if options.aircraft is None:
+        for name, text in (("--speed", options.speed), ("--altitude", options.altitude)):
+            if text is not None:
+                raise InputError(f"{name}: requires --aircraft; remove {name} or name an aircraft")
+        return None
+    if options.host is not None:
+        raise InputError("--host: --aircraft is the simulator; leave one out")
+    from forcefeel.fly import FlightCase, LiveFlight
+
+    case = FlightCase.of(loaders[""], options.aircraft, *speed_and_altitude(options.speed, options.altitude))
+    loaders[""] = case.feel
+    return LiveFlight(case.at)
+
+
+@contextmanager
+def _flown(flight: "LiveFlight | None", running: "LiveSession | LiveCockpit") -> Iterator[None]:
+    """The flight beside the loop, where there is one; what JSBSim prints is left out."""
+    from forcefeel.live import LiveSession
+
+    if flight is None or not isinstance(running, LiveSession):
+        yield
+        return
+    from forcefeel.fly import fly_live
+    from forcefeel.fly.aircraft import silent
+
+    with silent(), fly_live(running, flight):
+        yield
 
 
 BUS = "bus"

@@ -23,6 +23,18 @@ def value(option: str, text: str, unit_si: str, example: str) -> float:
         raise InputError(f"{option}: {error}") from error
 
 
+def speed_and_altitude(speed: str | None, altitude: str | None) -> tuple[float | None, float | None]:
+    """``--speed``, m/s, and ``--altitude``, m, of a trimmed flight; ``None`` where not given.
+
+    Raises:
+        InputError: If the speed is not above 0.
+    """
+    at = None if speed is None else value("--speed", speed, "m/s", "100 kt")
+    if at is not None and not at > 0:
+        raise InputError(f"--speed: expected a speed above 0, got {speed}")
+    return at, None if altitude is None else value("--altitude", altitude, "m", "3000 ft")
+
+
 def seconds(option: str, text: str) -> float:
     """A time; a number without a unit is in seconds."""
     return value(option, f"{text} s" if _is_number(text) else text, "s", "0.5 s")

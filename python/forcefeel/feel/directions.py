@@ -110,7 +110,7 @@ def check_branches(points: ForcePoints, direction: _Array) -> None:
 def check_line(points: ForcePoints) -> None:
     """Refuses points without directions whose force falls over two steps in a row.
 
-    Points of a loop, or of two flight conditions, never do: the force falls from the upper line to the lower one, and rises along it.
+    Those of a loop, or of two flight conditions, never do: the force falls from the upper line to the lower, and rises along it.
 
     Raises:
         InputError: With the first and the last point of the fall.
@@ -118,7 +118,7 @@ def check_line(points: ForcePoints) -> None:
     x, force = _branch(points, np.ones(len(points.force_n), dtype=np.bool_))
     falls = np.diff(force) < 0
     for k in np.flatnonzero(falls[:-1] & falls[1:]):
-        last = k + int(np.argmin(np.append(falls[k:], False)))
+        last = int(k + np.argmin(np.append(falls[k:], False)))
         if force[k] - force[last] > _FALL * float(np.ptp(points.force_n)):
             raise _turns_back(points, x, force, int(k), last)
 

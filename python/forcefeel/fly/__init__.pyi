@@ -5,6 +5,8 @@ from forcefeel.fly.aircraft import Aircraft as Aircraft
 from forcefeel.fly.aircraft import with_surface as with_surface
 from forcefeel.fly.case import FlightCase as FlightCase
 from forcefeel.fly.case import HeldFlight as HeldFlight
+from forcefeel.fly.live import LiveFlight as LiveFlight
+from forcefeel.fly.live import fly_live as fly_live
 from forcefeel.fly.maneuvers import Maneuver as Maneuver
 from forcefeel.fly.maneuvers import ManeuverRequest as ManeuverRequest
 from forcefeel.fly.maneuvers import fly_maneuver as fly_maneuver

@@ -3,17 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 
 from forcefeel.fly.aircraft import FRAME_S, Aircraft, silent, with_surface
+from forcefeel.fly.control_data import control_data
 from forcefeel.fly.pilot import CrossoverPilot
 from forcefeel.fly.run import FlightOptions, Flown, Pilot, fly
 from forcefeel.fly.trims import force_per_g, held_force, trimmed_force
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import live_law
-from forcefeel.loader.axes import FlightAxis
+from forcefeel.loader.axes import FlightAxis, flight_axis, usual_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.units import AIRSPEED, FORCE, LOAD_FACTOR
 
@@ -77,6 +78,26 @@ class FlightCase:
     altitude_m: float
     law: LawLike = None
     axis: FlightAxis = "pitch"
+
+    @classmethod
+    def of(
+        cls,
+        loader: Loader,
+        aircraft: str,
+        speed_m_per_s: float | None = None,
+        altitude_m: float | None = None,
+        law: LawLike = None,
+        axis: FlightAxis | None = None,
+    ) -> Self:
+        """A case with the speed and altitude of the aircraft's data and the axis of a built-in loader, unless given.
+
+        Raises:
+            InputError: If the aircraft is unknown, or its file is bad.
+        """
+        axis = axis or flight_axis(usual_axis(loader.name))
+        data = control_data(aircraft, axis)
+        speed = data.speed_m_per_s if speed_m_per_s is None else speed_m_per_s
+        return cls(loader, aircraft, speed, data.altitude_m if altitude_m is None else altitude_m, law, axis)
 
     @cached_property
     def trim(self) -> Aircraft:

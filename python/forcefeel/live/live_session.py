@@ -14,6 +14,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law
 from forcefeel.live.ending import EndsWithBlock
+from forcefeel.live.flight_controls import FlightControls
 from forcefeel.live.loop_settings import Loop, LoopSettings
 from forcefeel.live.setup import checked_feel, feel_numbers, feel_rows
 from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
@@ -51,6 +52,7 @@ class LiveSession(EndsWithBlock):
         settings: Requested settings of the loop.
         law: The current law; it does not follow a feel that a console in another process requests.
         fade_s: Fade time of feels set later, s.
+        flight: The flight that its console shows, as of ``fly.fly_live``; ``None`` without one.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
@@ -69,6 +71,7 @@ class LiveSession(EndsWithBlock):
         self.law = law
         self.period_s: float = settings.loader["controller.period"]
         self.fade_s = FADE_S
+        self.flight: FlightControls | None = None
 
     def end(self) -> None:
         """End the loop with the drive off and close the record; further calls do nothing."""

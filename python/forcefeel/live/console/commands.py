@@ -38,6 +38,7 @@ class Plain(_Message):
         "disconnect",
         "take_priority",
         "give_priority",
+        "restart_flight",
     ]
 
 
@@ -66,6 +67,14 @@ class Around(_Message):
     shaker: Annotated[float, Field(ge=0, le=1)] | None = None
 
 
+class MoveLever(_Message):
+    """A lever of the flight, in SI units."""
+
+    do: Literal["lever"]
+    name: Literal["tab", "trim", "throttle"]
+    position: float
+
+
 class Hand(_Message):
     """A simulated hand: a force, a held angle, or release. It expires, so a page sends it repeatedly."""
 
@@ -91,7 +100,7 @@ class RuleTest(_Message):
     side: Literal["positive", "negative"] = "positive"
 
 
-Command = Plain | FeelChange | Around | Hand | Break | RuleTest
+Command = Plain | FeelChange | Around | MoveLever | Hand | Break | RuleTest
 _ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(discriminator="do")])
 
 FOR_ALL = frozenset({"stop", "take", "give"})

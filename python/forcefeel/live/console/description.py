@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 from forcefeel.live.console.telemetry import RATE_HZ, Channel
+from forcefeel.live.flight_controls import READINGS, FlightControls
 from forcefeel.live.live_session import OF_A_SENSOR, Fault, LiveSession, Sensor
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -123,8 +124,32 @@ def description(
             "high": throw_rad[1] * angle,
         },
         "force": {"unit": FORCE.shown(system), "scale": force},
+        "flight": None if running.flight is None else flight_json(running.flight, system),
         "faults": [{"name": name, "text": text, "of": name in OF_A_SENSOR} for name, text in FAULTS.items()],
         "sensors": [{"name": name, "text": text, "jump": by} for name, (text, by) in SENSORS.items()],
+    }
+
+
+def flight_json(flight: FlightControls, system: UnitSystem) -> Json:
+    """Readings and levers of a flight for the page."""
+    return {
+        "readings": [
+            {"name": name, "label": label, "unit": unit_text(unit.shown(system)), "scale": unit.from_si(1.0, system)}
+            for name, (label, unit) in READINGS.items()
+        ],
+        "levers": [
+            {
+                "key": name,
+                "name": lever.label,
+                "symbol": ["", "", ""],
+                "unit": unit_text(lever.unit.shown(system)),
+                "scale": lever.unit.from_si(1.0, system),
+                "low": lever.low,
+                "high": lever.high,
+                "even": False,
+            }
+            for name, lever in flight.levers.items()
+        ],
     }
 
 

@@ -9,6 +9,7 @@ import json
 import os
 import socket
 import struct
+from collections.abc import Mapping
 from threading import Lock
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.live.flight_controls import Lever
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.state import COLUMNS
 
@@ -33,6 +35,10 @@ _HAND = {"hold_at": None, "force": 0.0}
 
 _LOOKED_AT = ("status", "recorded", "host_status", "timing", "refused")
 """Read-only requests without arguments."""
+
+
+_OF_FLIGHT = ("readings", "set_lever", "restart")
+"""Requests to the flight."""
 
 
 def pair() -> tuple[socket.socket, socket.socket]:
@@ -93,12 +99,16 @@ class LoopProxy:
             # Request all later rows: a limit would now select newer rows and skip others.
             since, most = float(rows[-1, cycle]), _ALL
 
+    def flight(self, what: str, *arguments: object) -> Any:
+        """A method of the flight beside the loop."""
+        return self._query("flight", what, *arguments)
+
     def end(self) -> None:
         """Do nothing: only the loop's own process ends it."""
 
     def _query(self, name: str, *arguments: object) -> Any:
         answer = json.loads(self._answer(name, *arguments))
-        if isinstance(answer, dict):
+        if isinstance(answer, dict) and "refused" in answer:
             raise InputError(answer["refused"])
         return answer
 
@@ -112,6 +122,31 @@ class LoopProxy:
         if not answer:
             os._exit(0)
         return answer
+
+
+class FlightProxy:
+    """Proxy of the flight beside a loop in another process.
+
+    Args:
+        loop: The loop's proxy.
+        levers: The flight's levers.
+    """
+
+    def __init__(self, loop: LoopProxy, levers: Mapping[str, Lever]) -> None:
+        self._loop, self.levers = loop, levers
+
+    def readings(self) -> dict[str, float]:
+        """As ``FlightControls.readings``."""
+        readings: dict[str, float] = self._loop.flight("readings")
+        return readings
+
+    def set_lever(self, name: str, position: float) -> None:
+        """As ``FlightControls.set_lever``."""
+        self._loop.flight("set_lever", name, position)
+
+    def restart(self) -> None:
+        """As ``FlightControls.restart``."""
+        self._loop.flight("restart")
 
 
 class LoopServer:
@@ -158,6 +193,8 @@ class LoopServer:
             if what in _HAND and number != _HAND[what]:
                 self._held.add(what)
             return self._running.take_disturbance(*arguments)
+        if name == "flight" and self._running.flight is not None and arguments[0] in _OF_FLIGHT:
+            return getattr(self._running.flight, arguments[0])(*arguments[1:])
         if name in _LOOKED_AT:
             return getattr(self._running.loop, name)()
         raise InputError(f"request: expected request, disturb, history or {', '.join(_LOOKED_AT)}, got {name!r}")

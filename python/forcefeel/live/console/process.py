@@ -18,9 +18,10 @@ from types import TracebackType
 from typing import Self
 
 from forcefeel.live.console.admission import Admission
-from forcefeel.live.console.ipc import LoopProxy, LoopServer, pair
+from forcefeel.live.console.ipc import FlightProxy, LoopProxy, LoopServer, pair
 from forcefeel.live.console.listener import Listener
 from forcefeel.live.console.server import Server
+from forcefeel.live.flight_controls import Lever
 from forcefeel.live.live_session import LiveSession
 from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import live_law
@@ -34,9 +35,10 @@ _PATIENCE_S = 2.0
 
 @dataclass(frozen=True)
 class _Begins:
-    """Initial data of a server: settings of each axis by its name, empty for a single loader."""
+    """Initial data of a server: settings of each axis by its name, empty for a single loader; levers of the flights beside them."""
 
     settings: dict[str, LoopSettings]
+    levers: dict[str, Mapping[str, Lever]]
     admission: Admission
     setup: QualificationSetup
 
@@ -128,7 +130,8 @@ class ConsoleProcess:
                 process_group=0,
             )
         settings = {axis: running.settings for axis, running in self._axes.items()}
-        begins = _Begins(settings, self._door.admission, self._setup)
+        levers = {axis: running.flight.levers for axis, running in self._axes.items() if running.flight}
+        begins = _Begins(settings, levers, self._door.admission, self._setup)
         try:
             with process.stdin:  # type: ignore[union-attr]  # it is a pipe
                 pickle.dump(begins, process.stdin)  # type: ignore[arg-type]
@@ -148,10 +151,12 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     listening, *wires = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:])
     begins: _Begins = pickle.load(sys.stdin.buffer)
-    axes = {
-        axis: LiveSession(LoopProxy(wire), settings, live_law(settings.law, settings.loader))
-        for (axis, settings), wire in zip(begins.settings.items(), wires, strict=True)
-    }
+    axes = {}
+    for (axis, settings), wire in zip(begins.settings.items(), wires, strict=True):
+        loop = LoopProxy(wire)
+        axes[axis] = LiveSession(loop, settings, live_law(settings.law, settings.loader))
+        if axis in begins.levers:
+            axes[axis].flight = FlightProxy(loop, begins.levers[axis])
     with Server(axes, Listener(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
             next(iter(axes.values())).loop.status()  # ends this process without a loop

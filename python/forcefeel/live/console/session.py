@@ -17,7 +17,17 @@ from websockets.asyncio.server import ServerConnection
 
 from forcefeel.errors import InputError
 from forcefeel.live.console.admission import Role
-from forcefeel.live.console.commands import FOR_ALL, Around, Break, Command, FeelChange, Hand, Plain, RuleTest
+from forcefeel.live.console.commands import (
+    FOR_ALL,
+    Around,
+    Break,
+    Command,
+    FeelChange,
+    Hand,
+    MoveLever,
+    Plain,
+    RuleTest,
+)
 from forcefeel.live.console.description import description, feel_json, host_json
 from forcefeel.live.console.ipc import LAPSES_S
 from forcefeel.live.console.programmed import Programmed
@@ -26,6 +36,7 @@ from forcefeel.live.console.telemetry import Telemetry, channels
 from forcefeel.live.console.timing import timing_json
 from forcefeel.live.console.verdict_json import verdict_json
 from forcefeel.live.console.watchers import Watcher, Watchers
+from forcefeel.live.flight_controls import FlightControls
 from forcefeel.live.live_session import LiveSession
 from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.throw import Throw
@@ -123,6 +134,8 @@ class ConsoleSession:
                 for name in ("trim_rad", "stiffness_factor", "shaker"):
                     if (value := getattr(command, name)) is not None:
                         setattr(self._running, name, value)
+            case MoveLever():
+                self._flight().set_lever(command.name, command.position)
             case Hand():
                 self._hand(command)
             case Break():
@@ -150,10 +163,17 @@ class ConsoleSession:
                 self._break_off()
             case "repair":
                 self._running.clear_faults()
+            case "restart_flight":
+                self._flight().restart()
             case "take_priority" | "give_priority":
                 self._running.priority = what == "take_priority"
             case "on" | "acknowledge" | "accept_host" | "connect" | "disconnect":
                 getattr(self._running, what)()
+
+    def _flight(self) -> FlightControls:
+        if self._running.flight is None:
+            raise InputError("no aircraft is flown beside this loop; start forcefeel run with --aircraft")
+        return self._running.flight
 
     def _hand(self, hand: Hand) -> None:
         if self._test is not None:
@@ -282,6 +302,7 @@ class ConsoleSession:
                 shaker=running.shaker,
                 fault=running.fault,
                 host=host_json(running),
+                flight=running.flight and running.flight.readings(),
                 link_holds=running.settings.link_holds,
                 priority=running.settings.priority,
                 test=self._progress or None,

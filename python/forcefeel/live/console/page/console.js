@@ -3,6 +3,7 @@
 import { Column } from "./column.js";
 import { Curve } from "./curve.js";
 import { Feel } from "./feel.js";
+import { Flight } from "./flight.js";
 import { Judged } from "./judged.js";
 import { Link } from "./link.js";
 import { text } from "./numbers.js";
@@ -13,7 +14,7 @@ const MESSAGE_MS = 8000;
 const by = (id) => document.getElementById(id);
 
 let told = null; // what the server told of the loop
-let column, curve, feel, traces, status;
+let column, curve, feel, flight, traces, status;
 let numbers = null; // the newest frame
 let shown = {}; // where each column is in a frame
 const judged = new Judged();
@@ -61,6 +62,8 @@ function begin(hello) {
   curve = new Curve(hello);
   traces = new Traces(by("traces"), hello.channels);
   feel = new Feel(by("sliders"), hello.sliders, hello.angle, send);
+  by("flight-section").hidden = !hello.flight;
+  flight = hello.flight && new Flight(by("flight-readings"), by("levers"), hello.flight, send);
   by("faults").hidden = by("hand").hidden = by("tests-section").hidden = !hello.hand;
   options(by("fault"), hello.faults);
   options(by("sensor"), hello.sensors);
@@ -89,12 +92,14 @@ function show(now) {
     by("accept").textContent = `Accept ${now.host.waiting}`;
   }
   feel.show(now);
+  flight?.show(now.flight);
   judged.progress(now.test);
   by("drive").hidden = !now.drive_fault;
   if (by("drive").textContent !== `Drive: ${now.drive_fault}.`) by("drive").textContent = `Drive: ${now.drive_fault}.`;
   trips(now.trips, mine || free);
   const allowed = told.role === "control" && (mine || free);
   feel.enable(allowed);
+  flight?.enable(allowed);
   column.allow(allowed && told.hand, mine);
   for (const button of document.querySelectorAll("main button, main select, main input[type=radio]")) button.disabled = !allowed;
   for (const button of document.querySelectorAll("[data-test]")) button.disabled = !allowed || Boolean(now.test) || now.state !== "active";
@@ -152,6 +157,7 @@ by("take").onclick = () => {
   if (mine) column.allow(false, false);
   send({ do: mine ? "give" : "take" });
 };
+by("restart").onclick = () => send({ do: "restart_flight" });
 for (const what of ["on", "off", "repair", "abort"]) by(what).onclick = () => send({ do: what });
 by("break").onclick = breakIt;
 for (const button of document.querySelectorAll("[data-test]")) {

@@ -13,6 +13,8 @@ const AROUND = [
   { key: "shaker", name: "stick shaker", symbol: ["", "", ""], unit: "%", scale: 100, low: 0, high: 1, around: true },
 ];
 
+const command = ({ key, around }) => (value) => (around ? { do: "around", [key]: value } : { do: "feel", rows: { [key]: value } });
+
 export class Feel {
   constructor(into, sliders, angle, send) {
     into.replaceChildren();
@@ -21,7 +23,7 @@ export class Feel {
     const all = [...sliders.slice(0, FIRST), trim, ...sliders.slice(FIRST), ...AROUND.slice(1)];
     const more = document.createElement("details");
     more.innerHTML = "<summary>More of the feel</summary>";
-    this.rows = all.map((slider, k) => new Row(k <= FIRST ? into : more, slider, send));
+    this.rows = all.map((slider, k) => new Row(k <= FIRST ? into : more, { ...slider, command: command(slider) }, send));
     into.append(more);
   }
 
@@ -34,7 +36,8 @@ export class Feel {
   }
 }
 
-class Row {
+// A slider with its number; `slider.command` makes what the server is told.
+export class Row {
   constructor(into, slider, send) {
     Object.assign(this, { slider, send, held: -Infinity, timer: null });
     const row = into.appendChild(document.createElement("div"));
@@ -75,8 +78,7 @@ class Row {
     this.timer ??= setTimeout(() => {
       this.timer = null;
       this.held = performance.now();
-      const { key, around } = this.slider;
-      this.send(around ? { do: "around", [key]: this.wanted } : { do: "feel", rows: { [key]: this.wanted } });
+      this.send(this.slider.command(this.wanted));
     }, EACH_MS);
   }
 
