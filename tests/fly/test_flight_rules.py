@@ -228,6 +228,41 @@ def test_command_judges_and_writes_a_page(forcefeel, tmp_path):
     assert (tmp_path / "flight.csv").read_text(encoding="utf-8").startswith("time_s,force_n")
 
 
+def test_qualify_with_an_aircraft_needs_both_verdicts(forcefeel, report, tmp_path, monkeypatch):
+    """`c172p` misses 23.155, as in ``report``; the test on the ground is of the aircraft's feel, and passes."""
+    flown = []
+    monkeypatch.setattr("forcefeel.fly.fly_rules", lambda case, _: flown.append(case) or report)
+    words = ("qualify", "elevator-electric", "--aircraft", "c172p", "--test", "static", "--out", "guide")
+    status, out, err = forcefeel(*words, "--json")
+    assert (status, err) == (1, "")
+    results = json.loads(out)
+    assert results["sections"][0]["tests"][0]["outcome"] == "passed"
+    assert results["flight"]["verdicts"][0]["number"] == report.verdicts[0].rule.number
+    assert {path.name for path in tmp_path.joinpath("guide").glob("**/*.html")} == {"qualification.html", "flight.html"}
+    (case,) = flown
+    assert (case.aircraft, case.axis) == ("c172p", "pitch")
+    assert results["loader"]["values"]["feel.stiffness"]["value"] == pytest.approx(30.0 / (LB * 0.0254), rel=EXACT)
+    status, out, err = forcefeel(*words)
+    assert status == 2
+    assert "--replace" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("c172p", "--compare"), "--compare: --aircraft flies the simulated loader"),
+        (("c172p", "--record", "a.csv"), "--record: --aircraft flies the simulated loader"),
+        (("c172p", "--law", "robust", "--law", "observer"), "--law: --aircraft takes one"),
+        (("c17",), "did you mean c172p?"),
+    ],
+)
+def test_qualify_options_that_do_not_go_with_an_aircraft_are_refused(forcefeel, tmp_path, words, part):
+    status, out, err = forcefeel("qualify", "elevator-electric", "--aircraft", *words)
+    assert (status, out) == (2, "")
+    assert part in err
+    assert not list(tmp_path.iterdir())
+
+
 def test_options_that_do_not_go_together_are_refused(forcefeel):
     for words, part in (
         (("--rules", "--maneuver", "stall"), "--maneuver: --rules does not use it"),

@@ -213,7 +213,7 @@ def _report(path: Path | None, case: "FlightCase", options: FlyOptions) -> None:
     answer(
         {"flight": options.out, "page": page},
         lambda: report_json(report, options.units),
-        lambda terminal: _show_report(terminal, report, options.units),
+        lambda terminal: show_report(terminal, report, options.units),
         as_json=options.json,
     )
     if not report.fulfilled:
@@ -292,7 +292,8 @@ def _text(number: float, unit: Unit, units: UnitSystem) -> str:
     return f"{to_text(round(unit.from_si(number, units), 4), 4)} {unit.shown(units)}".rstrip()
 
 
-def _show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) -> None:
+def show_report(terminal: Terminal, report: "FlightReport", units: UnitSystem) -> None:
+    """Prints the verdicts of the rules, or the measures of the maneuvers."""
     from forcefeel.fly.report import flight_conclusions
 
     if not report.verdicts:

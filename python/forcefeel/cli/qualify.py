@@ -30,6 +30,7 @@ from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
+    from forcefeel.fly import FlightCase, FlightReport
     from forcefeel.loader.loader import Loader
     from forcefeel.qualification.plan import Qualification, QualificationSetup
     from forcefeel.qualification.plan.cockpit import CockpitQualification
@@ -110,6 +111,16 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         str | None,
         option(
             "Dynamic pressure, such as '5 kPa', for a loader with feel.stiffness_factor.", TESTS, metavar="PRESSURE"
+        ),
+    ] = None
+    aircraft: Annotated[
+        str | None,
+        option(
+            "Also fly the tests in flight, as forcefeel fly --rules does, with an aircraft of JSBSim: 737, T38, c172p, f16, or a "
+            "TOML file. Its feel and surface replace the loader's; the flight's page is in the folder flight.",
+            TESTS,
+            default="no flight",
+            metavar="NAME|FILE",
         ),
     ] = None
     references: Annotated[
@@ -251,25 +262,89 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     if options.pdf:
         find_chromium()
-    one_loader = {"axis": options.axis, "record": options.records, "reference": options.references}
+    one_loader = {
+        "axis": options.axis,
+        "record": options.records,
+        "reference": options.references,
+        "aircraft": options.aircraft,
+    }
     subject = options.project(path, **one_loader) or options.loader(path)
+    flight = None if isinstance(subject, Project) else _flight(subject, options)
+    if flight is not None:
+        subject = flight.feel
     with _progress(options) as (bar, show), options_named(), law_option_named():
         qualification: Qualification | CockpitQualification = (
             qualify_cockpit(subject, options.setup, check_link=check_link, progress=show)
             if isinstance(subject, Project)
             else qualify_loader(subject, options.setup(subject), progress=show)
         )
+        flown = None if flight is None else _fly(flight, bar)
         show("report", bar.total, bar.total)
         command = options.command_line(path)
         page = write_qualification(qualification, options.out, pdf=options.pdf, command=command)
+        flight_page = None if flown is None else _write_flight(flown, options, command)
     answer(
-        {"page": page},
-        lambda: qualification_json(qualification),
-        lambda terminal: _show(terminal, qualification),
+        {"page": page, **({} if flown is None else {"flight_page": flight_page})},
+        lambda: {**qualification_json(qualification), **({} if flown is None else _flight_json(flown, options))},
+        lambda terminal: _show_all(terminal, qualification, flown),
         as_json=options.json,
     )
-    if not qualification.fulfilled:
+    if not qualification.fulfilled or (flown is not None and not flown.fulfilled):
         raise SystemExit(BAD_ANSWER)
+
+
+def _flight(loader: "Loader", options: QualifyOptions) -> "FlightCase | None":
+    """Loader and aircraft of the tests in flight.
+
+    Raises:
+        InputError: If an option is of another loader or law, or the aircraft does not trim.
+    """
+    if options.aircraft is None:
+        return None
+    for name, given in (
+        ("--record", options.records),
+        ("--reference", options.references),
+        ("--compare", options.compare),
+    ):
+        if given:
+            raise InputError(f"{name}: --aircraft flies the simulated loader with the aircraft's feel; leave one out")
+    if len(options.law) > 1:
+        raise InputError("--law: --aircraft takes one; fly the others in a run of their own")
+    from forcefeel.fly import FlightCase
+    from forcefeel.fly.page.page import FOLDER
+    from forcefeel.loader.axes import flight_axis
+
+    FOLDER.check(options.out / "flight", replace=options.replace)
+    axis = None if options.axis is None else flight_axis(options.axis)
+    return FlightCase.of(loader, options.aircraft, law=options.law[0] if options.law else None, axis=axis)
+
+
+def _fly(flight: "FlightCase", bar: Bar) -> "FlightReport":
+    from forcefeel.fly import fly_rules
+
+    return fly_rules(flight, bar.describe)
+
+
+def _write_flight(flown: "FlightReport", options: QualifyOptions, command: str) -> Path:
+    from forcefeel.fly import write_flight
+
+    return write_flight(flown, options.out / "flight", options.units, replace=options.replace, command=command)
+
+
+def _flight_json(flown: "FlightReport", options: QualifyOptions) -> dict[str, Any]:
+    from forcefeel.fly.as_json import report_json
+
+    return {"flight": report_json(flown, options.units)}
+
+
+def _show_all(
+    terminal: Terminal, qualification: "Qualification | CockpitQualification", flown: "FlightReport | None"
+) -> None:
+    _show(terminal, qualification)
+    if flown is not None:
+        from forcefeel.cli.fly import show_report
+
+        show_report(terminal, flown, qualification.system)
 
 
 @contextmanager
