@@ -1,7 +1,7 @@
 """Rows of the feel that a program may tune in an exported law of one setting, each within a range.
 
-A sampled law depends on I, B and G of the feel and on its stick shaker, and on a motor without a force sensor on the steepest slope
-of the feel (``laws.made_for``). The law's numbers hold at any value of every other row of the feel.
+A sampled law depends on I, B and G of the feel and on its stick shaker. Without a force sensor, on a motor, it depends on the
+steepest slope of the feel too (``laws.made_for``). It holds at any value of every other row of the feel.
 """
 
 from collections.abc import Mapping, Sequence
@@ -68,8 +68,8 @@ def tunable_rows(texts: Sequence[str], loader: Loader, law: Law) -> tuple[Tunabl
     """Rows of texts such as ``feel.breakout=0..10 lb``, or ``feel.deadband`` for the range of the parameter table.
 
     Raises:
-        InputError: If a text is bad, the law depends on the row, the loader's own value is out of the range, values of two rows
-            contradict each other somewhere in their ranges, or the law has several settings.
+        InputError: If a text is bad, the law depends on the row or has several settings, the loader's own value is out of the
+            range, or two ranges contradict each other.
 
     Example:
         >>> from forcefeel.export.tunable import tunable_rows
@@ -116,9 +116,9 @@ def _tunable(text: str, loader: Loader, law: Law) -> Tunable:
     value = loader[key]
     if not low <= value <= high:
         off = " (off)" if value == row.off_si else ""
+        span = f"{value_text(row, low)} to {value_text(row, high)}"
         raise InputError(
-            f"tunable: {key}: expected a range that holds the loader's own value, {value_text(row, value)}{off}, got "
-            f"{value_text(row, low)} to {value_text(row, high)}; change one of them"
+            f"tunable: {key}: expected a range that holds the loader's own value, {value_text(row, value)}{off}, got {span}"
         )
     return Tunable(key, low, high)
 
@@ -139,7 +139,7 @@ def _refused(key: str, loader: Loader, law: Law) -> str:
     if key not in feel:
         return f"{show(key)}: expected a row of the feel, such as feel.breakout{suggestion(key, feel)}"
     if loader.drive == ELECTRIC and is_steep(key) and not _reads_force(law.sampled):
-        return f"{key}: {law.name} has no force sensor and is designed for the steepest slope of the feel; use a law with one"
+        return f"{key}: {law.name} is designed for the steepest slope of the feel; use a law with a force sensor"
     return ""
 
 
