@@ -290,6 +290,7 @@ class ExportedLaw:
         period_s: float,
         single: bool,
         linked: bool = False,
+        tunable: Sequence[tuple[int, tuple[float, float]]] = ...,
         curve: tuple[_Array, _Array] | None = None,
         cancellation: Sequence[float] | None = None,
     ) -> Self: ...

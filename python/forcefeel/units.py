@@ -72,6 +72,7 @@ _QUANTITIES = {
 
 _NUMBER = r"[+-]?(?:(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|(?i:nan|inf(?:inity)?)\b)"
 _UNIT = r"%|(?:(?<= )1/)?[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
+_BARE = re.compile(r"[-+0-9.eE]*")
 _VALUE = re.compile(rf"(?P<number>{_NUMBER}) ?(?P<unit>{_UNIT})?")
 _SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 _POWER = re.compile(
@@ -286,6 +287,18 @@ def parse(given: object, unit_si: str, example: str) -> float:
     if not math.isfinite(value):
         raise InputError(f"{expected}, which is not finite")
     return value
+
+
+def ends(span: str) -> tuple[str, str]:
+    """Both ends of a range such as ``1 lb..5 lb`` or ``1..5 lb`` with their units; the first may take that of the last.
+
+    Example:
+        >>> ends("1..5 lb")
+        ('1 lb', '5 lb')
+    """
+    low, high = (part.strip() for part in span.partition("..")[::2])
+    unit = _BARE.sub("", high, count=1).strip() if _BARE.fullmatch(low) and low else ""
+    return f"{low} {unit}".strip(), high
 
 
 def _split(given: str | Real) -> tuple[float | None, str]:

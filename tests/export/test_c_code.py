@@ -8,7 +8,8 @@ import pytest
 from benchmarks import export as cost
 
 import forcefeel as ff
-from forcefeel.export.c_code import golden_inputs, traced_law
+from forcefeel.export.c_code import traced_law
+from forcefeel.export.golden import golden_inputs
 from tests.export.toolchain import (
     BOARDS,
     CONVERTERS,

@@ -1,7 +1,7 @@
 //! The lines of a function of C: an operation each, in the order in which they were asked for.
 
 use crate::blocks::{ALWAYS, Blocks, Operands, choice};
-use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, INPUTS, name_of, row_name};
+use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, FIRST_OF_TUNING, INPUTS, name_of, row_name};
 use crate::dots::{Product, products};
 use crate::operands::{held, of_few_steps, operands_of, reached, within};
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
@@ -274,6 +274,7 @@ impl<'a> Body<'a> {
                 self.writer.reads(place);
                 format!("in->{}", name_of(place))
             }
+            Node::Input(place) if place >= FIRST_OF_TUNING => format!("state->tuning.{}", name_of(place)),
             Node::Input(place) | Node::Flag(place) if place >= FIRST_OF_LINK => format!("seen->{}", name_of(place)),
             Node::Input(place) if place >= FIRST_OF_FLIGHT => format!("flight->{}", name_of(place)),
             Node::Input(place) | Node::Flag(place) => format!("state->{}", name_of(place)),

@@ -101,6 +101,9 @@ pub const LINK: [&str; 39] = [
 /// The place of the first of [`LINK`], beyond the flight.
 pub const FIRST_OF_LINK: usize = FIRST_OF_FLIGHT + FLIGHT.len();
 
+/// The place of the first row of the parameter table that is tuned, beyond the link.
+pub const FIRST_OF_TUNING: usize = FIRST_OF_LINK + LINK.len();
+
 const FORCE: usize = 0;
 const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
@@ -108,8 +111,11 @@ pub(crate) const STIFFNESS_FACTOR: usize = TRIM + 1;
 const SHARE: usize = 7;
 pub(crate) const ADDED: usize = 8;
 
-/// The name of a place: of an input, then of a number that a controller remembers, of the flight, or of a link.
+/// The name of a place: of an input, then of a number that a controller remembers, of the flight, of a link, or of a row.
 pub fn name_of(place: usize) -> &'static str {
+    if let Some(row) = place.checked_sub(FIRST_OF_TUNING) {
+        return TABLE[row].name;
+    }
     if let Some(k) = place.checked_sub(FIRST_OF_LINK) {
         return LINK[k];
     }
@@ -146,6 +152,8 @@ pub struct Job {
     pub period_s: f64,
     /// Whether force, spring and damping beside the feel are inputs without a surface, too.
     pub linked: bool,
+    /// Rows of the feel that the program tunes, by their places in the table, each with its least and greatest value; of one setting.
+    pub tunable: Vec<(usize, [f64; 2])>,
     /// Whether the target computes in single precision.
     pub single: bool,
 }
@@ -181,7 +189,13 @@ impl Job {
     }
 
     fn shared(&self) -> Shared {
-        let effects = self.values.iter().map(Effects::of).reduce(Effects::or).unwrap_or_default();
+        let tuned = (0..2).map(|end| {
+            let mut values = self.values[0];
+            self.tunable.iter().for_each(|&(row, ends)| values[row] = ends[end]);
+            values
+        });
+        let effects =
+            self.values.iter().copied().chain(tuned).map(|of| Effects::of(&of)).reduce(Effects::or).unwrap_or_default();
         Shared {
             effects: Effects {
                 observer: true,
@@ -353,6 +367,7 @@ impl Job {
     }
 
     fn tracing<K: Kind>(&self, shared: &Shared) -> Control<Trace> {
+        Trace::section("tuning");
         let all = |of: &dyn Fn(usize) -> f64| (0..self.values.len()).map(of).collect::<Vec<_>>();
         let bank = |bank: Bank| {
             let law = self.observer(|place, of| {
@@ -361,7 +376,11 @@ impl Job {
                     if self.is_of_matrices(place) { number(&numbers, bank) } else { Trace::known(&numbers, bank) };
                 number.of_row(COUNT + part_of(place).0)
             });
-            (self.parameters(|row, of| Trace::known(&all(of), bank).of_row(row)), law)
+            let parameters = self.parameters(|row, of| {
+                let tuned = self.tunable.iter().any(|&(tuned, _)| tuned == row);
+                if tuned { Trace::input(FIRST_OF_TUNING + row) } else { Trace::known(&all(of), bank) }.of_row(row)
+            });
+            (parameters, law)
         };
         let ((from, law), (to, next_law)) = (bank(Bank::From), bank(Bank::To));
         let mut control = control::<_, K>(&from, law, shared);

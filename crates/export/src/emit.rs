@@ -2,7 +2,7 @@
 
 use crate::blocks::{Blocks, Operands};
 use crate::body::Body;
-use crate::controller::{INPUTS, Job, Program, is_flag, name_of, place_of};
+use crate::controller::{FIRST_OF_FLIGHT, INPUTS, Job, Program, is_flag, name_of, place_of};
 use crate::operands::operands_of;
 use crate::trace::Node;
 use crate::writer::{Numbers, Writer};
@@ -77,7 +77,7 @@ fn needed(program: &Program) -> BTreeSet<usize> {
         // Placed, since a choice within an arm of its own mask reads nothing of its other arm.
         let blocks = Blocks::of(graph, &operands, &wanted(program, &states));
         more.extend(blocks.of.keys().filter_map(|&node| match graph.nodes[node as usize] {
-            Node::Input(input) | Node::Flag(input) if input >= INPUTS.len() => Some(input),
+            Node::Input(input) | Node::Flag(input) if (INPUTS.len()..FIRST_OF_FLIGHT).contains(&input) => Some(input),
             _ => None,
         }));
         if more == states {

@@ -38,9 +38,10 @@ pub struct ExportedLaw(Job);
 
 #[pymethods]
 impl ExportedLaw {
-    /// Values of the parameter table and the law's numbers, a row each setting; a law has `states`, and runs every `period_s`.
+    /// Values of the parameter table and the law's numbers, a row each setting; a law has `states`, and runs every `period_s`. Of one
+    /// setting rows of the feel are `tunable`: place in the table, least and greatest value.
     #[new]
-    #[pyo3(signature = (values, observers, *, states, period_s, single, linked = false, curve = None, cancellation = None))]
+    #[pyo3(signature = (values, observers, *, states, period_s, single, linked = false, tunable = Vec::new(), curve = None, cancellation = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray2<'_, f64>,
@@ -49,6 +50,7 @@ impl ExportedLaw {
         period_s: f64,
         single: bool,
         linked: bool,
+        tunable: Vec<(usize, [f64; 2])>,
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
     ) -> PyResult<Self> {
@@ -59,10 +61,13 @@ impl ExportedLaw {
         if !(1..=MOST_STATES).contains(&states) {
             return Err(refused(format!("states: expected 1 to {MOST_STATES}, got {states}")));
         }
+        if !tunable.is_empty() && (values.len() > 1 || tunable.iter().any(|&(row, _)| row >= COUNT)) {
+            return Err(refused("tunable: expected rows of the parameter table, and one setting"));
+        }
         let period_s = crate::limits::step(period_s)?;
         let curve = curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?;
         let cancellation = cancellation.as_ref().map(Cancellation::from_numbers);
-        Ok(Self(Job { values, observers, states, curve, cancellation, period_s, linked, single }))
+        Ok(Self(Job { values, observers, states, curve, cancellation, period_s, linked, tunable, single }))
     }
 
     /// The law as C, whose names begin with `name`.

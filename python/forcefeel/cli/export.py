@@ -56,6 +56,14 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             ASKED,
         ),
     ] = False
+    tunable: Annotated[
+        tuple[str, ...],
+        option(
+            "With --to c: a row of the feel that the program may tune, and its range, else the parameter table's. Repeatable.",
+            ASKED,
+            metavar="PART.NAME[=LOW..HIGH UNIT]",
+        ),
+    ] = ()
     target: Annotated[
         str | None,
         option(
@@ -85,7 +93,7 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
         loader = self.loader(path)
         feel = None if self.knots is None else read_knots(self.knots).feel
         try:
-            return replace(Exported.of(self.law, loader, self.name, feel), linked=self.linked)
+            return replace(Exported.of(self.law, loader, self.name, feel, tunable=self.tunable), linked=self.linked)
         except InputError as error:
             raise _spelled(error) from error
 
@@ -95,7 +103,7 @@ def _spelled(error: InputError) -> InputError:
     text = str(error)
     for argument, option_name in (
         ("law: ", "--law: "),
-        ("law: ", "--law: "),
+        ("tunable: ", "--tunable: "),
         ("name: ", "--name: "),
         ("target: ", "--target: "),
         ("to: ", "--to: "),
@@ -110,6 +118,10 @@ def _of_axis(project: "Project", options: ExportOptions, axis: str) -> ExportOpt
     own = axis.replace("-first-officer", "-2").replace("-", "_")
     links = [link for link in project.links.values() if axis in link.between]
     electronic = any(link.kind == "electronic" for link in links)
+    if electronic and options.tunable:
+        raise InputError(
+            f"--tunable: axis {axis} is linked, and the code of a link has fixed feels; export the axis alone, or leave it out"
+        )
     return replace(options, name=f"{options.name}_{own}", linked=options.to == "c" and (options.linked or electronic))
 
 
@@ -151,6 +163,8 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
         raise InputError(f"--measure: is for --to c, and --to is {options.to}; leave it out")
     if options.linked and options.to != "c":
         raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
+    if options.tunable and options.to != "c":
+        raise InputError(f"--tunable: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
     if options.board is not None and options.to != "firmware":

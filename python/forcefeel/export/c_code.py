@@ -1,12 +1,13 @@
 """Export of a law as C99 from the operations of the simulated controller, with golden vectors.
 
-``forcefeel._core.ExportedLaw`` traces a period of the controller; this module writes the files and the inputs of the vectors.
+``forcefeel._core.ExportedLaw`` traces a period of the controller; this module writes the files.
 """
 
 import hashlib
 import math
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,47 +16,25 @@ from forcefeel._core import ExportedLaw, LawSource
 from forcefeel.errors import InputError
 from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
+from forcefeel.export.golden import (
+    INPUTS,
+    PART,
+    RELEASED_RAD,
+    golden_columns,
+    golden_flights,
+    golden_inputs,
+    golden_tunings,
+    spelled_rows,
+    within_ranges,
+)
 from forcefeel.export.trace_map import commented, trace_html, trace_json
+from forcefeel.export.tunable import Tunable
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.loader.surface import has_surface
-from forcefeel.simulation.engine import simulate
-from forcefeel.simulation.inputs.signals import Chirp, Release
-from forcefeel.simulation.scenario import Scenario
 from forcefeel.templating import environment
-
-PART = 3334
-"""Samples of each of release, sweep and random input."""
-
-_SEED = 20
-_RELEASED_RAD = 0.1
-_SHARES = (1.0, 0.1, 0.01)
-"""Factors on release and sweep: with a feel that is heavy for the drive, a large one can diverge."""
-
-_ALWAYS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker")
-_CHANGING = ("blend",)
-_ADDED = ("added_force", "added_stiffness", "added_damping")
-INPUTS = (*_ALWAYS, *_CHANGING, *_ADDED)
-"""Inputs of the law each period: those of a law for several settings, and of a loader with a surface, among them."""
-
-_FLIGHT = {
-    "dynamic_pressure": ("in Pa", 0.0, 2e4),
-    "true_airspeed": ("in m/s", 0.0, 250.0),
-    "angle_of_attack": ("in rad", -0.3, 0.3),
-    "sideslip": ("in rad", -0.3, 0.3),
-    "roll_rate": ("in rad/s", -1.0, 1.0),
-    "pitch_rate": ("in rad/s", -1.0, 1.0),
-    "yaw_rate": ("in rad/s", -1.0, 1.0),
-    "load_factor": ("in g", -1.0, 3.0),
-    "mach": ("Mach number", 0.0, 1.2),
-    "tab": ("angle of the trim tab in rad", -0.3, 0.3),
-    "angle": ("of the control in rad", -0.3, 0.3),
-}
-"""What a hinge moment is given: unit, and between which values the golden vectors lie."""
-_FLIGHTS = 500
 
 _FILES = {
     "law.h": "{}_law.h",
@@ -85,24 +64,34 @@ def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[
         InputError: If the law is not a sampled one, or does not stabilize the loader, so that there is no reference.
     """
     law, numbers = exported.law, exported.sampled()
-    traced = traced_law(exported.loader, law, numbers, single=single, linked=exported.linked)
+    of_law = partial(
+        traced_law, exported.loader, law, numbers, single=single, linked=exported.linked, tunable=exported.tunable
+    )
+    simulated = traced = of_law()
     source = traced.source(exported.name)
     inputs, pairs = golden_inputs(exported)
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
     inputs = within_ranges(inputs, source)
-    answers = np.vstack(
-        [traced.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
+    fields = (
+        {"tunable": ()} | about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
     )
-    fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
-    added = exported.linked or has_surface(exported.loader)
-    columns = _ALWAYS + _CHANGING * (numbers.settings > 1) + _ADDED * added
+    if exported.tunable:
+        tunings = golden_tunings(exported, single=single)
+        simulated = of_law(tunings=tunings)
+        fields |= _of_tuning(exported.tunable, tunings, [setting for setting, _ in pairs], single=single)
+    answers = np.vstack(
+        [simulated.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
+    )
+    if not np.isfinite(answers).all():
+        raise InputError("tunable: the law diverges within the ranges; narrow them")
+    columns = golden_columns(exported)
     fields |= {
         "costs": (),
         "samples": len(inputs),
         "part": PART,
         "columns": columns,
-        "added": added,
+        "added": "added_force" in columns,
         "linked": exported.linked,
         "surface": has_surface(exported.loader),
         **golden_flights(exported.loader, traced.added, single=single),
@@ -121,25 +110,6 @@ def with_trace(files: dict[str, str | bytes], file: str, name: str) -> dict[str,
     return files | dict(zip(TRACE, (trace_json(file, code, name), trace_html(file, code, name)), strict=True))
 
 
-def golden_flights(
-    loader: Loader, added: Callable[[NDArray[np.float64]], NDArray[np.float64]], *, single: bool
-) -> dict[str, object]:
-    """Numbers of a flight with their units; of a loader with a surface, random flights, and what it adds in them."""
-    numbers = {name: unit for name, (unit, *_) in _FLIGHT.items()}
-    if not has_surface(loader):
-        return {"flight": numbers}
-    low, high = np.array([limits for _, *limits in _FLIGHT.values()]).T
-    flights = np.random.default_rng(_SEED).uniform(low, high, (_FLIGHTS, len(_FLIGHT)))
-    if single:
-        flights = flights.astype(np.float32).astype(np.float64)
-    return {
-        "flight": numbers,
-        "flights": _FLIGHTS,
-        "flown": spelled_rows(flights, single=single),
-        "adds": spelled_rows(added(flights), single=single),
-    }
-
-
 def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) -> dict[str, str | bytes]:
     """Files by name, each from its template of an export of this kind."""
     templates = environment(html=False)
@@ -149,85 +119,33 @@ def rendered(kind: str, files: Mapping[str, str], fields: Mapping[str, object]) 
     }
 
 
-def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool, linked: bool = False) -> ExportedLaw:
-    """The law and its feel for the tracer."""
+def traced_law(
+    loader: Loader,
+    law: Law,
+    numbers: SampledLaw,
+    *,
+    single: bool,
+    linked: bool = False,
+    tunable: Sequence[Tunable] = (),
+    tunings: NDArray[np.float64] | None = None,
+) -> ExportedLaw:
+    """The law and its feel for the tracer; with values of tunable rows, (tunings, rows), the reference, a setting for each."""
     feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
+    values, observers = loader.rows(FEEL_SETTING, feel), numbers.rows()
+    if tunings is not None:
+        values, observers = (np.repeat(rows, len(tunings), axis=0) for rows in (values, observers))
+        values[:, [row.place for row in tunable]] = tunings
     return ExportedLaw(
-        loader.rows(FEEL_SETTING, feel),
-        numbers.rows(),
+        values,
+        observers,
         states=numbers.states,
         period_s=numbers.period_s,
         single=single,
         linked=linked,
+        tunable=[(row.place, (row.low, row.high)) for row in tunable if tunings is None],
         curve=loader.force_curve.arrays if loader.force_curve else None,
         cancellation=law.cancellation.numbers if law.cancellation else None,
     )
-
-
-def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
-    """Inputs (samples, 11) and settings of release, sweep and random input from a run of the loader.
-
-    In the random part the settings, trim, spring factor and shaker change, and what a surface adds.
-    """
-    loader = exported.loader
-    period = exported.law.period_s or 0.0
-    law = exported.law.some([0])
-    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)), si=True)
-    force = loader["pilot.force"]
-    duration = PART * period
-    parts = [
-        recorded(
-            own, law, lambda share: Scenario(Release(_RELEASED_RAD * share), duration_s=duration, sample_s=period)
-        ),
-        recorded(
-            own,
-            law,
-            lambda share: Scenario(
-                Chirp(0.3 * share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period
-            ),
-        ),
-    ]
-    random = np.random.default_rng(_SEED)
-    size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
-    noise = np.zeros((PART, len(INPUTS)))
-    noise[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
-    noise[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
-    noise[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
-    if exported.linked or has_surface(loader):
-        beside = [0.1 * force, loader["feel.stiffness"], loader["feel.damping"]]
-        noise[:, 8:] = beside * random.uniform(-0.5, 1, (PART, 3))
-    pairs = [(0, 0)] * (2 * PART)
-    count = len(exported.settings)
-    for k in range(PART):
-        block, within = divmod(k, 200)  # a tenth of a second with shares, then a constant one
-        noise[k, 7] = within / 100 if count > 1 and within < 100 else 0.0
-        pairs.append((block % count, (block + 1) % count))
-    return np.vstack([*parts, noise]), pairs
-
-
-def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) -> NDArray[np.float64]:
-    """Sensor values at each sample of ``scenario(1.0)``, or of a smaller one if that diverges.
-
-    Raises:
-        InputError: If the smallest diverges too.
-    """
-    for share in _SHARES:
-        outputs = simulate(loader, scenario(share), law).outputs
-        if np.isfinite(outputs["column_angle_rad"]).all():
-            break
-    else:
-        feel = ", ".join(f"{loader[key]:.6g}" for key in FEEL_SETTING)
-        raise InputError(
-            f"law: {loader.name} diverges with {law.name} at I, B, G = {feel} (SI units), so there is no reference for the export; "
-            "use settings that this loader can render, or another law"
-        )
-    position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-    samples = np.zeros((PART, len(INPUTS)))
-    base = outputs["column_angle_rad"] * loader["column.base_arm"]
-    for column, values in enumerate((outputs["load_cell_force_n"], outputs[position], base)):
-        samples[:, column] = values[:PART]
-    samples[:, 5] = 1.0
-    return samples
 
 
 def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str, object]:
@@ -260,13 +178,31 @@ def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str,
     }
 
 
-def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
-    """Inputs (samples, 11), clipped to the ranges of the law's inputs."""
-    clipped = inputs.copy()
-    for name, (low, high) in source.inputs:
-        column = INPUTS.index(name)
-        clipped[:, column] = clipped[:, column].clip(low, high)
-    return clipped
+def _of_tuning(
+    tunable: Sequence[Tunable], tunings: NDArray[np.float64], tuned: list[int], *, single: bool
+) -> dict[str, object]:
+    """Fields on the rows that a program tunes, and the values of the golden vectors."""
+
+    def spelled(value: float) -> str:
+        return spelled_rows(np.array([[value]]), single=single).strip("{ }")
+
+    return {
+        "released": RELEASED_RAD,
+        "tunable": [
+            {
+                "key": row.key,
+                "name": row.name,
+                "unit": row.row.unit_si,
+                "meaning": row.row.meaning,
+                "own": spelled(own),
+                "low": spelled(low),
+                "high": spelled(high),
+            }
+            for row, own, low, high in zip(tunable, *tunings[:3], strict=True)
+        ],
+        "tunings": spelled_rows(tunings, single=single),
+        "tuned": ",\n".join("    " + ", ".join(map(str, tuned[k : k + 40])) for k in range(0, len(tuned), 40)),
+    }
 
 
 def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
@@ -311,14 +247,3 @@ def spelled_bits(value: float, *, single: bool, shifted: bool = False) -> str:
     size, word = ("<f", "<I") if single else ("<d", "<Q")
     (bits,) = struct.unpack(word, struct.pack(size, value))
     return f"0x{bits << shifted:X}{'U' if single else 'ULL'}"
-
-
-def spelled_rows(numbers: NDArray[np.float64], *, single: bool) -> str:
-    """C literals that are exact to the last bit."""
-
-    def spelled(value: float) -> str:
-        if not math.isfinite(value):
-            return "NAN" if math.isnan(value) else "INFINITY" if value > 0 else "-INFINITY"
-        return f"{np.float32(value)!s}F" if single else repr(value)
-
-    return ",\n".join(f"    {{{', '.join(map(spelled, row))}}}" for row in numbers.tolist())

@@ -1,12 +1,14 @@
 """Object of an export: a law, its loader and the name of the export."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.export.tunable import Tunable, tunable_rows
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.feel_settings import check_feel_range, own_feel
@@ -27,6 +29,7 @@ class Exported:
         law: Its law, for one setting of the feel or many.
         name: Prefix of file names and C identifiers.
         linked: Whether the law in C takes a force, a spring and a damping beside the feel, as of an electronic link.
+        tunable: Rows of the feel that a program with the law in C may tune.
 
     Raises:
         InputError: If the law was designed for another loader, rate or drive, is an analog law for a digital controller, has a
@@ -42,6 +45,7 @@ class Exported:
     law: Law
     name: str = "loader"
     linked: bool = False
+    tunable: tuple[Tunable, ...] = ()
 
     def __post_init__(self) -> None:
         if not _IDENTIFIER.fullmatch(self.name) or len(self.name) > _LONGEST_NAME:
@@ -62,19 +66,28 @@ class Exported:
 
     @classmethod
     def of(
-        cls, law: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
+        cls,
+        law: LawLike,
+        loader: Loader,
+        name: str = "loader",
+        feel: NDArray[np.float64] | None = None,
+        *,
+        tunable: Sequence[str] = (),
     ) -> "Exported":
         """Make a law with ``Law.of`` for the settings I, B, G in ``feel``, SI units, (settings, 3); default: the loader's own.
 
+        For C, ``tunable`` names rows of the feel, such as ``feel.breakout=0..10 lb``; without a range the parameter table's holds.
+
         Raises:
-            InputError: As in ``Law.of`` and ``Exported``.
+            InputError: As in ``Law.of`` and ``Exported``, or if a row cannot be tuned in its range.
 
         Example:
             >>> feel = np.array([[8.0, 60.0, 325.0], [6.8, 34.0, 1085.0]])
             >>> ff.export.Exported.of("robust", ff.digital_elevator(), "pitch", feel).settings.shape
             (2, 3)
         """
-        return cls(loader, Law.of(law, loader, feel), name)
+        law = Law.of(law, loader, feel)
+        return cls(loader, law, name, tunable=tunable_rows(tunable, loader, law))
 
     def sampled(self) -> SampledLaw:
         """Numbers of the sampled law, for a digital target.

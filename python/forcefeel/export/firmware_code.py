@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from forcefeel._core import BoardAxis, safety_functions
 from forcefeel.errors import InputError
-from forcefeel.export.c_code import PART, about, golden_flights, recorded, rendered, spelled_rows
+from forcefeel.export.c_code import about, rendered
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_board import BOARD, BOARD_FILES, BOARD_SAMPLES, BOARD_TARGET, board_fields, board_files
 from forcefeel.export.firmware_library import firmware_library, library_origin, target_of
+from forcefeel.export.golden import PART, golden_flights, recorded, spelled_rows
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.surface import has_surface
 from forcefeel.simulation.inputs.signals import Chirp

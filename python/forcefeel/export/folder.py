@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from forcefeel.errors import InputError
 from forcefeel.export.c_code import c_files, c_names
 from forcefeel.export.drive_sheet import DRIVE, DRIVE_PAGE, drive_csv, drive_page, drive_settings
 from forcefeel.export.exported import Exported
@@ -100,6 +101,8 @@ def write_export(
         >>> list(ff.export.write_export(exported, ff.export.Target.TABLE, Path("sheet")))
         ['pitch_drive.csv', 'pitch_drive.html', 'pitch_parameters.csv', 'pitch_observer.csv']
     """
+    if exported.tunable and target is not Target.C:
+        raise InputError(f"tunable: is for the target c, and the target is {target}; leave it out")
     folder = export_folder(target, exported.name, triple=triple)
     folder.check(out, replace=replace)
     files = _files(exported, target, single=single, measure=measure, triple=triple)

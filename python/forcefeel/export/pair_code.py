@@ -14,17 +14,15 @@ from numpy.typing import NDArray
 from forcefeel._core import ExportedPair
 from forcefeel.errors import InputError
 from forcefeel.export.c_code import (
-    INPUTS,
     TRACE,
     about,
     rendered,
     spelled_bits,
-    spelled_rows,
     traced_law,
     with_trace,
-    within_ranges,
 )
 from forcefeel.export.exported import Exported
+from forcefeel.export.golden import INPUTS, spelled_rows, within_ranges
 from forcefeel.export.trace_map import commented
 from forcefeel.linked.engine import linked_samples
 from forcefeel.linked.joint import delay_periods

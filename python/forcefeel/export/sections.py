@@ -41,6 +41,12 @@ class Section:
 
 SECTIONS = {
     "inputs": Section("Inputs and state", "y, xi, delta, delta' of this sample", "control.rs", BITS),
+    "tuning": Section(
+        "Coefficients of the feel from the rows that are tuned",
+        "torque mu R_p F, slope F / phi, friction mu R_p F / I",
+        "feel.rs, feel_parts.rs, dry_friction.rs",
+        FEEL,
+    ),
     "sampling": Section(
         "Sampled sensors",
         "y = [F_c, x_p, theta, F_g]; b' = (b - b_last) / T",

@@ -17,7 +17,19 @@ _HEAD = re.compile(r"^ */\* \[(\w+)\]")
 _ROWS = re.compile(r" /\* ([a-z_]+\.[a-z_0-9, .]+) \*/$")
 _FUNCTION = re.compile(r"^(?!typedef|#|/\*|\s).*?\b(\w+)\(.*\)(?: \{ (.*) \})?$")
 _SETTINGS = re.compile(r"\b(?:from|to|s\d)->")
-_STATUS = ("_is_good", "_reset", "_step", "_hinge_moment", "_period", "_rest", "_surface", "_sample")
+_STATUS = (
+    "_is_good",
+    "_is_between",
+    "_is_tuned",
+    "_reset",
+    "_tune",
+    "_step",
+    "_hinge_moment",
+    "_period",
+    "_rest",
+    "_surface",
+    "_sample",
+)
 _COMMENT = re.compile(r" /\*.*?\*/")
 _WIDTH = 150
 

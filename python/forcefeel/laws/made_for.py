@@ -74,9 +74,19 @@ def differing(rows: Mapping[str, float], loader: Loader) -> tuple[str, ...]:
     return tuple(key for key, (known, here) in both.items() if not isclose(known, here, rel_tol=_SAME))
 
 
+def is_steep(key: str) -> bool:
+    """Whether a row can make the feel steep, which ``torque-mode`` on a motor is designed for.
+
+    Example:
+        >>> from forcefeel.laws.made_for import is_steep
+        >>> is_steep("feel.breakout"), is_steep("feel.deadband")
+        (True, False)
+    """
+    return key.removeprefix("feel.").startswith(_STEEP)
+
+
 def _asked_for(key: str, loader: Loader) -> bool:
     if key.startswith("grip_sensor."):
         return bool(loader["grip_sensor.gain"])
-    steep = loader.drive == ELECTRIC and key.removeprefix("feel.").startswith(_STEEP)
     others = not key.startswith(_PARTS) and not key.endswith(_ROWS)
-    return steep or others or key in {_SCALE, _SHAKER, _LARGEST_CURRENT}
+    return (loader.drive == ELECTRIC and is_steep(key)) or others or key in {_SCALE, _SHAKER, _LARGEST_CURRENT}

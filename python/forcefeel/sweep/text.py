@@ -9,7 +9,6 @@
 ==================================================  ===================================================================
 """
 
-import re
 import tomllib
 from collections.abc import Sequence
 from typing import Any
@@ -19,13 +18,12 @@ import numpy as np
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import TABLE, did_you_mean, in_range, is_switch, range_text, value_text
 from forcefeel.simulation.engine import SHARED
-from forcefeel.units import parse, show
+from forcefeel.units import ends, parse, show
 
 MOST_STEPS = 10_000
 """Largest number of values of a grid along one parameter."""
 
 _LOG, _NONE = "log", "none"
-_NUMBER = re.compile(r"[-+0-9.eE]*")
 
 
 def assignment(text: str, example: str) -> tuple[str, str]:
@@ -84,7 +82,7 @@ def tolerance(key: str, text: str) -> str | dict[str, Any] | None:
             return dict(tomllib.loads(f"it = {text}")["it"])
         except tomllib.TOMLDecodeError as error:
             raise InputError(f"{key}: expected a table as a loader file has it, got {show(text)}: {error}") from error
-    return {"uniform": list(_ends(text))} if ".." in text else text
+    return {"uniform": list(ends(text))} if ".." in text else text
 
 
 def grid(key: str, text: str) -> tuple[float, ...]:
@@ -102,7 +100,7 @@ def grid(key: str, text: str) -> tuple[float, ...]:
     if not (rest[0].isdecimal() and rest[0].isascii() and 2 <= int(rest[0][:9]) <= MOST_STEPS):
         raise InputError(f"{key}: expected 2 to {MOST_STEPS:,} values, got {show(rest[0])} in {show(text)}")
     try:
-        low, high = (parse(end, row.unit_si, value_text(row, row.default_si)) for end in _ends(span))
+        low, high = (parse(end, row.unit_si, value_text(row, row.default_si)) for end in ends(span))
     except InputError as error:
         raise InputError(f"{key}: {error}") from error
     if not low < high or (rest[1:] and low <= 0):
@@ -126,10 +124,3 @@ def check_in_range(key: str, value: float) -> None:
         raise InputError(
             f"{key}: out of range: expected values within {range_text(row)}, got {value_with_unit}; narrow it"
         )
-
-
-def _ends(span: str) -> tuple[str, str]:
-    """Both ends with their unit; the first end may take that of the last."""
-    low, high = (part.strip() for part in span.partition("..")[::2])
-    unit = _NUMBER.sub("", high, count=1).strip() if _NUMBER.fullmatch(low) and low else ""
-    return f"{low} {unit}".strip(), high
