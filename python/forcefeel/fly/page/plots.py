@@ -100,6 +100,10 @@ def _add_limit(picture: go.Figure, verdict: FlightVerdict, x: NDArray[np.float64
     add_curve(picture, x, y, name, _LIMIT)
 
 
+_LEAST = {"control": 0.1}
+"""Value that an axis has at least, in its displayed unit: the noise of a sensor is not to fill it."""
+
+
 def histories(maneuver: Maneuver, axis: str, units: UnitSystem) -> go.Figure:
     """Force, control angle and states over time, through the loader and on the feel alone."""
     drawings = _HAND | drawn_states(maneuver, axis)
@@ -113,9 +117,14 @@ def histories(maneuver: Maneuver, axis: str, units: UnitSystem) -> go.Figure:
             hover = f"%{{y:.3~g}} {unit.shown(units)}"
             more = {"row": k, "col": 1, "showlegend": k == 1, "legendgroup": name}
             add_curve(picture, flown.time_s[kept], values[kept], name, look, hover, **more)
+            least = [_LEAST[key] * sign for sign in (-1, 1)] if key in _LEAST else None
             picture.update_yaxes(
-                title_text=heading_text(title, unit, units), exponentformat="none", row=k, col=1
-            )  # an altitude is read in plain numbers
+                title_text=heading_text(title, unit, units),
+                exponentformat="none",  # an altitude is read in plain numbers
+                autorangeoptions={"include": least},
+                row=k,
+                col=1,
+            )
     frame(picture, 80 + 135 * len(drawings), top=48)
     picture.update_xaxes(title_text="Time, s", row=len(drawings), col=1)
     return picture
