@@ -4,6 +4,7 @@ import json
 import socket
 import threading
 import time
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -28,12 +29,12 @@ def flown():
     flight = ff.fly.LiveFlight(CASE.at)
     with (
         ff.live.start(CASE.feel, "robust", host=0) as session,
-        ff.fly.fly_live(session, flight) as report,
+        ff.fly.fly_live(session, flight),
         ff.live.Console(session, port=0) as console,
     ):
         session.on()
         until(lambda: session.state.name == "active" and session.host.share == 1.0)
-        yield session, flight, report, console
+        yield session, flight, console
 
 
 def until(holds):
@@ -50,7 +51,7 @@ def restarted(flight):
 
 
 def test_pull_gives_the_load_factor_of_trimmed_pull_ups(flown):
-    session, flight, report, _ = flown
+    session, flight, _ = flown
     restarted(flight)
     assert flight.readings()["load_factor"] == pytest.approx(1.0, abs=0.02)  # of what is left of the reposition
     session.hand_force_n = PULL_N
@@ -59,13 +60,13 @@ def test_pull_gives_the_load_factor_of_trimmed_pull_ups(flown):
     session.hand_force_n = 0.0
     expected = 1 + PULL_N / CASE.force_per_g_n
     assert np.mean(factors) == pytest.approx(expected, rel=0.03)  # speed has begun to fall
-    assert report.loader_state == "active"
-    assert not report.refused
+    assert flight.report.loader_state == "active"
+    assert flight.readings()["refused"] == 0
 
 
 def test_trim_tab_moves_the_free_control_where_it_has_no_moment(flown):
     """``G theta = q S c (C_alpha (alpha_s - alpha_s0) + C_delta theta + C_tau tau)``, with the numbers of ``test_fly``."""
-    session, flight, _, _ = flown
+    session, flight, _ = flown
     restarted(flight)
     flight.set_lever("tab", TAB_RAD)
     time.sleep(SETTLED_S)
@@ -81,7 +82,7 @@ def test_trim_tab_moves_the_free_control_where_it_has_no_moment(flown):
 
 
 def test_aircraft_beyond_its_model_returns_to_the_trimmed_flight(flown, monkeypatch):
-    _, flight, report, _ = flown
+    _, flight, _ = flown
     flight.set_lever("throttle", 0.0)
     lost = flight._aircraft
 
@@ -91,8 +92,8 @@ def test_aircraft_beyond_its_model_returns_to_the_trimmed_flight(flown, monkeypa
     monkeypatch.setattr(lost, "state", fails)
     until(lambda: flight._aircraft is not lost)
     assert flight.readings()["throttle"] > 0.1
-    states = report.states
-    until(lambda: report.states > states + 10)
+    states = flight.report.states
+    until(lambda: flight.report.states > states + 10)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +111,7 @@ def test_irreversible_control_is_trimmed_by_its_command():
 
 
 def test_console_shows_the_flight_and_moves_its_levers(flown):
-    console = flown[3]
+    console = flown[2]
     with Talk(console) as talk:
         hello = talk.notice("hello")["flight"]
         assert [reading["label"] for reading in hello["readings"]] == ["airspeed", "altitude", "load factor", "pitch"]
@@ -124,7 +125,7 @@ def test_console_shows_the_flight_and_moves_its_levers(flown):
 
 
 def test_console_in_another_process_reaches_the_flight(flown):
-    session, flight, _, _ = flown
+    session, flight, _ = flown
     ours, theirs = pair()
     server = threading.Thread(target=LoopServer(session, theirs).until_gone)
     server.start()
@@ -144,7 +145,7 @@ def test_console_in_another_process_reaches_the_flight(flown):
 
 @pytest.mark.browser
 def test_page_flies_at_both_widths(flown, browser):
-    _, flight, _, console = flown
+    _, flight, console = flown
     page = browser.new_page(viewport={"width": 1280, "height": 900})
     page.goto(console.address)
     page.locator("#flight-calibrated_airspeed", has_text="kt").wait_for()
@@ -172,6 +173,16 @@ def test_command_flies_beside_the_loop(run):
     )
     assert (status, err) == (0, "")
     assert json.loads(out)["host"]["packets"] > 10
+
+
+def test_refused_flight_is_a_bad_answer(run, tmp_path):
+    """A surface that is overbalanced: its hinge moment is a negative spring of six times the feel's."""
+    data = (files("forcefeel") / "data/aircraft/c172p.toml").read_text(encoding="utf-8")
+    over = 'model = "c172p"\n' + data.replace('per_deflection = "-0.30', 'per_deflection = "0.30')
+    (tmp_path / "over.toml").write_text(over, encoding="utf-8")
+    status, out, _ = run("elevator-2khz", "--aircraft", "over.toml", "--headless", "--duration", "1")
+    assert status == 1
+    assert "the loader refused the flight" in " ".join(out.split())
 
 
 @pytest.mark.parametrize(

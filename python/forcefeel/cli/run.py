@@ -116,8 +116,8 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
 
     Prints the address of the console, a page of this machine. The first client that opens it has control. Ctrl-C or SIGTERM fades
     out the feel and stops the loop. The loop has its own thread and the period of the loader's controller. A Linux process is no
-    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or the record ended
-    before the run, for example on a full disk.
+    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, the record ended
+    before the run, for example on a full disk, or the loader refused the flight of --aircraft.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
@@ -156,11 +156,12 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         time.sleep(_OFF_S)
     answer(
         {} if record is None else {"record": record, **_previous(record)},
-        lambda: _json(axes[""]) if project is None else _cockpit_json(project.name, axes),
-        lambda terminal: _show(terminal, axes),
+        lambda: _json(axes[""], flight) if project is None else _cockpit_json(project.name, axes),
+        lambda terminal: _show(terminal, axes, flight),
         as_json=options.json,
     )
-    if any(session.trips or session.state.record_ended for session in axes.values()):
+    refused = flight is not None and flight.report.refused
+    if refused or any(session.trips or session.state.record_ended for session in axes.values()):
         raise SystemExit(BAD_ANSWER)
 
 
@@ -303,7 +304,7 @@ def _previous(record: Path) -> dict[str, Path]:
     return {"previous_record": previous} if previous.exists() else {}
 
 
-def _json(running: "LiveSession") -> dict[str, object]:
+def _json(running: "LiveSession", flight: "LiveFlight | None" = None) -> dict[str, object]:
     from forcefeel.live.state import QUANTILE_ERROR
 
     state, timing = running.state, running.timing
@@ -318,6 +319,7 @@ def _json(running: "LiveSession") -> dict[str, object]:
         "rows_lost": state.lost_rows + state.unrecorded_rows,
         "record_ended": state.record_ended or None,
         **({} if running.host is None else {"host": asdict(running.host)}),
+        **({} if flight is None else {"flight_refused": flight.report.refused}),
         "trips": [trip.name for trip in running.trips],
         "drive_fault": state.drive_fault or None,
         **{
@@ -346,7 +348,7 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
     }
 
 
-def _show(console: Terminal, axes: "dict[str, LiveSession]") -> None:
+def _show(console: Terminal, axes: "dict[str, LiveSession]", flight: "LiveFlight | None") -> None:
     from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
@@ -367,6 +369,9 @@ def _show(console: Terminal, axes: "dict[str, LiveSession]") -> None:
     if (host := first.host) is not None:
         packets_text = f"{host.packets:,} packets, {host.refused:,} left out"
         console.print(f"- simulator at {host.listens}: {packets_text}", highlight=False)
+    if flight is not None and flight.report.refused:
+        refused = "the loader refused the flight: the law cannot render its spring or damping; take another law, speed or aircraft"
+        console.print(f"- {refused}", style="bold red", highlight=False)
     if first.state.record_ended:
         console.print(
             f"- the record ended before the run: {first.state.record_ended}", style="bold red", highlight=False

@@ -35,6 +35,9 @@ class LiveFlight:
     Args:
         trimmed: Makes the aircraft in its trimmed flight.
 
+    Attributes:
+        report: What its bridge did.
+
     Example:
         >>> flight = ff.fly.LiveFlight(lambda: ff.fly.Aircraft("c172p", 51.4, 900.0))
         >>> sorted(flight.levers)
@@ -43,7 +46,7 @@ class LiveFlight:
     """
 
     def __init__(self, trimmed: Callable[[], Aircraft]) -> None:
-        self._trimmed = trimmed
+        self._trimmed, self.report = trimmed, BridgeReport()
         aircraft = self._aircraft = trimmed()
         self.levers: Mapping[str, Lever] = _levers(aircraft)
         self._positions = {"throttle": aircraft.throttle}
@@ -54,9 +57,10 @@ class LiveFlight:
     # For the console, from any thread.
 
     def readings(self) -> dict[str, float]:
-        """Quantities of ``READINGS`` and positions of the levers, SI units."""
+        """Quantities of ``READINGS`` and positions of the levers, SI units; ``refused``: 1 where the loader refused the flight."""
         seen = self._seen
-        return {name: seen[name] for name in READINGS} | {name: self._positions.get(name, 0.0) for name in self.levers}
+        positions = {name: self._positions.get(name, 0.0) for name in self.levers}
+        return {name: seen[name] for name in READINGS} | positions | {"refused": float(self.report.refused)}
 
     def set_lever(self, name: str, position: float) -> None:
         """Move a lever of ``levers``.
@@ -127,7 +131,7 @@ def _levers(aircraft: Aircraft) -> dict[str, Lever]:
 
 
 @contextmanager
-def fly_live(session: LiveSession, flight: LiveFlight) -> Iterator[BridgeReport]:
+def fly_live(session: LiveSession, flight: LiveFlight) -> Iterator[None]:
     """Fly an aircraft as the host of a running loop, which shows it on its console.
 
     Args:
@@ -140,22 +144,21 @@ def fly_live(session: LiveSession, flight: LiveFlight) -> Iterator[BridgeReport]
     Example:
         >>> flight = ff.fly.LiveFlight(lambda: ff.fly.Aircraft("c172p", 51.4, 900.0))
         >>> loader = ff.fly.with_surface(ff.digital_elevator(), ff.fly.Aircraft("c172p", 51.4, 900.0))
-        >>> with ff.live.start(loader, "robust", host=0) as session, ff.fly.fly_live(session, flight) as report:
+        >>> with ff.live.start(loader, "robust", host=0) as session, ff.fly.fly_live(session, flight):
         ...     session.wait(400)
-        >>> report.states > 0
+        >>> flight.report.states > 0
         True
     """
     if session.host is None:
         raise InputError("session: has no port for an aircraft; start it with host=0")
     address, _, port = session.host.listens.rpartition(":")
-    ends, report = threading.Event(), BridgeReport()
-
-    arguments = (flight, (address, int(port)), _SETTINGS, ends.is_set, report)
+    ends = threading.Event()
+    arguments = (flight, (address, int(port)), _SETTINGS, ends.is_set, flight.report)
     thread = threading.Thread(target=bridge, args=arguments, name="forcefeel flight", daemon=True)
     session.flight = flight
     thread.start()
     try:
-        yield report
+        yield
     finally:
         ends.set()
         thread.join()

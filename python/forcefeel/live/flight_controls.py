@@ -37,7 +37,7 @@ class FlightControls(Protocol):
     levers: Mapping[str, Lever]
 
     def readings(self) -> dict[str, float]:
-        """The quantities of ``READINGS`` and the positions of the levers by name, SI units."""
+        """Quantities of ``READINGS`` and positions of the levers, SI units; ``refused``: 1 where the loader refused the flight."""
         ...
 
     def set_lever(self, name: str, position: float) -> None:

@@ -37,6 +37,9 @@ _LOOKED_AT = ("status", "recorded", "host_status", "timing", "refused")
 """Read-only requests without arguments."""
 
 
+_ERROR = "input error"
+"""Key of an answer that refuses a request; no result has it."""
+
 _OF_FLIGHT = ("readings", "set_lever", "restart")
 """Requests to the flight."""
 
@@ -108,8 +111,8 @@ class LoopProxy:
 
     def _query(self, name: str, *arguments: object) -> Any:
         answer = json.loads(self._answer(name, *arguments))
-        if isinstance(answer, dict) and "refused" in answer:
-            raise InputError(answer["refused"])
+        if isinstance(answer, dict) and _ERROR in answer:
+            raise InputError(answer[_ERROR])
         return answer
 
     def _answer(self, name: str, *arguments: object) -> bytes:
@@ -183,7 +186,7 @@ class LoopServer:
             return json.dumps(self._execute(name, arguments)).encode()
         except Exception as error:
             # An invalid request must not end this server.
-            return json.dumps({"refused": str(error)}).encode()
+            return json.dumps({_ERROR: str(error)}).encode()
 
     def _execute(self, name: str, arguments: list[Any]) -> object:
         if name == "request":

@@ -26,6 +26,7 @@ export class Flight {
     for (const { name, unit, scale } of this.readings) {
       document.getElementById(`flight-${name}`).textContent = `${text(now[name] * scale)} ${unit}`;
     }
+    document.getElementById("flight-refused").hidden = !now.refused;
     for (const row of this.rows) row.show(now[row.slider.key]);
   }
 
