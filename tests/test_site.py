@@ -80,12 +80,14 @@ def test_relative_links_of_root_documents_exist(name):
 def test_code_blocks_are_found_in_order_with_test_changes():
     text = (
         "<!-- console\nforcefeel new a.toml\n-->\n\n<!-- small: --runs 9000 => --runs 2 -->\n"
-        "```console\nforcefeel sweep --runs 9000\n```\n\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
+        "```console\nforcefeel sweep --runs 9000\n```\n\n"
+        "<!-- slow -->\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
     )
     assert prepared(text) == ["forcefeel new a.toml\n"]
     first, second, third = blocks(text)
     assert (first.body, second.body) == ("forcefeel new a.toml\n", "forcefeel sweep --runs 2\n")
     assert (third.language, third.shows, third.body.strip()) == ("terminal", ("one", "two"), "forcefeel reproduce")
+    assert [block.slow for block in (first, second, third)] == [False, False, True]
     assert missing(third.shows, [Answer("", "on\ne", 0)]) == ["two"]
 
 
