@@ -14,6 +14,7 @@ from forcefeel.export import firmware_library
 from forcefeel.export.firmware_code import board_axis, golden_inputs
 from forcefeel.export.firmware_library import TARGETS, library_name, library_origin
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
+from tests.parametrization import mostly_slow
 
 TWO = """
 #include "roll_data.h"
@@ -78,7 +79,7 @@ def here(tmp_path_factory):
     return exported(motor(), tmp_path_factory.mktemp("here"))
 
 
-@pytest.mark.parametrize("core", BOARDS)
+@pytest.mark.parametrize("core", mostly_slow(BOARDS))
 def test_emulated_board_matches_bitwise(board, core):
     text = run(board, "make", "-B", "test", f"CPU={core}", f"MACHINE={BOARDS[core]}")
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
@@ -88,6 +89,7 @@ def test_host_matches_bitwise(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_host_matches_bitwise_in_single_precision(tmp_path):
     needs("cargo", "gcc")
     text = run(exported(valve(), tmp_path, single=True), "make", "test")
@@ -95,7 +97,7 @@ def test_host_matches_bitwise_in_single_precision(tmp_path):
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-@pytest.mark.parametrize("triple", TARGETS)
+@pytest.mark.parametrize("triple", mostly_slow(TARGETS, 2))
 def test_library_of_the_installation_matches_bitwise_without_cargo(triple, single, tmp_path, monkeypatch):
     compiler, emulator, *words = RUN[triple]
     needs(compiler, emulator, f"firmware library {library_name(triple, single=single)}")
@@ -157,6 +159,7 @@ def test_library_of_the_installation_is_one_object_of_three_functions(triple, si
     assert not re.search(rb"panic|unwrap|slice_index_fail|/home/|/root/|/tmp/", content)
 
 
+@pytest.mark.slow
 def test_double_precision_board_matches_bitwise_without_a_download(tmp_path, monkeypatch):
     """A cargo in between notes how it is called; the README tells what else it would have fetched."""
     needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")

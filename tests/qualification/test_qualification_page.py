@@ -338,6 +338,7 @@ def test_heading_is_not_separated_from_its_text_in_print(page):
     assert loose == []
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):
     """Printed by the same Chromium; as vectors the plots make it larger than the words alone would."""

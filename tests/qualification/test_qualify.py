@@ -23,6 +23,7 @@ from forcefeel.qualification.plan.sweep_force import SweepForce
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
+from tests.parametrization import mostly_slow
 
 LB = factor("lb", "N")
 THROW = math.radians(20.0)
@@ -93,7 +94,7 @@ def test_test_program_matches_rule():
     assert [trial.key for trial in nosewheel] == ["static", "surface"]
 
 
-@pytest.mark.parametrize("law", ["original", "published", "converged"])
+@pytest.mark.parametrize("law", mostly_slow(["original", "published", "converged"]))
 def test_periods_match_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
     loader = ff.elevator()

@@ -195,6 +195,7 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
     assert run(*small("--resume"))[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
 def test_interrupted_or_killed_sweep_keeps_finished_pieces(run, tmp_path):
     """Real processes, interrupted or killed once some pieces are there; then they go on to the same end."""
