@@ -88,7 +88,7 @@ def opened(fmus, loader, kind, version, **how):
 
 
 @pytest.mark.parametrize("loader", mostly_slow(["rough", "motor"]))
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
 @pytest.mark.parametrize("version", VERSIONS)
 def test_fmpy_validation_gives_no_errors_and_no_messages(fmus, loader, kind, version):
     path = fmus[loader][0] / f"pitch_{kind}_{version}.fmu"

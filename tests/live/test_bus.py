@@ -93,7 +93,9 @@ def column(session, name):
 
 
 @pytest.mark.parametrize("kind", mostly_slow(KINDS, 2))
-@pytest.mark.parametrize("wiring", [{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
+@pytest.mark.parametrize(
+    "wiring", mostly_slow([{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
+)
 def test_run_over_bus_equals_run_in_process(kind, wiring):
     loader = yoke(kind, quiet=True, **wiring)
     with running(loader) as (session, emulator):
