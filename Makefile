@@ -38,8 +38,10 @@ tested-crates:
 	cargo test --release --workspace --locked --quiet
 
 # The tests are compiled for the workers, once.
-fetched: firmware-libraries
+fetched: $(VENV)/equipped
 	tests/browser/install
+	tests/export/install
+	$(BIN)/python tests/platforms/firmware_libraries.py thumbv7em-none-eabihf x86_64-unknown-linux-gnu
 	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
 
 # What a cheaper case of `make test` runs too, in depth: the cases that pytest's marker `slow` names.
@@ -111,7 +113,7 @@ platforms: firmware-libraries
 	tests/platforms/build
 	FORCEFEEL_PLATFORMS=1 $(BIN)/pytest -n 0 tests/platforms
 
-# What an export to firmware needs no cargo with; a minute. Tests and wheels have them too.
+# What an export to firmware needs no cargo with; a minute. Slow tests and wheels have all, the others those of two targets.
 firmware-libraries: $(VENV)/equipped
 	tests/export/install
 	$(BIN)/python tests/platforms/firmware_libraries.py

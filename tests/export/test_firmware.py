@@ -57,6 +57,11 @@ RUN = {  # compiler, emulator and what make is told, by target
     ),
     "x86_64-unknown-linux-gnu": ("x86_64-linux-gnu-gcc", "make"),
 }
+LIBRARY_TARGETS = [
+    pytest.param(triple, marks=() if triple in {BOARD, "x86_64-unknown-linux-gnu"} else pytest.mark.slow)
+    for triple in TARGETS
+]
+"""``make test`` builds the libraries of a board and of this machine, ``make validate`` all."""
 SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
 
 
@@ -97,7 +102,7 @@ def test_host_matches_bitwise_in_single_precision(tmp_path):
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-@pytest.mark.parametrize("triple", mostly_slow(TARGETS, 2))
+@pytest.mark.parametrize("triple", LIBRARY_TARGETS)
 def test_library_of_the_installation_matches_bitwise_without_cargo(triple, single, tmp_path, monkeypatch):
     compiler, emulator, *words = RUN[triple]
     needs(compiler, emulator, f"firmware library {library_name(triple, single=single)}")
@@ -144,7 +149,7 @@ def test_hinge_moment_of_the_library_is_the_simulations_and_refuses_what_is_no_n
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-@pytest.mark.parametrize("triple", TARGETS)
+@pytest.mark.parametrize("triple", LIBRARY_TARGETS)
 def test_library_of_the_installation_is_one_object_of_three_functions(triple, single):
     name = library_name(triple, single=single)
     tools = RUN[triple][0].removesuffix("gcc")
