@@ -101,7 +101,7 @@ def test_host_matches_bitwise_in_single_precision(tmp_path):
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+@pytest.mark.parametrize("single", mostly_slow([False, True]), ids=["double", "single"])
 @pytest.mark.parametrize("triple", LIBRARY_TARGETS)
 def test_library_of_the_installation_matches_bitwise_without_cargo(triple, single, tmp_path, monkeypatch):
     compiler, emulator, *words = RUN[triple]

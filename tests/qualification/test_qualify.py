@@ -160,7 +160,7 @@ def test_nonlinear_feel_is_judged():
     assert "feel.breakout" in found.reference
 
 
-@pytest.mark.parametrize("period", ["0.33 ms", "5 ms"])
+@pytest.mark.parametrize("period", mostly_slow(["0.33 ms", "5 ms"]))
 def test_a_digital_controller_of_any_period_is_judged(period):
     loader = ff.elevator().replace({"controller.period": period, "feel.breakout": "1 lb"}, si=True)
     results = _by(qualify_loader(loader, QualificationSetup(laws=("published",))).sections[0].results)

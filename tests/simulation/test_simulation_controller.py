@@ -20,13 +20,13 @@ FLOOR = 1.5e-5
 """The slaving, and what the feel computer's one step per period leaves."""
 
 
-@pytest.mark.parametrize(("share", "gains"), [(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)])
+@pytest.mark.parametrize(("share", "gains"), mostly_slow([(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)]))
 def test_delay_matches_witness(share, gains):
     case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
     assert max(case.errors(case.witness(), 1e-3, 2.5e-4)) < FLOOR
 
 
-@pytest.mark.parametrize("period", [1e-3, 5e-4, 2e-4])
+@pytest.mark.parametrize("period", mostly_slow([1e-3, 5e-4, 2e-4]))
 def test_period_matches_witness(period):
     case = Case(
         Machine(gains=GAINS, orifice=True, period=period, coulomb_friction=2.0, feel_coulomb_friction=1.0), *FORCE

@@ -281,6 +281,7 @@ def test_slow_controller_limits_the_band():
         excite(slow, "J", "servo-closed", replace(PLAN, to_hz=80.0))
 
 
+@pytest.mark.slow
 def test_default_voltage_leaves_the_noise_at_rest_its_room():
     """The law of the yoke takes 16 of 20.7 V for sensor noise alone, in ten seconds 18.6: the peak of a run without a signal."""
     loader = ff.loader.electric("desktop-yoke")
