@@ -1,5 +1,6 @@
 # make report   build, install, design the built-in elevator loader under its digital controller
-# make test     build, install, run every test
+# make test     build, install, run the tests
+# make validate  run the slow tests: further aircraft, drives, widths and rates, long records, the wheel
 # make lint     format and type checks
 # make bench    speed against the peers
 # make docs     validation table and the README's picture from the program itself
@@ -20,7 +21,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.h' -o -name '*.ld')
 
-.PHONY: report test tested-crates fetched lint linted-rust linted-python bench docs demo site links platforms firmware-libraries audit wheel clean
+.PHONY: report test tested-crates fetched validate lint linted-rust linted-python bench docs demo site links platforms firmware-libraries audit wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -29,7 +30,7 @@ report/report.html: $(VENV)/built $(PACKAGE)
 	$(BIN)/forcefeel design elevator-2khz --out report --replace
 
 # The crates as the extension has them: built once, and tested as they run. What is fetched for the tests comes meanwhile.
-test: $(VENV)/equipped target/wheel/built
+test: $(VENV)/equipped
 	$(MAKE) --no-print-directory --jobs=2 tested-crates fetched
 	$(BIN)/pytest
 
@@ -37,17 +38,24 @@ tested-crates:
 	cargo test --release --workspace --locked --quiet
 
 # The tests are compiled for the workers, once.
-fetched: firmware-libraries
+fetched: $(VENV)/equipped
 	tests/browser/install
+	tests/export/install
+	$(BIN)/python tests/platforms/firmware_libraries.py thumbv7em-none-eabihf x86_64-unknown-linux-gnu
 	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
 
-# Clippy in the release profile too: the macros of other crates are there already.
+# What a cheaper case of `make test` runs too, in depth: the cases that pytest's marker `slow` names.
+validate: $(VENV)/equipped target/wheel/built firmware-libraries
+	tests/browser/install
+	FORCEFEEL_REQUIRE_WHEEL=1 $(BIN)/pytest -m slow
+
+# Clippy in the release profile too: the macros of other crates are there already. --all-targets would check each library twice.
 lint: $(VENV)/equipped
 	$(MAKE) --no-print-directory --jobs=2 linted-rust linted-python
 
 linted-rust:
 	cargo fmt --all --check
-	cargo clippy --release --locked --workspace --all-targets --quiet -- --deny warnings
+	cargo clippy --release --locked --workspace --lib --tests --quiet -- --deny warnings
 
 linted-python:
 	$(BIN)/ruff format --check
@@ -95,7 +103,7 @@ MATURIN = PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet 
 wheel: firmware-libraries
 	rm -rf dist
 	$(MATURIN) --features pyo3/extension-module,every-machine --out dist
-	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 tests/wheel
+	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 -m "" tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
 
 # Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each.
@@ -105,7 +113,7 @@ platforms: firmware-libraries
 	tests/platforms/build
 	FORCEFEEL_PLATFORMS=1 $(BIN)/pytest -n 0 tests/platforms
 
-# What an export to firmware needs no cargo with; a minute. Tests and wheels have them too.
+# What an export to firmware needs no cargo with; a minute. Slow tests and wheels have all, the others those of two targets.
 firmware-libraries: $(VENV)/equipped
 	tests/export/install
 	$(BIN)/python tests/platforms/firmware_libraries.py
@@ -114,7 +122,7 @@ audit:
 	cargo deny check licenses sources advisories
 	pip-audit --require-hashes --disable-pip --requirement requirements-dev.lock
 
-# For the tests, from the crates that the extension was built from: nothing is compiled twice.
+# For the slow tests, from the crates that the extension was built from: nothing is compiled twice.
 target/wheel/built: $(VENV)/equipped $(PACKAGE) LICENSE README.md
 	rm -rf target/wheel
 	$(MATURIN) --out target/wheel

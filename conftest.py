@@ -11,8 +11,10 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from manual.terminal import Answer, Block, Terminal, blocks, commands, missing
 from sybil import Document, Example, Region, Sybil
+from sybil.integration.pytest import SybilItem
 from sybil.parsers.markdown import PythonCodeBlockParser
 
 # The workers already share the cores: BLAS threads would wait for one another, turning. On two cores that took twice to seven times
@@ -91,6 +93,12 @@ def elsewhere(namespace: dict[str, object]) -> None:
 def back(namespace: dict[str, object]) -> None:
     """Where the other tests are."""
     os.chdir(str(namespace["_from"]))
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Marks the examples of the documentation that are slow."""
+    if isinstance(item, SybilItem) and getattr(item.example.parsed, "slow", False):
+        item.add_marker(pytest.mark.slow)
 
 
 pytest_collect_file = Sybil(

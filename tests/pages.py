@@ -2,7 +2,7 @@
 
 import re
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from html.parser import HTMLParser
 from pathlib import Path
@@ -47,15 +47,30 @@ def words(page: Path) -> Words:
     return parsed
 
 
+class OnDemand(dict):
+    """Results by name, each made when it is first read: the fast tests look at one of several."""
+
+    def __init__(self, make: Callable[[str], object]) -> None:
+        super().__init__()
+        self._make = make
+
+    def __missing__(self, name: str) -> object:
+        return self.setdefault(name, self._make(name))
+
+
 def views_of(names: Iterable[str]):
     """The fixture ``page``: each of the module's ``pages`` at each width; ``called`` is its name.
 
-    All are loaded in one window and from beside one script: another window or script would be compiled once more.
+    Only the first page at the narrow width is not slow. All are loaded in one window and from beside one script: another
+    window or script would be compiled once more.
     """
+    narrow, *others = [(name, width) for width in sorted(WIDTHS) for name in names]
     views = [
-        pytest.param((name, width), marks=pytest.mark.browser, id=f"{name}-{width}")
-        for name in names
-        for width in WIDTHS
+        pytest.param(narrow, marks=pytest.mark.browser, id="{}-{}".format(*narrow)),
+        *(
+            pytest.param(view, marks=[pytest.mark.browser, pytest.mark.slow], id="{}-{}".format(*view))
+            for view in others
+        ),
     ]
 
     @pytest.fixture(scope="module", params=views)

@@ -27,8 +27,13 @@ def layers():
     del sys.modules[spec.name]
 
 
-def test_modules_have_no_import_cycle(layers):
-    assert layers.cycles(layers.Package.of().imports) == []
+@pytest.fixture(scope="module")
+def package(layers):
+    return layers.Package.of()
+
+
+def test_modules_have_no_import_cycle(layers, package):
+    assert layers.cycles(package.imports) == []
 
 
 @pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
@@ -63,8 +68,7 @@ def test_path_resolves_to_declaring_file(tmp_path):
     }
 
 
-def test_subpackages_form_layers(layers):
-    package = layers.Package.of()
+def test_subpackages_form_layers(layers, package):
     assert layers.cycles(package.arrows) == []
     assert len(package.layers) <= MOST_LAYERS
     assert [] not in package.layers
@@ -75,8 +79,7 @@ def test_package_has_few_top_level_modules(layers):
     assert len(top_modules) <= MOST_TOP_MODULES
 
 
-def test_subpackage_does_not_import_its_own_page(layers):
-    package = layers.Package.of()
+def test_subpackage_does_not_import_its_own_page(package):
     own = [
         (module, other)
         for module, others in package.imports.items()
@@ -86,23 +89,22 @@ def test_subpackage_does_not_import_its_own_page(layers):
     assert own == []
 
 
-def test_picture_matches_imports(layers):
-    assert layers.PICTURE.read_text(encoding="utf-8") == layers.drawing(layers.Package.of()), "make docs draws it anew"
+def test_picture_matches_imports(layers, package):
+    assert layers.PICTURE.read_text(encoding="utf-8") == layers.drawing(package), "make docs draws it anew"
 
 
 def test_cycles_are_detected(layers):
     assert layers.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 
-def test_layer_is_above_its_imports(layers):
-    package = layers.Package.of()
+def test_layer_is_above_its_imports(package):
     level = {name: k for k, names in enumerate(package.layers) for name in names}
     assert all(level[name] > level[other] for name, others in package.arrows.items() for other in others)
     assert level["cli"] == len(package.layers) - 1
     assert level["errors"] == 0
 
 
-def test_page_explains_every_subpackage(layers):
+def test_page_explains_every_subpackage(package):
     page = (DOCS / "architecture.md").read_text(encoding="utf-8")
-    names = [name for name in layers.Package.of().arrows if not name.endswith("/page")]
+    names = [name for name in package.arrows if not name.endswith("/page")]
     assert [name for name in names if f"`{name}`" not in page] == []

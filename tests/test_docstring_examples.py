@@ -58,7 +58,18 @@ def _folder(tmp_path, monkeypatch):
     monkeypatch.setattr(workflow, "design_loader", DESIGN)
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+SLOW = {
+    *("forcefeel.choice.best_law", "forcefeel.feel.feel_conclusions", "forcefeel.feel.write_feel"),
+    *("forcefeel.fly.FlightReport", "forcefeel.fly.Flown", "forcefeel.fly.Maneuver"),
+    *("forcefeel.fly.fly_maneuver", "forcefeel.fly.write_flight", "forcefeel.live.HostState"),
+    *("forcefeel.frontier.LinkFrontier", "forcefeel.frontier.LinkLimit", "forcefeel.frontier.write_links"),
+}
+"""Examples of seconds; another name's begins in the same way."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in PUBLIC]
+)
 def test_docstring_example_gives_stated_output(name):
     thing = PUBLIC[name]
     own = [test for test in doctest.DocTestFinder().find(thing, name, globs=ASSUMED) if test.examples]
@@ -69,6 +80,10 @@ def test_docstring_example_gives_stated_output(name):
     for test in own:
         runner.run(test, out=failures.append)
     assert failures == []
+
+
+def test_slow_examples_are_of_public_names():
+    assert SLOW - PUBLIC.keys() == set()
 
 
 def test_wrong_docstring_example_is_detected():

@@ -43,6 +43,7 @@ def page(site: Path, name: str) -> str:
     return html.unescape((site / f"{name}.html").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_pages_make_no_external_request(site):
     loads = re.compile(r"""<(?:script|img|link|iframe)[^>]+(?:src|href)=["'](?:https?:)?//[^"']+""")
     found = {path.relative_to(site): loads.findall(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
@@ -50,6 +51,7 @@ def test_pages_make_no_external_request(site):
     assert {name: links for name, links in found.items() if links} == {}
 
 
+@pytest.mark.slow
 def test_every_command_is_in_the_reference(site):
     reference = page(site, "reference/commands")
     assert len(command_names()) >= 14
@@ -57,6 +59,7 @@ def test_every_command_is_in_the_reference(site):
     assert "Usage: forcefeel qualify" in reference
 
 
+@pytest.mark.slow
 def test_every_value_of_a_loader_file_is_in_the_reference(site):
     held = set()
     for section in page(site, "reference/loader-file").split('<section id="part-')[1:]:
@@ -65,6 +68,7 @@ def test_every_value_of_a_loader_file_is_in_the_reference(site):
     assert set(TABLE) | set(ALTERNATIVES) <= held
 
 
+@pytest.mark.slow
 def test_every_public_name_is_in_the_reference(site):
     described = set(re.findall(r'id="(forcefeel\.[\w.]+)"', page(site, "reference/python")))
     assert "forcefeel.qualification" in {module.__name__ for module in public_modules()}
@@ -80,12 +84,14 @@ def test_relative_links_of_root_documents_exist(name):
 def test_code_blocks_are_found_in_order_with_test_changes():
     text = (
         "<!-- console\nforcefeel new a.toml\n-->\n\n<!-- small: --runs 9000 => --runs 2 -->\n"
-        "```console\nforcefeel sweep --runs 9000\n```\n\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
+        "```console\nforcefeel sweep --runs 9000\n```\n\n"
+        "<!-- slow -->\n```{terminal}\n:shows: one | two\n\nforcefeel reproduce\n```\n"
     )
     assert prepared(text) == ["forcefeel new a.toml\n"]
     first, second, third = blocks(text)
     assert (first.body, second.body) == ("forcefeel new a.toml\n", "forcefeel sweep --runs 2\n")
     assert (third.language, third.shows, third.body.strip()) == ("terminal", ("one", "two"), "forcefeel reproduce")
+    assert [block.slow for block in (first, second, third)] == [False, False, True]
     assert missing(third.shows, [Answer("", "on\ne", 0)]) == ["two"]
 
 

@@ -16,6 +16,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from forcefeel.errors import EXTRAS
+from tests.parametrization import mostly_slow
 
 PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
 
@@ -58,17 +59,20 @@ def _run(folder, *words):
 
 @pytest.mark.parametrize(
     "words",
-    [
-        "new my.toml",
-        "analyze",
-        "simulate elevator-2khz --input release --angle 10deg",
-        "law elevator-1974",
-        "law elevator-2khz --law robust --save-law robust.json",
-        "design",
-        "export elevator-2khz --law robust --to c --out c",
-        "export elevator-2khz --law robust --to fmu --out fmu",
-        "run elevator-2khz --law robust --duration 1",
-    ],
+    mostly_slow(
+        [
+            "new my.toml",
+            "analyze",
+            "simulate elevator-2khz --input release --angle 10deg",
+            "law elevator-1974",
+            "law elevator-2khz --law robust --save-law robust.json",
+            "design",
+            "export elevator-2khz --law robust --to c --out c",
+            "export elevator-2khz --law robust --to fmu --out fmu",
+            "run elevator-2khz --law robust --duration 1",
+        ],
+        3,
+    ),
 )
 def test_small_install_suffices(tmp_path, words):
     done = _run(tmp_path, *words.split())

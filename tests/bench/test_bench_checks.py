@@ -18,6 +18,7 @@ from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import HYDRAULIC, TABLE, limits_si, required
 from forcefeel.units import factor
+from tests.parametrization import mostly_slow
 
 CLOSED = Experiment.read("servo-closed")
 RELEASE = Experiment.read("servo-closed release")
@@ -291,6 +292,7 @@ def as_response(key, value, lines_hz=LINES_HZ):
     return Response("mine", experiment, str(experiment.drive), key[1], lines_hz, value)
 
 
+@pytest.mark.slow
 def test_parameter_deviation_is_not_reported_as_misreading():
     expected, rng = predictions(ELEVATOR), np.random.default_rng(0)
     for _ in range(200):
@@ -339,7 +341,7 @@ def others():
     return [predictions(off_by(rng, 0.2)) for _ in range(40)]
 
 
-@pytest.mark.parametrize("fault", MISREADINGS)
+@pytest.mark.parametrize("fault", mostly_slow(MISREADINGS))
 def test_misread_file_is_detected(others, fault):
     misread, sentence = MISREADINGS[fault]
     expected, found = predictions(ELEVATOR), []

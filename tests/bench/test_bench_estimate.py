@@ -12,6 +12,7 @@ from forcefeel.bench.periods import Periods, find_periods, settled
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.spectra import independent_averages
 from forcefeel.errors import InputError
+from tests.parametrization import mostly_slow
 
 CLOSED = Experiment.read("servo-closed")
 H = 1e-3  # s
@@ -158,7 +159,7 @@ def within(found, exact, averages):
     return np.abs([off.real, off.imag]) <= quantile * found.deviation
 
 
-@pytest.mark.parametrize("periods", [2, 4, 20])
+@pytest.mark.parametrize("periods", mostly_slow([2, 4, 20]))
 def test_intervals_from_periods_have_stated_coverage(periods):
     rng, held = np.random.default_rng(SEED), []
     drive = multisine(periods)

@@ -26,6 +26,7 @@ def anew(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["multisine.parquet", "release.mat", "sweep.csv"])
 def test_records_are_reproducible(anew, name):
     kept, made = (ff.read_bench_data(folder / name) for folder in (BENCH, anew))
@@ -36,6 +37,7 @@ def test_records_are_reproducible(anew, name):
         assert np.abs(made.channels[channel] - values).max() < ONE_STEP * steps[steps > 0].min() + 1e-9  # rounding
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["servo-closed.csv", "servo-open.csv"])
 def test_responses_are_reproducible(anew, name):
     kept, made = (ff.read_bench_data(folder / name) for folder in (BENCH, anew))
@@ -43,6 +45,7 @@ def test_responses_are_reproducible(anew, name):
     np.testing.assert_allclose(np.abs(made.value / kept.value), 1, atol=2e-3)  # dB with three decimals, phase with two
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["loader.toml", "truth.toml"])
 def test_loader_files_are_reproducible(anew, name):
     assert (anew / name).read_text(encoding="utf-8") == (BENCH / name).read_text(encoding="utf-8")

@@ -11,6 +11,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.noisy_loop import NoisyLoop
+from tests.parametrization import mostly_slow
 
 ROUNDING = 1e-12
 """Relative, and of the largest number: sums of a few products. Measured: 3e-14."""
@@ -69,7 +70,9 @@ def test_sample_enters_through_the_law_input(name):
 
 @pytest.mark.parametrize(
     ("name", "loader"),
-    [("published", SMOOTH), ("load-cell", SMOOTH), ("observer", SMOOTH), ("robust", SMOOTH), ("published", LAGGING)],
+    mostly_slow(
+        [("published", SMOOTH), ("load-cell", SMOOTH), ("observer", SMOOTH), ("robust", SMOOTH), ("published", LAGGING)]
+    ),
 )
 def test_angle_noise_matches_a_long_run(name, loader):
     law = _law(name, loader)

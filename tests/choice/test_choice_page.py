@@ -9,7 +9,7 @@ from forcefeel.choice import choose, score_laws
 from forcefeel.choice.page.page import write_choice
 from forcefeel.laws.law import names_for
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, EveryPage, views_of, words_cut
+from tests.pages import ROUNDING_PX, EveryPage, OnDemand, views_of, words_cut
 
 pytestmark = pytest.mark.browser
 
@@ -36,7 +36,7 @@ def _write(name: str, folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("methods")
-    return {name: _write(name, folder / name) for name in PLOTS}
+    return OnDemand(lambda name: _write(name, folder / name))
 
 
 page = views_of(PLOTS)

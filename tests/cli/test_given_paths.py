@@ -48,8 +48,9 @@ def _paths():
                 yield command, argument.name
 
 
-WRITTEN = [pair for pair in _paths() if pair[1] in {"--out", "--save-law", "FILE"}]
-READ = [pair for pair in _paths() if pair not in WRITTEN]
+PATHS = [*_paths()]
+WRITTEN = [pair for pair in PATHS if pair[1] in {"--out", "--save-law", "FILE"}]
+READ = [pair for pair in PATHS if pair not in WRITTEN]
 
 
 @pytest.fixture

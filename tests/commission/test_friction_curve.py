@@ -32,6 +32,7 @@ def fitted(friction):
     return even, _curved(even, start, FRICTION_CURVE, data, None), truth
 
 
+@pytest.mark.slow
 def test_seals_are_identified_and_a_fall_is_never_read_as_a_jump():
     _, curved, truth = fitted({DRY: "1.4 lb", BREAKAWAY: "1.4 lb", SEALS: "10 lb"})
     found = {estimate.unknown.key: estimate for estimate in curved.estimates}
@@ -49,6 +50,7 @@ def test_even_friction_gets_no_curve():
     assert even.loader is not None
 
 
+@pytest.mark.slow
 def test_fall_and_asymmetry_are_identified_from_a_record_of_an_independent_integrator():
     """Measured: breakaway 0.5 % low, Stribeck velocity 8 % low, asymmetry 11 % low: within the tolerances of ``commission``."""
     loader = independent.on_file()

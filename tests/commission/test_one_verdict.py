@@ -50,6 +50,7 @@ def test_parameter_biased_beyond_noise_is_rejected_everywhere(files):
     assert "than noise, so parameters can be off" in commission_page(commission)
 
 
+@pytest.mark.slow
 def test_one_percent_model_error_is_distinguished_from_noise():
     """Without the valve's flow, 12 % off in the file, the model misses angle and position by 1.6 % of their motion."""
     data = [ff.read_bench_data("examples/bench-2khz/shaken.parquet")]
@@ -60,6 +61,7 @@ def test_one_percent_model_error_is_distinguished_from_noise():
     assert "misses more of shaken, column angle and shaken, piston position than noise" in conclusions.verdict
 
 
+@pytest.mark.slow
 def test_controller_noise_is_not_reported_as_model_error():
     """The independent integrator's machine, known exactly: all that runs on in its record is the controller's noise."""
     data = [ff.read_bench_data("examples/bench-2khz/shaken.parquet")]
@@ -74,6 +76,7 @@ def test_controller_noise_is_not_reported_as_model_error():
     assert identification_conclusions(found, UnitSystem.US).ok
 
 
+@pytest.mark.slow
 def test_explained_data_are_accepted(files):
     found, commission = identified(files, CommissionPlan())
     assert found.outcome.ok

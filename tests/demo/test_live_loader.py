@@ -156,7 +156,7 @@ def test_all_of_it_is_small():
     assert sum(path.stat().st_size for path in DEMO.iterdir()) < LARGEST_BYTES
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("width", [WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
 def test_column_follows_the_pointer_and_verdict_follows_the_law(browser, width):
     with new_window(browser) as window:
         window.set_viewport_size({"width": width, "height": 900})

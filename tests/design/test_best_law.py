@@ -74,6 +74,7 @@ def test_analog_loader_finding_states_how_to_try_laws(designed):
 run = runs("design")
 
 
+@pytest.mark.slow
 def test_design_command_finds_the_qualifying_law(run, tmp_path, monkeypatch):
     monkeypatch.setattr(ff.choice, "best_law", partial(ff.choice.best_law, grid=GRID))
     status, out, _ = run("elevator-2khz", "--out", "report", "--json")

@@ -8,6 +8,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.laws.analog import recursion
 from forcefeel.loader.beyond_linear import left_out
+from tests.parametrization import mostly_slow
 
 LINK_DB = 2e-3
 """The link bends by (f / f_n)^2, f_n being its 12 Hz, which at the figures' lowest frequency of 0.1 Hz is 6e-4 dB."""
@@ -57,12 +58,14 @@ def test_elevator_is_statically_accurate_but_dynamically_wrong(found):
 
 @pytest.mark.parametrize(
     ("changes", "settings", "verdict"),
-    [
-        ({}, ff.laws.DesignSettings(), "does not settle"),
-        ({"valve.natural_frequency": "5 rad/s"}, None, "do not close this loop"),
-        ({}, ff.laws.DesignSettings(r2=1e4), "no gains to evaluate"),
-        (HEAVY, ff.laws.DesignSettings(r2=0.14), "at rest and in motion"),
-    ],
+    mostly_slow(
+        [
+            ({}, ff.laws.DesignSettings(), "does not settle"),
+            ({"valve.natural_frequency": "5 rad/s"}, None, "do not close this loop"),
+            ({}, ff.laws.DesignSettings(r2=1e4), "no gains to evaluate"),
+            (HEAVY, ff.laws.DesignSettings(r2=0.14), "at rest and in motion"),
+        ]
+    ),
 )
 def test_verdict_matches_each_case(loader, changes, settings, verdict, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)  # of one that never settles

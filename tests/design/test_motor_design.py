@@ -142,6 +142,7 @@ def test_motor_force_is_fully_transmitted_at_0_db(designed):
     assert float(hand["under robust"].gain_db[0]) == pytest.approx(float(hand["ideal feel"].gain_db[0]), abs=TOLD)
 
 
+@pytest.mark.slow
 def test_best_law_of_a_motor_needs_no_law_of_the_report():
     begun = []
     grid = {"stiffness": "30, 60 %", "frequency": "1.5, 2 Hz", "damping": "0.4, 0.8"}

@@ -3,7 +3,7 @@
 import pytest
 
 import forcefeel as ff
-from tests.pages import EveryPage, views_of
+from tests.pages import EveryPage, OnDemand, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -13,7 +13,7 @@ UNITS = {"us": ff.UnitSystem.US}
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
     folder, design = tmp_path_factory.mktemp("motors"), ff.design_loader(ff.loader.electric("sidestick-roll"))
-    return {name: ff.design.write_report(design, folder / name, units) for name, units in UNITS.items()}
+    return OnDemand(lambda name: ff.design.write_report(design, folder / name, UNITS[name]))
 
 
 page = views_of(UNITS)

@@ -13,7 +13,7 @@ from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, views_of
+from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, OnDemand, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -33,7 +33,12 @@ REPORTS = {"us": (elevator, UnitSystem.US), "unstable": (_soft, UnitSystem.SI)}
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
-    return {name: write_report(design_loader(make()), folder / name, units) for name, (make, units) in REPORTS.items()}
+
+    def write(name: str) -> Path:
+        make, units = REPORTS[name]
+        return write_report(design_loader(make()), folder / name, units)
+
+    return OnDemand(write)
 
 
 page = views_of(REPORTS)

@@ -54,6 +54,7 @@ def _machine(found, name_of_law, case, setting):
     return nominal.replace(changes, si=True), law
 
 
+@pytest.mark.slow
 def test_random_settings_match_single_runs(found):
     rng = np.random.default_rng(1974)
     plan, seen = found.plan, {"passes": 0, "fails": 0, "arms": 0}

@@ -7,7 +7,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope.result import COLORS
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, views_of
+from tests.pages import ROUNDING_PX, WIDTHS, EveryPage, OnDemand, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -34,7 +34,12 @@ ENVELOPES = {
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("envelopes")
-    return {name: ff.envelope.write_envelope(make(), folder / name, units) for name, (make, units) in ENVELOPES.items()}
+
+    def write(name: str) -> Path:
+        make, units = ENVELOPES[name]
+        return ff.envelope.write_envelope(make(), folder / name, units)
+
+    return OnDemand(write)
 
 
 page = views_of(ENVELOPES)

@@ -17,6 +17,7 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests.command_line import runner
+from tests.parametrization import mostly_slow
 
 ROUNDING = 1e-12  # relative, of a share that is added to a value
 THREE_DIGITS = 5e-4  # 95.4 % in the documentation; it is 95.44997 %
@@ -158,7 +159,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", mostly_slow(COMMANDS))
 def test_every_command_with_cases_uses_tolerances_and_deviation_options(command, forcefeel, monkeypatch, tmp_path):
     monkeypatch.setattr("forcefeel.frontier.run.ERRORS", (0.02,))
     for name, loader in (("mine", ff.elevator()), ("mine-2khz", ff.digital_elevator())):

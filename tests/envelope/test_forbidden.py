@@ -15,6 +15,7 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute
 from forcefeel.loader.sensors import sample_variance
 from forcefeel.sizing.fastest import Fastest, Limit
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "2, 20, 100 %", "frequency": "0.7, 4 Hz", "damping": "0.1, 1"}
 SLOW = ff.digital_elevator().replace({"valve.flow_limit": "18 in^3/s"})
@@ -74,31 +75,42 @@ def test_drive_without_limits_forbids_nothing():
 
 @pytest.mark.parametrize(
     ("loader", "laws", "reason"),
-    [
-        (SLOW, ("robust", "agile", "observer"), Limit.FLOW),
-        (ff.digital_elevator().replace({"amplifier.current_limit": "0.8 mA"}), ("robust", "observer"), Limit.CURRENT),
-        (ff.digital_elevator().replace({"valve.supply_pressure": "90 psi"}), ("robust", "observer"), Limit.PRESSURE),
-        (
-            ff.loader.electric("rudder-pedals").replace({"current_loop.current_limit": 5.0}, si=True),
-            ("robust", "observer"),
-            Limit.TORQUE,
-        ),
-        (
-            ff.loader.electric("sidestick-pitch").replace({"current_loop.voltage_limit": 2.0}, si=True),
-            ("robust", "observer"),
-            None,
-        ),
-        (
-            ff.digital_elevator().replace({"linkage.stiffness": "900 lb/in", "valve.flow_limit": "40 in^3/s"}),
-            ("robust", "agile", "observer"),
-            THROW,
-        ),
-        (
-            ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}, si=True),
-            ("robust", "observer"),
-            THROW,
-        ),
-    ],
+    mostly_slow(
+        [
+            (SLOW, ("robust", "agile", "observer"), Limit.FLOW),
+            (
+                ff.digital_elevator().replace({"amplifier.current_limit": "0.8 mA"}),
+                ("robust", "observer"),
+                Limit.CURRENT,
+            ),
+            (
+                ff.digital_elevator().replace({"valve.supply_pressure": "90 psi"}),
+                ("robust", "observer"),
+                Limit.PRESSURE,
+            ),
+            (
+                ff.loader.electric("rudder-pedals").replace({"current_loop.current_limit": 5.0}, si=True),
+                ("robust", "observer"),
+                Limit.TORQUE,
+            ),
+            (
+                ff.loader.electric("sidestick-pitch").replace({"current_loop.voltage_limit": 2.0}, si=True),
+                ("robust", "observer"),
+                None,
+            ),
+            (
+                ff.digital_elevator().replace({"linkage.stiffness": "900 lb/in", "valve.flow_limit": "40 in^3/s"}),
+                ("robust", "agile", "observer"),
+                THROW,
+            ),
+            (
+                ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}, si=True),
+                ("robust", "observer"),
+                THROW,
+            ),
+        ],
+        2,
+    ),
 )
 def test_no_law_passes_settings_forbidden_by_the_drive(loader, laws, reason):
     plan = planned(loader, laws=laws)

@@ -24,6 +24,7 @@ from tests.export.toolchain import (
     valve,
     written,
 )
+from tests.parametrization import mostly_slow
 
 ARGUED = {"misra-c2012-2.5", "misra-c2012-21.6", "misra-c2012-21.15"}
 """Rules of MISRA C:2012 that are broken, with the reasons in docs/how-to/export.md."""
@@ -47,14 +48,14 @@ def single(tmp_path_factory):
     return out
 
 
-@pytest.mark.parametrize(("compiler", "level"), [("gcc", 0), ("gcc", 2), ("gcc", 3), ("clang", 2)])
+@pytest.mark.parametrize(("compiler", "level"), mostly_slow([("gcc", 0), ("gcc", 2), ("gcc", 3), ("clang", 2)]))
 def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, level):
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_law.c", "pitch_test.o", "-lm")
     assert run(folder, "./program") == "pitch: 10002 samples, 0 differ\n"
 
 
-@pytest.mark.parametrize("level", [0, 3])
+@pytest.mark.parametrize("level", mostly_slow([0, 3]))
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_single_precision_motor_matches_bitwise(single, compiler, level):
     needs(compiler)
@@ -112,13 +113,14 @@ def test_too_heavy_feel_has_golden_inputs():
     assert np.abs(given[:3000, 0]).max() > 1.0
 
 
-@pytest.mark.parametrize("core", BOARDS)
+@pytest.mark.parametrize("core", mostly_slow(BOARDS))
 def test_emulated_board_matches_bitwise(single, core):
     needs("arm-none-eabi-gcc", "qemu-system-arm")
     for_board(single, core, "board.elf", "roll_test.c", "roll_law.c", flags=STRICT)
     assert on_board(single, core, "board.elf") == "roll: 10002 samples, 0 differ\n"
 
 
+@pytest.mark.slow
 def test_period_and_law_stay_within_instruction_and_size_budgets(tmp_path):
     """Most of any golden sample, with every nonlinear part of the feel; size of four settings with every part."""
     needs("arm-none-eabi-gcc", "qemu-system-arm")
@@ -160,6 +162,7 @@ def several(tmp_path_factory):
     return written(valve(), tmp_path_factory.mktemp("several"), single=True)
 
 
+@pytest.mark.slow
 def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
     """Several settings with every part, and a motor that is linked to one program with them: their names must not meet.
 

@@ -15,6 +15,7 @@ RESOLUTION = 5 + 40 / 32
 """Instructions: a tick of 40 over eight steps, and over the benchmark's 32."""
 
 
+@pytest.mark.slow
 def test_readme_and_header_state_the_cost_that_the_benchmark_measures(tmp_path):
     needs("gcc", "arm-none-eabi-gcc", "qemu-system-arm")
     exported = ff.export.Exported.of("robust", ff.digital_elevator(), "law")

@@ -14,6 +14,7 @@ from forcefeel.export import firmware_library
 from forcefeel.export.firmware_code import board_axis, golden_inputs
 from forcefeel.export.firmware_library import TARGETS, library_name, library_origin
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
+from tests.parametrization import mostly_slow
 
 TWO = """
 #include "roll_data.h"
@@ -56,6 +57,11 @@ RUN = {  # compiler, emulator and what make is told, by target
     ),
     "x86_64-unknown-linux-gnu": ("x86_64-linux-gnu-gcc", "make"),
 }
+LIBRARY_TARGETS = [
+    pytest.param(triple, marks=() if triple in {BOARD, "x86_64-unknown-linux-gnu"} else pytest.mark.slow)
+    for triple in TARGETS
+]
+"""``make test`` builds the libraries of a board and of this machine, ``make validate`` all."""
 SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
 
 
@@ -78,7 +84,7 @@ def here(tmp_path_factory):
     return exported(motor(), tmp_path_factory.mktemp("here"))
 
 
-@pytest.mark.parametrize("core", BOARDS)
+@pytest.mark.parametrize("core", mostly_slow(BOARDS))
 def test_emulated_board_matches_bitwise(board, core):
     text = run(board, "make", "-B", "test", f"CPU={core}", f"MACHINE={BOARDS[core]}")
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
@@ -88,14 +94,15 @@ def test_host_matches_bitwise(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_host_matches_bitwise_in_single_precision(tmp_path):
     needs("cargo", "gcc")
     text = run(exported(valve(), tmp_path, single=True), "make", "test")
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-@pytest.mark.parametrize("triple", TARGETS)
+@pytest.mark.parametrize("single", mostly_slow([False, True]), ids=["double", "single"])
+@pytest.mark.parametrize("triple", LIBRARY_TARGETS)
 def test_library_of_the_installation_matches_bitwise_without_cargo(triple, single, tmp_path, monkeypatch):
     compiler, emulator, *words = RUN[triple]
     needs(compiler, emulator, f"firmware library {library_name(triple, single=single)}")
@@ -142,7 +149,7 @@ def test_hinge_moment_of_the_library_is_the_simulations_and_refuses_what_is_no_n
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-@pytest.mark.parametrize("triple", TARGETS)
+@pytest.mark.parametrize("triple", LIBRARY_TARGETS)
 def test_library_of_the_installation_is_one_object_of_three_functions(triple, single):
     name = library_name(triple, single=single)
     tools = RUN[triple][0].removesuffix("gcc")
@@ -157,6 +164,7 @@ def test_library_of_the_installation_is_one_object_of_three_functions(triple, si
     assert not re.search(rb"panic|unwrap|slice_index_fail|/home/|/root/|/tmp/", content)
 
 
+@pytest.mark.slow
 def test_double_precision_board_matches_bitwise_without_a_download(tmp_path, monkeypatch):
     """A cargo in between notes how it is called; the README tells what else it would have fetched."""
     needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")

@@ -20,6 +20,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.scenario import Steps
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import CONVERTERS, KNOTS, NONLINEAR, needs, run
+from tests.parametrization import mostly_slow
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -86,8 +87,8 @@ def opened(fmus, loader, kind, version, **how):
     return Imported(unzipped(fmus[loader][0], f"pitch_{kind}_{version}"), **how)
 
 
-@pytest.mark.parametrize("loader", ["rough", "motor"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("loader", mostly_slow(["rough", "motor"]))
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
 @pytest.mark.parametrize("version", VERSIONS)
 def test_fmpy_validation_gives_no_errors_and_no_messages(fmus, loader, kind, version):
     path = fmus[loader][0] / f"pitch_{kind}_{version}.fmu"
@@ -101,7 +102,7 @@ def test_fmpy_validation_gives_no_errors_and_no_messages(fmus, loader, kind, ver
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("loader", LOADERS)
+@pytest.mark.parametrize("loader", mostly_slow(LOADERS, 2))
 def test_step_matches_simulate_bitwise(fmus, loader, version):
     out, exported = fmus[loader]
     scenario = ff.Scenario(ff.Step(80.0), duration_s=0.5, seed=7)
@@ -119,7 +120,7 @@ def test_step_matches_simulate_bitwise(fmus, loader, version):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("loader", ["rough", "motor"])
+@pytest.mark.parametrize("loader", mostly_slow(["rough", "motor"]))
 def test_other_importer_matches_bitwise(fmus, loader, version):
     needs("library tbb")  # of ecos
     out, exported = fmus[loader]
@@ -449,6 +450,7 @@ def test_law_and_machine_qualify_under_another_master(fmus, tmp_path, forcefeel)
     assert "1 of 1 tests passed" in out
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not (shutil.which("cc") and shutil.which("valgrind")) and not int(os.environ.get("FORCEFEEL_REQUIRE_TARGETS", "0")),
     reason="no C compiler or no valgrind on the machine: what an FMU does not give back is not looked for",

@@ -10,6 +10,7 @@ from forcefeel.export.pair_code import PAIR_PART
 from forcefeel.loader.links import LINK_TABLE
 from tests.export.toolchain import STRICT, needs, run
 from tests.linked.pairs import project
+from tests.parametrization import mostly_slow
 
 COMMANDS, OPEN, RECORDED_OPEN = ((0, 4), (4, 9)), 15, 12
 """Columns of the answers and of what a run recorded: commands of both laws, and whether the link is open."""
@@ -65,7 +66,7 @@ def test_pair_has_the_bits_of_its_simulation(rows):
     assert (by_force > 0) == ("priority_force" in rows)
 
 
-@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("single", mostly_slow([False, True]))
 def test_compiled_pair_matches_bitwise(tmp_path, single):
     needs("gcc")
     folder = written(pair(priority_force=20.0), tmp_path, single=single)
@@ -101,7 +102,7 @@ int main(void) {
 
 @pytest.mark.parametrize(
     ("delay", "after", "middle"),
-    [(2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY)],
+    mostly_slow([(2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY)]),
 )
 def test_link_alone_answers_random_input_with_the_bits_of_the_core(tmp_path, delay, after, middle):
     needs("gcc")

@@ -55,6 +55,7 @@ def test_ten_points_become_a_loader_file_with_intervals_and_a_page(run, ten, tmp
     assert "No point beyond 15 deg: up to the throw of 20 deg the feel is extrapolated." in text
 
 
+@pytest.mark.slow
 def test_printed_json_is_that_of_the_folder(run, ten, tmp_path):
     status, out, _ = run(*ten, "--json", "--report", "page")
     printed = json.loads(out)
@@ -214,6 +215,7 @@ def test_bad_options_are_named_and_nothing_is_written(run, ten, tmp_path, words,
     assert (tmp_path / "flight.csv").read_text(encoding="utf-8") == TEN
 
 
+@pytest.mark.slow
 def test_release_that_does_not_oscillate_gives_a_bound(run, tmp_path):
     write(tmp_path, "flight.csv", "position (deg),force (N)", [(x, 6 * x) for x in (-9, -6, -3, 3, 6, 9)])
     time = np.arange(0, 3, 0.02)

@@ -12,6 +12,7 @@ from forcefeel._core import feel_held_along
 from forcefeel.feel.directions import Directions
 from forcefeel.feel.result import Source
 from tests.feel_witness import ARM_M, BUILD_UP_RAD, Control, linear, progressive, stopped
+from tests.parametrization import mostly_slow
 
 POUND_N = 4.4482216152605
 CURVE_N, CURVE = POUND_N, 0.03
@@ -51,7 +52,7 @@ def looped(spring, seed):
     return fitted(Control(spring).points(*LOOP, NOISE_N, seed))
 
 
-@pytest.mark.parametrize("spring", SHAPES)
+@pytest.mark.parametrize("spring", mostly_slow(SHAPES))
 def test_loop_of_points_gives_curve_breakout_and_friction(spring):
     control, fit = Control(spring), looped(spring, 0)
     assert off_the_control(fit, control) < 1
@@ -62,7 +63,7 @@ def test_loop_of_points_gives_curve_breakout_and_friction(spring):
         assert row.value_si == pytest.approx(true, abs=NEAR_N)
 
 
-@pytest.mark.parametrize("spring", SHAPES)
+@pytest.mark.parametrize("spring", mostly_slow(SHAPES))
 def test_ten_outward_points_with_stated_friction_give_curve_and_breakout(spring):
     control = Control(spring)
     fit = fitted(control.points(OUT, np.sign(OUT), NOISE_N, stated=False), friction_n=6.0)
@@ -72,6 +73,7 @@ def test_ten_outward_points_with_stated_friction_give_curve_and_breakout(spring)
     assert fit.row("feel.coulomb_friction").source is Source.STATED
 
 
+@pytest.mark.slow
 def test_outward_points_alone_program_the_sum_as_breakout_and_say_so():
     fit = fitted(Control().points(OUT, np.sign(OUT), stated=False))
     assert fit.loader["feel.breakout"] == pytest.approx(14.0, abs=EXACT)
@@ -86,6 +88,7 @@ def test_stated_breakout_leaves_the_rest_of_outward_points_to_friction():
     assert fit.loader["feel.coulomb_friction"] == pytest.approx(6.0, abs=EXACT)
 
 
+@pytest.mark.slow
 def test_recorded_sweep_of_thousands_of_points_gives_the_same_feel():
     """With time the points are in order; hysteresis, which the aircraft has not, is not programmed."""
     control = Control(progressive)
@@ -100,6 +103,7 @@ def test_recorded_sweep_of_thousands_of_points_gives_the_same_feel():
     assert fit.loader["feel.coulomb_friction"] == pytest.approx(6.0, abs=NOISE_N)
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_true_values():
     """Of 95 % intervals, 18 leave at most one in six out; intervals of four fifths fail."""
     missed, count = 0, 0
@@ -114,6 +118,7 @@ def test_intervals_hold_the_true_values():
     assert row.half_interval_si < 4 * NOISE_N
 
 
+@pytest.mark.slow
 def test_stated_uncertainty_weighs_the_points():
     """Three points off by 5 N, and said to be: they move the feel by less than a tenth of that."""
     points = Control().points(*LOOP)
@@ -124,6 +129,7 @@ def test_stated_uncertainty_weighs_the_points():
     assert fitted(weighed).loader["feel.breakout"] == pytest.approx(8.0, abs=NEAR_N / 15)
 
 
+@pytest.mark.slow
 def test_loop_without_directions_is_told_by_its_two_branches():
     angle = np.repeat(np.array([-14, -10, -6, -2, 2, 6, 10, 14.0]), 2)
     points = Control().points(angle, np.tile([1.0, -1.0], 8), 0.2, stated=False)
@@ -133,6 +139,7 @@ def test_loop_without_directions_is_told_by_its_two_branches():
     assert fit.loader["feel.breakout"] == pytest.approx(8.0, abs=2 * NOISE_N)
 
 
+@pytest.mark.slow
 def test_deadband_and_preload_show():
     angle = np.array([-12, -9, -6, -3.5, -2, -1, 1, 2, 3.5, 6, 9, 12])
     force = 10.0 + 6.0 * np.sign(angle) * np.maximum(np.abs(angle) - 3.0, 0)
@@ -142,6 +149,7 @@ def test_deadband_and_preload_show():
     assert fit.loader["feel.breakout"] == 0
 
 
+@pytest.mark.slow
 def test_hysteresis_shows_in_the_order_of_time():
     """A play of 0.8 deg to either side, by an operator of the test's own, beside dry friction."""
     corners = [0, 12, -12, 12, 0]
@@ -183,6 +191,7 @@ def test_positions_as_lengths_are_angles_of_the_grip():
     assert fitted(length).loader["feel.stiffness"] == pytest.approx(stiffness, rel=EXACT / 6)  # EXACT N/deg of 6
 
 
+@pytest.mark.slow
 def test_loader_qualifies_against_the_aircraft_and_its_points():
     """7 of 7: against sweeps and releases that the test integrates, and against the ten points."""
     control = Control(progressive, damping=25.0)
@@ -204,6 +213,7 @@ def test_loader_qualifies_against_the_aircraft_and_its_points():
         assert [str(result.outcome) for result in section.results] == ["passed"] * 7
 
 
+@pytest.mark.slow
 def test_soft_stop_qualifies_with_the_damping_ratio_of_the_spring():
     control = Control(stopped, damping=25.0)
     points = control.points(OUT, np.sign(OUT), NOISE_N, stated=False)
@@ -217,6 +227,7 @@ def test_soft_stop_qualifies_with_the_damping_ratio_of_the_spring():
     assert [str(result.outcome) for result in section.results] == ["passed"] * 7
 
 
+@pytest.mark.slow
 def test_points_fail_a_feel_whose_breakout_is_off():
     control = Control(damping=14.0)
     points = control.points(OUT, np.sign(OUT), stated=False)

@@ -9,7 +9,7 @@ import forcefeel as ff
 from forcefeel.flight_schedule import ScheduleAxis, ScheduleCheck, check_schedule, design_schedule, second_order_feel
 from forcefeel.flight_schedule.page.page import write_schedule
 from forcefeel.units import UnitSystem
-from tests.pages import EveryPage, views_of
+from tests.pages import EveryPage, OnDemand, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -38,7 +38,12 @@ SCHEDULES = {"line": (_line, UnitSystem.US), "unstable": (_unstable_plane, UnitS
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("schedules")
-    return {name: write_schedule(make(), folder / name, units) for name, (make, units) in SCHEDULES.items()}
+
+    def write(name: str) -> Path:
+        make, units = SCHEDULES[name]
+        return write_schedule(make(), folder / name, units)
+
+    return OnDemand(write)
 
 
 page = views_of(SCHEDULES)

@@ -106,6 +106,7 @@ def test_rate_is_that_of_jsbsim_with_a_free_surface(case):
     assert rates[np.argmax(abs(rates))] > np.radians(3)  # to the right
 
 
+@pytest.mark.slow
 def test_rules_of_wheel_and_pedals_are_met_and_friction_fails_them(case):
     report = fly_rules(case)
     assert report.fulfilled
@@ -116,6 +117,7 @@ def test_rules_of_wheel_and_pedals_are_met_and_friction_fails_them(case):
     assert "sideslip: bank" in missed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["737", "T38", "f16"])
 def test_every_aircraft_has_wheel_and_pedals(name, forcefeel, tmp_path):
     for loader in LOADERS.values():

@@ -138,6 +138,7 @@ def test_what_was_not_flown_is_not_met(monkeypatch):
     assert not report.fulfilled
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["737", "f16"])
 def test_aircraft_of_each_category_meet_their_rules(name, monkeypatch):
     monkeypatch.setattr("forcefeel.fly.maneuvers._PERIODS", 0.1)
@@ -152,6 +153,7 @@ def test_aircraft_of_each_category_meet_their_rules(name, monkeypatch):
     assert set(outcomes.values()) == {Outcome.MET}
 
 
+@pytest.mark.slow
 def test_out_of_trim_force_is_the_tabs_and_its_slope_can_fail(tmp_path):
     """``R F = -s q S c C_tau tau / sqrt(1 - M^2)`` beside the trimmed flight, `C_tau` 0.08, 3 s of 1 deg/s."""
     case = ff.fly.FlightCase(LOADER, "737", 250 * KNOT, 3048.0, "robust")
@@ -204,6 +206,7 @@ def test_out_of_trim_is_not_flown_where_neither_side_of_one_g_trims(monkeypatch)
     assert report_module.out_of_trim(case) == "1 g: none"
 
 
+@pytest.mark.slow
 def test_command_judges_and_writes_a_page(forcefeel, tmp_path):
     words = ("fly", "elevator-electric", "--aircraft", "T38")
     status, out, err = forcefeel(*words, "--rules", "--out-dir", str(tmp_path / "report"))

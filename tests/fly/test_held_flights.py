@@ -3,6 +3,7 @@
 import pytest
 
 import forcefeel as ff
+from tests.parametrization import mostly_slow
 
 KNOT = 1852 / 3600
 CASES = {"c172p": (100, (1.2, 1.4)), "737": (250, (1.2, 1.3)), "T38": (300, (1.5, 2.0)), "f16": (350, (1.5, 2.0))}
@@ -11,7 +12,7 @@ FLOWN = 0.02
 STEADY = 0.01
 
 
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(scope="module", params=mostly_slow(CASES))
 def case(request):
     return ff.fly.FlightCase(ff.digital_elevator(), request.param, CASES[request.param][0] * KNOT, 900.0, "robust")
 

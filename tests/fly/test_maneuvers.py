@@ -43,6 +43,7 @@ def flow(model):
     return 0.6 * model["aero/alpha-rad"] + TAIL * model["velocities/q-rad_sec"] / (model["velocities/vt-fps"] * FT)
 
 
+@pytest.mark.slow
 def test_release_flies_as_jsbsim_with_a_balanced_elevator(case):
     """``G theta = R F + q S c (C_alpha (alpha_s - alpha_s0) + C_delta theta)`` gives the elevator in each frame."""
     release = ff.fly.fly_maneuver(case, "release", ff.fly.ManeuverRequest(off_trim=0.85))
@@ -68,6 +69,7 @@ def test_release_flies_as_jsbsim_with_a_balanced_elevator(case):
     assert measures["off the trim speed"].with_loader == pytest.approx(returned.with_loader / SPEED - 1)
 
 
+@pytest.mark.slow
 def test_friction_keeps_a_released_column_off_and_a_pulse_from_moving_it():
     """8 lb hold more than the air of 85 % of the speed; the hand has to overcome them before the flight begins."""
     loader = ff.digital_elevator().replace({"column.coulomb_friction": "8 lb"})
@@ -82,6 +84,7 @@ def test_friction_keeps_a_released_column_off_and_a_pulse_from_moving_it():
     assert not any("mode" in measure.name for measure in pulse.measures)
 
 
+@pytest.mark.slow
 def test_stick_free_modes_are_those_of_a_linear_model(case):
     """Of JSBSim's derivatives with the column free: phugoid, short period, column."""
     phugoid, *quick = stick_free("c172p", case.feel)
@@ -170,6 +173,7 @@ def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
     assert abs(speed[-1] - speed[0]) > 0.02 * speed[0]
 
 
+@pytest.mark.slow
 def test_stall_slows_until_the_wing_no_longer_carries(case):
     measures = {measure.name: measure.alone for measure in ff.fly.fly_maneuver(case, "stall").measures}
     assert 40 * KNOT < measures["smallest calibrated airspeed"] < 60 * KNOT  # its book has 44 to 51 kt

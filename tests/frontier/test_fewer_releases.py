@@ -9,6 +9,7 @@ from forcefeel.envelope.outcomes import run_settings
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.worst_case import worst_case_shares
 from forcefeel.frontier.tolerance_levels import level_releases, run_levels
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "5..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.2, 0.7"}
 CHANGES = {"column.inertia": 0.3, "linkage.ratio": 0.1, "linkage.stiffness": 0.3}
@@ -20,7 +21,7 @@ def plan_of(name: str) -> Plan:
     return make_plan(loader, ("robust",), GRID, changes=CHANGES)
 
 
-@pytest.mark.parametrize("name", ["elevator-2khz", "desktop-yoke"])
+@pytest.mark.parametrize("name", mostly_slow(["elevator-2khz", "desktop-yoke"]))
 def test_bisected_levels_match_envelopes_at_each_tolerance(name: str) -> None:
     plan = plan_of(name)
     done: list[tuple[int, int]] = []

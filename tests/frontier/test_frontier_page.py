@@ -7,7 +7,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.frontier.page.maps import COLORS
 from forcefeel.units import UnitSystem
-from tests.pages import EveryPage, views_of
+from tests.pages import EveryPage, OnDemand, views_of
 
 pytestmark = pytest.mark.browser
 
@@ -35,7 +35,12 @@ FRONTIERS = {"analog": (_analog, UnitSystem.US), "digital": (_digital, UnitSyste
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("frontiers")
-    return {name: ff.frontier.write_frontier(make(), folder / name, units) for name, (make, units) in FRONTIERS.items()}
+
+    def write(name: str) -> Path:
+        make, units = FRONTIERS[name]
+        return ff.frontier.write_frontier(make(), folder / name, units)
+
+    return OnDemand(write)
 
 
 page = views_of(FRONTIERS)

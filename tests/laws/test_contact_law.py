@@ -10,6 +10,7 @@ from forcefeel.envelope.contact import Contact, swings_on
 from forcefeel.laws.sampled.contact_law import torque_noise
 from forcefeel.loader.sensors import sample_variance
 from tests import electric_witness as witness
+from tests.parametrization import mostly_slow
 
 QUIET_RAD = np.radians(0.5)
 """Range of the column's angle in the last half second; damped, it creeps towards the stop."""
@@ -131,7 +132,7 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     assert np.abs(angle - found).max() < 0.01 * depth
 
 
-@pytest.mark.parametrize("rests", [True, False])
+@pytest.mark.parametrize("rests", mostly_slow([True, False]))
 def test_an_independent_integrator_finds_the_same_rest_under_a_hand_that_pushes_on(rests: bool) -> None:
     """200 N into the stop of a stick: the drive swings by 1.3 mm without the part for contact, by 3 um with it."""
     stop = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}

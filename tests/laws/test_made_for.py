@@ -16,6 +16,7 @@ from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, has
 from tests.command_line import runs
+from tests.parametrization import mostly_slow
 
 DIGITAL = ff.digital_elevator().replace({"column.coulomb_friction": "2 lb"})
 INPUT_IS_BAD = 2
@@ -87,7 +88,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("what", COMMANDS)
+@pytest.mark.parametrize("what", mostly_slow(COMMANDS))
 def test_law_on_another_loader_is_reported_in_one_line_and_json(run, what):
     command, *words = COMMANDS[what]
     said = "was made for elevator-2khz, and runs here on elevator-2khz with other values of linkage.stiffness:"

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from tests.parametrization import mostly_slow
 
 # Rounding. Measured over all solved problems: at most 3e-15.
 RESIDUAL = 1e-13
@@ -142,7 +143,9 @@ def name(case):
     return "{0}-{1[0]}.{1[1]}".format(*case)
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, id=name(case)) for case in EVERY if case not in UNSOLVED])
+@pytest.mark.parametrize(
+    "case", mostly_slow([pytest.param(case, id=name(case)) for case in EVERY if case not in UNSOLVED], 6)
+)
 def test_recursion_solves_the_equation(case):
     problem = discrete_problem(*case)
     found = solve(problem)

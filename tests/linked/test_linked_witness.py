@@ -239,6 +239,7 @@ def test_injected_damping_is_that_of_delay_and_period(periods):
     assert grows(loader, stiffness, periods, (1 - BOUND) * needed)
 
 
+@pytest.mark.slow
 def test_frontier_of_a_link_is_that_of_the_eigenvalues():
     axes = project("transport-column")
     loader = digital()

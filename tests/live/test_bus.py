@@ -10,6 +10,7 @@ import pytest
 import forcefeel as ff
 from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
+from tests.parametrization import mostly_slow
 
 run = runs("run")
 
@@ -91,8 +92,10 @@ def column(session, name):
     return session.history()[:, session.columns.index(name)]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("wiring", [{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
+@pytest.mark.parametrize("kind", mostly_slow(KINDS, 2))
+@pytest.mark.parametrize(
+    "wiring", mostly_slow([{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
+)
 def test_run_over_bus_equals_run_in_process(kind, wiring):
     loader = yoke(kind, quiet=True, **wiring)
     with running(loader) as (session, emulator):
@@ -119,7 +122,7 @@ def test_run_over_bus_equals_run_in_process(kind, wiring):
         assert np.abs(there - here).max() < (0.3 if kind == "ethercat" else 0.1) * np.abs(here).max()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
 def test_torque_mode_runs_with_drive_encoder_alone(kind):
     loader = yoke(kind, **UNSENSED)
     with running(loader, "torque-mode") as (session, emulator):
@@ -263,7 +266,7 @@ def cockpit_on_bus(folder, wired, port=None):
             yield cockpit, emulator
 
 
-@pytest.mark.parametrize("kind", ["moteus", "odrive"])
+@pytest.mark.parametrize("kind", mostly_slow(["moteus", "odrive"]))
 def test_axes_of_one_bus_run_in_one_loop(tmp_path, kind):
     wired = {axis: yoke(kind, node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator):

@@ -38,6 +38,7 @@ from forcefeel.loader.parameters import (
 )
 from forcefeel.units import UnitSystem, to_text
 from tests.optional_rows import bare, bare_of, companions, going_together
+from tests.parametrization import mostly_slow
 
 ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times, each good to 1.1e-16
 TEN_DIGITS = 5e-10 + ROUNDING  # relative; half a unit of the tenth digit, at worst
@@ -181,7 +182,7 @@ _RANGES = {(unit(row), *limits_si(row)): key for key, row in TABLE.items() if no
 """A row for each range in each unit: what is formatted and read of rows of one range is the same."""
 
 
-@pytest.mark.parametrize(("key", "units"), [*zip(_RANGES.values(), cycle(SYSTEMS), strict=False)])
+@pytest.mark.parametrize(("key", "units"), mostly_slow([*zip(_RANGES.values(), cycle(SYSTEMS), strict=False)], 24))
 def test_limit_as_formatted_in_message_is_accepted(path: Path, key: str, units: UnitSystem) -> None:
     row = TABLE[key]
     shown = unit(row).shown(units)
@@ -429,7 +430,9 @@ def test_a_ratio_may_be_a_bare_number(path: Path, value: str) -> None:
     assert loader["linkage.ratio"] == pytest.approx(0.59, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("key", [key for key, row in TABLE.items() if row.minimum_us >= 0 and not is_switch(row)])
+@pytest.mark.parametrize(
+    "key", mostly_slow([key for key, row in TABLE.items() if row.minimum_us >= 0 and not is_switch(row)], 24)
+)
 def test_zero_and_negative_values_outside_range_are_refused(path: Path, key: str) -> None:
     row = TABLE[key]
     document = document_with(key)

@@ -13,6 +13,7 @@ from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.printable import visible
 from tests.command_line import runs
+from tests.parametrization import mostly_slow
 
 NAMES = ["elevator v1.2", "rig [/2]", "[bold]rig[/] :smile:", "Höhenruder 昇降 😀", "a$b[0].c", "%s {0}"]
 KNOTS = "flaps (deg),stiffness (lb in/rad),frequency (Hz),damping ratio\n0,9600,2,0.2\n1,9000,2,0.2\n"
@@ -43,7 +44,7 @@ def run(command_line, tmp_path):
     return call
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", mostly_slow(COMMANDS, 2))
 def test_every_command_accepts_name_with_dot_and_markup(run, command):
     status, out, err = run("rig [/2] v1.2", command, *COMMANDS[command])
     assert (status, err) == (0, "")

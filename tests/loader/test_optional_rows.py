@@ -27,6 +27,7 @@ from forcefeel.loader.parameters import (
 from forcefeel.page.machine import parameters
 from forcefeel.units import UnitSystem
 from tests.optional_rows import bare, bare_of, companions
+from tests.parametrization import mostly_slow
 
 TEN_DIGITS = 1e-9  # relative
 SYSTEMS = list(UnitSystem)
@@ -94,7 +95,7 @@ def test_optional_row_is_set_and_switched_off(key: str) -> None:
     assert loader.replace(dict.fromkeys(expected - {*plain.given})) == plain
 
 
-@pytest.mark.parametrize(("key", "units"), [*zip(OFF, cycle(SYSTEMS), strict=False)])
+@pytest.mark.parametrize(("key", "units"), mostly_slow([*zip(OFF, cycle(SYSTEMS), strict=False)], 24))
 def test_optional_row_round_trips_through_file(tmp_path: Path, key: str, units: UnitSystem) -> None:
     loader = with_example(key)
     text = loader.to_toml(units)

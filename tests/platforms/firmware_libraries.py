@@ -1,4 +1,6 @@
-"""Builds the firmware libraries of the package: ``make firmware-libraries``. Needs what tests/export/install installs.
+"""Builds the firmware libraries of the package, of the targets given or of all: ``make firmware-libraries``.
+
+Needs what tests/export/install installs. A library of the same sources is kept.
 
 Each is one object without bitcode and debugging text, in which only the functions of the header are global: an archive of
 5 MB becomes one of 40 to 160 kB, and no name of Rust's or of its floating-point routines meets one of the program's.
@@ -6,7 +8,9 @@ Each is one object without bitcode and debugging text, in which only the functio
 
 import shutil
 import subprocess
+import sys
 import tempfile
+from itertools import product
 from pathlib import Path
 
 from forcefeel.export.firmware_library import DIGEST, LIBRARIES, TARGETS, compiled, library_name, source_digest
@@ -33,16 +37,15 @@ def one_object(tools: str, archive: bytes) -> bytes:
         return (path / "one.a").read_bytes()
 
 
-def main() -> None:
+def main(*triples: str) -> None:
     digest = LIBRARIES / DIGEST
-    names = {library_name(triple, single=single): (triple, single) for triple in TARGETS for single in (False, True)}
-    fresh = digest.is_file() and digest.read_text(encoding="utf-8").strip() == source_digest()
-    if fresh and all((LIBRARIES / name).is_file() for name in names):
-        return
+    if not (digest.is_file() and digest.read_text(encoding="utf-8").strip() == source_digest()):
+        shutil.rmtree(LIBRARIES, ignore_errors=True)
     LIBRARIES.mkdir(exist_ok=True)
-    digest.unlink(missing_ok=True)
-    for name, (triple, single) in names.items():
-        (LIBRARIES / name).unlink(missing_ok=True)
+    for triple, single in product(triples or TARGETS, (False, True)):
+        name = library_name(triple, single=single)
+        if (LIBRARIES / name).is_file():
+            continue
         if not shutil.which(TOOLS[triple] + "ld"):
             print(f"{name}: {TOOLS[triple]}ld was not found; not built")
             continue
@@ -53,4 +56,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

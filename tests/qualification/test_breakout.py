@@ -12,6 +12,7 @@ import pytest
 from forcefeel.qualification import Record
 from forcefeel.qualification.breakout import breakout
 from forcefeel.qualification.sweep import measure_sweep
+from tests.parametrization import mostly_slow
 
 DEGREE = math.pi / 180
 STOP = 20.0  # deg
@@ -66,7 +67,9 @@ def near(figure, expected, fine):
 
 
 @pytest.mark.parametrize("noise_n", [0.0, 0.5])
-@pytest.mark.parametrize("feel", FEELS, ids=lambda feel: "-".join(f"{value:g}" for value in feel.values()))
+@pytest.mark.parametrize(
+    "feel", mostly_slow(FEELS, 6), ids=lambda feel: "-".join(f"{value:g}" for value in feel.values())
+)
 def test_measured_statics_match_programmed_statics(feel, noise_n):
     found = measure_sweep(swept(**feel, noise_n=noise_n))
     breakout, friction, deadband, preload = feel.values()

@@ -20,6 +20,7 @@ from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import Recorded, Schedule
 from forcefeel.units import factor
+from tests.parametrization import mostly_slow
 
 LB = factor("lb", "N")
 DEG = math.pi / 180
@@ -140,6 +141,7 @@ ELEVATORS = ("elevator-1974", "elevator-2khz")
 """The feel alone knows no drive; its rows here are of the size of an elevator's."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_each_feel_row_matches_its_equation(references, name):
     alone = FeelAlone(ff.digital_elevator().replace(ROWS[name], si=True))
@@ -170,7 +172,7 @@ def test_feel_alone_includes_feel_curves(built_in):
     np.testing.assert_allclose(FeelAlone(same).move(pressed), FeelAlone(loader).move(released), atol=ROUNDING * ANGLE)
 
 
-@pytest.mark.parametrize("built_in", ELEVATORS)
+@pytest.mark.parametrize("built_in", mostly_slow(ELEVATORS))
 def test_a_nonlinear_feel_on_any_loader_has_a_reference(built_in):
     """On a loader with sensors that are noisy too: nothing of them is part of the feel."""
     loader = open_loader(built_in).replace({"feel.breakout": "12 lb", "feel.coulomb_friction": "1 lb"})

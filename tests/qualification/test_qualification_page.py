@@ -17,7 +17,8 @@ from forcefeel.qualification import Record
 from forcefeel.qualification.page.page import FOLDER
 from forcefeel.qualification.page.release_plot import release
 from forcefeel.units import UnitSystem
-from tests.pages import ROUNDING_PX, EveryPage, views_of, words, words_cut
+from tests.pages import ROUNDING_PX, EveryPage, OnDemand, views_of, words, words_cut
+from tests.parametrization import mostly_slow
 from tests.qualification_records import released, second_order
 
 FRICTION = {
@@ -76,20 +77,20 @@ SECTIONS = {
 
 @pytest.fixture(scope="module")
 def made():
-    return {name: make() for name, make in MADE.items()}
+    return OnDemand(lambda name: MADE[name]())
 
 
 @pytest.fixture(scope="module")
 def pages(made, tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("qualifications")
-    return {name: ff.qualification.write_qualification(found, folder / name) for name, found in made.items()}
+    return OnDemand(lambda name: ff.qualification.write_qualification(made[name], folder / name))
 
 
 def _told(page: Path) -> str:
     return " ".join(" ".join(words(page).words).split())
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", mostly_slow(MADE))
 def test_the_page_has_every_section_and_loads_nothing(pages, name):
     text = pages[name].read_text(encoding="utf-8")
     sections = {"conclusions", "conditions", "numbers", *(f"law-{law}" for law in SECTIONS[name])}
@@ -103,7 +104,7 @@ def _articles(text):
     return re.findall(r'<article class="test" id="([\w-]+)"', text)
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", mostly_slow(MADE))
 def test_summary_links_every_test_and_names_missing_tests(pages, made, name):
     text, found = pages[name].read_text(encoding="utf-8"), made[name]
     (table,) = re.findall(r'<table class="outcomes">.*?</table>', text, flags=re.DOTALL)
@@ -118,7 +119,7 @@ def test_summary_links_every_test_and_names_missing_tests(pages, made, name):
         assert f">{section.status}<" in table
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", mostly_slow(MADE))
 def test_the_verdict_is_the_second_column(pages, made, name):
     text = pages[name].read_text(encoding="utf-8")
     heads = [
@@ -154,7 +155,7 @@ def test_unverified_rows_are_named_on_page_and_each_sheet(tmp_path, edition):
     assert "the rule's rows are not verified" in text
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", mostly_slow(MADE))
 def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
     numbers = re.findall(r"(?<![\w.])\d[\d.]*(?![\w])", "\n".join(words(pages[name]).words))
     assert numbers
@@ -169,8 +170,9 @@ def test_every_test_has_a_plot_and_a_table(pages, made):
     assert text.count('<article class="test"') == tests
 
 
+@pytest.mark.slow
 def test_page_states_qualifying_laws_and_reasons_against_others(pages):
-    told = {name: _told(path) for name, path in pages.items()}
+    told = {name: _told(pages[name]) for name in MADE}
     assert (
         "By 14 CFR Part 60, Appendix A (2014) none of 3 laws qualifies (requested: static, release-25-positive, "
         in told["compare"]
@@ -338,6 +340,7 @@ def test_heading_is_not_separated_from_its_text_in_print(page):
     assert loose == []
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):
     """Printed by the same Chromium; as vectors the plots make it larger than the words alone would."""

@@ -23,6 +23,7 @@ from forcefeel.qualification.plan.sweep_force import SweepForce
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
+from tests.parametrization import mostly_slow
 
 LB = factor("lb", "N")
 THROW = math.radians(20.0)
@@ -93,7 +94,7 @@ def test_test_program_matches_rule():
     assert [trial.key for trial in nosewheel] == ["static", "surface"]
 
 
-@pytest.mark.parametrize("law", ["original", "published", "converged"])
+@pytest.mark.parametrize("law", mostly_slow(["original", "published", "converged"]))
 def test_periods_match_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
     loader = ff.elevator()
@@ -159,7 +160,7 @@ def test_nonlinear_feel_is_judged():
     assert "feel.breakout" in found.reference
 
 
-@pytest.mark.parametrize("period", ["0.33 ms", "5 ms"])
+@pytest.mark.parametrize("period", mostly_slow(["0.33 ms", "5 ms"]))
 def test_a_digital_controller_of_any_period_is_judged(period):
     loader = ff.elevator().replace({"controller.period": period, "feel.breakout": "1 lb"}, si=True)
     results = _by(qualify_loader(loader, QualificationSetup(laws=("published",))).sections[0].results)

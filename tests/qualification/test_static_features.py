@@ -22,6 +22,7 @@ from forcefeel.qualification.static_force import _slopes
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
+from tests.parametrization import mostly_slow
 
 LB = factor("lb", "N")
 DEG = math.pi / 180
@@ -100,7 +101,7 @@ def check(found, breakout, friction):
     assert close(found.friction, friction)
 
 
-@pytest.mark.parametrize("name", [name for name in FEELS if name != "preload within breakout"])
+@pytest.mark.parametrize("name", mostly_slow([name for name in FEELS if name != "preload within breakout"], 6))
 def test_reference_statics_match_feel(name):
     loader, found = reference(name)
     check(found, *FEELS[name][1:])
@@ -111,7 +112,7 @@ def test_reference_statics_match_feel(name):
         assert side.value == pytest.approx(spring, rel=SHARE)
 
 
-@pytest.mark.parametrize(("name", "built_in"), ELECTRIC)
+@pytest.mark.parametrize(("name", "built_in"), mostly_slow(ELECTRIC))
 def test_electric_reference_statics_match_feel(name, built_in):
     check(reference(name, built_in)[1], *FEELS[name][1:])
 
@@ -165,7 +166,7 @@ def moved_by_hand(breakout=0.0, friction=0.0, deadband=0.0, *, noise_lb=0.0, noi
 )
 @pytest.mark.parametrize(
     ("breakout", "friction", "deadband"),
-    [(0.0, 0.0, 0.0), (0.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0), (0.0, 1.0, 0.5), (3.0, 0.0, 0.5)],
+    mostly_slow([(0.0, 0.0, 0.0), (0.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0), (0.0, 1.0, 0.5), (3.0, 0.0, 0.5)]),
 )
 def test_statics_of_hand_moved_record_match_feel(breakout, friction, deadband, noise_lb, noise_deg, step_deg, up):
     record = moved_by_hand(

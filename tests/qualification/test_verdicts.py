@@ -16,6 +16,7 @@ from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.sweep_verdicts import judge_dynamic_sweep, judge_small_inputs, judge_sweep
 from forcefeel.qualification.verdicts import Row, overall
 from forcefeel.units import UnitSystem
+from tests.parametrization import mostly_slow
 from tests.qualification_records import lasts, released, second_order, swept
 
 JUST = {"passed": 0.97, "failed": 1.03}
@@ -122,7 +123,7 @@ def batch_of(record, test, reference, overdamped="fall time"):
     return "" if found.passed[0] else found.names[found.first_failing[0]]
 
 
-@pytest.mark.parametrize(("edition", "number", "k"), rows("release"))
+@pytest.mark.parametrize(("edition", "number", "k"), mostly_slow(rows("release"), 24))
 def test_release_rows(edition, number, k):
     for sign, expected in product((-1, 1), JUST):
         release_row(edition, number, k, sign, expected)
@@ -182,7 +183,7 @@ def release_row(edition, number, k, sign, expected):
             assert by == ("" if expected == "passed" else rule.quantity)
 
 
-@pytest.mark.parametrize(("edition", "number", "k"), [*rows("static"), *rows("freeplay")])
+@pytest.mark.parametrize(("edition", "number", "k"), mostly_slow([*rows("static"), *rows("freeplay")], 12))
 def test_static_rows(edition, number, k):
     for system, sign, expected in product(UnitSystem, (-1, 1), JUST):
         static_row(edition, number, k, system, sign, expected)

@@ -15,6 +15,7 @@ from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import HandsOff, Recorded, Schedule
 from tests import electric_witness as witness
 from tests.optional_rows import bare
+from tests.parametrization import mostly_slow
 
 TRAVEL = 0.70
 """Full travel of the column in rad: errors are shares of it."""
@@ -80,7 +81,7 @@ def both(changes, law, duration_s, step_s):
     return run.history, witness.simulate(loader, law, lambda t: np.interp(t, time, force), duration_s)
 
 
-@pytest.mark.parametrize("effect", [name for name in EFFECTS if name not in {"stops", "nothing"}])
+@pytest.mark.parametrize("effect", mostly_slow([name for name in EFFECTS if name not in {"stops", "nothing"}], 2))
 def test_engine_matches_witness(law, effect):
     history, expected = both(EFFECTS[effect], law, 0.2, 1e-3)
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
@@ -101,6 +102,7 @@ def test_engine_matches_witness_with_all_effects(law):
     assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < AGREES
 
 
+@pytest.mark.slow
 def test_engine_matches_witness_with_friction_compensating_law():
     changes = {"column.coulomb_friction": 5.0}
     law = ff.Law.of("robust", LOADER.replace(changes, si=True)).numbers
@@ -109,6 +111,7 @@ def test_engine_matches_witness_with_friction_compensating_law():
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
 
 
+@pytest.mark.slow
 def test_half_step_reduces_error_by_multiple(law):
     errors = []
     for step_s in (5e-4, 2.5e-4):

@@ -10,6 +10,7 @@ from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.inputs import Pulse, Release, Step
 from forcefeel.units import UnitSystem
 from tests import electric_witness as witness
+from tests.parametrization import mostly_slow
 from tests.simulation.test_electric_witness import AGREES, RAW, TRAVEL
 
 LOADER = ff.loader.electric("elevator-electric").replace(RAW | {"current_loop.current_limit": 14.5}, si=True)
@@ -60,7 +61,7 @@ def held(loader, law, angle):
     return witness.Start(y, np.array([delta, rate]), xi, current + excess * asks_by[0])
 
 
-@pytest.mark.parametrize(("limit", "antiwindup"), [(14.5, 0.0), (10.0, 100.0)])
+@pytest.mark.parametrize(("limit", "antiwindup"), mostly_slow([(14.5, 0.0), (10.0, 100.0)]))
 def test_release_beyond_holding_torque_matches_witness(limit, antiwindup):
     loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup}, si=True)
     law = ff.Law.of("robust", loader).numbers

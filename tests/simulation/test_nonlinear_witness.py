@@ -23,6 +23,8 @@ from tests.nonlinear_witness import (
     simulate,
 )
 
+pytestmark = pytest.mark.slow
+
 CASE = Machine(
     orifice=True, current_limit=15.0, coulomb_friction=3.0, static_friction=3.0, stop_low=-0.35, stop_high=0.35
 )

@@ -8,6 +8,7 @@ import pytest
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Doublet, HandsOff, Release, Step
 from tests.nonlinear_witness import Machine, Signals, Solver
+from tests.parametrization import mostly_slow
 from tests.side_by_side import DEG, GAINS, LB, TRAVEL, Case, at_rest, held, law_of, loader_of
 from tests.simulation.test_simulation_accuracy import CLAIM, FULL
 
@@ -19,13 +20,13 @@ FLOOR = 1.5e-5
 """The slaving, and what the feel computer's one step per period leaves."""
 
 
-@pytest.mark.parametrize(("share", "gains"), [(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)])
+@pytest.mark.parametrize(("share", "gains"), mostly_slow([(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)]))
 def test_delay_matches_witness(share, gains):
     case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
     assert max(case.errors(case.witness(), 1e-3, 2.5e-4)) < FLOOR
 
 
-@pytest.mark.parametrize("period", [1e-3, 5e-4, 2e-4])
+@pytest.mark.parametrize("period", mostly_slow([1e-3, 5e-4, 2e-4]))
 def test_period_matches_witness(period):
     case = Case(
         Machine(gains=GAINS, orifice=True, period=period, coulomb_friction=2.0, feel_coulomb_friction=1.0), *FORCE
@@ -62,7 +63,7 @@ def test_short_period_converges_to_analog_loop(gains):
     assert 1.7 < errors[1] / errors[2] < 2.3
 
 
-@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+@pytest.mark.parametrize("gains", [None, pytest.param(GAINS, marks=pytest.mark.slow)], ids=["original", "feedback"])
 def test_antiwindup_matches_witness(gains):
     machine = Machine(gains=gains, period=1e-3, orifice=True, current_limit=0.3)
     case = Case(replace(machine, antiwindup=100.0), *FORCE[:2], 1.5)
@@ -134,7 +135,9 @@ def digital_release(machine, duration=1.2):
 
 
 @pytest.mark.parametrize(
-    ("case_of", "gains"), [(digital_step, None), (digital_release, GAINS)], ids=["step-original", "release-feedback"]
+    ("case_of", "gains"),
+    mostly_slow([(digital_step, None), (digital_release, GAINS)]),
+    ids=["step-original", "release-feedback"],
 )
 def test_all_effects_match_witness_with_digital_controller(case_of, gains):
     events = []
@@ -147,6 +150,7 @@ def test_all_effects_match_witness_with_digital_controller(case_of, gains):
     assert max(errors) < CLAIM  # found 2.5e-5, 1e-5, 7e-6, 3e-5
 
 
+@pytest.mark.slow
 def test_antiwindup_with_all_effects_is_first_order_in_period():
     """As alone, see above. Without the velocity limit: under it the witness's control does not slow down when it gives way.
 

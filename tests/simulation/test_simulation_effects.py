@@ -143,7 +143,7 @@ ORIGINAL = (
     ("name", "gains"),
     [
         *(pytest.param(name, GAINS, id=f"{name}-feedback") for name in EFFECTS),
-        *(pytest.param(name, None, id=f"{name}-original") for name in ORIGINAL),
+        *(pytest.param(name, None, id=f"{name}-original", marks=pytest.mark.slow) for name in ORIGINAL),
     ],
 )
 def test_effect_matches_witness(name, gains, without):

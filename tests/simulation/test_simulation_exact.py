@@ -10,6 +10,7 @@ import forcefeel as ff
 from forcefeel.simulation import Scenario, simulate, simulate_batch
 from forcefeel.simulation.inputs import Pulse, Release, Step
 from tests.nonlinear_witness import Machine
+from tests.parametrization import mostly_slow
 from tests.side_by_side import GAINS, LB, TRAVEL, law_of, loader_of, schedule
 from tests.simulation.test_simulation_effects import EFFECTS
 
@@ -52,7 +53,8 @@ def test_stepped_engine_agrees_with_the_exact_run(gains, force):
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
 @pytest.mark.parametrize("period", [0.0, 1e-3], ids=["analog", "digital"])
 @pytest.mark.parametrize(
-    "name", [name for name, effect in EFFECTS.items() if effect.signals is None and name != "force curve"]
+    "name",
+    mostly_slow([name for name, effect in EFFECTS.items() if effect.signals is None and name != "force curve"], 4),
 )
 def test_lane_without_effect_is_bit_identical_to_run_without_effect(name, period, gains):
     """Two runs side by side, one with the effect and one without, against each alone."""

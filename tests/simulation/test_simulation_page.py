@@ -18,7 +18,7 @@ from forcefeel.simulation.limits_met import known_measures
 from forcefeel.simulation.page.plots import MOST_POINTS
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
-from tests.pages import ROUNDING_PX, EveryPage, views_of, words, words_cut
+from tests.pages import ROUNDING_PX, EveryPage, OnDemand, views_of, words, words_cut
 
 LB = factor("lb", "N")
 ROUNDING = 1e-9  # of the largest value; products of a few hundred matrices
@@ -53,7 +53,7 @@ RUNS = {
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("runs")
-    return {name: ff.simulation.write_simulation(make(), folder / name, UnitSystem.US) for name, make in RUNS.items()}
+    return OnDemand(lambda name: ff.simulation.write_simulation(RUNS[name](), folder / name, UnitSystem.US))
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -74,7 +74,7 @@ def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
 
 
 def test_page_states_result_and_limits_of_run(pages):
-    told = {name: " ".join(" ".join(words(path).words).split()) for name, path in pages.items()}
+    told = {name: " ".join(" ".join(words(pages[name]).words).split()) for name in RUNS}
     assert re.search(r"Settled at 1\.\d+ s, no overshoot to measure: the column met a stop\.", told["stops"])
     assert "at the amplifier’s limit of 2 mA" in told["stops"]
     assert "column.coulomb_friction" in told["stops"]  # an effect in play, by its row
@@ -98,9 +98,10 @@ def test_equal_runs_give_equal_bytes(tmp_path):
 
 
 def test_results_list_the_columns_of_the_history(pages):
-    for path in pages.values():
-        found = json.loads((path.parent / "results.json").read_text(encoding="utf-8"))
-        head = (path.parent / "history.csv").read_text(encoding="utf-8").partition("\n")[0]
+    for name in RUNS:
+        folder = pages[name].parent
+        found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+        head = (folder / "history.csv").read_text(encoding="utf-8").partition("\n")[0]
         assert found["history"] == {"file": "history.csv", "columns": head.split(",")}
 
 

@@ -70,6 +70,7 @@ def test_monte_carlo_sweep_prints_results(run, tmp_path):
     assert there == {"plan.json", "runs.nc", "summary.json", "envelope.csv", "sweep.html", "plotly.min.js"}
 
 
+@pytest.mark.slow
 def test_json_option_prints_json_only_in_requested_units_beside_runs_in_si(run, tmp_path):
     answers = [run(*small("--json", "--units", units, "--out", units)) for units in ("us", "si")]
     assert [(status, err) for status, _, err in answers] == [(0, "")] * 2
@@ -95,6 +96,7 @@ def test_a_grid_makes_a_map(run, tmp_path):
     assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="h5netcdf").sizes == {"run": 20}
 
 
+@pytest.mark.slow
 def test_law_is_designed_for_each_setting(run, tmp_path):
     words = ["--set", "load_cell.noise=off", "--grid", "feel.stiffness=5000..15000 lb in/rad:4", *PUSH_WORDS]
     found = {}
@@ -195,6 +197,7 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
     assert run(*small("--resume"))[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
 def test_interrupted_or_killed_sweep_keeps_finished_pieces(run, tmp_path):
     """Real processes, interrupted or killed once some pieces are there; then they go on to the same end."""

@@ -334,6 +334,7 @@ def test_long_recording_is_identified_by_hash():
     assert [line.partition(":")[0] for line in found] == ["scenario.force.force_n.sha256"]
 
 
+@pytest.mark.slow
 def test_memory_stays_flat(tmp_path, monkeypatch):
     """A run of a sweep in a folder adds no more than the columns that its summary reads one by one; 400 bytes in memory."""
     monkeypatch.setattr("forcefeel.sweep.plan._CHUNK_RUNS", 500)

@@ -1,6 +1,6 @@
 """The wheel: one for every Python from 3.11 on, and it runs where nothing else of the project is.
 
-``make test`` tests the one that it builds from the extension's own crates, ``make wheel`` the one for others.
+``make validate`` tests the one that it builds from the extension's own crates, ``make wheel`` the one for others.
 """
 
 import json
@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,7 @@ def test_wheel_symbols_match_its_manylinux_tag(wheel):
 def test_wheel_contains_every_package_file(wheel):
     package = ROOT / "python"
     sources = {path for path in (package / "forcefeel").rglob("*") if path.is_file()}
-    # The libraries of firmware come with ``make wheel``; ``make test`` builds them beside its wheel.
+    # The libraries of firmware come with ``make wheel``; ``make validate`` builds them beside its wheel.
     sources -= set() if "FORCEFEEL_WHEELS" in os.environ else set(package.glob("forcefeel/export/firmware/libraries/*"))
     wanted = {path.relative_to(package).as_posix() for path in sources if path.suffix not in {".pyc", ".so", ".pyd"}}
     held = set(zipfile.ZipFile(wheel).namelist())

@@ -23,6 +23,7 @@ INSTALLS = ("git", "make", "python", "pip", "source", "dask")
 """What installs or serves; the build itself and the test of the wheel try it."""
 
 _FENCE = re.compile(
+    r"(?P<slow><!-- slow -->\n)?"
     r"(?P<small><!-- small: (?P<swaps>[^\n]+) -->\n)?"
     r"^(?P<fence>`{3,})(?P<language>console|\{terminal\}|\{run-python\})(?P<rest>[^\n]*)\n"
     r"(?P<options>(?::[\w-]+:[^\n]*\n)*)(?P<body>.*?)^(?P=fence)$",
@@ -40,6 +41,7 @@ class Block:
     language: str
     body: str
     shows: tuple[str, ...] = ()
+    slow: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def blocks(text: str) -> Iterator[Block]:
     """The blocks of a page that are run, in its order: those that readers type, and those that only prepare them.
 
     A comment ``<!-- small: --runs 100000 => --runs 200 -->`` over a block says what is changed where it is tried.
-    ``;`` parts several.
+    ``;`` parts several. A block below ``<!-- slow -->`` is tried by ``make validate``; so is each block that needs its files.
     """
     matches = [*_FENCE.finditer(text), *_HIDDEN.finditer(text)]
     for match in sorted(matches, key=lambda match: match.start()):
@@ -68,7 +70,8 @@ def blocks(text: str) -> Iterator[Block]:
             body = body.replace(long, short)
         stated = re.search(r"^:shows:(.*)$", parts.get("options") or "", re.MULTILINE)
         shows = tuple(text.strip() for text in stated[1].split("|")) if stated else ()
-        yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows)
+        slow = bool(parts.get("slow"))
+        yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows, slow)
 
 
 def prepared(text: str) -> list[str]:

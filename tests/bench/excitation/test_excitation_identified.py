@@ -20,6 +20,7 @@ SIGMAS = 4.0
 """One chance in 16 000."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("loader", "valve"), [(ff.elevator(), "C_i"), (ff.digital_elevator(), "q_r")], ids=["analog", "digital"]
 )

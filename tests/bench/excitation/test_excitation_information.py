@@ -115,6 +115,7 @@ def test_line_sensitivities_match_the_servo_of_the_report():
         np.testing.assert_allclose(found[i], expected[i], rtol=0, atol=DIFFERENCED * np.trace(expected[i]))
 
 
+@pytest.mark.slow
 def test_least_squares_scatter_matches_the_prediction(short):
     # 200 records of the steady periods with white noise; the parameters fitted to their lines by nonlinear least squares.
     runs, rng = 200, np.random.default_rng(41)

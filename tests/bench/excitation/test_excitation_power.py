@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import nnls
 
 from forcefeel.bench.excitation.optimal_power import GAP, OptimalPower, PowerProblem, optimal_power
+from tests.parametrization import mostly_slow
 
 ROUNDING = 1e-6
 """Relative, of limits that are reached and floors that are kept, by the solver's own tolerance."""
@@ -56,7 +57,7 @@ def test_parameters_without_shared_lines_split_the_budget_equally():
     np.testing.assert_allclose(found.power, budget / 3 / cost[0], rtol=POWER)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", mostly_slow(range(12), 3))
 @pytest.mark.parametrize("floor", [0.0, 0.2])
 def test_equivalence_theorem_holds(seed, floor):
     # Kiefer and Wolfowitz: P is optimal if and only if prices mu >= 0 exist with d_i <= sum_c mu_c a_ci, equal where P_i is free,
@@ -77,7 +78,7 @@ def test_equivalence_theorem_holds(seed, floor):
         assert prices @ problem.budget[reached] == pytest.approx(problem.information.shape[1], rel=EQUIVALENCE)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", mostly_slow(range(12), 3))
 def test_no_other_spectrum_within_limits_is_better(seed):
     problem = drawn(seed)
     best = problem.log_det(solved(seed).power)
@@ -100,7 +101,7 @@ def test_certificate_bounds_the_loss(seed):
     assert 0 < lost <= gap
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", mostly_slow(range(12), 3))
 @pytest.mark.parametrize("share", [0.1, 0.2, 0.5])
 def test_uniform_floor_costs_at_most_its_share(seed, share):
     # M >= (1 - s) M* + s M_even is within the limits, so the D-efficiency (det M / det M*)^(1/p) is 1 - s at least.

@@ -14,6 +14,7 @@ from forcefeel.bench.excitation.rehearsal import NEAR
 from forcefeel.bench.excitation.waves import envelope
 from forcefeel.bench.experiments import Drive, Experiment
 from forcefeel.simulation.scenario import Scenario
+from tests.parametrization import mostly_slow
 
 LB = 4.4482216152605
 PLAN = ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0)
@@ -55,16 +56,19 @@ def played(found):
 
 @pytest.mark.parametrize(
     ("name", "kind", "experiment"),
-    [
-        ("linear", "multisine", "loader"),
-        ("linear", "chirp", "servo-open"),
-        ("rough", "multisine", "servo-open"),
-        ("rough", "multisine", "servo-closed"),
-        ("rough", "chirp", "loader"),
-        ("rough", "chirp", "loader test_signal"),
-        ("digital", "multisine", "loader test_signal"),
-        ("digital", "chirp", "servo-closed"),
-    ],
+    mostly_slow(
+        [
+            ("linear", "multisine", "loader"),
+            ("linear", "chirp", "servo-open"),
+            ("rough", "multisine", "servo-open"),
+            ("rough", "multisine", "servo-closed"),
+            ("rough", "chirp", "loader"),
+            ("rough", "chirp", "loader test_signal"),
+            ("digital", "multisine", "loader test_signal"),
+            ("digital", "chirp", "servo-closed"),
+        ],
+        2,
+    ),
 )
 def test_every_limit_holds_on_the_nonlinear_loader(name, kind, experiment):
     found = excite(LOADERS[name], FITS[name], experiment, replace(PLAN, signal=kind))
@@ -166,7 +170,7 @@ def test_open_servo_stays_near_its_position_and_returns():
     assert abs(angle[-1]) < 0.01 * np.abs(angle).max()
 
 
-@pytest.mark.parametrize("experiment", ["servo-open", "servo-closed", "loader"])
+@pytest.mark.parametrize("experiment", mostly_slow(["servo-open", "servo-closed", "loader"]))
 def test_signal_is_more_informative_than_uniform_and_random_spectra(experiment):
     loader = ff.elevator()
     asked = Experiment.read(experiment)
@@ -277,6 +281,7 @@ def test_slow_controller_limits_the_band():
         excite(slow, "J", "servo-closed", replace(PLAN, to_hz=80.0))
 
 
+@pytest.mark.slow
 def test_default_voltage_leaves_the_noise_at_rest_its_room():
     """The law of the yoke takes 16 of 20.7 V for sensor noise alone, in ten seconds 18.6: the peak of a run without a signal."""
     loader = ff.loader.electric("desktop-yoke")

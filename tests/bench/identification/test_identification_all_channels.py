@@ -80,6 +80,7 @@ def test_every_parameter_is_within_its_standard_errors(loader, measured):
     assert max(abs(it) for it in found.values()) < ERRORS, found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("drive", "other"), [("test_signal", "command_signal"), ("command_signal", "test_signal")])
 def test_signal_input_point_matters_under_a_digital_controller(loader, drive, other):
     digital = loader.replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})

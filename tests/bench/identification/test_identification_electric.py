@@ -62,6 +62,7 @@ def test_motor_link_and_column_are_within_their_standard_errors(yoke, truth, law
     assert not OF_A_VALVE.findall(re.sub(r"<(script|style|details).*?</\1>", "", page.read_text(), flags=re.DOTALL))
 
 
+@pytest.mark.slow
 def test_position_and_current_leave_the_scale_undetermined(yoke, by_current_alone):
     seen = bench.measured(by_current_alone, "motor_angle", "column_angle", "motor_current")
     found = identify(yoke, [seen], "K_t,J_m,k,c,J", starts=1)
@@ -69,6 +70,7 @@ def test_position_and_current_leave_the_scale_undetermined(yoke, by_current_alon
     assert any("only their mutual ratios" in one.sentence for one in found.inseparable)
 
 
+@pytest.mark.slow
 def test_load_cell_determines_the_scale(yoke, truth, by_current_alone):
     seen = bench.measured(by_current_alone, "motor_angle", "column_angle", "load_cell_force")
     found = identify(yoke, [seen], "K_t,J_m,k,c,J", starts=1)

@@ -15,6 +15,7 @@ from forcefeel.errors import InputError
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.tolerances import Distribution
 from tests.bench_witness import FREQUENCY_HZ, TRUTH_SI, servo_response
+from tests.parametrization import mostly_slow
 
 FIT = "k,c,J,C_i"
 
@@ -59,6 +60,7 @@ def test_one_percent_noise_gives_at_most_two_percent_error(loader):
         assert fitted.noise == pytest.approx(0.01, rel=SPREAD)
 
 
+@pytest.mark.slow
 def test_confidence_interval_has_nominal_coverage(loader):
     """In 95 of 100; the binomial deviation over 40 repetitions is 3.4 points. ``benchmarks/identification.py`` makes 200."""
     random = np.random.default_rng(2)
@@ -131,6 +133,7 @@ def test_compliant_link_is_required_where_present(loader):
     assert found.rigid.bic_difference > 10
 
 
+@pytest.mark.slow
 def test_compliant_link_is_not_required_where_rigid(loader):
     """Responses of eq. (15): no stiffness is then told from a stiffer one, and the test says that none is needed."""
     random = np.random.default_rng(9)
@@ -175,7 +178,7 @@ def test_tolerances_bound_the_search(loader):
     assert found["k"].value == pytest.approx(0.95 * loader["linkage.stiffness"])
 
 
-@pytest.mark.parametrize("drive", ["test_signal", "command_signal"])
+@pytest.mark.parametrize("drive", mostly_slow(["test_signal", "command_signal"]))
 def test_sampled_model_is_fitted_under_a_digital_controller(drive):
     """The same bench under the 2 kHz controller: a signal on the command has its hold and its delay in it, and the fit knows."""
     loader = ff.digital_elevator()

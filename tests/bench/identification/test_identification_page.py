@@ -10,7 +10,7 @@ from forcefeel.bench.identification.page.page import write_identification
 from forcefeel.bench.identification.result import Identification
 from forcefeel.units import UnitSystem
 from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
-from tests.pages import ROUNDING_PX, EveryPage, views_of, words_cut
+from tests.pages import ROUNDING_PX, EveryPage, OnDemand, views_of, words_cut
 
 pytestmark = pytest.mark.browser
 
@@ -36,10 +36,12 @@ CASES = {
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("identifications")
     estimated = [response_fitted("closed test_signal to column_angle").data]
-    return {
-        name: write_identification(make(), folder / name, units, FitSettings(), estimated=estimated)
-        for name, (make, units) in CASES.items()
-    }
+
+    def write(name: str) -> Path:
+        make, units = CASES[name]
+        return write_identification(make(), folder / name, units, FitSettings(), estimated=estimated)
+
+    return OnDemand(write)
 
 
 page = views_of(CASES)

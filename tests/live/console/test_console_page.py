@@ -43,7 +43,7 @@ def console(running):
             yield found
 
 
-@pytest.fixture(scope="module", params=WIDTHS)
+@pytest.fixture(scope="module", params=[WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
 def page(request, browser, console):
     window = browser.new_page(viewport={"width": request.param, "height": 900})
     window.set_default_timeout(LONGEST_MS)

@@ -197,6 +197,7 @@ def test_stop_aborts_a_test(talk, running):
     assert running.hand_force_n == 0
 
 
+@pytest.mark.slow
 def test_sweep_returns_a_verdict():
     strong = ff.digital_elevator().replace({"safety.force_limit": "150 lb"})
     with StandIn(strong, speed=None) as fast, Console(fast, port=0) as console, Talk(console) as talk:
