@@ -62,6 +62,7 @@ def test_json_names_files_law_and_loader(export):
         (("--to", "fmu", "--law", "original"), "is gains of an analog law, and elevator-2khz has a digital controller"),
         (("--to", "fmu", "--name", "a-b"), "--name: expected a C identifier"),
         (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),
+        (("--to", "openffboard", "--law", "torque-mode"), "--to openffboard takes a loader with an electric drive"),
         (("--to", "table", "--units", "si"), "--units"),
         ((), "--to: required"),
     ],

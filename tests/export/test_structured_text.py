@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.export.c_code import INPUTS, PART, golden_inputs, traced_law, within_ranges
+from forcefeel.export.c_code import traced_law
+from forcefeel.export.golden import INPUTS, PART, golden_inputs, within_ranges
 from forcefeel.export.structured_text import st_files
 from tests.export.toolchain import CONVERTERS, NONLINEAR, motor
 

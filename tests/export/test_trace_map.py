@@ -15,8 +15,8 @@ from tests.export.toolchain import NONLINEAR, STRICT, motor, needs, run, valve, 
 LONGEST_NAME = 31
 """Significant characters of a name in C99 and rule 5.1 of MISRA C:2012."""
 
-COVERED = 0.9
-"""Share of a period's statements that golden vectors run: all but rare branches, most of contact and stops."""
+MISSED = 0.01
+"""Share of a period's statements that golden vectors may miss: the rare branches that the map names."""
 
 CHANGED = {
     "feel.detent_force": "2.1 lb",
@@ -86,7 +86,7 @@ def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
 
 @pytest.mark.parametrize("name", ["roll", "pitch"])
 def test_golden_vectors_run_the_statements_of_a_period(folders, name, tmp_path):
-    """By gcov. No vector starts beyond a hard stop, nor swings against something stiff."""
+    """By gcov; what they miss is in sections whose rare branches the map names."""
     needs("gcc", "gcov")
     for file in (f"{name}_law.c", f"{name}_law.h", f"{name}_data.h", f"{name}_golden.h", f"{name}_test.c"):
         (tmp_path / file).write_bytes((folders[name] / file).read_bytes())
@@ -98,7 +98,9 @@ def test_golden_vectors_run_the_statements_of_a_period(folders, name, tmp_path):
     code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
     vectors = [statement for statement in statements(code) if "_test.c" in SECTIONS[statement.section].test]
     assert len(vectors) > 400
-    assert sum(statement.line in missed for statement in vectors) < (1 - COVERED) * len(vectors)
+    rare = [statement for statement in vectors if statement.line in missed]
+    assert len(rare) < MISSED * len(vectors)
+    assert not [statement for statement in rare if not SECTIONS[statement.section].rare]
 
 
 def test_a_changed_row_changes_only_statements_that_name_it():

@@ -88,9 +88,12 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             InputError: If an option, the loader or the law is bad, or the two do not go together.
         """
         from forcefeel.export import Exported
+        from forcefeel.export.openffboard import check_board_loader
         from forcefeel.flight_schedule import read_knots
 
         loader = self.loader(path)
+        if self.to == "openffboard":
+            check_board_loader(loader)
         feel = None if self.knots is None else read_knots(self.knots).feel
         try:
             return replace(Exported.of(self.law, loader, self.name, feel, tunable=self.tunable), linked=self.linked)

@@ -15,7 +15,7 @@ from forcefeel.export.c_code import about, rendered
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_board import BOARD, BOARD_FILES, BOARD_SAMPLES, BOARD_TARGET, board_fields, board_files
 from forcefeel.export.firmware_library import firmware_library, library_origin, target_of
-from forcefeel.export.golden import PART, golden_flights, recorded, spelled_rows
+from forcefeel.export.golden import golden_flights, recorded, spelled_rows
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.surface import has_surface
 from forcefeel.simulation.inputs.signals import Chirp
@@ -27,6 +27,7 @@ BOARDS = {"thumbv7em-none-eabihf": "hard -mfpu=auto", "thumbv7em-none-eabi": "so
 _OFF, _ACTIVE = 0, 2
 _EMERGENCY_STOP, _ACKNOWLEDGED = 1, 4
 _SEED = 21
+_PART = 3334
 _HERE = Path(__file__).parent
 _FILES = {
     "data.h": "{}_data.h",
@@ -122,12 +123,13 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     loader, law = exported.loader, exported.law.some([0])
     period = law.period_s or 0.0
     own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)), si=True)
-    duration = PART * period
+    duration = _PART * period
     force = 0.1 * loader["pilot.force"]
     sweep = recorded(
         own,
         law,
         lambda share: Scenario(Chirp(share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period),
+        _PART,
     )
     count = len(exported.settings)
     rest, settled = _periods_until_on(exported), round(0.6 / period)
@@ -135,24 +137,24 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     stopped = np.repeat(sweep[-1:], settled, axis=0)
     stopped[0, 0] = np.nan
     random = np.random.default_rng(_SEED)
-    stirred = np.repeat(sweep[:1], PART, axis=0)
-    stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
+    stirred = np.repeat(sweep[:1], _PART, axis=0)
+    stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, _PART)
     # Trim, factor and shaker jump about every tenth of a second; the controller limits their rate.
-    stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-PART // 150), 3)), 150, axis=0)[:PART]
+    stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-_PART // 150), 3)), 150, axis=0)[:_PART]
     stirred[:, 6] = np.abs(stirred[:, 6])
-    stirred[:, 8] = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
+    stirred[:, 8] = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, _PART)
     beside = [0.1 * loader["feel.stiffness"], 0.1 * loader["feel.damping"]]
-    stirred[:, 9:] = beside * random.uniform(-0.5, 1, (PART, 2))
+    stirred[:, 9:] = beside * random.uniform(-0.5, 1, (_PART, 2))
     inputs = np.vstack([still, sweep, stopped, still, stirred])
     words = np.zeros((len(inputs), 7), dtype=np.int64)
-    begins = rest + PART + settled
+    begins = rest + _PART + settled
     words[:, 2] = _ACTIVE
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF
     words[begins - 10, 6] = _ACKNOWLEDGED
     words[begins - 20 : begins - 15, 3] = range(1, 6)  # missing samples
     words[-100:, 6] = _EMERGENCY_STOP
     last = begins + rest
-    for k in range(PART):
+    for k in range(_PART):
         block, within = divmod(k, 200)
         words[last + k, :2] = block % count, (block + 1) % count
         inputs[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0

@@ -22,12 +22,16 @@ from forcefeel.simulation.engine import simulate
 from forcefeel.simulation.inputs.signals import Chirp, Release
 from forcefeel.simulation.scenario import Scenario
 
-PART = 3334
-"""Samples of each of release, sweep and random input."""
+PART = 2500
+"""Samples of each part: release, sweep, random input from beyond either stop."""
 
 _SEED = 20
 RELEASED_RAD = 0.1
 """Where a release begins, of a feel that the drive can hold there."""
+_SWINGING = 1400
+"""Samples of swings against a column that is held: slower than those that the law takes for contact at once, and growing."""
+_QUICK = 7
+"""Place of ``t_q`` among the numbers of the part for contact."""
 _SHARES = (1.0, 0.1, 0.01)
 """Factors on release and sweep: with a feel that is heavy for the drive, a large one can diverge."""
 
@@ -93,10 +97,10 @@ def golden_tunings(exported: Exported, *, single: bool) -> NDArray[np.float64]:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
-    """Inputs (samples, 11) and settings of release, sweep and random input from a run of the loader.
+    """Inputs (samples, 11) and settings: a release and a sweep from runs of the loader, random input from beyond either stop.
 
-    In the random part the settings, trim, spring factor and shaker change, and what a surface adds. Of a law with rows that are
-    tuned the settings are places among ``golden_tunings``, and before the random part are releases with the least and the greatest.
+    In the random parts the settings, trim, spring factor and shaker change, and what a surface adds. Of a law with rows that are
+    tuned the settings are places among ``golden_tunings``. Before the random parts are releases with the least and the greatest.
 
     Raises:
         InputError: If a run diverges.
@@ -132,23 +136,50 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
             pairs += [(setting, setting)] * PART
     random = np.random.default_rng(_SEED)
     size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
-    noise = np.zeros((PART, len(INPUTS)))
-    noise[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
-    noise[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
-    noise[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    count = TUNINGS if exported.tunable else len(exported.settings)
+    for side in (-1, 1):
+        part = _stirred(exported, size, side, random)
+        for k in range(PART):
+            block, within = divmod(k, 200)  # a tenth of a second with shares, then a constant one
+            part[k, 7] = within / 100 if len(exported.settings) > 1 and within < 100 else 0.0
+            pairs.append((block % count, (block + (not exported.tunable)) % count))
+        parts.append(part)
+    return np.vstack(parts), pairs
+
+
+def _stirred(
+    exported: Exported, size: NDArray[np.float64], side: int, random: np.random.Generator
+) -> NDArray[np.float64]:
+    """Random input that begins at rest beyond the stops of one side, where a hand swings against a column that is held."""
+    loader = exported.loader
+    force, sampled = loader["pilot.force"], exported.sampled()
+    inputs = np.zeros((PART, len(INPUTS)))
+    inputs[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
+    inputs[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
+    inputs[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
     if exported.linked or has_surface(loader):
         beside = [0.1 * force, loader["feel.stiffness"], loader["feel.damping"]]
-        noise[:, 8:] = beside * random.uniform(-0.5, 1, (PART, 3))
-    count = TUNINGS if exported.tunable else len(exported.settings)
-    for k in range(PART):
-        block, within = divmod(k, 200)  # a tenth of a second with shares, then a constant one
-        noise[k, 7] = within / 100 if len(exported.settings) > 1 and within < 100 else 0.0
-        pairs.append((block % count, (block + (not exported.tunable)) % count))
-    return np.vstack([*parts, noise]), pairs
+        inputs[:, 8:] = beside * random.uniform(-0.5, 1, (PART, 3))
+    base = _beyond(loader, side) * loader["column.base_arm"]
+    inputs[:, 1:3] += base * np.array([loader["linkage.ratio"], 1.0])
+    if sampled.knows_contact:
+        quick = sampled.contact[0, _QUICK] / sampled.period_s
+        swings = np.arange(_SWINGING) / (1.5 * quick)
+        inputs[:_SWINGING, 0] = size[0] * 1.6 ** np.minimum(swings, 8.0) * np.sin(np.pi * swings)
+        inputs[:_SWINGING, 1:3] = inputs[0, 1:3]
+    return inputs
 
 
-def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) -> NDArray[np.float64]:
-    """Sensor values at each sample of ``scenario(1.0)``, or of a smaller one if that diverges.
+def _beyond(loader: Loader, side: int) -> float:
+    """An angle beyond the stops and the curve of a feel on one side."""
+    end = "low" if side < 0 else "high"
+    curve = [] if loader.force_curve is None else [loader.force_curve.arrays[0][0 if side < 0 else -1]]
+    ends = [side * RELEASED_RAD, *curve, *(loader[f"feel.{stop}_stop_{end}"] for stop in ("soft", "hard"))]
+    return float(1.1 * side * max(side * angle for angle in ends if math.isfinite(angle)))
+
+
+def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario], count: int = PART) -> NDArray[np.float64]:
+    """Sensor values at each of ``count`` samples of ``scenario(1.0)``, or of a smaller one if that diverges.
 
     Raises:
         InputError: If the smallest diverges too.
@@ -164,10 +195,10 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
             "use settings that this loader can render, or another law"
         )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-    samples = np.zeros((PART, len(INPUTS)))
+    samples = np.zeros((count, len(INPUTS)))
     base = outputs["column_angle_rad"] * loader["column.base_arm"]
     for column, values in enumerate((outputs["load_cell_force_n"], outputs[position], base)):
-        samples[:, column] = values[:PART]
+        samples[:, column] = values[:count]
     samples[:, 5] = 1.0
     return samples
 

@@ -46,6 +46,15 @@ _WIDEST_DEG = 32767
 _MOST_PARTS = 256
 
 
+def check_board_loader(loader: Loader) -> None:
+    """Refuses a loader that the board cannot drive.
+
+    Raises:
+        InputError: If its drive is not electric.
+    """
+    check_electric(loader, "--to openffboard", "choose an electric loader")
+
+
 @dataclass(frozen=True)
 class Effect:
     """One effect: its type, the row that it renders, the value needed, and that of a coefficient of 32767, in SI units."""
@@ -99,7 +108,7 @@ class BoardFeel:
         Raises:
             InputError: As the class, or if there are several settings.
         """
-        check_electric(exported.loader, "--to openffboard", "choose an electric loader")
+        check_board_loader(exported.loader)
         if len(exported.settings) > 1:
             raise InputError(
                 f"--to openffboard: expected one setting of the feel, got {len(exported.settings)}; leave --knots out"

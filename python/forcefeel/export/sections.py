@@ -12,7 +12,7 @@ LIMIT = "The command stays within converter and amplifier."
 INPUT = "An input that is no number or out of its range gives the command 0 and leaves the state."
 START = "The law starts in the equilibrium of its sensors."
 
-VECTORS = "{name}_test.c: release, sweep, random input"
+VECTORS = "{name}_test.c: release, sweep, random input from beyond either stop"
 FLIGHTS = "{name}_test.c: random flights"
 STATUSES = "tests/export/test_c_safety.py"
 PAIRS = "{name}_test.c: opposed hands, priority button, disconnect"
@@ -29,6 +29,7 @@ class Section:
         requirement: What it is for.
         test: Golden test that runs it.
         rows: Rows of the loader file whose numbers do not pass as such: constants of time and points of curves.
+        rare: Statements that golden vectors may miss, and why.
     """
 
     title: str
@@ -37,6 +38,7 @@ class Section:
     requirement: str
     test: str = VECTORS
     rows: tuple[str, ...] = ()
+    rare: str = ""
 
 
 SECTIONS = {
@@ -94,21 +96,28 @@ SECTIONS = {
         "feel.rs, feel_parts.rs, feel_computer.rs",
         FEEL,
         rows=("controller.period", "force_curve"),
+        rare="A soft stop that has been left: never at the first stage, which is at the start of the step; seldom at the others.",
     ),
     "feel_friction": Section(
-        "Dry friction of the feel", "v = 0 while |a| <= f_s; else |a_f| = f (1 + s a_F)", "dry_friction.rs", FEEL
+        "Dry friction of the feel",
+        "v = 0 while |a| <= f_s; else |a_f| = f (1 + s a_F)",
+        "dry_friction.rs",
+        FEEL,
+        rare="No friction between two settings that have friction: the sum of both shares is never zero.",
     ),
     "feel_stops": Section(
         "Hard stops, velocity limit and soft stops of the feel",
         "low <= delta <= high, |delta'| <= v_max; k d + c d' beyond a soft stop",
         "feel.rs, contact.rs",
         FEEL,
+        rare="A touch of a soft stop in the very step in which the velocity turns.",
     ),
     "give_way": Section(
         "Feel gives way where the drive is at its limit",
         "delta' = ... - 2 a_w x, delta'' = ... - a_w^2 x, x = (e - e_cut) / c_3",
         "control.rs",
         STABLE,
+        rare="A command that does not depend on delta: of no law but for some share between two settings.",
     ),
     "conversion": Section(
         "Command as the converter gives it",
@@ -123,6 +132,7 @@ SECTIONS = {
         "surface.rs",
         FEEL,
         FLIGHTS,
+        rare="A segment beyond the last angle or Mach number of a table, which is at infinity.",
     ),
     "rest": Section("Start at rest", "xi = R [y; delta]", "observer.rs", START),
     "link": Section(

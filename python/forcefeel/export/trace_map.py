@@ -185,5 +185,6 @@ def trace_html(file: str, code: str, name: str) -> str:
         file=file,
         count=len(mapped),
         sections=sections,
+        rare={key: SECTIONS[key].rare for key in used if SECTIONS[key].rare},
         functions=functions,
     )
