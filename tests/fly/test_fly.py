@@ -73,6 +73,9 @@ def test_what_cannot_fly_is_named(forcefeel, monkeypatch):
         (("--speed", "20 kt"), "c172p does not trim at 20 kt: no balance of lift and weight"),
         (("--speed", "100"), "--speed"),
         (("--duration", "0 s"), "--duration"),
+        (("--record", "none.csv"), "none.csv"),
+        (("--record", "none.csv", "--force", "-5 N"), "--force: --record is the force of the hand"),
+        (("--record", "none.csv", "--maneuver", "stall"), "--record: --maneuver does not use it"),
         (("--force", "4000 N"), "the supervisor stopped it"),
         (("elevator-1974",), "a live loop requires"),
     ):
@@ -108,6 +111,15 @@ def test_command_prints_and_writes_the_flight(forcefeel, tmp_path):
     lines = (tmp_path / "flight.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("time_s,force_n,column_angle_rad,dynamic_pressure_pa,true_airspeed_m_per_s")
     assert len(lines) == 1001
+    # The same force as a record: a ramp from 1 to 2 s.
+    (tmp_path / "hand.csv").write_text("time (s),force (N)\n3,0\n4,0\n5,-15\n", encoding="utf-8")
+    status, out, err = forcefeel("fly", "--record", "hand.csv", "--out", "again.csv")
+    assert (status, err) == (0, "")
+    assert "hand.csv at the grip" in out
+    again = np.genfromtxt(tmp_path / "again.csv", delimiter=",", names=True)
+    flown = np.genfromtxt(lines, delimiter=",", names=True)
+    for name in ("force_n", "column_angle_rad", "load_factor"):
+        assert again[name] == pytest.approx(flown[name], abs=1e-6)  # of the digits in the file
 
 
 def test_reversible_control_behind_an_actuator_is_refused_and_an_irreversible_one_flies(forcefeel, tmp_path):

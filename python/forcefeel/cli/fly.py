@@ -17,6 +17,9 @@ from forcefeel.loader.axes import AXIS_OF, FlightAxis, flight_axis, usual_axis
 from forcefeel.units import AIRSPEED, ANGLE, ANGULAR_VELOCITY, FORCE, LOAD_FACTOR, Json, Unit, UnitSystem, to_text
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from forcefeel.fly import FlightCase, FlightReport, Flown, Maneuver
 
 FLIGHT = Group("Flight", sort_key=10)
@@ -59,7 +62,18 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
         ),
     ] = None
     start: Annotated[str | None, option("Time at which the hand begins.", HAND, default="1 s", metavar="TIME")] = None
-    duration: Annotated[str | None, option("Length of the flight.", HAND, default="5 s", metavar="TIME")] = None
+    duration: Annotated[
+        str | None, option("Length of the flight.", HAND, default="the record's, otherwise 5 s", metavar="TIME")
+    ] = None
+    record: Annotated[
+        Path | None,
+        option(
+            "Recorded force of the hand: CSV, Parquet or MATLAB with columns 'time (s)' and 'force (lb)'.",
+            HAND,
+            default="--force",
+            metavar="FILE",
+        ),
+    ] = None
     maneuver: Annotated[
         str | None,
         option(
@@ -119,7 +133,11 @@ class FlyOptions(LoaderOptions, FolderOptions, OutputOptions):
             "--force": self.force if kind else None,
             "--start": self.start if kind else None,
             "--duration": self.duration if kind else None,
+            "--record": self.record if kind else None,
         }
+        for name, given in (("--force", self.force), ("--start", self.start)):
+            if self.record is not None and given is not None:
+                raise InputError(f"{name}: --record is the force of the hand; leave one out")
         for name, text in unread.items():
             if text is not None:
                 other = f"{kind} does not use it" if kind else "requires --maneuver"
@@ -157,19 +175,9 @@ def run(path: LoaderFile = None, /, *, options: FlyOptions = FlyOptions()) -> No
 
 
 def _by_hand(case: "FlightCase", options: FlyOptions) -> None:
-    import numpy as np
+    from forcefeel.fly import FlightOptions, fly
 
-    from forcefeel.fly import FRAME_S, FlightOptions, fly
-
-    start, lasts = seconds("--start", options.start or "1 s"), seconds("--duration", options.duration or "5 s")
-    hand = value("--force", options.force or "-15 N", "N", "-15 N")
-    if not 0 < lasts <= _LONGEST_S or not 0 <= start < lasts:
-        raise InputError(
-            f"--duration: expected at most {_LONGEST_S:g} s, and --start before its end, got {lasts:g} s and {start:g} s"
-        )
-    time_s = np.arange(0.0, lasts, FRAME_S)
-    forces = hand * np.clip((time_s - start) / _RAMP_S, 0, 1)
-    flown = fly(case.loader, case.at(), forces, FlightOptions(law=options.law))
+    flown = fly(case.loader, case.at(), _forces(options), FlightOptions(law=options.law))
     results = _results(flown, case)
     if options.out is not None:
         write_whole(options.out, _csv(flown))
@@ -179,6 +187,32 @@ def _by_hand(case: "FlightCase", options: FlyOptions) -> None:
         lambda terminal: _show(terminal, results, options, case),
         as_json=options.json,
     )
+
+
+def _forces(options: FlyOptions) -> "NDArray[np.float64]":
+    """Force of the hand in each frame: recorded, or a ramp that is held.
+
+    Raises:
+        InputError: If the record is bad, or the flight is too long.
+    """
+    import numpy as np
+
+    from forcefeel.fly import FRAME_S
+    from forcefeel.simulation.inputs import read_recorded
+
+    record = None if options.record is None else read_recorded(options.record).from_zero()
+    ends_s = 5.0 if record is None else float(record.time_s[-1])
+    lasts = ends_s if options.duration is None else seconds("--duration", options.duration)
+    start = seconds("--start", options.start or "1 s")
+    if not 0 < lasts <= _LONGEST_S or (record is None and not 0 <= start < lasts):
+        raise InputError(
+            f"--duration: expected at most {_LONGEST_S:g} s, and --start before its end, got {lasts:g} s and {start:g} s"
+        )
+    time_s = np.arange(0.0, lasts, FRAME_S)
+    if record is not None:
+        forces: NDArray[np.float64] = np.interp(time_s, record.time_s, record.force_n)
+        return forces
+    return value("--force", options.force or "-15 N", "N", "-15 N") * np.clip((time_s - start) / _RAMP_S, 0, 1)
 
 
 def _report(path: Path | None, case: "FlightCase", options: FlyOptions) -> None:
@@ -245,7 +279,8 @@ def _csv(flown: "Flown") -> str:
 
 
 def _show(terminal: Terminal, results: dict[str, Json], options: FlyOptions, case: "FlightCase") -> None:
-    table = titled(f"{options.aircraft}, {options.force or '-15 N'} at the grip", "measure", numbers=("value",))
+    hand = options.force or "-15 N" if options.record is None else str(options.record)
+    table = titled(f"{options.aircraft}, {hand} at the grip", "measure", numbers=("value",))
 
     def row(name: str, key: str, unit: Unit, sign: float = 1.0) -> None:
         number = results[key]
