@@ -22,6 +22,8 @@ CASE = ff.fly.FlightCase.of(unhurried_elevator(), "c172p")
 PULL_N, TAB_RAD = -6.0, 0.05
 SETTLED_S = 2.0
 """The short period has died; the phugoid, 25 s, has hardly begun."""
+LATE = 0.06
+"""Share of a force: packets at 60 Hz, on a busy machine fewer, and an aircraft that still swings."""
 
 
 @pytest.fixture(scope="module")
@@ -50,33 +52,38 @@ def restarted(flight):
     time.sleep(SETTLED_S)
 
 
-def test_pull_gives_the_load_factor_of_trimmed_pull_ups(flown):
+def carried(session, flight):
+    """Mean force of the hand, N, by the hinge moment of the states flown: ``test_fly.balance``."""
+    forces = []
+    for _ in range(20):
+        time.sleep(0.05)
+        angle, state = session.history(most=1)[0, session.columns.index("column_angle_rad")], flight._seen
+        forces.append(balance(CASE.feel, state, CASE.trim.state(), angle))
+    return np.mean(forces)
+
+
+def test_hand_carries_the_hinge_moment_of_the_flight(flown):
     session, flight, _ = flown
     restarted(flight)
     assert flight.readings()["load_factor"] == pytest.approx(1.0, abs=0.02)  # of what is left of the reposition
     session.hand_force_n = PULL_N
+    until(lambda: flight.readings()["load_factor"] > 1.1)
     time.sleep(SETTLED_S)
-    factors = [flight.readings()["load_factor"] for _ in range(10) if not time.sleep(0.05)]
+    assert carried(session, flight) == pytest.approx(PULL_N, rel=LATE)
     session.hand_force_n = 0.0
-    expected = 1 + PULL_N / CASE.force_per_g_n
-    assert np.mean(factors) == pytest.approx(expected, rel=0.03)  # speed has begun to fall
     assert flight.report.loader_state == "active"
     assert flight.readings()["refused"] == 0
 
 
 def test_trim_tab_moves_the_free_control_where_it_has_no_moment(flown):
-    """``G theta = q S c (C_alpha (alpha_s - alpha_s0) + C_delta theta + C_tau tau)``, with the numbers of ``test_fly``."""
+    """``G theta = q S c (C_alpha (alpha_s - alpha_s0) + C_delta theta + C_tau tau)``: the tab carries what a hand would."""
     session, flight, _ = flown
     restarted(flight)
     flight.set_lever("tab", TAB_RAD)
     time.sleep(SETTLED_S)
-    forces = []
-    for _ in range(20):
-        time.sleep(0.05)
-        angle, state = session.history(most=1)[0, session.columns.index("column_angle_rad")], flight._seen
-        tab_n = state["dynamic_pressure"] * AREA * CHORD * -0.1 * TAB_RAD / CASE.feel["column.grip_arm"]
-        forces.append(balance(CASE.feel, state, CASE.trim.state(), angle) / tab_n)
-    assert np.mean(forces) == pytest.approx(1.0, abs=0.05)  # a frame of the host late, the aircraft still swinging
+    pressure = flight._seen["dynamic_pressure"]
+    tab_n = pressure * AREA * CHORD * -0.1 * TAB_RAD / CASE.feel["column.grip_arm"]
+    assert carried(session, flight) == pytest.approx(tab_n, rel=LATE)
     flight.restart()
     until(lambda: flight.readings()["tab"] == 0.0)
 
