@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -212,6 +213,17 @@ def test_bad_row_or_range_is_refused(export, loader, law, words, expected):
     assert status == 2
     assert error.startswith("error: --tunable: ") or "--tunable: " in error
     assert expected in " ".join(error.split())
+
+
+def test_linked_axis_is_refused_before_anything_is_written(export, tmp_path):
+    path = Path(__file__).parents[2] / "examples" / "cockpit" / "linked-sticks.toml"
+    status, _, error = export(path, "--to", "c", "--tunable", "feel.deadband=0..1 deg", "--out", "out")
+    assert (status, "--tunable: axis stick-pitch is linked" in error) == (2, True)
+    assert list(tmp_path.iterdir()) == []
+    project = ff.loader.read_project(path)
+    sides = (tuned(STICK, ON_STICK, "first"), tuned(STICK, ON_STICK, "second"))
+    with pytest.raises(ff.InputError, match="an electronic link has fixed feels"):
+        ff.export.PairExport.of(project, project.links["stick-pitch"], "cockpit", sides)
 
 
 def test_tuning_is_for_c_and_one_setting(export):

@@ -398,7 +398,16 @@ impl Graph {
             }
             _ => node,
         };
-        let (yes, no) = (of_arm(yes, true), of_arm(no, false));
+        let (mut yes, no) = (of_arm(yes, true), of_arm(no, false));
+        // Where one of two masks holds, and the second does not, the first does.
+        if let (&Node::Or(a, b), &Node::Select(second, high, low)) =
+            (&self.nodes[mask as usize], &self.nodes[yes as usize])
+            && let Some(first) = [(a, b), (b, a)].into_iter().find_map(|(x, y)| (y == second).then_some(x))
+            && let Node::Select(same, held, _) = self.nodes[low as usize]
+            && same == first
+        {
+            yes = self.select(second, high, held);
+        }
         if yes == no {
             return yes;
         }

@@ -67,6 +67,9 @@ class PairExport:
         name: Prefix of file names and C identifiers.
         sides: The laws, each ``linked`` if the link is electronic.
 
+    Raises:
+        InputError: If the link is electronic and a side has rows that a program tunes.
+
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
         >>> link = project.links["stick-pitch"]
@@ -79,6 +82,10 @@ class PairExport:
     link: Link
     name: str
     sides: tuple[Exported, Exported]
+
+    def __post_init__(self) -> None:
+        if self.electronic and any(side.tunable for side in self.sides):
+            raise InputError("tunable: the code of an electronic link has fixed feels; export its sides without")
 
     @classmethod
     def of(cls, project: Project, link: Link, prefix: str, sides: tuple[Exported, Exported]) -> "PairExport":

@@ -96,14 +96,14 @@ SECTIONS = {
         "feel.rs, feel_parts.rs, feel_computer.rs",
         FEEL,
         rows=("controller.period", "force_curve"),
-        rare="A soft stop that has been left: never at the first stage, which is at the start of the step; seldom at the others.",
+        rare="A soft stop that the feel leaves within a step.",
     ),
     "feel_friction": Section(
         "Dry friction of the feel",
         "v = 0 while |a| <= f_s; else |a_f| = f (1 + s a_F)",
         "dry_friction.rs",
         FEEL,
-        rare="No friction between two settings that have friction: the sum of both shares is never zero.",
+        rare="No friction between two settings that have friction: only rounding could make it.",
     ),
     "feel_stops": Section(
         "Hard stops, velocity limit and soft stops of the feel",
@@ -117,7 +117,7 @@ SECTIONS = {
         "delta' = ... - 2 a_w x, delta'' = ... - a_w^2 x, x = (e - e_cut) / c_3",
         "control.rs",
         STABLE,
-        rare="A command that does not depend on delta: of no law but for some share between two settings.",
+        rare="A command that does not depend on delta: of no law, but perhaps between two.",
     ),
     "conversion": Section(
         "Command as the converter gives it",
