@@ -86,6 +86,7 @@ function show(now) {
   by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
   by("simulator").hidden = !now.host;
+  by("programmed").textContent = now.host ? "programmed without the aircraft, both ways" : "programmed, both ways";
   if (now.host) {
     by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
     by("accept").hidden = !now.host.waiting || told.role !== "control";
