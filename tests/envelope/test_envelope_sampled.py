@@ -18,6 +18,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.qualification.plan import QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.result import QualificationStatus
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
 NEAR = 4e-3
@@ -71,7 +72,9 @@ def exact(loader, law, values, setting):
 
 @pytest.mark.parametrize(
     "name",
-    [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor],
+    mostly_slow(
+        [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor]
+    ),
 )
 def test_verdicts_and_releases_match_the_exact_plant(loader: ff.Loader, name: str) -> None:
     plan = make_plan(loader, (name,), GRID)

@@ -9,6 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.fly.report import fly_rules
 from forcefeel.fly.rules import Outcome
+from tests.parametrization import mostly_slow
 
 FT, KNOT, PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 SPEED, ALTITUDE, SLIP = 100 * KNOT, 914.4, np.radians(5)
@@ -28,7 +29,7 @@ def case_of(axis, aircraft="c172p", **changes):
     return ff.fly.FlightCase(loader, aircraft, SPEED, ALTITUDE, "robust", axis)
 
 
-@pytest.fixture(scope="module", params=CONTROLS)
+@pytest.fixture(scope="module", params=mostly_slow(CONTROLS))
 def case(request):
     return case_of(request.param)
 

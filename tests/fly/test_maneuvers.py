@@ -102,6 +102,7 @@ def test_stick_free_modes_are_those_of_a_linear_model(case):
         assert frequency.with_loader == pytest.approx(frequency.alone, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_wind_up_turn_banks_to_the_load_factor(case):
     turn = ff.fly.fly_maneuver(case, "wind-up-turn", ff.fly.ManeuverRequest(load_factor=1.3))
     measures = {measure.name: measure.alone for measure in turn.measures}
@@ -110,6 +111,7 @@ def test_wind_up_turn_banks_to_the_load_factor(case):
     assert measures["force"] < -5
 
 
+@pytest.mark.slow
 def test_levers_move_and_the_hand_is_off(case):
     for name, key, sign in (("power", "altitude", 1), ("flaps", "pitch_attitude", -1)):
         flown = ff.fly.fly_maneuver(case, name).flown
@@ -143,6 +145,7 @@ def test_speed_brake_slows_the_aircraft():
     assert lost > 0.5  # m/s in a second: a third of a g at most
 
 
+@pytest.mark.slow
 def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
     """The T38's stick has its bobweight: ``G theta = -R W (n - n_0) - q S c (C_delta theta + tab)``; less drag, a new pitch."""
     case = ff.fly.FlightCase(ff.digital_elevator(), "T38", 300 * KNOT, 3048.0, "robust")
