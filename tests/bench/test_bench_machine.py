@@ -136,7 +136,8 @@ def test_digital_controller_matches_the_reference(loop, period, delay):
     check(run(MACHINE, loop, RATE_HZ, controller=Controller(period, delay), **{drive: DRIVES[drive]}), expected)
 
 
-@pytest.mark.parametrize("delay", mostly_slow([0, 1]))
+@pytest.mark.slow
+@pytest.mark.parametrize("delay", [0, 1])
 def test_command_signal_is_sampled_and_delayed_like_the_command(delay):
     """The witness' law has a gain on the pilot's force: with a grip arm of nothing, the force is the signal."""
     arm, period = 1e-9, 1e-3
@@ -172,6 +173,7 @@ def test_staircase_input_keeps_its_values():
     check(run(MACHINE, "servo-closed", RATE_HZ, test_signal=DRIVES["test_signal"], staircase=True), expected)
 
 
+@pytest.mark.slow
 def test_integrator_is_of_second_order_in_step_size():
     """Whatever else a step does is exact, so parts of a quarter have a sixteenth of the error, on the way through many switches."""
     size = {channel: np.abs(witnessed("servo-closed", "force")[column]).max() for channel, column in CHANNELS.items()}

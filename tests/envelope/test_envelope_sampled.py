@@ -147,6 +147,7 @@ def test_orifice_rows_replace_the_valve_gains() -> None:
     assert deviations_of(ff.elevator())["valve.current_gain"].size == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_robust_law_qualifies_the_loader() -> None:
     loader = ff.digital_elevator()
     found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))

@@ -129,6 +129,7 @@ def test_every_aircraft_has_wheel_and_pedals(name, forcefeel, tmp_path):
         )
 
 
+@pytest.mark.slow
 def test_axis_is_the_loaders_unless_given(forcefeel):
     _, out, _ = forcefeel("fly", "aileron-wheel", "--duration", "1.5 s", "--force", "10 N")
     out = " ".join(out.split())

@@ -135,6 +135,7 @@ def digital_release(machine, duration=1.2):
     return Case(machine, [(0.0, start["force"]), (0.05, 0.0)], Release(8 * DEG, 0.05), duration, start, SIGNALS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case_of", "gains"),
     mostly_slow([(digital_step, None), (digital_release, GAINS)]),

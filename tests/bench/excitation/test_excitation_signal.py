@@ -248,6 +248,7 @@ def test_invalid_arguments_raise_input_error(fit, experiment, message):
         excite(ff.elevator(), fit, experiment, PLAN)
 
 
+@pytest.mark.slow
 def test_whole_loader_experiment_takes_a_law():
     law = ff.laws.GainLaw.original(ff.elevator().si_values)
     with pytest.raises(
