@@ -123,7 +123,6 @@ def maps(request: pytest.FixtureRequest) -> tuple[Envelope, Envelope]:
     return inferred, full
 
 
-@pytest.mark.slow
 def test_inferred_map_agrees_with_the_full_one(maps: tuple[Envelope, Envelope]) -> None:
     inferred, full = maps
     differing = [(inferred.data[name] != full.data[name]).to_numpy() for name in ("outcome", "drawn_outcome")]
