@@ -102,7 +102,6 @@ def test_stick_free_modes_are_those_of_a_linear_model(case):
         assert frequency.with_loader == pytest.approx(frequency.alone, rel=CLOSE)
 
 
-@pytest.mark.slow
 def test_wind_up_turn_banks_to_the_load_factor(case):
     turn = ff.fly.fly_maneuver(case, "wind-up-turn", ff.fly.ManeuverRequest(load_factor=1.3))
     measures = {measure.name: measure.alone for measure in turn.measures}
@@ -176,7 +175,6 @@ def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
     assert abs(speed[-1] - speed[0]) > 0.02 * speed[0]
 
 
-@pytest.mark.slow
 def test_stall_slows_until_the_wing_no_longer_carries(case):
     measures = {measure.name: measure.alone for measure in ff.fly.fly_maneuver(case, "stall").measures}
     assert 40 * KNOT < measures["smallest calibrated airspeed"] < 60 * KNOT  # its book has 44 to 51 kt
