@@ -1,6 +1,6 @@
 # make report   build, install, design the built-in elevator loader under its digital controller
 # make test     build, install, run the tests
-# make validate  run the slow tests: further aircraft, drives, widths and rates, long records, the wheel
+# make validate  run all tests, the slow ones too: further aircraft, drives, widths and rates, long records, the wheel
 # make lint     format and type checks
 # make bench    speed against the peers
 # make docs     validation table and the README's picture from the program itself
@@ -44,10 +44,10 @@ fetched: $(VENV)/equipped
 	$(BIN)/python tests/platforms/firmware_libraries.py thumbv7em-none-eabihf x86_64-unknown-linux-gnu
 	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
 
-# What a cheaper case of `make test` runs too, in depth: the cases that pytest's marker `slow` names.
+# With the cases that pytest's marker `slow` names: they try in depth what a cheaper case of `make test` runs too.
 validate: $(VENV)/equipped target/wheel/built firmware-libraries
 	tests/browser/install
-	FORCEFEEL_REQUIRE_WHEEL=1 $(BIN)/pytest -m slow
+	FORCEFEEL_REQUIRE_WHEEL=1 $(BIN)/pytest -m ""
 
 # Clippy in the release profile too: the macros of other crates are there already. --all-targets would check each library twice.
 lint: $(VENV)/equipped

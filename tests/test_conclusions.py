@@ -7,6 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.conclusions import capital, of_result
+from tests.parametrization import mostly_slow
 
 US, SI = ff.UnitSystem.US, ff.UnitSystem.SI
 
@@ -54,7 +55,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("printed", [(), ("--json",)], ids=["terminal", "json"])
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", mostly_slow(COMMANDS))
 def test_command_computes_conclusions_once(command, printed, forcefeel, monkeypatch):
     where, words = COMMANDS[command]
     module = import_module(where)

@@ -12,7 +12,8 @@ import pytest
 from bench_machine import Controller, Machine, held, run
 
 from tests import nonlinear_witness, witness
-from tests.parametrization import mostly_slow
+
+pytestmark = pytest.mark.slow
 
 FRICTION, BREAKAWAY, LIMIT = 1.3, 1.9, 6.0  # lb, lb, mA: both column and amplifier switch often
 MACHINE = Machine(
@@ -93,15 +94,13 @@ def check(found, expected, apart=APART):
 
 @pytest.mark.parametrize(
     ("loop", "drive"),
-    mostly_slow(
-        [
-            ("servo-open", "test_signal"),
-            ("servo-closed", "test_signal"),
-            ("servo-closed", "force"),
-            ("loader", "force"),
-            ("loader", "test_signal"),
-        ]
-    ),
+    [
+        ("servo-open", "test_signal"),
+        ("servo-closed", "test_signal"),
+        ("servo-closed", "force"),
+        ("loader", "force"),
+        ("loader", "test_signal"),
+    ],
 )
 def test_every_channel_matches_the_reference(loop, drive):
     expected = witnessed(loop, drive)
@@ -127,8 +126,7 @@ def test_open_servo_has_no_held_start():
 
 
 @pytest.mark.parametrize(
-    ("loop", "period", "delay"),
-    mostly_slow([("servo-closed", 5e-4, 0), ("loader", 5e-4, 1), ("servo-closed", 4e-3, 1)]),
+    ("loop", "period", "delay"), [("servo-closed", 5e-4, 0), ("loader", 5e-4, 1), ("servo-closed", 4e-3, 1)]
 )
 def test_digital_controller_matches_the_reference(loop, period, delay):
     drive = "force" if loop == "loader" else "test_signal"
@@ -136,7 +134,7 @@ def test_digital_controller_matches_the_reference(loop, period, delay):
     check(run(MACHINE, loop, RATE_HZ, controller=Controller(period, delay), **{drive: DRIVES[drive]}), expected)
 
 
-@pytest.mark.parametrize("delay", mostly_slow([0, 1]))
+@pytest.mark.parametrize("delay", [0, 1])
 def test_command_signal_is_sampled_and_delayed_like_the_command(delay):
     """The witness' law has a gain on the pilot's force: with a grip arm of nothing, the force is the signal."""
     arm, period = 1e-9, 1e-3

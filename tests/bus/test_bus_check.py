@@ -9,6 +9,7 @@ import forcefeel as ff
 from forcefeel.bus import check, cockpit, host
 from tests.command_line import runs
 from tests.live.test_bus import KINDS, emulated, until, yoke
+from tests.parametrization import mostly_slow
 
 run = runs("bus")
 
@@ -18,7 +19,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
 @pytest.mark.parametrize("wrong", ["", *WRONG])
 def test_check_finds_node_watchdog_and_directions(kind, wrong):
     node = 1 if kind == "ethercat" else 4

@@ -218,6 +218,7 @@ def test_unknown_commands_and_units_are_invalid_input(run):
     assert run("analyze", "--units", "metric")[0] == 2
 
 
+@pytest.mark.slow
 def test_design_as_json_names_the_report(run, tmp_path):
     status, out, _ = run("design", "--out", "report", "--units", "si", "--json")
     found = json.loads(out)

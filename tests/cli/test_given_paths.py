@@ -8,6 +8,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.cli.app import command_line
+from tests.parametrization import mostly_slow
 
 LONG = "x" * 300
 """More than the 255 bytes that a name in a file system has at most."""
@@ -88,7 +89,7 @@ def test_all_commands_with_paths_are_covered():
     assert len(WRITTEN) == 16
 
 
-@pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe", "zero byte"])
+@pytest.mark.parametrize("kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte"], 3))
 @pytest.mark.parametrize(("command", "name"), READ)
 def test_unreadable_path_is_named(run, tmp_path, command, name, kind):
     path = bad_path(tmp_path, kind, ".csv" if name in {"--data", "--knots", "--record"} else "")
@@ -99,7 +100,9 @@ def test_unreadable_path_is_named(run, tmp_path, command, name, kind):
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("kind", ["long", "loop", "in a loop", "dangling", "pipe", "zero byte", "link", "in a file"])
+@pytest.mark.parametrize(
+    "kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte", "link", "in a file"], 4)
+)
 @pytest.mark.parametrize(("command", "name"), WRITTEN)
 def test_unwritable_path_is_named(run, tmp_path, command, name, kind):
     ending = ENDINGS.get((command, name), "")

@@ -9,7 +9,6 @@ from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, NOTHING, Commission
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
-from tests.parametrization import mostly_slow
 
 
 @pytest.mark.slow
@@ -29,7 +28,8 @@ def test_parameter_at_its_physical_limit_counts_as_known():
     assert sentence in said
 
 
-@pytest.mark.parametrize("stated", mostly_slow([None, "0.3 lb"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("stated", [None, "0.3 lb"])
 def test_column_without_friction_is_identified_as_zero_friction(stated):
     """Beside nothing a search ends with some estimate; of the breakaway, to which the data answer in jumps, with a wrong one."""
     truth = ff.digital_elevator()

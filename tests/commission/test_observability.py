@@ -12,7 +12,6 @@ from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.observability import BREAKAWAY, DRY, STRIBECK, candidates, seen_by, with_friction
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
-from tests.parametrization import mostly_slow
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bench"
 FILE = ff.digital_elevator()
@@ -86,7 +85,8 @@ def test_noise_declared_as_zero_is_rejected_with_the_measured_noise(records):
     assert not found.outcome.ok
 
 
-@pytest.mark.parametrize("stated", mostly_slow(["0.3 lb", "3 lb"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("stated", ["0.3 lb", "3 lb"])
 def test_friction_in_the_file_does_not_mislead_the_search_and_a_carried_parameter_has_zero_tolerance(records, stated):
     """From a friction that is too small nothing breaks away; a breakaway force that is only a place to begin from is nobody's."""
     identified = identify_loader(FILE.replace({DRY: stated}, si=True), records, CommissionPlan())

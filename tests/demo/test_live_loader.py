@@ -17,6 +17,7 @@ from forcefeel.loader.feel_settings import own_feel
 from forcefeel.qualification.batch_verdicts import NAMES
 from forcefeel.simulation.engine import prepared
 from tests.pages import WIDTHS, new_window
+from tests.parametrization import mostly_slow
 
 DEMO = Path(__file__).parents[2] / "docs" / "demo"
 LARGEST_BYTES = 300_000
@@ -100,7 +101,7 @@ def rows(page, setup: list[float], steps: int, added: tuple[float, float] = (0.0
 
 @pytest.mark.parametrize(
     ("law", "frequency", "damping"),
-    [("original", 2.0, 0.2), ("published", 0.7, 0.4), ("robust", 1.4, 1.0), ("robust", 4.0, 0.1)],
+    mostly_slow([("original", 2.0, 0.2), ("published", 0.7, 0.4), ("robust", 1.4, 1.0), ("robust", 4.0, 0.1)]),
 )
 def test_verdict_is_that_of_the_rule(page, data, law, frequency, damping):
     loader = make.with_feel(make.LAWS[law](), frequency, damping)

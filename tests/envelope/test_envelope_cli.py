@@ -24,6 +24,7 @@ COUNT, CASES, DRAWN = 30, 32, 40
 run = runs("envelope", report=True)
 
 
+@pytest.mark.slow
 def test_built_in_loader_is_compared(run, tmp_path):
     status, out, err = run("--compare", *SMALL, "--out", "found")
     assert (status, err) == (0, "")

@@ -176,6 +176,7 @@ def test_log_weighted_shares_match_the_weighted_sum(found):
     assert even.worst_case_share == pytest.approx(float((found.plan.settings.weights * passes.all(axis=0)).sum()))
 
 
+@pytest.mark.slow
 def test_random_draws_appear_on_page_terminal_and_in_files(forcefeel, tmp_path):
     words = ("--law", LAW, *(word for name, it in GRID.items() for word in ("--grid", f"{name}={it}")))
     status, out, err = forcefeel("envelope", *words, "--draws", "5", "--seed", str(2**62), "--corners")

@@ -18,6 +18,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.qualification.plan import QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.result import QualificationStatus
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
 NEAR = 4e-3
@@ -71,7 +72,9 @@ def exact(loader, law, values, setting):
 
 @pytest.mark.parametrize(
     "name",
-    [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor],
+    mostly_slow(
+        [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor]
+    ),
 )
 def test_verdicts_and_releases_match_the_exact_plant(loader: ff.Loader, name: str) -> None:
     plan = make_plan(loader, (name,), GRID)
@@ -144,6 +147,7 @@ def test_orifice_rows_replace_the_valve_gains() -> None:
     assert deviations_of(ff.elevator())["valve.current_gain"].size == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_robust_law_qualifies_the_loader() -> None:
     loader = ff.digital_elevator()
     found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))

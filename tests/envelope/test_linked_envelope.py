@@ -31,6 +31,7 @@ def linked(kind="mechanical", **rows):
     return cockpit.pairs[0]
 
 
+@pytest.mark.slow
 def test_slack_link_leaves_each_side_as_alone():
     pair = linked(stiffness=1e-3, damping=0.0)
     assert pair.arms == ("hands off", "light", "firm")
@@ -54,6 +55,7 @@ def test_settings_of_a_pair_are_some_of_the_grid():
     np.testing.assert_array_equal(whole.rows[index], some.rows)
 
 
+@pytest.mark.slow
 def test_command_judges_links(forcefeel, tmp_path):
     grid = [text for name, values in GRID.items() for text in ("--grid", f"{name}={values}")]
     options = ("--no-contact", "--draws", "0", "--out", str(tmp_path / "out"))

@@ -13,6 +13,7 @@ import forcefeel as ff
 from forcefeel._core import host_numbers
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import NONLINEAR, SURFACE
+from tests.parametrization import mostly_slow
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -85,7 +86,7 @@ def test_law_in_flight_beside_the_machine_is_the_loader(flown, version):
         assert machine.get("column_angle") == [angles[-1]]
 
 
-@pytest.mark.parametrize("version", ["fmi2", "fmi3"])
+@pytest.mark.parametrize("version", mostly_slow(["fmi2", "fmi3"]))
 def test_flight_has_the_names_units_and_ranges_of_the_packet(flown, version):
     out, _, steps = flown
     packet = {name: numbers for name, *numbers in host_numbers()}

@@ -12,7 +12,6 @@ from fmpy.validation import validate_fmu
 import forcefeel as ff
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import NONLINEAR
-from tests.parametrization import mostly_slow
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -64,7 +63,8 @@ def opened(fmus, name, kind, version, **how):
     return Imported(unzipped(fmus[name][0], f"pitch_{kind}_{version}"), **how)
 
 
-@pytest.mark.parametrize("kind", mostly_slow(KINDS))
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
 def test_fmpy_validation_finds_no_errors(fmus, kind):
     assert validate_fmu(str(fmus["grip"][0] / f"pitch_{kind}_fmi3.fmu")) == []
 

@@ -66,7 +66,8 @@ def test_pair_has_the_bits_of_its_simulation(rows):
     assert (by_force > 0) == ("priority_force" in rows)
 
 
-@pytest.mark.parametrize("single", mostly_slow([False, True]))
+@pytest.mark.slow
+@pytest.mark.parametrize("single", [False, True])
 def test_compiled_pair_matches_bitwise(tmp_path, single):
     needs("gcc")
     folder = written(pair(priority_force=20.0), tmp_path, single=single)
@@ -173,6 +174,7 @@ def test_link_opens_at_a_hand_or_a_sensor_that_is_no_number(tmp_path):
     run(folder, "./none")
 
 
+@pytest.mark.slow
 def test_project_exports_its_links(forcefeel, tmp_path):
     sticks = f"{ff.__path__[0]}/../../examples/cockpit/linked-sticks.toml"
     status, out, _ = forcefeel("export", sticks, "--to", "c", "--law", "robust", "--out", "code")

@@ -103,6 +103,7 @@ def test_golden_vectors_run_the_statements_of_a_period(folders, name, tmp_path):
     assert not [statement for statement in rare if not SECTIONS[statement.section].rare]
 
 
+@pytest.mark.slow
 def test_a_changed_row_changes_only_statements_that_name_it():
     loader = ff.digital_elevator().replace(NONLINEAR)
     law = ff.Law.of("robust", loader)

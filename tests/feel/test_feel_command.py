@@ -119,6 +119,7 @@ def test_conditions_become_knots_of_a_schedule(run, tmp_path):
     assert stiffness == pytest.approx([loader["feel.stiffness"] / 2, loader["feel.stiffness"]], rel=shown)
 
 
+@pytest.mark.slow
 def test_data_sheet_gives_the_drive(run, ten, tmp_path):
     (tmp_path / "motor.toml").write_text(
         '[winding]\nresistance_phase = "0.5 ohm"\ninductance_phase = "1 mH"\n', encoding="utf-8"

@@ -82,6 +82,7 @@ def test_outward_points_alone_program_the_sum_as_breakout_and_say_so():
     assert "their sum is programmed as breakout" in sentence
 
 
+@pytest.mark.slow
 def test_stated_breakout_leaves_the_rest_of_outward_points_to_friction():
     fit = fitted(Control().points(OUT, np.sign(OUT), stated=False), breakout_n=8.0)
     assert fit.loader["feel.breakout"] == 8.0

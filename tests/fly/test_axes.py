@@ -9,6 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.fly.report import fly_rules
 from forcefeel.fly.rules import Outcome
+from tests.parametrization import mostly_slow
 
 FT, KNOT, PSF = 0.3048, 1852 / 3600, 4.4482216152605 / 0.3048**2
 SPEED, ALTITUDE, SLIP = 100 * KNOT, 914.4, np.radians(5)
@@ -28,7 +29,7 @@ def case_of(axis, aircraft="c172p", **changes):
     return ff.fly.FlightCase(loader, aircraft, SPEED, ALTITUDE, "robust", axis)
 
 
-@pytest.fixture(scope="module", params=CONTROLS)
+@pytest.fixture(scope="module", params=mostly_slow(CONTROLS))
 def case(request):
     return case_of(request.param)
 
@@ -106,7 +107,6 @@ def test_rate_is_that_of_jsbsim_with_a_free_surface(case):
     assert rates[np.argmax(abs(rates))] > np.radians(3)  # to the right
 
 
-@pytest.mark.slow
 def test_rules_of_wheel_and_pedals_are_met_and_friction_fails_them(case):
     report = fly_rules(case)
     assert report.fulfilled
@@ -128,6 +128,7 @@ def test_every_aircraft_has_wheel_and_pedals(name, forcefeel, tmp_path):
         )
 
 
+@pytest.mark.slow
 def test_axis_is_the_loaders_unless_given(forcefeel):
     _, out, _ = forcefeel("fly", "aileron-wheel", "--duration", "1.5 s", "--force", "10 N")
     out = " ".join(out.split())

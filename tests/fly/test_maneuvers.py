@@ -110,6 +110,7 @@ def test_wind_up_turn_banks_to_the_load_factor(case):
     assert measures["force"] < -5
 
 
+@pytest.mark.slow
 def test_levers_move_and_the_hand_is_off(case):
     for name, key, sign in (("power", "altitude", 1), ("flaps", "pitch_attitude", -1)):
         flown = ff.fly.fly_maneuver(case, name).flown
@@ -143,6 +144,7 @@ def test_speed_brake_slows_the_aircraft():
     assert lost > 0.5  # m/s in a second: a third of a g at most
 
 
+@pytest.mark.slow
 def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
     """The T38's stick has its bobweight: ``G theta = -R W (n - n_0) - q S c (C_delta theta + tab)``; less drag, a new pitch."""
     case = ff.fly.FlightCase(ff.digital_elevator(), "T38", 300 * KNOT, 3048.0, "robust")
@@ -173,7 +175,6 @@ def test_gear_goes_up_as_in_jsbsim_with_a_balanced_stick():
     assert abs(speed[-1] - speed[0]) > 0.02 * speed[0]
 
 
-@pytest.mark.slow
 def test_stall_slows_until_the_wing_no_longer_carries(case):
     measures = {measure.name: measure.alone for measure in ff.fly.fly_maneuver(case, "stall").measures}
     assert 40 * KNOT < measures["smallest calibrated airspeed"] < 60 * KNOT  # its book has 44 to 51 kt

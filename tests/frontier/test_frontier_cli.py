@@ -31,6 +31,7 @@ def run(command, monkeypatch):
     return command
 
 
+@pytest.mark.slow
 def test_built_in_loader_has_a_frontier(run, tmp_path):
     status, out, err = run(*SMALL, "--out", "found")
     assert (status, err) == (0, "")

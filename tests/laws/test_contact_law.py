@@ -175,6 +175,7 @@ def test_sensors_of_500_hz_leave_the_column_quiet_on_steel(name: str) -> None:
         assert not swings_on(loader, law, feel, contact)[0].any(), contact.name
 
 
+@pytest.mark.slow
 def test_an_independent_integrator_finds_a_stick_with_slow_sensors_at_rest_on_steel() -> None:
     """40 N onto a stop of 1e6 N/m: made for ideal sensors, the law swings by 0.13 mm and 92 N there."""
     stick = ff.loader.electric("sidestick-pitch").replace(LAG).replace({"feel.breakout": None})

@@ -16,6 +16,7 @@ from forcefeel.loops import sampled_loops
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Recorded, Release
 from tests import electric_witness as witness
+from tests.parametrization import mostly_slow
 
 QUIET = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
 SENSOR = {"grip_sensor.gain": 1.0}
@@ -34,7 +35,7 @@ def own(loader):
     return Law.of("grip", loader)
 
 
-@pytest.mark.parametrize("mass", [None, 0.05])
+@pytest.mark.parametrize("mass", mostly_slow([None, 0.05]))
 def test_engine_matches_the_reference(mass):
     loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass}, si=True)
     law, time = own(loader), np.linspace(0.0, 0.21, 421)

@@ -40,7 +40,9 @@ def numbers(name, loader):
     return [getattr(law.numbers, one) for one in NUMBERS], law.cancellation
 
 
-@pytest.mark.parametrize(("loader", "name"), [(DIGITAL, "robust"), (STICK, "robust"), (STICK, "torque-mode")])
+@pytest.mark.parametrize(
+    ("loader", "name"), mostly_slow([(DIGITAL, "robust"), (STICK, "robust"), (STICK, "torque-mode")])
+)
 def test_rows_not_stored_in_a_law_do_not_affect_the_design(loader, name):
     """Row by row: where the rows stay, so do the law's numbers. The exception is an arm's mass, which no loader of its own has."""
     designed, cancelled = numbers(name, loader)

@@ -9,6 +9,7 @@ from forcefeel.laws.law import Law
 from forcefeel.linear.unit_circle import inside_unit_circle
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loops.sampled_loop import sampled_loops
+from tests.parametrization import mostly_slow
 
 _NEAR = 1e-9
 """Distances from the circle down to this are told as by eigenvalues, whose own rounding is below it for these matrices."""
@@ -31,7 +32,9 @@ def test_what_is_no_number_is_not_inside() -> None:
     assert inside_unit_circle(matrices, 1).tolist() == [True, False, False]
 
 
-@pytest.mark.parametrize("name", [name for name, make in BUILT_IN.items() if make()["controller.period"]])
+@pytest.mark.parametrize(
+    "name", mostly_slow([name for name, make in BUILT_IN.items() if make()["controller.period"]], 2)
+)
 def test_verdicts_on_the_loops_of_a_loader_are_those_of_their_poles(name: str) -> None:
     plan = make_plan(
         BUILT_IN[name](),

@@ -90,6 +90,7 @@ def test_run_that_diverged_fails_and_says_so():
     assert not any(check.passed for check in checks.values())
 
 
+@pytest.mark.slow
 def test_json_has_no_limits_where_there_are_none(forcefeel, tmp_path):
     _, text, _ = forcefeel("qualify", UNCOUPLING, "--law", "robust", "--out", str(tmp_path / "out"), "--json")
     swing = json.loads(text)["links"]["pitch"][-1]

@@ -266,7 +266,8 @@ def cockpit_on_bus(folder, wired, port=None):
             yield cockpit, emulator
 
 
-@pytest.mark.parametrize("kind", mostly_slow(["moteus", "odrive"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["moteus", "odrive"])
 def test_axes_of_one_bus_run_in_one_loop(tmp_path, kind):
     wired = {axis: yoke(kind, node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator):

@@ -203,6 +203,7 @@ def test_shaft_between_simulated_machines_is_opened_and_closed():
     assert apart[0] > together[0] > together[1] > 0.4 * together[0]
 
 
+@pytest.mark.slow
 def test_host_sends_one_datagram_for_all_axes(tmp_path):
     project = project_of(
         tmp_path, '[axes]\npitch = "elevator-2khz"\nroll = "aileron-wheel"\n[flap_trim]\npitch = -0.1\n'

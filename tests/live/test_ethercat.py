@@ -181,6 +181,7 @@ def test_our_master_moves_a_foreign_slave_by_the_closed_form(wire):
     assert speed == pytest.approx(981.7, rel=CLOSED_FORM)
 
 
+@pytest.mark.slow
 def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
     axes = {"roll": 1, "pitch": 2, "yaw": 200}
     wired = {axis: yoke("ethercat", port=wire[1], node=node) for axis, node in axes.items()}

@@ -109,6 +109,7 @@ def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, t
     assert ff.live.replay(path).same
 
 
+@pytest.mark.slow
 def test_other_sender_takes_over_only_when_accepted(host: ModuleType) -> None:
     with ff.live.start(unhurried_elevator(), "robust", host=0) as running:
         address, _, port = running.host.listens.rpartition(":")

@@ -133,6 +133,7 @@ def test_the_verdict_is_the_second_column(pages, made, name):
     assert all(head[1] == "Verdict" for head in features)
 
 
+@pytest.mark.slow
 def test_page_has_lines_for_simulator_operator_date_signature(pages):
     for name, simulator in (("friction", ""), ("recorded", "FFS 4 &lt;left seat&gt;")):
         text = pages[name].read_text(encoding="utf-8")

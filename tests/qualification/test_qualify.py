@@ -160,7 +160,8 @@ def test_nonlinear_feel_is_judged():
     assert "feel.breakout" in found.reference
 
 
-@pytest.mark.parametrize("period", mostly_slow(["0.33 ms", "5 ms"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("period", ["0.33 ms", "5 ms"])
 def test_a_digital_controller_of_any_period_is_judged(period):
     loader = ff.elevator().replace({"controller.period": period, "feel.breakout": "1 lb"}, si=True)
     results = _by(qualify_loader(loader, QualificationSetup(laws=("published",))).sections[0].results)
@@ -339,6 +340,7 @@ def test_unstable_loop_fails_and_states_time():
     assert results["static"].outcome is Outcome.FAILED
 
 
+@pytest.mark.slow
 def test_sweep_brings_a_control_that_friction_holds_back_to_neutral():
     """A collective of 3 lb of friction and 1.4 lb of spring at its stops stays there without a hand."""
     setup = QualificationSetup(rule="part60-c-2014", axis="collective", laws=["robust"])
@@ -420,6 +422,7 @@ def test_unknown_tests_and_bad_setups_are_refused():
         qualify_loader(ff.elevator(), QualificationSetup(rule="part60-z"))
 
 
+@pytest.mark.slow
 def test_pilot_arm_is_excluded():
     loader = ff.elevator().replace(
         {"pilot.arm_mass": 3.0, "pilot.arm_damping": 40.0, "pilot.arm_stiffness": 1000.0}, si=True

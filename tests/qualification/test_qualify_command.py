@@ -145,6 +145,7 @@ def test_single_release_is_incomplete_unless_only_test_requested(run, tmp_path):
     assert run("--replace", "--record", "one.csv", "--test", "static")[0] == 1  # asked for, and not there
 
 
+@pytest.mark.slow
 def test_the_digital_elevator_qualifies_under_robust(run):
     """All that a control loader can be given passes: exit status 0, and what is outside its programme is named."""
     status, out, _ = run("elevator-2khz", "--law", "robust", "--json")

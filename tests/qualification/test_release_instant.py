@@ -15,6 +15,7 @@ from forcefeel.qualification import Outcome, Record, judge_release, load_rules, 
 from forcefeel.qualification.plan.law_names import named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.verdicts import overall
+from tests.parametrization import mostly_slow
 
 ANGLE = math.radians(5.0)
 HELD_S = 0.1
@@ -86,7 +87,7 @@ def test_recorded_release_is_detected_within_one_sample(name, law, noisy, rate):
         assert found.release_s.value == pytest.approx(HELD_S, abs=within)
 
 
-@pytest.mark.parametrize("damping", [None, OVERDAMPED["feel.damping"]])
+@pytest.mark.parametrize("damping", mostly_slow([None, OVERDAMPED["feel.damping"]]))
 @pytest.mark.parametrize(("name", "law", "noisy"), LAWS)
 def test_passing_release_overlays_reference(name, law, noisy, damping):
     loader, record = released(name, law, noisy, damping)

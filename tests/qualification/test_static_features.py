@@ -112,7 +112,8 @@ def test_reference_statics_match_feel(name):
         assert side.value == pytest.approx(spring, rel=SHARE)
 
 
-@pytest.mark.parametrize(("name", "built_in"), mostly_slow(ELECTRIC))
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "built_in"), ELECTRIC)
 def test_electric_reference_statics_match_feel(name, built_in):
     check(reference(name, built_in)[1], *FEELS[name][1:])
 

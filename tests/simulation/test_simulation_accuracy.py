@@ -93,6 +93,7 @@ LEFT = {"median": (6e-5, 3e-5, 1.5e-5), "worst": (2e-4, 2e-4, 2e-4)}
 """Of machines around the full one, at 1, 0.5 and 0.25 ms; found 3e-5, 2e-5, 5e-6 at most, and 1.5e-4 at every step."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case_of", [step_case, release_case])
 def test_all_effects_match_witness_at_every_step_size(case_of):
     """The full machine is within the claim at every step, and so are most around it.

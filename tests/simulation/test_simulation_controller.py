@@ -63,7 +63,8 @@ def test_short_period_converges_to_analog_loop(gains):
     assert 1.7 < errors[1] / errors[2] < 2.3
 
 
-@pytest.mark.parametrize("gains", [None, pytest.param(GAINS, marks=pytest.mark.slow)], ids=["original", "feedback"])
+@pytest.mark.slow
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
 def test_antiwindup_matches_witness(gains):
     machine = Machine(gains=gains, period=1e-3, orifice=True, current_limit=0.3)
     case = Case(replace(machine, antiwindup=100.0), *FORCE[:2], 1.5)
@@ -134,6 +135,7 @@ def digital_release(machine, duration=1.2):
     return Case(machine, [(0.0, start["force"]), (0.05, 0.0)], Release(8 * DEG, 0.05), duration, start, SIGNALS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case_of", "gains"),
     mostly_slow([(digital_step, None), (digital_release, GAINS)]),

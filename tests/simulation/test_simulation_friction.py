@@ -96,7 +96,7 @@ def test_stuck_column_does_not_drift(gains):
     assert np.ptp(feel[len(feel) // 10 :]) == 0
 
 
-@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+@pytest.mark.parametrize("gains", [None, pytest.param(GAINS, marks=pytest.mark.slow)], ids=["original", "feedback"])
 def test_hunting_of_stuck_column_matches_witness(gains):
     """Without friction in the feel the servo hunts behind the stuck column, which slips each time: a true limit cycle."""
     case = Case(

@@ -15,6 +15,7 @@ from forcefeel.loader.curves import Curve
 from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.simulation.inputs import Recorded, Release, Schedule
 from forcefeel.sizing.demand import hardest_angle, programmed_force
+from tests.parametrization import mostly_slow
 
 POUND_N, DEG = 4.4482216152605, radians(1)
 ROUNDING = 1e-9  # relative; a sum of ten forces
@@ -55,7 +56,7 @@ def at_angles(loader, force, angle, probes):
     return np.interp(probes, angle[order], held[order])
 
 
-@pytest.mark.parametrize("row", ROWS)
+@pytest.mark.parametrize("row", mostly_slow(ROWS, 4))
 def test_slow_push_and_pull_match_holding_force(row):
     loader = DAMPED.replace(EVERY | {row: OTHER * EVERY.get(row, DAMPED[row])}, si=True)
     probes = PROBES_DEG * DEG

@@ -49,6 +49,7 @@ def test_release_demand_matches_simulated_run(name, share):
         assert row.needs.current_a == pytest.approx(run.measures.peak_current_a, rel=ENGINE)
 
 
+@pytest.mark.slow
 def test_release_demand_matches_independent_integrator():
     """The loader's and the law's equations written out: a hand that pushes as hard as the angle asks, and lets go at a sample."""
     loader = ff.loader.electric("desktop-yoke")

@@ -27,6 +27,7 @@ def here():
     return run_sweep(small(RUNS)).runs
 
 
+@pytest.mark.slow
 def test_killed_worker_does_not_change_result(workers, here, tmp_path):
     """Nothing is counted twice and nothing lost: the result is the embedded one, bit for bit."""
     victim = next(iter(workers.workers.values())).pid
@@ -57,6 +58,7 @@ def test_local_sweep_resumes_on_cluster(workers, here, tmp_path):
     assert found.runs.identical(here)
 
 
+@pytest.mark.slow
 def test_cluster_laws_equal_local_laws(workers):
     loader = nonlinear()
     vary = {"feel.damping": "30 %"}
@@ -64,6 +66,7 @@ def test_cluster_laws_equal_local_laws(workers):
     assert run_sweep(sweep, scheduler=workers.scheduler_address).runs.identical(run_sweep(sweep).runs)
 
 
+@pytest.mark.slow
 def test_interrupted_cluster_sweep_keeps_finished_chunks(workers, here, tmp_path):
     def stop(done, total):
         if done > total / 3:

@@ -13,6 +13,7 @@ from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep import Sweep, identity, run_sweep
 from forcefeel.sweep.chunk import measure
+from tests.parametrization import mostly_slow
 from tests.sweeps import PUSH, nonlinear
 
 STIFFNESS = (500.0, 1000.0, 2000.0)
@@ -53,7 +54,7 @@ def assert_same(runs, k, run):
         assert float(runs[name][k]) == pytest.approx(getattr(run.measures, name), **close, nan_ok=True), name
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", mostly_slow(DESIGNS))
 @pytest.mark.parametrize("machine", [ff.elevator, analog], ids=["linear", "nonlinear"])
 def test_each_grid_point_uses_law_of_its_setting(name, machine):
     loader = machine()

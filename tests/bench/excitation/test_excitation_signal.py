@@ -89,6 +89,7 @@ def test_every_limit_holds_on_the_nonlinear_loader(name, kind, experiment):
     assert {use.limit.name: use.share for use in found.uses} == pytest.approx(shares, rel=SAMPLED)
 
 
+@pytest.mark.slow
 def test_limits_default_to_the_loader_and_can_be_tightened():
     linear = {limit.name: limit.value for limit in limits_of(ff.elevator(), Drive.PILOT_FORCE, {})}
     assert linear == pytest.approx(
@@ -247,6 +248,7 @@ def test_invalid_arguments_raise_input_error(fit, experiment, message):
         excite(ff.elevator(), fit, experiment, PLAN)
 
 
+@pytest.mark.slow
 def test_whole_loader_experiment_takes_a_law():
     law = ff.laws.GainLaw.original(ff.elevator().si_values)
     with pytest.raises(

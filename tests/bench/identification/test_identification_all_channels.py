@@ -10,6 +10,7 @@ import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.records import BenchRecord
 from tests import witness
+from tests.parametrization import mostly_slow
 
 TRUTH = {
     "linkage.stiffness": (5230.0, "lb/in", "link_stiffness"),
@@ -74,7 +75,7 @@ def record_of(names, drive="test_signal", controller=None, said=None):
     return BenchRecord("multisine", Experiment.read(f"servo-closed {said}"), time_s, seen)
 
 
-@pytest.mark.parametrize("measured", SETS)
+@pytest.mark.parametrize("measured", mostly_slow(SETS))
 def test_every_parameter_is_within_its_standard_errors(loader, measured):
     found = apart(loader, record_of(measured))
     assert max(abs(it) for it in found.values()) < ERRORS, found

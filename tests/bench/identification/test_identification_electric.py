@@ -49,6 +49,7 @@ def by_current_alone(yoke, truth):
     return bench.record(truth, None, "motor-open test_current", quick, 2.5, random=random)
 
 
+@pytest.mark.slow
 def test_motor_link_and_column_are_within_their_standard_errors(yoke, truth, law, under_its_law, tmp_path):
     channels = ("column_angle", "drive_position", "load_cell_force", "motor_current")
     found = identify(yoke, [bench.measured(under_its_law, *channels)], "K_t,J_m,k,c,J", law=law, starts=1)

@@ -15,7 +15,6 @@ from forcefeel.errors import InputError
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.tolerances import Distribution
 from tests.bench_witness import FREQUENCY_HZ, TRUTH_SI, servo_response
-from tests.parametrization import mostly_slow
 
 FIT = "k,c,J,C_i"
 
@@ -178,7 +177,8 @@ def test_tolerances_bound_the_search(loader):
     assert found["k"].value == pytest.approx(0.95 * loader["linkage.stiffness"])
 
 
-@pytest.mark.parametrize("drive", mostly_slow(["test_signal", "command_signal"]))
+@pytest.mark.slow
+@pytest.mark.parametrize("drive", ["test_signal", "command_signal"])
 def test_sampled_model_is_fitted_under_a_digital_controller(drive):
     """The same bench under the 2 kHz controller: a signal on the command has its hold and its delay in it, and the fit knows."""
     loader = ff.digital_elevator()

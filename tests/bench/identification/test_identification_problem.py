@@ -95,6 +95,7 @@ def test_independent_errors_give_the_white_sandwich():
     np.testing.assert_allclose(np.diag(covariance), classical, rtol=1 / np.sqrt(points))
 
 
+@pytest.mark.slow
 def test_correlated_errors_widen_the_intervals():
     """The interval holds the truth in 95 of 100 cases with errors that are the same within each piece, as no classical one does."""
     asked = unknowns()

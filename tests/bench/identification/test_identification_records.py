@@ -159,6 +159,7 @@ def test_push_record_identifies_link_column_valve_and_friction(loader):
     assert found["k"].low < TRUTH_SI["linkage.stiffness"] < found["k"].high
 
 
+@pytest.mark.slow
 def test_release_record_identifies_link_without_release_time(loader):
     held = loader.replace(
         {key: KEYS[key] for key in ("column.inertia", "valve.current_gain", "column.coulomb_friction")}, si=True

@@ -17,6 +17,7 @@ from forcefeel.qualification.plan.run import QualificationSetup
 from tests.live.console.conftest import Talk
 from tests.live.run_command import run_command
 from tests.live.unhurried import unhurried_elevator
+from tests.parametrization import mostly_slow
 
 PATIENCE_S = 60.0
 STOPPED_S = 2.0
@@ -136,7 +137,7 @@ def servers(process):
     ]
 
 
-@pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM], ids=lambda told: told.name)
+@pytest.mark.parametrize("told", mostly_slow([signal.SIGINT, signal.SIGTERM]), ids=lambda told: told.name)
 def test_run_with_stopped_server_ends_cleanly(told):
     with run_command("elevator-2khz", "--port", "0", "--json") as process:
         address, watch = process.stderr.readline(), process.stderr.readline()
