@@ -256,6 +256,8 @@ def test_qualify_with_an_aircraft_needs_both_verdicts(forcefeel, report, tmp_pat
         (("c172p", "--compare"), "--compare: --aircraft flies the simulated loader"),
         (("c172p", "--record", "a.csv"), "--record: --aircraft flies the simulated loader"),
         (("c172p", "--law", "robust", "--law", "observer"), "--law: --aircraft takes one"),
+        (("c172p", "--axis", "nosewheel"), "--axis: --aircraft flies pitch, roll, yaw, got nosewheel"),
+        (("c172p", "--set", "controller.period=off", "--set", "controller.delay=off"), "controller.period"),
         (("c17",), "did you mean c172p?"),
     ],
 )

@@ -150,13 +150,11 @@ def _delay_finding(check: "BusCheck") -> "Finding":
     from forcefeel.bus import Finding
 
     delay = check.delay
-    stated = f"{1e3 * delay.delay_s:g} ms"
-    if delay.ok or not delay.answers:
-        return Finding("controller.delay", delay.ok, stated if delay.answers else "no answer", "")
-    stated += f", expected at most {1e3 * delay.limit_s:g} ms"
-    return Finding(
-        "controller.delay", False, stated, "set a longer controller.period, or prepare this computer as below"
-    )
+    stated, remedy = f"{1e3 * delay.delay_s:g} ms" if delay.answers else "no answer", ""
+    if delay.answers and not delay.ok:
+        stated += f", expected at most {1e3 * delay.limit_s:g} ms"
+        remedy = "set a longer controller.period, or prepare this computer as below"
+    return Finding("controller.delay", delay.ok, stated, remedy)
 
 
 def _times(check: "BusCheck") -> str:

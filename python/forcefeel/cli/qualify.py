@@ -1,11 +1,11 @@
 """``forcefeel qualify``."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from cyclopts import Group
 from rich.table import Table
@@ -28,6 +28,7 @@ from forcefeel.cli.progress import Bar, all_or_nothing
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.errors import InputError
+from forcefeel.loader.axes import FlightAxis, flight_axis
 
 if TYPE_CHECKING:
     from forcefeel.fly import FlightCase, FlightReport
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from forcefeel.qualification.plan import Qualification, QualificationSetup
     from forcefeel.qualification.plan.cockpit import CockpitQualification
     from forcefeel.qualification.plan.run import Progress
+
+FLIGHT = "flight"
+"""Folder of the tests in flight, within that of the qualification."""
 
 TESTS = Group("Tests", sort_key=10)
 RECORDS = Group("Records", sort_key=20)
@@ -278,15 +282,15 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
             if isinstance(subject, Project)
             else qualify_loader(subject, options.setup(subject), progress=show)
         )
-        flown = None if flight is None else _fly(flight, bar)
-        show("report", bar.total, bar.total)
         command = options.command_line(path)
+        flown, flight_page = (None, None) if flight is None else _fly(flight, options, command, bar.describe)
+        show("report", bar.total, bar.total)
         page = write_qualification(qualification, options.out, pdf=options.pdf, command=command)
-        flight_page = None if flown is None else _write_flight(flown, options, command)
+    pages = {"page": page} if flight_page is None else {"page": page, "flight_page": flight_page}
     answer(
-        {"page": page, **({} if flown is None else {"flight_page": flight_page})},
-        lambda: {**qualification_json(qualification), **({} if flown is None else _flight_json(flown, options))},
-        lambda terminal: _show_all(terminal, qualification, flown),
+        pages,
+        lambda: qualification_json(qualification) | _flight_json(flown, options),
+        lambda terminal: _show(terminal, qualification, flown),
         as_json=options.json,
     )
     if not qualification.fulfilled or (flown is not None and not flown.fulfilled):
@@ -310,41 +314,34 @@ def _flight(loader: "Loader", options: QualifyOptions) -> "FlightCase | None":
             raise InputError(f"{name}: --aircraft flies the simulated loader with the aircraft's feel; leave one out")
     if len(options.law) > 1:
         raise InputError("--law: --aircraft takes one; fly the others in a run of their own")
+    if options.axis not in (None, *get_args(FlightAxis)):
+        raise InputError(f"--axis: --aircraft flies {', '.join(get_args(FlightAxis))}, got {options.axis}")
     from forcefeel.fly import FlightCase
     from forcefeel.fly.page.page import FOLDER
-    from forcefeel.loader.axes import flight_axis
 
-    FOLDER.check(options.out / "flight", replace=options.replace)
-    axis = None if options.axis is None else flight_axis(options.axis)
-    return FlightCase.of(loader, options.aircraft, law=options.law[0] if options.law else None, axis=axis)
-
-
-def _fly(flight: "FlightCase", bar: Bar) -> "FlightReport":
-    from forcefeel.fly import fly_rules
-
-    return fly_rules(flight, bar.describe)
+    FOLDER.check(options.out / FLIGHT, replace=options.replace)
+    axis: FlightAxis | None = None if options.axis is None else flight_axis(options.axis)
+    case = FlightCase.of(loader, options.aircraft, law=options.law[0] if options.law else None, axis=axis)
+    _ = case.designed  # what cannot run live is refused before the work
+    return case
 
 
-def _write_flight(flown: "FlightReport", options: QualifyOptions, command: str) -> Path:
-    from forcefeel.fly import write_flight
-
-    return write_flight(flown, options.out / "flight", options.units, replace=options.replace, command=command)
-
-
-def _flight_json(flown: "FlightReport", options: QualifyOptions) -> dict[str, Any]:
+def _flight_json(flown: "FlightReport | None", options: QualifyOptions) -> dict[str, Any]:
+    if flown is None:
+        return {}
     from forcefeel.fly.as_json import report_json
 
     return {"flight": report_json(flown, options.units)}
 
 
-def _show_all(
-    terminal: Terminal, qualification: "Qualification | CockpitQualification", flown: "FlightReport | None"
-) -> None:
-    _show(terminal, qualification)
-    if flown is not None:
-        from forcefeel.cli.fly import show_report
+def _fly(
+    flight: "FlightCase", options: QualifyOptions, command: str, tell: "Callable[[str], None]"
+) -> "tuple[FlightReport, Path]":
+    """The tests in flight, and their page."""
+    from forcefeel.fly import fly_rules, write_flight
 
-        show_report(terminal, flown, qualification.system)
+    flown = fly_rules(flight, tell)
+    return flown, write_flight(flown, options.out / FLIGHT, options.units, replace=options.replace, command=command)
 
 
 @contextmanager
@@ -379,7 +376,9 @@ def _show_axes(console: Terminal, cockpit: "CockpitQualification") -> None:
     console.conclude(cockpit_conclusions(cockpit))
 
 
-def _show(console: Terminal, qualification: "Qualification | CockpitQualification") -> None:
+def _show(
+    console: Terminal, qualification: "Qualification | CockpitQualification", flown: "FlightReport | None"
+) -> None:
     from forcefeel.qualification.plan.cockpit import CockpitQualification
     from forcefeel.qualification.plan.sentences import conclusions
 
@@ -389,6 +388,10 @@ def _show(console: Terminal, qualification: "Qualification | CockpitQualificatio
     title = f"{qualification.loader.name}, {qualification.rules.title} ({qualification.rules.edition}), {qualification.axis}"
     console.show((_tests if len(qualification.sections) <= _SIDE_BY_SIDE else _counts)(qualification, title))
     console.conclude(conclusions(qualification))
+    if flown is not None:
+        from forcefeel.cli.fly import show_report
+
+        show_report(console, flown, qualification.system)
 
 
 _SIDE_BY_SIDE = 3
