@@ -122,7 +122,7 @@ impl Loader {
             added_stiffness: [stiffness; 2],
             ..Inputs::NONE
         };
-        let start = machine.begin(shared, state, memory, &inputs, || noise.next(()));
+        let start = machine.begin(shared, state, memory, &inputs, &mut || noise.next(()));
         machine.advance(shared, state, &inputs, &start);
         let to_rad = machine.per_base();
         hand.see(start.now.base * to_rad, start.now.base_rate * to_rad, shared.step_s);

@@ -223,7 +223,7 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
     fn cycle(&mut self, arrived: &SamplingPoint<f64, D>, inputs: &Inputs) -> Option<()> {
         let Self { case, limits, shared, machine, state, noise, supervisor, control, followed, .. } = self;
         let (now, sample) = (&arrived.now, self.rows.len());
-        let sensors = machine.sampled(shared, state, || core::array::from_fn(|_| StandardNormal.sample(noise)));
+        let sensors = machine.sampled(shared, state, &mut || core::array::from_fn(|_| StandardNormal.sample(noise)));
         let mut input = SupervisorInput {
             sensed: sensors,
             missed: 0,

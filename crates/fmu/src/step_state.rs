@@ -193,16 +193,19 @@ impl<S: Scalar + Into<f64>, D: Drive<S>> StepConstants<S, D> {
             let mut next = || like.constant(StandardNormal.sample(column));
             [next(), next(), next(), like.constant(StandardNormal.sample(grip))]
         };
-        if self.kind == Kind::Loader {
-            return self.machine.begin(&self.shared, state, memory, inputs, normal);
-        }
         let arrived = self.machine.arrive(&self.shared, state, inputs);
-        if let Some(sample) = self.timing.sample_at(step_state.step) {
-            step_state.sensed = self.machine.sampled(&self.shared, state, &mut normal);
-            step_state.under_way.send(sample, given.command + given.command.zero());
-        }
-        if let Some(sample) = self.timing.arriving_at(step_state.step) {
-            state.command(step_state.under_way.arriving(sample));
+        if self.kind == Kind::Loader {
+            if let Some(timing) = self.shared.timing {
+                self.machine.act(&self.shared, timing, (state, memory), inputs, &arrived.now, &mut normal);
+            }
+        } else {
+            if let Some(sample) = self.timing.sample_at(step_state.step) {
+                step_state.sensed = self.machine.sampled(&self.shared, state, &mut normal);
+                step_state.under_way.send(sample, given.command + given.command.zero());
+            }
+            if let Some(sample) = self.timing.arriving_at(step_state.step) {
+                state.command(step_state.under_way.arriving(sample));
+            }
         }
         self.machine.set_out(&self.shared, state, inputs, arrived)
     }

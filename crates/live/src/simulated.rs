@@ -169,7 +169,7 @@ impl<D: Drive<f64>> Simulated<D> {
     /// What the sensors give where something may be broken.
     fn measured(&mut self) -> Option<[f64; SENSORS]> {
         let [column, grip] = &mut self.noise;
-        let mut sensors = self.machine.sampled(&self.shared, &self.state, || {
+        let mut sensors = self.machine.sampled(&self.shared, &self.state, &mut || {
             let mut next = || StandardNormal.sample(column);
             [next(), next(), next(), StandardNormal.sample(grip)]
         });

@@ -140,6 +140,7 @@ impl<T: Scalar> Scalar for Dual<T> {
         Self { value, slope: (self.slope - by.slope.slope_times(value)).slope_over(by.value) }
     }
     const HAS_SLOPE: bool = true;
+    const IN_LANES: bool = T::IN_LANES;
     #[inline(always)]
     fn still(self) -> Self {
         Self::constant(self.value)

@@ -152,7 +152,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
         let moved = |[rate, acceleration]: [S; 2], by: S| (start.0 + by * rate, start.1 + by * acceleration);
         let sum = |a: [S; 2], b: [S; 2]| [a[0] + b[0], a[1] + b[1]];
         let parts = effects.feel_friction | effects.feel_spring | effects.feel_damping_and_stops;
-        let (outer, inner) = if !parts && self.curve.is_none() && self.fade == 0.0 {
+        let (outer, inner) = if !S::COMPILED_ONCE && !parts && self.curve.is_none() && self.fade == 0.0 {
             // Of a feel of inertia, damping and stiffness alone the stages are so small that they need no loop.
             let effects = &Effects { feel_spring: false, feel_damping_and_stops: false, ..*effects };
             let plain = FeelComputer { feel: self.feel, next: self.next, fade: 0.0, effects, curve: None };

@@ -42,6 +42,11 @@ pub trait Scalar:
     /// Whether it has a slope of its own, see [`Dual`](crate::dual::Dual). The next three change that slope and nothing else; a slope
     /// of the slope they do not carry.
     const HAS_SLOPE: bool = false;
+    /// Whether it stands for several runs at once.
+    const IN_LANES: bool = false;
+    /// Whether what is large is compiled once for all places that ask for it. With a slope of its own a step is three times as long, and a
+    /// number alone gains nothing where it is inlined; what runs in vector lanes must be.
+    const COMPILED_ONCE: bool = Self::HAS_SLOPE && !Self::IN_LANES;
     /// The number without its slope.
     #[inline(always)]
     fn still(self) -> Self {

@@ -320,14 +320,7 @@ pub fn sampled_loops<'py>(
     let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), values.len())?;
     let law = laws.law();
     let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
-    let shared = Shared {
-        effects: effects_of(values.iter(), &law).smooth(),
-        step_s,
-        timing: Some(timing),
-        curve: None,
-        cancellation: None,
-    };
-    let loops = SampledLoops { shared, timing, values: &values, law };
+    let loops = SampledLoops { effects: effects_of(values.iter(), &law), step_s, timing, values: &values, law };
     let Periods { states, matrices } = answered(py.detach(|| loops.periods(threads)))?;
     let shape = [values.len(), states.len(), states.len() + INPUTS];
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))

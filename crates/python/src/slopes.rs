@@ -7,7 +7,6 @@ use crate::limits::{step, timing as in_steps};
 use crate::model::drive_of;
 use forcefeel_matrices::{Linkage, Slopes, linear, sampled};
 use forcefeel_model::drive::{Kind, Signals};
-use forcefeel_model::machine::Shared;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_model::with_drive;
 use forcefeel_slopes::sampled_loops::SampledLoops;
@@ -66,9 +65,7 @@ pub fn sampled_slopes<'py>(
     let laws = Laws::of(law, None, observers.as_ref(), values.len())?;
     let law = laws.law();
     let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
-    let effects = effects_of(values.iter(), &law).smooth();
-    let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
-    let loops = SampledLoops { shared, timing, values: &values, law };
+    let loops = SampledLoops { effects: effects_of(values.iter(), &law), step_s, timing, values: &values, law };
     let slopes = py.detach(|| sampled(&loops, &keys));
     sloped(py, &slopes)
 }

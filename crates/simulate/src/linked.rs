@@ -156,12 +156,12 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         inputs.added_force = inputs.added_force.map(|other| other + force);
         inputs.added_damping = inputs.added_damping.map(|other| other + damping);
         let (noise, mut normal) = (&mut self.noise, [0.0; SENSORS]);
-        let start = self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, || {
+        let start = self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, &mut || {
             normal = noise.next::<f64>(());
             normal
         });
         if let Some(sample) = self.shared.timing.and_then(|timing| timing.sample_at(step)) {
-            let sensors = self.machine.sampled(&self.shared, &self.state, || normal);
+            let sensors = self.machine.sampled(&self.shared, &self.state, &mut || normal);
             let command = self.machine.control().within_range(self.memory.command(sample));
             self.sampled = [0, 1, 2, 3, 4].map(|k| sensors.get(k).copied().unwrap_or(command));
         }

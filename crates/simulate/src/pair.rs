@@ -57,6 +57,7 @@ impl<T: Wide> Wide for Pair<T> {
 
 impl<T: Scalar> Scalar for Pair<T> {
     type Mask = Pair<T::Mask>;
+    const IN_LANES: bool = true;
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
         let constant = self.0.constant(value);

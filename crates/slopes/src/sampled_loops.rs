@@ -12,8 +12,9 @@ use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
-use forcefeel_model::drive::{Drive, Kind, Signals};
+use forcefeel_model::drive::{Drive, Kind};
 use forcefeel_model::dual::Dual;
+use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
@@ -40,8 +41,10 @@ pub type Rows<T> = [[T; COLUMNS]; channels::COUNT];
 /// Loops that share their effects and their timing.
 #[derive(Debug, Clone)]
 pub struct SampledLoops<'a> {
-    /// What all share; with a controller's timing.
-    pub shared: Shared,
+    /// Effects in play; what holds, touches or steps is left out.
+    pub effects: Effects,
+    /// Length of a step in s.
+    pub step_s: f64,
     /// When the controller acts.
     pub timing: Timing,
     /// Parameters of each loop, in the order of the table.
@@ -114,7 +117,7 @@ impl SampledLoops<'_> {
         }
         let mut depends = false;
         for (run, block) in runs.zip(blocks.chunks_mut(evaluated.size())) {
-            let matrix = self.matrix_of(run, &Parameters::from_values(&self.values[run]));
+            let (matrix, _) = self.matrix_of(run, &Parameters::from_values(&self.values[run]));
             for (&state, row) in evaluated.states.iter().zip(block.chunks_mut(evaluated.width())) {
                 for (value, &place) in matrix[state].iter().zip(&evaluated.places) {
                     match row.get_mut(place) {
@@ -136,14 +139,14 @@ impl SampledLoops<'_> {
                 let last = self.values.len() - 1;
                 let wide = |of: &dyn Fn(usize) -> f64| Lanes::gather(simd, |lane| of((first + lane).min(last)));
                 let values = core::array::from_fn(|k| wide(&|run| self.values[run][k]));
-                let period = self.ready::<Lanes<S>, K>(&Parameters::from_values(&values), wide);
+                let ready = self.ready::<Lanes<S>, K>(&Parameters::from_values(&values), wide);
                 let (width, size, zero) = (evaluated.width(), evaluated.size(), Lanes::splat(simd, 0.0));
                 let mut depends = false;
                 // All others are evaluated as one, their sum, after the last column.
                 for place in 0..=width {
                     let slope = |k: usize| Lanes::splat(simd, f64::from(evaluated.places[k] == place));
                     let (state, drives) = along(|k| Dual { value: zero, slope: slope(k) });
-                    let next = period.of().next(&state, &drives);
+                    let (_, next) = ready.next(&state, &drives);
                     for (row, &state) in evaluated.states.iter().enumerate() {
                         let slopes = next[state].slope.values();
                         if place == width {
@@ -164,22 +167,22 @@ impl SampledLoops<'_> {
         DriveKind::of(&self.values[run])
     }
 
-    /// The matrix of a run, whose parameters may have slopes of their own.
-    pub fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
+    /// The matrix of a run, whose parameters may have slopes of their own, and its channels at the start of a period.
+    pub fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> (PeriodMatrix<T>, Rows<T>) {
         with_drive!(self.kind(run), K => self.matrix_with::<T, K>(run, parameters))
     }
 
-    fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
+    fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> (PeriodMatrix<T>, Rows<T>) {
         let zero = parameters.column.inertia.zero();
-        let mut matrix = [[zero; COLUMNS]; PERIOD_STATES];
+        let (mut matrix, mut rows) = ([[zero; COLUMNS]; PERIOD_STATES], [[zero; COLUMNS]; channels::COUNT]);
         let period = self.period::<T, K>(run, parameters);
         for column in 0..COLUMNS {
-            let (state, drives) = columnwise(zero, column);
-            for (row, number) in matrix.iter_mut().zip(period.next(&state, &drives)) {
-                row[column] = number.slope;
-            }
+            let (state, drives) = along(|k| if k == column { Dual::variable(zero) } else { Dual::constant(zero) });
+            let (now, next) = period.slopes(&state, &drives);
+            let by_column = rows.iter_mut().zip(now).chain(matrix.iter_mut().zip(next));
+            by_column.for_each(|(row, slope)| row[column] = slope);
         }
-        matrix
+        (matrix, rows)
     }
 
     /// What a test signal at the amplifier during each step of a period makes of the next state, a column each, and of the channels
@@ -198,33 +201,12 @@ impl SampledLoops<'_> {
             test_signal: (Dual::variable(zero), step),
         };
         let state = [none; PERIOD_STATES];
-        let next = |step: usize| period.next(&state, &drives(step)).map(|number| number.slope);
-        let now = period.now(&state, &drives(0));
-        let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
-        ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
+        let columns = (0..self.timing.period).map(|step| period.slopes(&state, &drives(step)));
+        let (mut now, next): (Vec<_>, _) = columns.unzip();
+        ByTestSignal { next, now: now.swap_remove(0) }
     }
 
-    /// The channels at the start of a period.
-    pub fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
-        with_drive!(self.kind(run), K => self.rows_with::<T, K>(run, parameters))
-    }
-
-    fn rows_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
-        let zero = parameters.column.inertia.zero();
-        let mut rows = [[zero; COLUMNS]; channels::COUNT];
-        let (period, on_bench) = (self.period::<T, K>(run, parameters), parameters.map(Dual::constant));
-        for column in 0..COLUMNS {
-            let (state, drives) = columnwise(zero, column);
-            let now = period.now(&state, &drives);
-            let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &on_bench);
-            for (row, number) in rows.iter_mut().zip(shown) {
-                row[column] = number.slope;
-            }
-        }
-        rows
-    }
-
-    fn period<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
+    fn period<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, T, K::Of<Dual<T>>> {
         let zero = parameters.column.inertia.zero();
         self.ready::<T, K>(parameters, |of: &dyn Fn(usize) -> f64| zero.constant(of(run)))
     }
@@ -234,12 +216,25 @@ impl SampledLoops<'_> {
         &self,
         parameters: &Parameters<T>,
         wide: impl Fn(&dyn Fn(usize) -> f64) -> T,
-    ) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
-        let parameters = without_steps(parameters.map(Dual::constant));
+    ) -> Ready<'_, T, K::Of<Dual<T>>> {
+        let parameters = parameters.map(Dual::constant);
         let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(wide(of));
-        let machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
+        let smooth = without_steps(parameters);
+        let machine = Machine::new(&smooth, self.law.compensator(&smooth, wide), &self.shared());
         let machine = self.law.observer(wide).map_or(machine, |observer| machine.with_observer(observer));
-        Ready { machine, shared: &self.shared, timing: self.timing }
+        Ready { machine, loops: self, parameters }
+    }
+
+    /// What all share. Made where a step is compiled, so that the compiler sees which effects no period has, and leaves their code out.
+    #[inline(always)]
+    fn shared(&self) -> Shared {
+        Shared {
+            effects: Effects { sampled: true, surroundings: false, linked: false, ..self.effects.smooth() },
+            step_s: self.step_s,
+            timing: Some(self.timing),
+            curve: None,
+            cancellation: None,
+        }
     }
 }
 
@@ -269,35 +264,35 @@ impl Evaluated {
 }
 
 /// A machine whose periods are asked for.
-struct Ready<'a, S: Scalar, D: Drive<S>> {
-    machine: Machine<S, D>,
-    shared: &'a Shared,
-    timing: Timing,
+struct Ready<'a, T: Scalar, D: Drive<Dual<T>>> {
+    machine: Machine<Dual<T>, D>,
+    loops: &'a SampledLoops<'a>,
+    parameters: Parameters<Dual<T>>,
 }
 
-impl<S: Scalar, D: Drive<S>> Ready<'_, S, D> {
+impl<T: Scalar, D: Drive<Dual<T>>> Ready<'_, T, D> {
+    /// The slopes of the channels at the start of a period, and of the state a period later. Compiled once, and not wherever they are
+    /// asked for: a whole step is in it.
+    #[inline(never)]
+    fn slopes(
+        &self,
+        state: &[Dual<T>; PERIOD_STATES],
+        drives: &Drives<Dual<T>>,
+    ) -> ([T; channels::COUNT], [T; PERIOD_STATES]) {
+        let (now, next) = self.next(state, drives);
+        let channels = now.map_or([drives.force; channels::COUNT], |now| D::channels(&now, &self.parameters));
+        (channels.map(|number| number.slope), next.map(|number| number.slope))
+    }
+
+    /// What there is at the start of a period, and the state a period later.
     #[inline(always)]
-    fn of(&self) -> Period<'_, S, D> {
-        Period { machine: &self.machine, shared: self.shared, timing: self.timing }
-    }
-
-    /// Compiled once, and not wherever it is asked for: a whole step is in it.
-    #[inline(never)]
-    fn next(&self, state: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
-        self.of().next(state, drives)
-    }
-
-    /// So is this.
-    #[inline(never)]
-    fn now(&self, state: &[S; PERIOD_STATES], drives: &Drives<S>) -> Snapshot<S, D> {
-        self.of().now(state, drives)
+    fn next(&self, state: &[Dual<T>; PERIOD_STATES], drives: &Drives<Dual<T>>) -> Next<T, D> {
+        let shared = self.loops.shared();
+        Period { machine: &self.machine, shared: &shared, timing: self.loops.timing }.next(state, drives)
     }
 }
 
-/// State and drives at neutral, dual along a column.
-fn columnwise<T: Scalar>(zero: T, column: usize) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
-    along(|k| if k == column { Dual::variable(zero) } else { Dual::constant(zero) })
-}
+type Next<T, D> = (Option<Snapshot<Dual<T>, D>>, [Dual<T>; PERIOD_STATES]);
 
 /// State and drives of which each is what `of` gives for its column.
 #[inline(always)]

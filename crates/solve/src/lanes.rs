@@ -83,6 +83,7 @@ impl<S: Simd> Neg for Lanes<S> {
 
 impl<S: Simd> Scalar for Lanes<S> {
     type Mask = mask64x8<S>;
+    const IN_LANES: bool = true;
     #[inline]
     fn constant(self, value: f64) -> Self {
         Self::splat(self.0.simd, value)

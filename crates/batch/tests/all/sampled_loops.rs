@@ -53,7 +53,8 @@ fn shared(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Shared {
 }
 
 fn periods(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Periods {
-    SampledLoops { shared: shared(values, law, timing), timing, values, law }.periods(1).expect("threads")
+    let effects = shared(values, law, timing).effects;
+    SampledLoops { effects, step_s: H, timing, values, law }.periods(1).expect("threads")
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a handful")]
@@ -112,7 +113,7 @@ fn whole(p: &Parameters<f64>, law: Law<'_>, timing: Timing) -> (DMatrix<f64>, DV
             force_before: along(before),
             test_signal: (Dual::constant(0.0), 0),
         };
-        let next = period.next(&core::array::from_fn(along), &drives);
+        let (_, next) = period.next(&core::array::from_fn(along), &drives);
         DVector::from_iterator(PERIOD_STATES, next.into_iter().map(|number| number.slope))
     };
     let states = (0..=command).map(|k| column(&[k]));
@@ -328,7 +329,7 @@ fn many_loops_are_the_loops_one_by_one() {
     let values: Vec<_> = loaders.iter().map(Parameters::values).collect();
     let laws: Vec<_> = loaders.iter().map(|p| estimating(p, timing)).collect();
     let law = Law::Observers(&laws);
-    let many = SampledLoops { shared: shared(&values, law, timing), timing, values: &values, law };
+    let many = SampledLoops { effects: shared(&values, law, timing).effects, step_s: H, timing, values: &values, law };
     let all = many.periods(1).expect("threads");
     let bits = |matrices: &[f64]| matrices.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     for threads in [2, 3] {

@@ -35,7 +35,12 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the sensors give at a sample; `normal` is a standard normal number for each.
     #[inline(always)]
-    pub fn sampled(&self, shared: &Shared, state: &State<S, D>, normal: impl FnOnce() -> [S; SENSORS]) -> [S; SENSORS] {
+    pub fn sampled(
+        &self,
+        shared: &Shared,
+        state: &State<S, D>,
+        normal: &mut impl FnMut() -> [S; SENSORS],
+    ) -> [S; SENSORS] {
         let zero = state.held.zero();
         let normal = if shared.effects.noise { normal() } else { [zero; SENSORS] };
         self.transducers.sample(state.seen.shown, normal)
@@ -43,14 +48,14 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// The digital controller's share of a step.
     #[inline(always)]
-    pub(super) fn act(
+    pub fn act(
         &self,
         shared: &Shared,
         timing: Timing,
         (state, memory): (&mut State<S, D>, &mut Memory<S>),
         inputs: &Inputs,
         now: &Snapshot<S, D>,
-        normal: impl FnOnce() -> [S; SENSORS],
+        normal: &mut impl FnMut() -> [S; SENSORS],
     ) {
         let steps = state.steps;
         if let Some(sample) = timing.sample_at(steps) {

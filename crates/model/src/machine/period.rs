@@ -3,7 +3,7 @@
 //! A period is a function of these numbers, of the pilot's force and of signals on the command and at the amplifier, so dual numbers
 //! give the matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
 
-use super::{Equilibrium, Inputs, Machine, Memory, Shared, Snapshot, State, StepStart};
+use super::{Equilibrium, Inputs, Machine, Memory, Shared, Snapshot, State};
 use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::drive::Drive;
@@ -53,35 +53,27 @@ pub struct Period<'a, S: Scalar, D: Drive<S> = Hydraulic<S>> {
 }
 
 impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
-    /// The state a period later.
+    /// What there is at the start of the period, its command on the way, unless it has no step; and the state a period later.
     #[inline(always)]
-    pub fn next(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
+    pub fn next(
+        &self,
+        numbers: &[S; PERIOD_STATES],
+        drives: &Drives<S>,
+    ) -> (Option<Snapshot<S, D>>, [S; PERIOD_STATES]) {
         let (zero, (test_signal, at)) = (drives.force.zero(), drives.test_signal);
         let (mut state, mut memory) = self.put(numbers, drives);
+        let (none, mut now) = ([zero; SENSORS], None);
         for step in 0..self.timing.period {
             state.test_signal = if step == at { test_signal } else { zero };
-            let step_start = self.begin(&mut state, &mut memory);
+            let step_start = self.machine.begin(self.shared, &mut state, &mut memory, &Inputs::NONE, &mut || none);
+            now.get_or_insert(step_start.now);
             self.machine.advance(self.shared, &mut state, &Inputs::NONE, &step_start);
         }
         if !self.shared.effects.observer {
             // Nothing moves it and nothing asks for it.
             memory.control.estimate = [zero; MOST_STATES];
         }
-        Self::read(state, memory)
-    }
-
-    /// What there is at the start of the period, its command on the way, under a test signal of its first step.
-    #[inline(always)]
-    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Snapshot<S, D> {
-        let (mut state, mut memory) = self.put(numbers, drives);
-        state.test_signal = drives.test_signal.0;
-        self.begin(&mut state, &mut memory).now
-    }
-
-    #[inline(always)]
-    fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> StepStart<S, D> {
-        let none = [memory.command_signal.zero(); SENSORS];
-        self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
+        (now, Self::read(state, memory))
     }
 
     #[inline(always)]

@@ -16,10 +16,14 @@ pub(super) struct Stage<'a, S: Scalar, D: Drive<S>> {
     pub(super) moment: StepFraction,
 }
 
+/// What the stages of a step share, its start among it.
+type OfStep<'a, S, D> = (&'a Shared, &'a State<S, D>, &'a Inputs, &'a StepStart<S, D>);
+
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.
     ///
-    /// `normal` gives a standard normal number for each sensor when a sample is taken.
+    /// `normal` gives a standard normal number for each sensor when a sample is taken; lent, because the compiler would write what follows a
+    /// value that may have been used up twice.
     #[inline(always)]
     pub fn begin(
         &self,
@@ -27,7 +31,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         state: &mut State<S, D>,
         memory: &mut Memory<S>,
         inputs: &Inputs,
-        normal: impl FnOnce() -> [S; SENSORS],
+        normal: &mut impl FnMut() -> [S; SENSORS],
     ) -> StepStart<S, D> {
         let arrived = self.arrive(shared, state, inputs);
         if let Some(timing) = shared.timing {
@@ -84,9 +88,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let start = state.slow;
         // Not in a loop: what the stages share would go through memory, and a batch take half as long again.
         let k_1 = step_start.rates;
-        let k_2 = self.stage(shared, state, inputs, step_start, &start.moved(&k_1, half, analog), StepFraction::Half);
-        let k_3 = self.stage(shared, state, inputs, step_start, &start.moved(&k_2, half, analog), StepFraction::Half);
-        let k_4 = self.stage(shared, state, inputs, step_start, &start.moved(&k_3, h, analog), StepFraction::End);
+        let of = (shared, &*state, inputs, step_start);
+        let k_2 = self.stage(of, &start.moved(&k_1, half, analog), StepFraction::Half);
+        let k_3 = self.stage(of, &start.moved(&k_2, half, analog), StepFraction::Half);
+        let k_4 = self.stage(of, &start.moved(&k_3, h, analog), StepFraction::End);
         let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
         self.touch(shared, state, inputs, &start, step_start);
@@ -101,13 +106,21 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         state.steps += 1;
     }
 
+    /// The rates at a stage, compiled into each place that asks for them unless [`Scalar::COMPILED_ONCE`].
     #[inline(always)]
-    fn stage(
+    fn stage(&self, of: OfStep<'_, S, D>, slow: &Slow<S>, moment: StepFraction) -> Slow<S> {
+        if S::COMPILED_ONCE { self.stage_compiled_once(of, slow, moment) } else { self.stage_inlined(of, slow, moment) }
+    }
+
+    #[inline(never)]
+    fn stage_compiled_once(&self, of: OfStep<'_, S, D>, slow: &Slow<S>, moment: StepFraction) -> Slow<S> {
+        self.stage_inlined(of, slow, moment)
+    }
+
+    #[inline(always)]
+    fn stage_inlined(
         &self,
-        shared: &Shared,
-        state: &State<S, D>,
-        inputs: &Inputs,
-        step_start: &StepStart<S, D>,
+        (shared, state, inputs, step_start): OfStep<'_, S, D>,
         slow: &Slow<S>,
         moment: StepFraction,
     ) -> Slow<S> {

@@ -60,12 +60,12 @@ impl Run {
         let mut seen = Vec::new();
         for step in 0..steps {
             let now = inputs(step);
-            let step_start = self.machine.begin(&self.shared, &mut state, &mut memory, &now, || [0.0; SENSORS]);
+            let step_start = self.machine.begin(&self.shared, &mut state, &mut memory, &now, &mut || [0.0; SENSORS]);
             seen.push(step_start.now);
             self.machine.advance(&self.shared, &mut state, &now, &step_start);
         }
         let end = inputs(steps).end();
-        seen.push(self.machine.begin(&self.shared, &mut state, &mut memory, &end, || [0.0; SENSORS]).now);
+        seen.push(self.machine.begin(&self.shared, &mut state, &mut memory, &end, &mut || [0.0; SENSORS]).now);
         seen
     }
 

@@ -122,7 +122,7 @@ impl Loop {
 
     fn driven<S: Scalar>(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
         let machine = self.machine(drives.force);
-        Period { machine: &machine, shared: &self.shared, timing: self.timing }.next(numbers, drives)
+        Period { machine: &machine, shared: &self.shared, timing: self.timing }.next(numbers, drives).1
     }
 
     /// Slopes of the next state at zero along one of its numbers, the pilot's force or the command signal.
@@ -180,7 +180,7 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
                 let force = if period < 20 { 150.0 } else { -220.0 };
                 let inputs = Inputs { force: [force; 2], ..Inputs::NONE };
                 for step in 0..timing.period {
-                    let step_start = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; SENSORS]);
+                    let step_start = machine.begin(shared, &mut state, &mut memory, &inputs, &mut || [0.0; SENSORS]);
                     if step == 0 {
                         let now = [step_start.now.base, step_start.now.delta, step_start.now.delta_rate];
                         let carried = [numbers[BASE], numbers[DELTA], numbers[DELTA_RATE]];

@@ -19,7 +19,7 @@ use forcefeel_solve::law::Law;
 use nalgebra::DMatrix;
 
 /// A period of a digital controller: its matrix, the channels at its start, and both under a test signal at the amplifier.
-type Period = (PeriodMatrix<Dual>, Rows<Dual>, ByTestSignal<Dual>);
+type Period = ((PeriodMatrix<Dual>, Rows<Dual>), ByTestSignal<Dual>);
 
 /// How the link between piston and column is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,17 +97,18 @@ pub fn sampled(loops: &SampledLoops<'_>, keys: &[usize]) -> Slopes {
     let values = &loops.values[0];
     let of = |key: Option<usize>| {
         let parameters = along(values, key);
-        (loops.matrix_of(0, &parameters), loops.rows_of(0, &parameters), loops.by_test_signal(0, &parameters))
+        (loops.matrix_of(0, &parameters), loops.by_test_signal(0, &parameters))
     };
     let model = of(None);
     let slopes: Vec<_> = keys.iter().map(|&key| of(Some(key))).collect();
     // A state counts where anything depends on it, or begins to when a parameter moves.
-    let parts = || slopes.iter().map(|(matrix, ..)| matrix.map(|row| row.map(|number| number.slope)));
-    let matrices: Vec<_> = core::iter::once(model.0.map(|row| row.map(|number| number.value))).chain(parts()).collect();
+    let parts = || slopes.iter().map(|((matrix, _), _)| matrix.map(|row| row.map(|number| number.slope)));
+    let matrices: Vec<_> =
+        core::iter::once(model.0.0.map(|row| row.map(|number| number.value))).chain(parts()).collect();
     let in_rows = |rows: &[[Dual; COLUMNS]], state: usize| rows.iter().any(|row| row[state] != Dual::constant(0.0));
-    let seen = |state| in_rows(&model.1, state) || slopes.iter().any(|(_, rows, _)| in_rows(rows, state));
+    let seen = |state| in_rows(&model.0.1, state) || slopes.iter().any(|((_, rows), _)| in_rows(rows, state));
     let states = kept(&matrices, seen);
-    let space = |(matrix, rows, by): &Period, part: fn(&Dual) -> f64| {
+    let space = |((matrix, rows), by): &Period, part: fn(&Dual) -> f64| {
         let into = |i: usize, j: usize| match j.checked_sub(INPUTS) {
             None => matrix[states[i]][PERIOD_STATES + j],
             Some(step) => by.next[step][states[i]],
