@@ -52,20 +52,18 @@ impl Run {
         Self { machine: Machine::new(p, law, &shared), shared, law }
     }
 
-    /// What there is at the start of each step and at the end of the last, from rest at an angle.
-    fn from(&self, theta: f64, steps: usize, inputs: impl Fn(usize) -> Inputs) -> Vec<Snapshot<f64>> {
+    /// What there is at the start of each step and at the end of the last, from rest at an angle. Compiled once for all inputs: a step is long.
+    fn from(&self, theta: f64, steps: usize, inputs: &dyn Fn(usize) -> Inputs) -> Vec<Snapshot<f64>> {
         let equilibrium = self.machine.held_at(&self.shared, theta, 0.0, 1.0);
         let (mut state, mut memory) =
             (self.machine.start(&self.shared, &equilibrium), self.machine.remember(&self.shared, &equilibrium));
         let mut seen = Vec::new();
-        for step in 0..steps {
-            let now = inputs(step);
+        for step in 0..=steps {
+            let now = if step == steps { inputs(step).end() } else { inputs(step) };
             let step_start = self.machine.begin(&self.shared, &mut state, &mut memory, &now, &mut || [0.0; SENSORS]);
             seen.push(step_start.now);
             self.machine.advance(&self.shared, &mut state, &now, &step_start);
         }
-        let end = inputs(steps).end();
-        seen.push(self.machine.begin(&self.shared, &mut state, &mut memory, &end, &mut || [0.0; SENSORS]).now);
         seen
     }
 
@@ -86,7 +84,7 @@ fn all_runs(p: &Parameters<f64>) -> impl Iterator<Item = Run> {
 fn machine_at_rest_stays_at_rest_bit_for_bit() {
     for p in [Parameters::elevator(), everything()] {
         for run in all_runs(&p) {
-            for now in run.from(0.0, 300, |_| still(0.0)) {
+            for now in run.from(0.0, 300, &|_| still(0.0)) {
                 let all = [
                     now.base,
                     now.base_rate,
@@ -111,7 +109,7 @@ fn machine_held_at_an_angle_is_at_rest() {
     (p.feel.coulomb_friction, p.feel.static_friction) = (0.0, 0.0);
     for run in all_runs(&p) {
         let equilibrium = run.machine.held_at(&run.shared, 0.1, 0.0, 1.0);
-        let seen = run.from(0.1, 300, |_| still(equilibrium.pilot_force));
+        let seen = run.from(0.1, 300, &|_| still(equilibrium.pilot_force));
         // Converters of the example's 16 bits over 20 V move the digital command by 0.3 mV: 1e-4 rad of 7.6 V/in, 5.9 in/rad.
         let allowed = if run.shared.timing.is_some() { 1e-4 } else { 1e-11 };
         for now in seen {
@@ -135,9 +133,9 @@ fn force_below_breakaway_moves_nothing_and_one_above_does() {
             move |step: usize| Inputs { force: [at(step), at(step + 1)], ..still(0.0) }
         };
         let held = p.column.static_friction * (1.0 + p.column.friction_asymmetry);
-        let seen = run.from(0.0, 200, ramp(held / 0.2));
+        let seen = run.from(0.0, 200, &ramp(held / 0.2));
         assert!(seen[..200].iter().all(|now| now.base == 0.0 && now.base_rate == 0.0));
-        let seen = run.from(0.0, 300, ramp(held / 0.2));
+        let seen = run.from(0.0, 300, &ramp(held / 0.2));
         let broken = seen.iter().position(|now| now.base_rate != 0.0).expect("it breaks away");
         assert!((200..=202).contains(&broken), "{broken}");
         assert!(seen[300].base > 0.0);
@@ -155,7 +153,7 @@ fn mirrored_machine_does_the_mirrored_thing() {
     for run in all_runs(&p) {
         let swing =
             |sign: f64| move |step: usize| still(sign * if (step / 150).is_multiple_of(2) { 900.0 } else { -850.0 });
-        let (one, other) = (run.from(0.0, 900, swing(1.0)), run.from(0.0, 900, swing(-1.0)));
+        let (one, other) = (run.from(0.0, 900, &swing(1.0)), run.from(0.0, 900, &swing(-1.0)));
         let furthest = one.iter().map(|now| run.angle(now).abs()).fold(0.0, f64::max);
         assert!(furthest > p.feel.soft_stop_high, "it reaches its stops: {furthest}");
         for (now, mirrored) in one.iter().zip(&other) {
@@ -176,7 +174,7 @@ fn stop_carries_what_pilot_and_link_leave() {
     for gains in [None, Some(GAINS)] {
         let run = Run::new(&p, gains, None);
         for force in [700.0, -700.0] {
-            let seen = run.from(0.0, 4000, |_| still(force));
+            let seen = run.from(0.0, 4000, &|_| still(force));
             let last = &seen[4000];
             let depth = run.angle(last) - 0.15 * force.signum();
             assert!(depth * force > 0.0);
@@ -193,7 +191,7 @@ fn digital_command_stays_between_its_arrivals() {
     let mut p = Parameters::elevator();
     p.controller.period = 4.0 * STEP;
     let run = Run::new(&p, None, Some(timing));
-    let seen = run.from(0.0, 200, |_| still(400.0));
+    let seen = run.from(0.0, 200, &|_| still(400.0));
     for (step, pair) in (1..).zip(seen.windows(2)) {
         let arrives = step >= timing.delay && (step - timing.delay).is_multiple_of(timing.period);
         assert!(arrives || pair[0].signals[CURRENT].to_bits() == pair[1].signals[CURRENT].to_bits(), "step {step}");
@@ -215,7 +213,7 @@ fn load_cell_gives_eq_12_to_the_feel() {
     let p = Parameters::elevator();
     for gains in [None, Some(GAINS)] {
         let run = Run::new(&p, gains, None);
-        let seen = run.from(0.0, 6000, |_| still(300.0));
+        let seen = run.from(0.0, 6000, &|_| still(300.0));
         let last = &seen[6000];
         assert_near(p.feel.stiffness * last.delta, run.law.feel_torque(last.force), 1e-6); // still settling
         assert!(last.delta > 0.0);
@@ -228,7 +226,7 @@ fn every_step_of_a_release_is_finite_at_two_milliseconds() {
     for mut run in all_runs(&p) {
         run.shared.step_s = 2e-3;
         run.machine = Machine::new(&p, run.law, &run.shared);
-        for now in run.from(0.2, 1000, |_| still(0.0)) {
+        for now in run.from(0.2, 1000, &|_| still(0.0)) {
             assert!(run.angle(&now).abs() < 0.25 && now.signals[PRESSURE].abs() < 2.0 * p.valve.supply_pressure);
         }
     }
