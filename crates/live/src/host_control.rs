@@ -41,6 +41,16 @@ impl HostRequest {
         Self { neutral: 0.0, stiffness_factor: 1.0, added: Added::NONE, shaker: 0.0, age: None, holds_back: false };
 }
 
+/// What became of the last packet, as a bit of the status.
+#[derive(Debug, Clone, Copy)]
+enum Outcome {
+    Taken = 0,
+    /// The loader cannot render its spring or damping.
+    Refused = 1 << 16,
+    /// Nor as sent; the nearest acts.
+    Softened = 1 << 17,
+}
+
 /// A host's packets and what they do.
 #[derive(Debug, Clone)]
 pub struct HostControl {
@@ -57,9 +67,7 @@ pub struct HostControl {
     /// Share of the surface's hinge moment, and what it changes by in a period.
     flies: f64,
     flies_by: f64,
-    refused: bool,
-    /// The last packet was softened.
-    soft: bool,
+    outcome: Outcome,
     host_share: f64,
     limits: ValueLimits,
     /// The programmed control's angle.
@@ -86,8 +94,7 @@ impl HostControl {
             flap_trim: setup.flap_trim,
             flies: 0.0,
             flies_by: period_s / TAKES_OFF_S,
-            refused: false,
-            soft: false,
+            outcome: Outcome::Taken,
             host_share: 0.0,
             limits: ValueLimits::of(&parameters.safety, period_s),
             angle: 0.0,
@@ -105,18 +112,19 @@ impl HostControl {
         let asked = [of_feel + added.stiffness, damping + added.damping];
         let plain = added.stiffness == 0.0 && added.damping == 0.0;
         let holds = packet.has(switches::FREEZE);
-        self.soft = false;
-        if let Some(nearest) = self.nearest(asked, plain).filter(|_| self.softens && !holds) {
-            self.soft = nearest != asked;
-            self.softened += u64::from(self.soft);
-            self.refused = false;
-            self.stream.take(&softened(packet, of_feel, asked, nearest));
-        } else {
-            self.refused = !holds && !plain && !renders(&self.rendered, asked);
-            if !self.refused {
-                self.stream.take(packet);
+        let nearest = if self.softens && !holds { self.nearest(asked, plain) } else { None };
+        self.outcome = match nearest {
+            Some(nearest) if nearest.iter().zip(asked).any(|(near, asked)| (near - asked).abs() > 0.0) => {
+                self.softened += 1;
+                self.stream.take(&softened(packet, of_feel, asked, nearest));
+                Outcome::Softened
             }
-        }
+            None if !holds && !plain && !renders(&self.rendered, asked) => Outcome::Refused,
+            _ => {
+                self.stream.take(packet);
+                Outcome::Taken
+            }
+        };
         self.received = true;
     }
 
@@ -217,8 +225,7 @@ impl HostControl {
         let place = |cause: Function| Function::ALL.iter().position(|one| *one == cause);
         let cause = allowed.cause.and_then(place).map_or(0, |place| place + 1);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a short table")]
-        let status =
-            row.state as u32 | (cause as u32) << 8 | u32::from(self.refused) << 16 | u32::from(self.soft) << 17;
+        let status = row.state as u32 | (cause as u32) << 8 | self.outcome as u32;
         let numbers = [
             row.column_angle_rad,
             allowed.grip.rate,
