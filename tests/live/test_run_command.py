@@ -32,6 +32,26 @@ def test_run_prints_timing_and_record(run):
         assert part in out
 
 
+STIFF = ("sidestick-pitch", "--set", "feel.stiffness=900 lb*in/rad", "--headless", "--duration", "0.1")
+
+
+def test_run_softens_a_feel_beyond_the_drive_and_states_it(run, tmp_path):
+    status, out, err = run(*STIFF, "--soften", "--out", "live", "--json")
+    found = json.loads(out)
+    stated = "Feel softened: stiffness 672 of 900 lb in/rad, the motor's torque."
+    assert (status, err.strip()) == (0, stated)
+    assert found["findings"] == [stated]
+    assert found["softened"]["stiffness"]["value"] < found["softened"]["programmed_stiffness"]["value"]
+    record = tmp_path / "live" / "record.mcap"
+    assert "the motor's torque" in ff.live.read_live_record(record).about["softened"]
+    assert ff.live.replay(record).same
+
+
+def test_run_without_soften_keeps_the_feel(run):
+    status, out, err = run(*STIFF, "--json")
+    assert (status, err, json.loads(out)["softened"]) == (0, "", None)
+
+
 @pytest.mark.parametrize(
     ("words", "part"),
     [

@@ -181,6 +181,11 @@ impl Controller {
         self.host.as_mut()?.answer(row, self.supervision.last())
     }
 
+    /// Packets of the host that were softened.
+    pub fn softened(&self) -> u64 {
+        self.host.as_ref().map_or(0, |host| host.softened)
+    }
+
     /// A cycle: the command, and what there is to see; `missed` beats went by before it.
     pub fn step(&mut self, sampled: Option<&Sampled>, missed: u64) -> (Command, Row) {
         self.beats += missed;

@@ -106,6 +106,7 @@ impl Cycles {
         let (state, trips) = (row.state as u32, row.trips as u32);
         status.state.store(state, Relaxed);
         status.trips.store(trips, Relaxed);
+        status.softened.store(self.controller.softened(), Relaxed);
         let fault = self.machine.fault();
         if fault != 0 || trips == 0 {
             status.drive_fault.store(u32::from(fault), Relaxed);

@@ -4,7 +4,7 @@
 //!
 //! The spring has `1 + s (f(q) - 1)` of itself times the host's own factor. Beside it act the host's added spring and damping, and the
 //! hinge moment of the loader's surface in the host's flight state, closed here from cycle to cycle. A packet whose spring and damping the
-//! loader cannot render is refused before it acts.
+//! loader cannot render is refused before it acts, or softened to the nearest that it renders.
 //! A host that has not spoken yet is a silent one: its values come
 //! as its share does, over the supervisor's `host_fade`.
 
@@ -41,6 +41,16 @@ impl HostRequest {
         Self { neutral: 0.0, stiffness_factor: 1.0, added: Added::NONE, shaker: 0.0, age: None, holds_back: false };
 }
 
+/// What became of the last packet, as a bit of the status.
+#[derive(Debug, Clone, Copy)]
+enum Outcome {
+    Taken = 0,
+    /// The loader cannot render its spring or damping.
+    Refused = 1 << 16,
+    /// Nor as sent; the nearest acts.
+    Softened = 1 << 17,
+}
+
 /// A host's packets and what they do.
 #[derive(Debug, Clone)]
 pub struct HostControl {
@@ -49,12 +59,15 @@ pub struct HostControl {
     parameters: Parameters<f64>,
     factor: Option<(Curve, [f64; 2])>,
     rendered: Vec<Rendered>,
+    softens: bool,
+    /// Packets that were softened.
+    pub softened: u64,
     /// What the flaps move the neutral by, in rad/rad.
     flap_trim: f64,
     /// Share of the surface's hinge moment, and what it changes by in a period.
     flies: f64,
     flies_by: f64,
-    refused: bool,
+    outcome: Outcome,
     host_share: f64,
     limits: ValueLimits,
     /// The programmed control's angle.
@@ -76,10 +89,12 @@ impl HostControl {
             parameters,
             factor,
             rendered: setup.rendered.clone(),
+            softens: setup.softens,
+            softened: 0,
             flap_trim: setup.flap_trim,
             flies: 0.0,
             flies_by: period_s / TAKES_OFF_S,
-            refused: false,
+            outcome: Outcome::Taken,
             host_share: 0.0,
             limits: ValueLimits::of(&parameters.safety, period_s),
             angle: 0.0,
@@ -88,19 +103,41 @@ impl HostControl {
         }
     }
 
-    /// A packet has come, while the feel has this spring rate in N m/rad and damping in N m s/rad. What the loader cannot render is left out,
-    /// and the host told so.
+    /// A packet has come, while the feel has this spring rate in N m/rad and damping in N m s/rad. What the loader cannot render is left out
+    /// or softened, and the host told so.
     pub fn take(&mut self, packet: &FromHost, [spring, damping]: [f64; 2]) {
         let values = packet.numbers.map(f64::from);
         let added = self.added(&values, f64::from(u8::from(packet.has(switches::FLIGHT))));
-        let spring = values[SPRING] * self.of_pressure(values[0]) * spring + added.stiffness;
+        let of_feel = values[SPRING] * self.of_pressure(values[0]) * spring;
+        let asked = [of_feel + added.stiffness, damping + added.damping];
         let plain = added.stiffness == 0.0 && added.damping == 0.0;
-        self.refused =
-            !packet.has(switches::FREEZE) && !plain && !renders(&self.rendered, spring, damping + added.damping);
-        if !self.refused {
-            self.stream.take(packet);
-        }
+        let holds = packet.has(switches::FREEZE);
+        let nearest = if self.softens && !holds { self.nearest(asked, plain) } else { None };
+        self.outcome = match nearest {
+            Some(nearest) if nearest.iter().zip(asked).any(|(near, asked)| (near - asked).abs() > 0.0) => {
+                self.softened += 1;
+                self.stream.take(&softened(packet, of_feel, asked, nearest));
+                Outcome::Softened
+            }
+            None if !holds && !plain && !renders(&self.rendered, asked) => Outcome::Refused,
+            _ => {
+                self.stream.take(packet);
+                Outcome::Taken
+            }
+        };
         self.received = true;
+    }
+
+    /// The rendered spring rate and damping nearest to these; of a host that adds none, its own spring if that is not too stiff. Nothing where
+    /// it is not known what is rendered.
+    fn nearest(&self, [spring, damping]: [f64; 2], plain: bool) -> Option<[f64; 2]> {
+        let (first, last) = (self.rendered.first()?, self.rendered.last()?);
+        if plain {
+            return Some([spring.min(last.spring), damping]);
+        }
+        let nearest = spring.clamp(first.spring, last.spring);
+        let [least, most] = self.rendered.windows(2).find_map(|pair| dampings(pair, nearest))?;
+        Some([nearest, damping.clamp(least, most)])
     }
 
     /// What the host's own coefficients and a share of the surface's hinge moment add to the feel, where the control stands.
@@ -188,7 +225,7 @@ impl HostControl {
         let place = |cause: Function| Function::ALL.iter().position(|one| *one == cause);
         let cause = allowed.cause.and_then(place).map_or(0, |place| place + 1);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a short table")]
-        let status = row.state as u32 | (cause as u32) << 8 | u32::from(self.refused) << 16;
+        let status = row.state as u32 | (cause as u32) << 8 | self.outcome as u32;
         let numbers = [
             row.column_angle_rad,
             allowed.grip.rate,
@@ -216,20 +253,39 @@ struct ValueLimits {
 const SPRING: usize = 1;
 const TRIM: usize = 2;
 const FORCE: usize = 5;
+/// Places of the added spring and damping.
+const STIFFNESS: usize = 10;
+const DAMPING: usize = 11;
 const FLAP: usize = HOST_NUMBERS - 1;
 /// Time in which the surface's hinge moment comes and goes, in s.
 const TAKES_OFF_S: f64 = 0.1;
 
 /// Whether a spring rate lies among those that a loader renders, and the damping between what it needs there.
-fn renders(rendered: &[Rendered], spring: f64, damping: f64) -> bool {
-    let inside = |pair: &[Rendered]| {
-        let [a, b] = [pair[0], pair[1]];
-        let share = (spring - a.spring) / (b.spring - a.spring);
-        let between = |from: f64, to: f64| from + share * (to - from);
-        (0.0..=1.0).contains(&share)
-            && (between(a.damping[0], b.damping[0])..=between(a.damping[1], b.damping[1])).contains(&damping)
-    };
+fn renders(rendered: &[Rendered], [spring, damping]: [f64; 2]) -> bool {
+    let inside =
+        |pair: &[Rendered]| dampings(pair, spring).is_some_and(|[least, most]| (least..=most).contains(&damping));
     if rendered.is_empty() { spring > 0.0 && damping >= 0.0 } else { rendered.windows(2).any(inside) }
+}
+
+/// Least and most damping at a spring rate between two that are rendered; nothing beyond them.
+fn dampings(pair: &[Rendered], spring: f64) -> Option<[f64; 2]> {
+    let [a, b] = [pair[0], pair[1]];
+    let share = (spring - a.spring) / (b.spring - a.spring);
+    let between = |k: usize| a.damping[k] + share * (b.damping[k] - a.damping[k]);
+    (0.0..=1.0).contains(&share).then(|| [between(0), between(1)])
+}
+
+/// A packet that asks for `nearest` instead, of which the feel's own spring has `of_feel`. A spring that is too stiff is softened in its
+/// parts alike, so that its neutral stays.
+#[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+fn softened(packet: &FromHost, of_feel: f64, asked: [f64; 2], nearest: [f64; 2]) -> FromHost {
+    let mut packet = *packet;
+    let kept = if nearest[0] < asked[0] { nearest[0] / asked[0] } else { 1.0 };
+    let added = [nearest[0] - asked[0] + (1.0 - kept) * of_feel, nearest[1] - asked[1]];
+    packet.numbers[SPRING] *= kept as f32;
+    packet.numbers[STIFFNESS] += added[0] as f32;
+    packet.numbers[DAMPING] += added[1] as f32;
+    packet
 }
 
 impl ValueLimits {

@@ -35,6 +35,8 @@ pub struct Setup {
     pub host: bool,
     /// Which springs and dampings that it asks for are rendered, by rising spring rate; where there are none, all that are positive.
     pub rendered: Vec<Rendered>,
+    /// Whether what is not rendered is softened to the nearest that is, instead of refused.
+    pub softens: bool,
     /// What the host's flaps move the neutral by, in rad/rad.
     pub flap_trim: f64,
     /// What the controller adds to its command.
@@ -152,6 +154,7 @@ impl Setup {
             let rows = self.rendered.iter().flat_map(|of| [of.spring, of.damping[0], of.damping[1]]);
             lists.push(("listens", rows.collect()));
             lists.push(("flap_trim", vec![self.flap_trim]));
+            lists.extend(self.softens.then(|| ("softens", vec![1.0])));
         }
         if let Some(Beginning { sensors, delta, rate, neutral, estimate }) = self.beginning {
             lists.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
@@ -192,6 +195,7 @@ impl Setup {
             factor: curve("factor_knots", "factor_coefficients"),
             host: list("listens").is_some(),
             rendered: rows_of(list("listens").unwrap_or(&[])),
+            softens: list("softens").is_some(),
             flap_trim: list("flap_trim").map_or(Some(0.0), |one| one.first().copied())?,
             cancellation: list("cancellation").map(TryInto::try_into).transpose().ok()?,
             beginning,

@@ -15,6 +15,8 @@ pub struct Status {
     pub silent: AtomicU64,
     /// Rows that found no room in their ring.
     pub lost: AtomicU64,
+    /// Packets of a host that were softened.
+    pub softened: AtomicU64,
     /// The supervisor's state.
     pub state: AtomicU32,
     /// The supervisor's trips.

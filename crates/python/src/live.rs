@@ -54,7 +54,7 @@ pub struct LiveSetup {
 #[pymethods]
 impl LiveSetup {
     #[new]
-    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true, rendered = None, flap_trim = 0.0))]
+    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true, rendered = None, softens = false, flap_trim = 0.0))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray1<'_, f64>,
@@ -68,6 +68,7 @@ impl LiveSetup {
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
         supervised: bool,
         rendered: Option<PyReadonlyArray2<'_, f64>>,
+        softens: bool,
         flap_trim: f64,
     ) -> PyResult<Self> {
         let values = vector::<COUNT>("values", &values)?;
@@ -91,6 +92,7 @@ impl LiveSetup {
             factor: points(stiffness_factor)?,
             host: false,
             rendered: rendered.map_or_else(Vec::new, |of| rows_of(&of.as_array().iter().copied().collect::<Vec<_>>())),
+            softens,
             flap_trim,
             cancellation,
             beginning: None,
@@ -309,6 +311,9 @@ impl LiveLoop {
         if name == "accept_host" {
             return Ok(self.running.host_status().is_some_and(HostStatus::accept));
         }
+        if name == "softened" {
+            return Ok(true); // what the sessions tell each other of the feel that follows
+        }
         Ok(self.running.request(request_of(name, &numbers)?))
     }
 
@@ -334,15 +339,16 @@ impl LiveLoop {
         (bytes, lacks, ended.map(str::to_string))
     }
 
-    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who it is and how many seconds ago it
+    /// Of a host: where it is listened to, packets that were handed on, that were left out, and that were softened, who it is and how many seconds ago it
     /// spoke, and who else waits to be accepted; nothing where none is listened to.
     #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
-    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, Option<f64>)>, Option<String>)> {
+    fn host_status(&self) -> Option<(String, [u64; 3], Option<(String, Option<f64>)>, Option<String>)> {
         self.running.host_status().map(|host_status| {
             let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.map(|ago| ago.as_secs_f64())));
             let waits = host_status.waiting().map(|address| address.to_string());
-            let [packets, refused] = [&host_status.packets, &host_status.refused].map(|it| it.load(Relaxed));
-            (host_status.at.to_string(), packets, refused, last, waits)
+            let softened = &self.running.status().softened;
+            let counts = [&host_status.packets, &host_status.refused, softened].map(|it| it.load(Relaxed));
+            (host_status.at.to_string(), counts, last, waits)
         })
     }
 

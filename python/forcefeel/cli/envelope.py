@@ -61,6 +61,10 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             negative="--no-contact",
         ),
     ] = True
+    soften: Annotated[
+        bool,
+        option("Soften settings that the drive forbids to the nearest that it renders, and release these too.", ASKED),
+    ] = False
     full: Annotated[bool, option("Run every setting in every case; infer none from its neighbors.", ASKED)] = False
     out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(
         "forcefeel-envelope"
@@ -89,6 +93,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             changes=self.deviations(loader),
             draws=Draws(self.draws, self.seed, self.corners),
             full=self.full,
+            soften=self.soften,
         )
         return (plan.with_contacts() if self.contact else plan).with_smaller_releases()
 
@@ -181,6 +186,8 @@ def _show(console: Terminal, envelope: "Envelope | CockpitEnvelope", units: Unit
             name, *map(share_text, (shares.stable, shares.nominal_share, shares.stable_worst, shares.worst_case_share))
         )
     console.show(table)
+    if envelope.softened:
+        console.show(_softened(envelope))
     if envelope.plan.contacts:
         console.show(_in_contact(envelope, units))
     if envelope.smaller:
@@ -188,6 +195,13 @@ def _show(console: Terminal, envelope: "Envelope | CockpitEnvelope", units: Unit
     if envelope.plan.machines:
         console.show(_drawn(envelope))
     console.conclude(envelope_conclusions(envelope, units), alarming=False)
+
+
+def _softened(envelope: "Envelope") -> Table:
+    table = titled("Settings with the nominal plant", "law", numbers=("as programmed", "softened", "not at all"))
+    for shares in envelope.softened:
+        table.add_row(shares.law, *map(share_text, (shares.as_programmed, shares.softened, shares.not_rendered)))
+    return table
 
 
 def _in_contact(envelope: "Envelope", units: UnitSystem) -> Table:

@@ -272,6 +272,15 @@ LawOption = Annotated[
 ]
 """``--law`` of a command that takes one."""
 
+SoftenOption = Annotated[
+    bool,
+    option(
+        "Soften a feel that the drive cannot render, to the nearest that it can, instead of letting it saturate.",
+        LOADER,
+    ),
+]
+"""``--soften`` of a command that runs one loader."""
+
 BenchLawOption = Annotated[
     str | None,
     _law_option(f"Law under which the whole loader is recorded: {LAW_NAMES}; or a law file.", BENCH_LAW),

@@ -21,6 +21,7 @@ from forcefeel.cli.options import (
     LoaderOptions,
     LoaderOrProject,
     OutputOptions,
+    SoftenOption,
     option,
 )
 from forcefeel.cli.scenario_text import seconds, size, speed_and_altitude, value
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from forcefeel.live import Histogram, LiveCockpit, LiveSession, Udp
     from forcefeel.loader.bus import Bus
     from forcefeel.loader.loader import Loader
+    from forcefeel.units import UnitSystem
 
 LIVE = Group("Live run", sort_key=10)
 CONSOLE = Group("Console", sort_key=20)
@@ -45,6 +47,7 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel run``."""
 
     law: LawOption = None
+    soften: SoftenOption = False
     machine: Annotated[
         str | None,
         option(
@@ -136,6 +139,7 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
     record = None if options.out is None else _record(options.out, replace=options.replace)
     given: dict[str, Any] = {
         "host": options.host if flight is None else 0,
+        "soften": options.soften,
         "record": record,
         "record_rate_hz": None if rate is None else rate / (2 * pi),
         "most_bytes": most_bytes,
@@ -150,14 +154,21 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         endpoint = Simulated() if options.machine is None else _machine(options.machine, loaders[""])
         running = start(loaders[""], laws[""], endpoint=endpoint, **given)
     axes = {"": running} if isinstance(running, LiveSession) else dict(running)
+    for axis, session in axes.items():
+        if softened := _softened(session, options.units):
+            _tell(f"{axis}: {softened}" if axis else softened)
     with running, stop_signals() as ended, _flown(flight, running), _console(running, axes, options):
         _wait(next(iter(axes.values())), lasts, ended)
         running.off()
         time.sleep(_OFF_S)
     answer(
         {} if record is None else {"record": record, **_previous(record)},
-        lambda: _json(axes[""], flight) if project is None else _cockpit_json(project.name, axes),
-        lambda terminal: _show(terminal, axes, flight),
+        lambda: (
+            _json(axes[""], options.units, flight)
+            if project is None
+            else _cockpit_json(project.name, axes, options.units)
+        ),
+        lambda terminal: _show(terminal, axes, options.units, flight),
         as_json=options.json,
     )
     refused = flight is not None and flight.report.refused
@@ -304,7 +315,12 @@ def _previous(record: Path) -> dict[str, Path]:
     return {"previous_record": previous} if previous.exists() else {}
 
 
-def _json(running: "LiveSession", flight: "LiveFlight | None" = None) -> dict[str, object]:
+def _softened(running: "LiveSession", units: "UnitSystem") -> str:
+    """What became of the feel; empty if it is as programmed."""
+    return running.softened.sentence(units) if running.softened else ""
+
+
+def _json(running: "LiveSession", units: "UnitSystem", flight: "LiveFlight | None" = None) -> dict[str, object]:
     from forcefeel.live.state import QUANTILE_ERROR
 
     state, timing = running.state, running.timing
@@ -328,17 +344,18 @@ def _json(running: "LiveSession", flight: "LiveFlight | None" = None) -> dict[st
         },
         "quantile_error": QUANTILE_ERROR,
         "realtime_status": list(running.realtime_status),
-        "findings": _findings(running),
+        "softened": running.softened and running.softened.as_json(units),
+        "findings": _findings(running, units),
     }
 
 
-def _cockpit_json(name: str, axes: "dict[str, LiveSession]") -> dict[str, object]:
-    return {"project": name, "axes": {axis: _json(running) for axis, running in axes.items()}}
+def _cockpit_json(name: str, axes: "dict[str, LiveSession]", units: "UnitSystem") -> dict[str, object]:
+    return {"project": name, "axes": {axis: _json(running, units) for axis, running in axes.items()}}
 
 
-def _findings(running: "LiveSession") -> list[str]:
-    remark = running.law.made_for_another(running.loader)
-    return [remark] if remark else []
+def _findings(running: "LiveSession", units: "UnitSystem") -> list[str]:
+    remarks = (_softened(running, units), running.law.made_for_another(running.loader))
+    return [remark for remark in remarks if remark]
 
 
 def _quantiles(histogram: "Histogram") -> dict[str, float]:
@@ -348,7 +365,7 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
     }
 
 
-def _show(console: Terminal, axes: "dict[str, LiveSession]", flight: "LiveFlight | None") -> None:
+def _show(console: Terminal, axes: "dict[str, LiveSession]", units: "UnitSystem", flight: "LiveFlight | None") -> None:
     from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
@@ -365,10 +382,11 @@ def _show(console: Terminal, axes: "dict[str, LiveSession]", flight: "LiveFlight
     for line in first.realtime_status:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
     for axis, running in axes.items():
-        _show_axis(console, f"{axis}: " if axis else "", running)
+        _show_axis(console, f"{axis}: " if axis else "", running, units)
     if (host := first.host) is not None:
         packets_text = f"{host.packets:,} packets, {host.refused:,} left out"
-        console.print(f"- simulator at {host.listens}: {packets_text}", highlight=False)
+        softened_text = f", {host.softened:,} softened to what the loader renders" if host.softened else ""
+        console.print(f"- simulator at {host.listens}: {packets_text}{softened_text}", highlight=False)
     if flight is not None and flight.report.refused:
         refused = "the loader refused the flight: the law cannot render its spring or damping; take another law, speed or aircraft"
         console.print(f"- {refused}", style="bold red", highlight=False)
@@ -378,9 +396,9 @@ def _show(console: Terminal, axes: "dict[str, LiveSession]", flight: "LiveFlight
         )
 
 
-def _show_axis(console: Terminal, axis: str, running: "LiveSession") -> None:
+def _show_axis(console: Terminal, axis: str, running: "LiveSession", units: "UnitSystem") -> None:
     state = running.state
-    for line in _findings(running):
+    for line in _findings(running, units):
         console.print(f"- {axis}{line}", highlight=False)
     counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
     console.print(f"- {axis}{counts}", highlight=False)

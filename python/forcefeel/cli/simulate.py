@@ -1,6 +1,6 @@
 """``forcefeel simulate``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,9 +9,10 @@ from rich.table import Table
 from forcefeel.cli.each_axis import each_axis
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.linked_options import LinkedOptions
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, SoftenOption, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, answer, titled
+from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 class SimulateOptions(LinkedOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel simulate``."""
 
+    soften: SoftenOption = False
     out: Annotated[Path | None, option("Folder for simulation.html, history.csv and results.json.", OUTPUT)] = None
 
 
@@ -36,6 +38,7 @@ def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateO
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """
+    from forcefeel.envelope import soften
     from forcefeel.simulation import RunStatus, simulate
     from forcefeel.simulation.tables import run_json
 
@@ -49,8 +52,10 @@ def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateO
         return
     loader = options.loader(path)
     with all_or_nothing("simulate", silent=options.json):
+        softened = soften(loader) if options.soften else None
+        loader = softened.loader if softened else loader
         scenario, driven_by = options.scenario(loader), options.law_of(loader)
-        run = simulate(loader, scenario, driven_by)
+        run = replace(simulate(loader, scenario, driven_by), softened=softened)
         law = driven_by.name
         page = None
         if out is not None:
@@ -72,6 +77,8 @@ def _run_linked(path: Path | None, project: "Project", options: SimulateOptions)
     from forcefeel.linked import simulate_linked
     from forcefeel.linked.tables import linked_json
 
+    if options.soften:
+        raise InputError("--soften: is for one loader; leave it out, or simulate the loader of one axis")
     with all_or_nothing("simulate", silent=options.json):
         link, scenario = options.link_name(project), options.linked_scenario(project)
         laws = [options.law_of(project.loaders[axis]) for axis in project.links[link].between]

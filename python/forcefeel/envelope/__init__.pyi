@@ -12,3 +12,4 @@ from forcefeel.envelope.plan import Plan as Plan
 from forcefeel.envelope.plan import make_plan as make_plan
 from forcefeel.envelope.result import Envelope as Envelope
 from forcefeel.envelope.run import find_envelope as find_envelope
+from forcefeel.envelope.softening import soften as soften

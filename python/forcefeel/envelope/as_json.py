@@ -105,6 +105,7 @@ def _law(envelope: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
         ],
         "shares_log_weighted": json_value(envelope.even_shares(name), units),
         "joint_tolerances": json_value(envelope.drawn_shares(name), units) if envelope.plan.machines else None,
+        "softened": next((json_value(shares, units) for shares in envelope.softened if shares.law == name), None),
         "contact": json_value(envelope.contact_shares(name), units) if envelope.plan.contacts else None,
         "nominal_first_failure": {str(kind): share for kind, share in envelope.failure_shares(name).items()},
         "smallest_nominally": json_value(envelope.smallest(name), units),

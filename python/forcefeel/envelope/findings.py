@@ -11,6 +11,7 @@ from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.forbidden_sentences import forbidden_sentences
 from forcefeel.envelope.result import MOST, Envelope, Shares
 from forcefeel.envelope.settings import AXES, Axis
+from forcefeel.envelope.softening import SoftenedShares
 from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_sentences
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, FORCE, INERTIA, UnitSystem, to_text
@@ -39,6 +40,7 @@ def envelope_conclusions(envelope: Envelope, units: UnitSystem) -> Conclusions:
         verdict = f"Within tolerance: {each}{among}, of {_feels(envelope)}, released from {_angle(envelope, units)}."
     others = [name for name in envelope.laws if name != best.law]
     lines = [*forbidden_sentences(envelope.forbidden, units), _fails(envelope, best.law), _worst(envelope, best.law)]
+    lines += [_softened(shares) for shares in envelope.softened]
     lines += [_in_contact(envelope, best.law, units)] if envelope.plan.contacts else []
     lines += [_drawn(envelope, best.law)] if envelope.plan.machines else []
     lines += [_smallest(envelope, best.law, units), _passive(envelope)]
@@ -119,6 +121,16 @@ def _in_contact(envelope: Envelope, name: str, units: UnitSystem) -> str:
     return (
         f"With {name_text(name)} {share_text(shares.quiet)} of the settings are quiet in all {count} contacts; fewest, "
         f"{share_text(shares.by_contact[worst])}, in: {worst}. The largest force is {force}."
+    )
+
+
+def _softened(shares: SoftenedShares) -> str:
+    """What a softened feel gains."""
+    least = f", to {share_text(shares.least)} of their stiffness at least" if shares.softened else ""
+    return (
+        f"{_sentence(shares.law)} renders {share_text(shares.as_programmed)} of the settings as programmed, "
+        f"{share_text(shares.softened)} softened to what the drive renders{least}, and {share_text(shares.not_rendered)} "
+        "not at all."
     )
 
 

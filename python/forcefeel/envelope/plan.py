@@ -50,6 +50,7 @@ class Plan:
         smaller_rad: Further release angles for the nominal plant, hands off; default: none.
         contacts: What the column touches, with the nominal plant; default: nothing.
         full: Whether to run every setting of every case, instead of inferring most from their neighbors (``refinement``).
+        soften: Whether to soften settings that the drive forbids, and to release them with the nominal plant (``softening``).
         axis: Control axis of the rule; default: that of a built-in loader with the same name, else pitch.
         loader: The loader with only I, B and G as its feel.
         omitted: Rows of feel and arm that the envelope omits.
@@ -75,6 +76,7 @@ class Plan:
     smaller_rad: Sequence[float] = ()
     contacts: Sequence[Contact] = ()
     full: bool = False
+    soften: bool = False
     axis: Axis | None = None
     loader: Loader = field(init=False)
     omitted: tuple[str, ...] = field(init=False)
@@ -89,6 +91,7 @@ class Plan:
         loader, omitted = feel_json(self.given)
         rules = load_rules(self.rule)
         expect("full", self.full, bool, "true or false")
+        expect("soften", self.soften, bool, "true or false")
         expect("draws", self.draws, Draws, "Draws such as ff.envelope.Draws(100, seed=1)")
         if self.angle_rad is not None:
             _check_angle("angle_rad", self.angle_rad)
@@ -179,6 +182,7 @@ class PlanOptions(TypedDict, total=False):
     smaller_rad: Sequence[float]
     contacts: Sequence[Contact]
     full: bool
+    soften: bool
     axis: Axis | None
 
 
@@ -201,7 +205,7 @@ def make_plan(
         laws: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes, as in ``Settings.of``.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``contacts``,
-            ``full``, ``axis`` of ``Plan``.
+            ``full``, ``soften``, ``axis`` of ``Plan``.
 
     Raises:
         InputError: If an argument is invalid.

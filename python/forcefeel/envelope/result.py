@@ -14,6 +14,7 @@ from forcefeel.envelope.contact import ContactShares
 from forcefeel.envelope.forbidden import NOISE, Forbidden, forbidden
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.softening import SoftenedShares
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.tables.labeled_arrays import LabeledArrays
@@ -229,6 +230,7 @@ class Envelope:
         passivity: Passivity of the grip, by law.
         smaller: Shares at the angles of ``Plan.smaller_rad``.
         law_remarks: Remarks on laws designed for another loader: ``Law.made_for_another``.
+        softened: Shares as programmed, softened and not at all, by law; empty without ``Plan.soften``.
 
     Example:
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
@@ -242,6 +244,7 @@ class Envelope:
     passivity: Mapping[str, Passivity]
     smaller: tuple[AngleShares, ...] = ()
     law_remarks: tuple[str, ...] = ()
+    softened: tuple[SoftenedShares, ...] = ()
 
     @property
     def data(self) -> "xr.Dataset":

@@ -15,7 +15,8 @@ from forcefeel.envelope.outcomes import FIGURES, PASSED, find_outcomes
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
-from forcefeel.envelope.settings import AXES
+from forcefeel.envelope.settings import AXES, ListedSettings
+from forcefeel.envelope.softening import SoftenedShares, softened_rows, softening
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.tables.labeled_arrays import LabeledArrays
@@ -53,8 +54,8 @@ def find_envelope(
         options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares or deviations by plant parameter instead
             of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
             ``smaller_rad``, further release angles for the nominal plant; ``contacts``, such as ``ff.envelope.CONTACTS``;
-            ``full``, run every setting. Default: on a fine grid of a simulated loader, most settings of a perturbed plant take
-            their outcome from neighbors; ``data["inferred"]`` marks them.
+            ``soften``, whether to soften settings beyond the drive; ``full``, run every setting. Default: on a fine grid of a
+            simulated loader, most settings of a perturbed plant take their outcome from neighbors; ``data["inferred"]`` marks them.
 
     Returns:
         The envelope.
@@ -119,7 +120,20 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
         _touch(plan, feel, laws, threads, advance, arrays)
     about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
     labeled = LabeledArrays(arrays, _coordinates(plan), about)
-    return Envelope(plan, labeled, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
+    softened = _softened(plan, outcome[:, 0] == PASSED, threads) if plan.soften else ()
+    return Envelope(plan, labeled, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)), softened)
+
+
+def _softened(plan: Plan, as_programmed: NDArray[np.bool_], threads: int) -> tuple[SoftenedShares, ...]:
+    """Shares of the settings (laws, settings) that pass as programmed, softened, or not at all, with the nominal plant."""
+    limits = softening(plan, threads=threads)
+    which = np.flatnonzero((limits.reason >= 0) & np.isfinite(limits.share))
+    passes = np.zeros_like(as_programmed)
+    if len(which):
+        listed = replace(plan, settings=ListedSettings(softened_rows(plan.settings.rows[which], limits.share[which])))
+        codes, _, _ = find_outcomes(listed, *_designed(listed), [(NOMINAL,)], threads, lambda _: None)
+        passes[:, which] = (codes[:, 0] == PASSED) & ~as_programmed[:, which]
+    return tuple(SoftenedShares.of(*row, limits.share) for row in zip(plan.laws, as_programmed, passes, strict=True))
 
 
 def _touch(

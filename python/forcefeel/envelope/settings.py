@@ -139,6 +139,29 @@ class Settings:
         return np.column_stack([*_core.feel_from_frequencies(frequency, damping, stiffness), stiffness])
 
 
+class ListedSettings(Settings):
+    """Settings that form no grid.
+
+    Args:
+        rows: Damping ratio, frequency in rad/s and share of G_max, (settings, 3).
+    """
+
+    def __init__(self, rows: NDArray[np.float64]) -> None:
+        for name, values in zip(AXES, rows.T, strict=True):
+            object.__setattr__(self, name, tuple(np.unique(values).tolist()))
+        object.__setattr__(self, "rows", rows)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """All settings along the first axis."""
+        return len(self.rows), 1, 1
+
+    @property
+    def fine(self) -> bool:
+        """False: neighbors are unknown."""
+        return False
+
+
 _SHOWN_VALUES = 6
 """Number of values that an error message quotes."""
 

@@ -24,7 +24,6 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
 from forcefeel.frontier.second_order_bound import SettingGroup
@@ -70,12 +69,8 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
 
 def _peak(group: SettingGroup) -> NDArray[np.float64]:
     """Peak demand of each release as a share of the largest current or voltage."""
-    motor, peak = Motor(group.plan.loader), np.zeros(len(group.feel))
-    arm, values = motor.loader["column.grip_arm"], motor.loader.si_values
-    for velocity, acceleration, _ in motion(group):
-        force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
-        peak = np.maximum(peak, _share(motor, force, arm * velocity))
-    return peak
+    motor = Motor(group.plan.loader)
+    return np.asarray(np.max([motor.moving_shares(*moment) for moment in motion(group)], axis=(0, 1)))
 
 
 def _share(motor: Motor, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -24,7 +24,6 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
 from forcefeel.frontier.second_order_bound import SettingGroup
@@ -54,15 +53,8 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
 
 def _peak(group: SettingGroup) -> NDArray[np.float64]:
     """Peak demand of each release for flow at no load, as a share of the largest flow."""
-    loader, valve, peak = group.plan.loader, Valve(group.plan.loader), np.zeros(len(group.feel))
-    arm, per_pressure = loader["column.grip_arm"], valve.force_per_pressure
-    for velocity, acceleration, jerk in motion(group):
-        pressure, pressure_rate = (
-            _core.column_grip_force(loader.si_values, term) / per_pressure for term in (acceleration, jerk)
-        )
-        flow = per_pressure * arm * velocity + valve.statics.oil_compliance * pressure_rate
-        peak = np.maximum(peak, valve.statics.needed(flow, pressure) / valve.flow_m3_per_s)
-    return peak
+    valve = Valve(group.plan.loader)
+    return np.asarray(np.max([valve.moving_shares(*moment)[1] for moment in motion(group)], axis=0))
 
 
 def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

@@ -117,6 +117,7 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
     real_time: bool = True,
     supervised: bool = True,
     host: str | int | None = None,
+    soften: bool = False,
     record: str | Path | None = None,
     record_rate_hz: float | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
@@ -134,6 +135,7 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
         law: The law of all axes, or of each by its name; as for ``start``.
         endpoints: The machines by axis; default: simulated.
         host: As for ``start``; a datagram has a packet of each axis, in the order of the file.
+        soften: As for ``start``.
         real_time: As for ``start``.
         supervised: As for ``start``.
         record: As for ``start``.
@@ -197,7 +199,9 @@ def start_cockpit(  # noqa: PLR0913  keywords of the one call that makes a loop
         axis_law = law.get(axis) if isinstance(law, Mapping) else law
         try:
             flaps, listened = project.flap_trim.get(axis, 0.0), listens is not None
-            made = Axis.of(loader, axis_law, ends[axis], supervised=supervised, host=listened, flap_trim=flaps)
+            made = Axis.of(
+                loader, axis_law, ends[axis], supervised=supervised, host=listened, softens=soften, flap_trim=flaps
+            )
         except InputError as error:
             raise InputError(f"axes.{axis}: {error}") from error
         asked = endpoints.get(axis)

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.envelope.forbidden import REASONS
+from forcefeel.envelope.softening import soften
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law
 from forcefeel.live.ending import EndsWithBlock
@@ -21,6 +23,7 @@ from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip
 from forcefeel.loader.links import LinkKind
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
+from forcefeel.loader.softened_feel import SoftenedFeel
 from forcefeel.units import show
 
 Sensor = Literal["load_cell", "drive", "column", "grip"]
@@ -41,6 +44,11 @@ FADE_S = 0.5
 """Default fade time of a feel."""
 
 _NAP_S = 1e-3
+
+
+def programmed(softened: SoftenedFeel) -> tuple[float, int]:
+    """``LoopSettings.programmed`` of a feel."""
+    return softened.requested_n_m_per_rad, REASONS.index(softened.reason) if softened.reason else -1
 
 
 class LiveSession(EndsWithBlock):
@@ -132,7 +140,7 @@ class LiveSession(EndsWithBlock):
     def feel(self, rows: Mapping[str, str | float | bool | None]) -> None:
         checked_feel(rows)
         with self._designs:
-            loader = self.loader.replace(rows, si=True)
+            loader = self._softened(self.loader.replace(rows, si=True))
             had = self.law.sampled
             law = self.law if had is None else Law.of(self.settings.law, loader)
             if had is not None and law.sampled is not None and law.sampled.states != had.states:
@@ -142,6 +150,24 @@ class LiveSession(EndsWithBlock):
             observer = None if law.sampled is None else law.sampled.rows()[0]
             self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
             self.law = law
+
+    @property
+    def softened(self) -> SoftenedFeel | None:
+        """What became of the programmed feel where the loop softens it; ``None`` where it does not."""
+        stiffness, reason = self.settings.programmed
+        return (
+            SoftenedFeel(self.loader, stiffness, "" if reason < 0 else REASONS[reason])
+            if self.settings.soften
+            else None
+        )
+
+    def _softened(self, loader: Loader) -> Loader:
+        """The loader with the feel that its drive renders, where the loop softens feels."""
+        if not self.settings.soften:
+            return loader
+        softened = soften(loader)
+        self._request("softened", list(programmed(softened)))
+        return softened.loader
 
     @property
     def trim_rad(self) -> float:
@@ -284,6 +310,8 @@ class LiveSession(EndsWithBlock):
     def take_request(self, name: str, numbers: list[float]) -> bool:
         """Pass a request to the loop by name and numbers; return whether its ring had space."""
         with self._lock:
+            if name == "softened":  # of the feel that follows
+                self.settings = replace(self.settings, programmed=(numbers[0], int(numbers[1])))
             taken = self.loop.request(name, numbers)
             if taken and name == "feel":
                 self.settings = replace(
@@ -341,11 +369,11 @@ class LiveSession(EndsWithBlock):
         """State of the aircraft simulator; ``None`` without a host port."""
         if (status := self.loop.host_status()) is None:
             return None
-        listens, packets, refused, last, waiting = status
+        listens, (packets, refused, softened), last, waiting = status
         newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
-        return HostState(listens, address, packets, refused, silent_s, share, waiting or "")
+        return HostState(listens, address, packets, refused, softened, silent_s, share, waiting or "")
 
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
         """A row for each stored cycle after cycle ``since``, at most the newest ``most``; (rows, columns).

@@ -25,6 +25,9 @@ class LoopSettings:
         link: The link of its axis in a cockpit.
         link_holds: Whether the link was last requested to hold.
         priority: Whether the priority button is pressed.
+        soften: Whether feels and values of a host are softened to what the drive renders.
+        programmed: Stiffness of the programmed feel in N m/rad, and what softened it: a place in ``forbidden.REASONS``, -1 if
+            nothing.
     """
 
     loader: Loader
@@ -37,6 +40,8 @@ class LoopSettings:
     link: Link | None = None
     link_holds: bool = True
     priority: bool = False
+    soften: bool = False
+    programmed: tuple[float, int] = (0.0, -1)
 
 
 class Loop(Protocol):
@@ -58,7 +63,7 @@ class Loop(Protocol):
         """Bytes of the record, rows missing after its early end, and the reason for that end."""
         ...
 
-    def host_status(self) -> tuple[str, int, int, tuple[str, float | None] | None, str | None] | None:
+    def host_status(self) -> tuple[str, tuple[int, int, int], tuple[str, float | None] | None, str | None] | None:
         """Status of the aircraft simulator."""
         ...
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.cases import REFERENCE_ARMS, make_cases
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.envelope.machines import full_rows
+from forcefeel.envelope.softening import largest_share
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
@@ -49,6 +50,16 @@ def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
     reached = np.array([span is not None for span in spans])
     begin, end = _around(int(np.abs(_SPRINGS - 1).argmin()), reached)
     return np.array([(springs[k], *(spans[k] or ())) for k in range(begin, end)]).reshape(-1, 3)
+
+
+def within_drive(rendered: NDArray[np.float64], loader: Loader) -> NDArray[np.float64]:
+    """The rows of ``rendered_feels`` up to the stiffest spring that the drive renders at the loader's own damping ratio."""
+    if not len(rendered):
+        return rendered
+    own = loader["feel.stiffness"]
+    most = largest_share(loader, float(rendered[-1, 0]) / own) * own
+    ends = [np.interp(most, rendered[:, 0], rendered[:, k]) for k in (1, 2)]
+    return np.vstack([rendered[rendered[:, 0] < most], [most, *ends]])
 
 
 def _informed(law: Law, settings: NDArray[np.float64], loader: Loader) -> LawLike:

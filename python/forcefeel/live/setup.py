@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.live.rendered import rendered_feels
+from forcefeel.live.rendered import rendered_feels, within_drive
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.simulation.scenario import Scenario, Steps
@@ -41,6 +41,7 @@ def made_of(
     supervised: bool = True,
     scenario: Scenario | None = None,
     host: bool = False,
+    soften: bool = False,
     flap_trim: float = 0.0,
 ) -> tuple[_core.LiveSetup, Steps]:
     """Setup of the loop, and the scenario at the steps of the machine; of one with a host, what it may ask for.
@@ -53,6 +54,8 @@ def made_of(
     if steps.timing is None:
         raise InputError("controller.period: a live loop requires a digital controller")
     rendered = rendered_feels(loader, law) if host else None
+    if soften and rendered is not None:
+        rendered = within_drive(rendered, loader)
     setup = _core.LiveSetup(
         loader.si_values,
         steps.step_s,
@@ -63,6 +66,7 @@ def made_of(
         cancellation=law.cancellation.numbers if law.cancellation else None,
         supervised=supervised,
         rendered=rendered,
+        softens=soften,
         flap_trim=flap_trim,
     )
     return setup, steps

@@ -7,21 +7,23 @@ from pathlib import Path
 from typing import Any
 
 from forcefeel import _core
+from forcefeel.envelope.softening import soften
 from forcefeel.errors import InputError, expect_number
 from forcefeel.files import check_output_file
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.bus import check_bus
 from forcefeel.live.endpoint import Endpoint, Simulated, machine_of, named
-from forcefeel.live.live_session import LiveSession
+from forcefeel.live.live_session import LiveSession, programmed
 from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
 from forcefeel.loader.bus import Bus
 from forcefeel.loader.links import Link
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.softened_feel import SoftenedFeel
 from forcefeel.simulation.engine import engine_changes
 from forcefeel.tables.mcap_table import RECORD, SIMULATED
 from forcefeel.tables.table import MOST_BYTES
-from forcefeel.units import show
+from forcefeel.units import UnitSystem, show
 
 MOST_RECORD_BYTES = MOST_BYTES
 """Default largest size of a record, the limit for reading: 1 hour at 1 kHz."""
@@ -42,6 +44,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     real_time: bool = True,
     supervised: bool = True,
     host: str | int | None = None,
+    soften: bool = False,
     record: str | Path | None = None,
     record_rate_hz: float | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
@@ -60,6 +63,8 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         host: Port for an aircraft simulator, with the packets of ``docs/reference/host.md``: a UDP port for programs on this
             machine, or ``"address:port"``; port 0 takes a free one, see ``running.host``. It sets trim, spring factor,
             shaker and what acts beside the feel, but does not start the feel.
+        soften: Whether a feel that the drive does not render is softened to the nearest that it does (``envelope.soften``), and so
+            are values of the simulator, which are refused otherwise; see ``running.softened`` and ``running.host``.
         record: File for all inputs and outputs, ``.mcap``. It is always readable and at most ``most_bytes`` long.
         record_rate_hz: Rows per second, the loop's rate over a whole number; default: every cycle. Trips and other events are
             recorded in any case, with all cycles of the second before and after a change of the trips.
@@ -84,7 +89,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         'active'
     """
     listens = None if host is None else listening(host, supervised=supervised)
-    axis = Axis.of(loader, law, endpoint, supervised=supervised, host=listens is not None)
+    axis = Axis.of(loader, law, endpoint, supervised=supervised, host=listens is not None, softens=soften)
     kept = opened_record(record, record_rate_hz, most_bytes, expected_s, [loader], ring=ring)
     (running,) = launch([axis], host=listens, real_time=real_time, record=kept)
     return running
@@ -117,22 +122,39 @@ class Axis:
     name: str = ""
     stops: tuple[int, ...] = ()
     link: Link | None = None
+    softened: SoftenedFeel | None = None
 
     @classmethod
     def of(
-        cls, loader: Loader, law: LawLike, endpoint: Endpoint, *, supervised: bool, host: bool, flap_trim: float = 0.0
+        cls,
+        loader: Loader,
+        law: LawLike,
+        endpoint: Endpoint,
+        *,
+        supervised: bool,
+        host: bool,
+        softens: bool = False,
+        flap_trim: float = 0.0,
     ) -> "Axis":
         """A loader with its law and its machine.
 
         Raises:
             InputError: As ``start``.
         """
+        softened = soften(loader) if softens else None
+        loader = softened.loader if softened else loader
         driven_by = live_law(law, loader)
         if isinstance(endpoint, Bus):
             check_bus(endpoint, loader, driven_by)
         scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
         setup, steps = made_of(
-            loader, driven_by, supervised=supervised, scenario=scenario, host=host, flap_trim=flap_trim
+            loader,
+            driven_by,
+            supervised=supervised,
+            scenario=scenario,
+            host=host,
+            soften=softens,
+            flap_trim=flap_trim,
         )
         period, _ = steps.timing or (1, 0)
         script, cycles, requests = None, None, []
@@ -146,7 +168,17 @@ class Axis:
                 requests.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
             script = script_of(steps, scenario)
             cycles = -(-len(steps.inputs["force"]) // period)
-        return cls(loader, law, endpoint, driven_by, setup, script, requests, cycles)
+        return cls(loader, law, endpoint, driven_by, setup, script, requests, cycles, softened=softened)
+
+    @property
+    def settings(self) -> LoopSettings:
+        """Requested settings at the start."""
+        simulated = isinstance(self.endpoint, Simulated)
+        if self.softened is None:
+            return LoopSettings(self.loader, self.law, simulated, link=self.link)
+        return LoopSettings(
+            self.loader, self.law, simulated, link=self.link, soften=True, programmed=programmed(self.softened)
+        )
 
 
 Recorded = tuple[Path, tuple[int, bool], int, int]
@@ -187,7 +219,7 @@ def launch(
                     axis.requests,
                     beats,
                     list(axis.stops),
-                    (f"/{axis.name}" if axis.name else "", about_run(axis.loader, axis.driven_by.name, axis.endpoint)),
+                    (f"/{axis.name}" if axis.name else "", about_axis(axis)),
                 )
                 for axis, beats in zip(axes, every, strict=True)
             ],
@@ -201,14 +233,7 @@ def launch(
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
-    return [
-        LiveSession(
-            loop,
-            LoopSettings(axis.loader, axis.law, isinstance(axis.endpoint, Simulated), link=axis.link),
-            axis.driven_by,
-        )
-        for axis, loop in zip(axes, loops, strict=True)
-    ]
+    return [LiveSession(loop, axis.settings, axis.driven_by) for axis, loop in zip(axes, loops, strict=True)]
 
 
 def opened_record(
@@ -308,6 +333,12 @@ def _cycles(lasts_s: float, loader: Loader) -> int:
     """Cycles of a run of this duration; 0 for an unlimited run."""
     expect_number("expected_s", lasts_s)
     return ceil(max(lasts_s, 0.0) / loader["controller.period"]) if isfinite(lasts_s) else 0
+
+
+def about_axis(axis: Axis) -> dict[str, str]:
+    """Metadata of an axis' record; of a softened feel what became of it."""
+    about = about_run(axis.loader, axis.driven_by.name, axis.endpoint)
+    return about if axis.softened is None else {**about, "softened": axis.softened.sentence(UnitSystem.SI) or "no"}
 
 
 def about_run(loader: Loader, law: str, endpoint: Endpoint) -> dict[str, str]:

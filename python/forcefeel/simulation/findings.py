@@ -64,6 +64,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
     """
     limits = limit_times(run)
     sentences = (
+        run.softened.sentence(units) if run.softened else "",
         _at_rest(run, units),
         _period(run),
         _demand(run, units),

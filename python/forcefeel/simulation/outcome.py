@@ -16,6 +16,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
+from forcefeel.loader.softened_feel import SoftenedFeel
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import (
@@ -164,6 +165,7 @@ class Run:
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
         angle_noise_rad: R.m.s. of the column's angle by the sensors' noise alone.
         law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
+        softened: What became of the programmed feel, where it was softened to what the drive renders.
 
     Example:
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
@@ -179,6 +181,7 @@ class Run:
     method: str = "stepped"
     angle_noise_rad: float = 0.0
     law_remark: str = ""
+    softened: SoftenedFeel | None = None
 
     @property
     def history(self) -> "xr.Dataset":

@@ -99,6 +99,7 @@ def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
         "units": str(units),
         "status": str(run.status),
         "conclusions": json_value(run_conclusions(run, units), units),
+        "softened": json_value(run.softened, units),
         "measures": json_value(known_measures(run), units),
         "limits": json_value(limit_times(run), units),
         "method": run.method,

@@ -61,7 +61,7 @@ def demands(plan: SizingPlan) -> tuple[Demand, ...]:
 def _demands(plan: SizingPlan) -> Iterator[Demand]:
     loader = plan.loader
     yield _held("pilot's force", loader["pilot.force"], "pilot.force of the loader file")
-    yield from _feel(plan)
+    yield from feel_demands(plan)
     yield _release(plan)
     for row in control_forces():
         if row.axis == plan.axis:
@@ -69,7 +69,7 @@ def _demands(plan: SizingPlan) -> Iterator[Demand]:
             yield _held(name, row.force_n, row.source, Duration(row.duration), programmed=False, verified=row.verified)
 
 
-def _feel(plan: SizingPlan) -> Iterator[Demand]:
+def feel_demands(plan: SizingPlan) -> Iterator[Demand]:
     """Largest holding force of the feel, up to its stops or the angle of the release."""
     loader, stops = plan.loader, _stops_rad(plan.loader)
     ends = stops or (-plan.release_rad, plan.release_rad)

@@ -117,6 +117,19 @@ class Motor:
         ]
         return np.max(shares, axis=0) if shares else np.full(np.shape(current), nan)
 
+    def moving_shares(
+        self, velocity: NDArray[np.float64], acceleration: NDArray[np.float64], jerk: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Used shares of the current and of the voltage, (2, ..), in free motion of the column in rad; zero without a limit.
+
+        ``F = (J / R_p + m R_p) theta''``, with the rotor ``m``; the stretch of the link, and so the jerk, is neglected.
+        """
+        arm = self.loader["column.grip_arm"]
+        force = _core.column_grip_force(self.loader.si_values, acceleration) + self.added_mass_kg * arm * acceleration
+        _, current, voltage = self.statics.taken(force, arm * velocity)
+        limits = (self.loader[f"current_loop.{name}_limit"] for name in ("current", "voltage"))
+        return np.array([np.abs(taken) / limit for taken, limit in zip((current, voltage), limits, strict=True)])
+
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> MotorNeeds:
         """Largest demands of forces at speeds over time."""
         torque, current, volts = self.statics.taken(force, speed)

@@ -103,6 +103,24 @@ class Valve:
         capability = self.capability
         return np.asarray(np.maximum(np.abs(pressure) / capability.peak_pressure_pa, flow / capability.flow_m3_per_s))
 
+    def moving_shares(
+        self, velocity: NDArray[np.float64], acceleration: NDArray[np.float64], jerk: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Used shares of the pressure and of the no-load flow, (2, ..), in free motion of the column in rad; zero without a limit.
+
+        The flow also stretches the link and compresses the oil, eqs. (5), (9). A load pressure above the supply's requires infinite
+        flow.
+        """
+        pressure, pressure_rate = (
+            _core.column_grip_force(self.loader.si_values, term) / self.force_per_pressure
+            for term in (acceleration, jerk)
+        )
+        speed = self.loader["column.grip_arm"] * velocity
+        flow = self.force_per_pressure * speed + self.statics.oil_compliance * pressure_rate
+        limits = [self.loader[key] for key in ("valve.supply_pressure", "actuator.relief_pressure")]
+        of_pressure = np.abs(pressure) / min(limits) if self.loader["valve.orifice"] else np.zeros(pressure.shape)
+        return np.array([of_pressure, self.statics.needed(flow, pressure) / self.flow_m3_per_s])
+
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> ValveNeeds:
         """Largest demands of forces at speeds over time."""
         pressure, flow = self.statics.taken(force, speed)

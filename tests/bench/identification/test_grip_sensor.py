@@ -34,7 +34,7 @@ def loader():
     return ff.elevator().replace({"controller.period": PERIOD_S, "controller.delay": PERIOD_S} | rows, si=True)
 
 
-def recorded(experiment, size, **drive):
+def recorded(experiment, size, crossed=(0.0, 0.0), **drive):
     """A record of the report's loader with the sensor at its grip, by the equation of the sensor's own head."""
     time_s = np.arange(SAMPLES) / RATE_HZ
     random = np.random.default_rng(5)
@@ -45,8 +45,10 @@ def recorded(experiment, size, **drive):
     under = Experiment.read(experiment)
     ((channel, given),) = drive.items()
     force = channel == "pilot_force"
+    cross_talk, friction_lb = crossed
+    machine = bench_machine.Machine(coulomb_friction=friction_lb, static_friction=friction_lb)
     found = bench_machine.run(
-        bench_machine.Machine(),
+        machine,
         str(under.loop),
         RATE_HZ,
         controller=bench_machine.Controller(PERIOD_S, delay=1),
@@ -56,6 +58,8 @@ def recorded(experiment, size, **drive):
     hand = signal if force else 0.0
     arm = 31.375 * bench_machine.INCH
     shown = TRUE[GAIN] * (hand - TRUE[MASS] * arm * CubicSpline(time_s, rate)(time_s, 1)) + TRUE[OFFSET]
+    link = found["load_cell_force"][0] * bench_machine.LBF
+    shown = shown + cross_talk * machine.ratio * machine.base_arm / machine.grip_arm * link
     shown = np.round((shown + NOISE_N * random.standard_normal(SAMPLES)) / STEP_N) * STEP_N
     return BenchRecord("bench", under, time_s, {channel: signal, "column_angle": angle, "grip_force": shown})
 
@@ -94,6 +98,23 @@ def test_measured_hand_force_identifies_the_gain(loader):
     in_pounds = in_place_of(pulled, pulled.channels["grip_force"] / bench_machine.LBF)
     (wrong, *_) = find_grip_sensor(loader, [in_pounds], None).wrong
     assert "shows 0.24 times as much of the hand's force as the file predicts: check its unit" in wrong
+
+
+@pytest.mark.parametrize(("cross_talk", "friction_lb"), [(0.01, 0.0), (-0.03, 0.0), (0.02, 1.0)])
+def test_cross_talk_of_the_links_force_is_identified_as_gain_and_mass(loader, cross_talk, friction_lb):
+    """``K_g - c`` and ``K_g m_o - c J / R_p^2``; dry friction adds a share of it to the residual."""
+    rubs = dict.fromkeys(("column.coulomb_friction", "column.static_friction"), f"{friction_lb} lb")
+    known = loader.replace(rubs) if friction_lb else loader
+    pulled = recorded("loader pilot_force", 6.0, (cross_talk, friction_lb), pilot_force="force")
+    found = find_grip_sensor(known, [pulled], None)
+    assert found.wrong == ()
+    gain = TRUE[GAIN] - cross_talk
+    mass = (TRUE[GAIN] * TRUE[MASS] - cross_talk * loader["column.inertia"] / loader["column.grip_arm"] ** 2) / gain
+    for key, told in {GAIN: gain, MASS: mass, OFFSET: TRUE[OFFSET]}.items():
+        value, deviation = found.rows[key]
+        assert abs(value - told) < SURE * deviation + WITHIN * abs(told)
+    rubbed = abs(cross_talk) * friction_lb * bench_machine.LBF
+    assert found.noise == pytest.approx(np.hypot(NOISE_N, rubbed), rel=NOISE_WITHIN)
 
 
 @pytest.mark.parametrize(

@@ -389,6 +389,39 @@ fn coefficients_that_no_loader_renders_are_refused_before_they_act() {
 }
 
 #[test]
+fn coefficients_that_a_loader_does_not_render_are_softened_where_it_is_told_to() {
+    let setup = setup();
+    let feel = setup.parameters().feel;
+    let (g, b) = (feel.stiffness, feel.damping);
+    let rendered = |spring, damping| Rendered { spring, damping };
+    let springs = vec![rendered(0.5 * g, [10.0, 50.0]), rendered(2.0 * g, [20.0, 80.0])];
+    let softens = Setup { rendered: springs, softens: true, host: true, ..setup };
+    // Spring factor and added spring in G, damping of the whole in N m s/rad: as asked for, and as rendered.
+    let cases = [
+        ([1.0, 0.0, 30.0], [1.0, 0.0, 30.0]),
+        ([1.0, 0.5, 5.0], [1.0, 0.5, 10.0 + 2.0 / 3.0 * 10.0]),
+        ([1.0, 3.0, 90.0], [0.5, 1.5, 80.0]),
+        ([0.2, 0.0, 5.0], [0.2, 0.3, 10.0]),
+        ([3.0, 0.0, b], [2.0, 0.0, b]),
+        ([0.2, 0.0, b], [0.2, 0.0, b]),
+    ];
+    for (asked, given) in cases {
+        let mut run = Run::made(softens.clone());
+        let [factor, spring, damping] = asked;
+        #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+        let numbers = [(1, factor), (STIFFNESS, spring * g), (DAMPING, damping - b)].map(|(k, of)| (k, of as f32));
+        let row = run.on(6000, Some((ACTIVE, sent(&numbers))));
+        let soft = u64::from(asked != given);
+        assert_eq!(u64::from(run.answers.last().expect("answers").status >> 16), 2 * soft, "{asked:?}");
+        assert_eq!(run.controller.softened() > 0, soft == 1, "{asked:?}");
+        let found = [row.spring_factor, row.added_stiffness_n_m_per_rad / g, row.added_damping_n_m_s_per_rad + b];
+        for (found, given) in found.into_iter().zip(given) {
+            assert!((found - given).abs() < 1e-6 * (1.0 + given), "{asked:?}: {found}, {given}"); // of the packet's f32
+        }
+    }
+}
+
+#[test]
 fn numbers_hold_while_the_simulator_stands_still_and_come_back_over_a_second() {
     let mut run = Run::new(None);
     run.on(6000, Some((ACTIVE, sent(&[(ADDED, 10.0)]))));

@@ -25,6 +25,7 @@ pub fn setup() -> Setup {
         factor: None,
         host: false,
         rendered: vec![],
+        softens: false,
         flap_trim: 0.0,
         cancellation: None,
         beginning: None,

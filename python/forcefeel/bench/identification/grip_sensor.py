@@ -8,6 +8,11 @@ With hands off it shows only the inertial force of the outboard mass. The motion
 recorded drive, because no encoder measures acceleration. The model (``crates/model/src/grip_sensor.rs``) gives the readings for a
 hand alone and for a mass of 1 kg. The record then determines ``K_g m_o`` and ``F_0`` by least squares, and ``K_g`` under a measured
 force of the hand. Standard errors are by jackknife over pieces of the record, because the residual is not white.
+
+A share ``c`` of the link's force in the reading, cross-talk, is identified with them. The column obeys
+``alpha R_b F / R_p = J theta'' / R_p - F_p``, dry friction aside, so the sensor reads as one with ``K_g - c`` and
+``K_g m_o - c J / R_p^2``, whatever moves or holds the column. A law for these rows needs no row for ``c``; what is left is ``c``
+times the friction.
 """
 
 from collections.abc import Mapping, Sequence

@@ -182,6 +182,7 @@ def host_json(running: LiveSession) -> Json:
         "status": status,
         "share": round(host.share, 2),
         "refused": host.refused,
+        "softened": host.softened,
         "waiting": host.waiting,
     }
 

@@ -301,6 +301,7 @@ class ConsoleSession:
                 stiffness_factor=running.stiffness_factor,
                 shaker=running.shaker,
                 fault=running.fault,
+                softened=running.softened.sentence(self._setup.system) if running.softened else "",
                 host=host_json(running),
                 flight=running.flight and running.flight.readings(),
                 link_holds=running.settings.link_holds,

@@ -85,10 +85,12 @@ function show(now) {
   by("record").hidden = !now.record_ended;
   by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
+  by("softened").hidden = !now.softened;
+  by("softened").textContent = now.softened;
   by("simulator").hidden = !now.host;
   by("programmed").textContent = now.host ? "programmed without the aircraft, both ways" : "programmed, both ways";
   if (now.host) {
-    by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
+    by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}${now.host.softened ? `; ${now.host.softened.toLocaleString("en")} packets softened` : ""}`;
     by("accept").hidden = !now.host.waiting || told.role !== "control";
     by("accept").textContent = `Accept ${now.host.waiting}`;
   }
