@@ -4,6 +4,7 @@ What the tutorials and the site type runs as it stands. Lists of commands elsewh
 """
 
 import contextlib
+import gc
 import io
 import os
 import re
@@ -25,6 +26,17 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def pytest_xdist_auto_num_workers() -> int:
     """One worker more than cores: some tests wait for a browser, a cluster or a command of their own."""
     return len(os.sched_getaffinity(0)) + 1 if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Imports and cases stay until the end: to look through them for what can go, each time, costs a fifth of the collection."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 _TERMINALS: dict[str, Terminal] = {}

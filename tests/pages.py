@@ -58,20 +58,18 @@ class OnDemand(dict):
         return self.setdefault(name, self._make(name))
 
 
-def views_of(names: Iterable[str]):
+def views_of(names: Iterable[str], fast: int = 1):
     """The fixture ``page``: each of the module's ``pages`` at each width; ``called`` is its name.
 
-    Only the first page at the narrow width is not slow. All are loaded in one window and from beside one script: another
-    window or script would be compiled once more.
+    Only the first page at the narrow width is not slow, or none if ``fast`` is 0. All are loaded in one window and from beside
+    one script: another window or script would be compiled once more.
     """
-    narrow, *others = [(name, width) for width in sorted(WIDTHS) for name in names]
     views = [
-        pytest.param(narrow, marks=pytest.mark.browser, id="{}-{}".format(*narrow)),
-        *(
-            pytest.param(view, marks=[pytest.mark.browser, pytest.mark.slow], id="{}-{}".format(*view))
-            for view in others
-        ),
+        pytest.param((name, width), marks=pytest.mark.browser, id=f"{name}-{width}")
+        for width in sorted(WIDTHS)
+        for name in names
     ]
+    views = [*views[:fast], *(view._replace(marks=[*view.marks, pytest.mark.slow]) for view in views[fast:])]
 
     @pytest.fixture(scope="module", params=views)
     def page(request, window, pages):

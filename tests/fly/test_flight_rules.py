@@ -39,7 +39,7 @@ def pages(report, tmp_path_factory):
     return {"c172p": ff.fly.write_flight(report, tmp_path_factory.mktemp("flight"), ff.UnitSystem.US)}
 
 
-page = views_of(["c172p"])
+page = views_of(["c172p"], fast=0)
 TestPage = EveryPage
 
 

@@ -12,6 +12,8 @@ CASES = {  # speed, kt; C_alpha, C_delta with its tab; area, chord, arm of the t
     "c172p": (100.0, -0.1, -0.3, 14.5 * FT**2, 1.2 * FT, 15.7 * FT, 1.0, 0.40135),
     "737": (250.0, -0.08, -0.3, 70 * FT**2, 2.4 * FT, 48 * FT, 0.1, 0.3),
 }
+FLOWN_S = 100.0
+"""One and a half swings of the phugoid."""
 CLOSE = (0.01, 0.01, 0.02)
 """Phugoid, short period, column, whose damping loses 1.5 % to the frame of 2 ms beside a short period as quick as itself."""
 
@@ -50,7 +52,7 @@ def stick_free(name, loader):
 
 def test_free_modes_are_those_of_the_linear_model():
     name, frame = "737", ff.fly.FRAME_S
-    speed, hand = CASES[name][0] * KNOT, np.zeros(round(200.0 / frame))
+    speed, hand = CASES[name][0] * KNOT, np.zeros(round(FLOWN_S / frame))
     hand[: round(2 / frame)] = -5.0
     flown = ff.fly.fly(
         ff.digital_elevator(), ff.fly.Aircraft(name, speed, 900.0), hand, ff.fly.FlightOptions(alone=True)

@@ -56,11 +56,11 @@ def _recorded():
 
 
 MADE = {
-    "compare": lambda: ff.qualify_loader(
-        ff.elevator(), ff.qualification.QualificationSetup(laws=("original", "published", "converged"), tests=COMPARED)
-    ),
     "friction": lambda: ff.qualify_loader(
         ff.elevator().replace(FRICTION), ff.qualification.QualificationSetup(laws=("published",), system=UnitSystem.SI)
+    ),
+    "compare": lambda: ff.qualify_loader(
+        ff.elevator(), ff.qualification.QualificationSetup(laws=("original", "published", "converged"), tests=COMPARED)
     ),
     "unstable": lambda: ff.qualify_loader(
         ff.elevator().replace(UNSTABLE), ff.qualification.QualificationSetup(rule="cs-fstd-a")
@@ -163,11 +163,13 @@ def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
     assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
 
 
-def test_every_test_has_a_plot_and_a_table(pages, made):
-    text = pages["compare"].read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", mostly_slow(("friction", "compare")))
+def test_every_test_has_a_plot_and_a_table(pages, made, name):
+    text = pages[name].read_text(encoding="utf-8")
     drawn = set(re.findall(r'<div id="plot-([\w-]+)"', text))
-    assert drawn == {f"{law}-{key}" for law in SECTIONS["compare"] for key in COMPARED}
-    tests = sum(len(section.results) for section in made["compare"].sections)
+    keys = [trial.key for trial in made[name].test_plan.made]
+    assert drawn == {f"{law}-{key}" for law in SECTIONS[name] for key in keys}
+    tests = sum(len(section.results) for section in made[name].sections)
     assert text.count('<article class="test"') == tests
 
 
@@ -189,11 +191,11 @@ def test_page_states_qualifying_laws_and_reasons_against_others(pages):
 
 
 def test_page_states_rule_conditions_versions_and_date(pages, made):
-    told = _told(pages["compare"])
+    told = _told(pages["friction"])
     assert "14 CFR Part 60, Appendix A, edition 2014, aeroplane" in told
     assert "take-off" in told
-    assert made["compare"].day.isoformat() in told
-    assert date.fromisoformat(json.loads((pages["compare"].parent / "results.json").read_text())["date"])
+    assert made["friction"].day.isoformat() in told
+    assert date.fromisoformat(json.loads((pages["friction"].parent / "results.json").read_text())["date"])
 
 
 def test_names_are_text_not_markup(made, tmp_path):

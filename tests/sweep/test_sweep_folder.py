@@ -45,8 +45,29 @@ def names(place) -> set[str]:
 
 
 @pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The finished sweep and the one with three chunks, as folders to copy: to write a file of results takes half a second."""
+    folder = tmp_path_factory.mktemp("made")
+    run_sweep(small(), folder / "finished")
+    interrupt(small(), folder / "begun")
+    return folder
+
+
+@pytest.fixture(scope="module")
 def whole():
     return run_sweep(small()).runs
+
+
+@pytest.fixture
+def finished(made, tmp_path):
+    """A folder with all of ``small()``."""
+    return shutil.copytree(made / "finished", tmp_path, dirs_exist_ok=True)
+
+
+@pytest.fixture
+def begun(made, tmp_path):
+    """A folder with three chunks of ``small()``."""
+    return shutil.copytree(made / "begun", tmp_path, dirs_exist_ok=True)
 
 
 def test_a_finished_sweep_leaves_plan_and_runs(tmp_path, whole):
@@ -63,9 +84,8 @@ def test_plan_lists_rows_of_drive():
         assert [*document["loader"]["values"]] == [*table(loader.drive)]
 
 
-def test_units_and_coordinates_round_trip_through_file(tmp_path, whole):
-    run_sweep(small(), tmp_path)
-    stored = xr.load_dataset(tmp_path / "runs.nc", engine="h5netcdf")
+def test_units_and_coordinates_round_trip_through_file(finished, whole):
+    stored = xr.load_dataset(finished / "runs.nc", engine="h5netcdf")
     assert set(stored.coords) == set(whole.coords)
     for name, values in whole.variables.items():
         assert stored[name].attrs == values.attrs, name
@@ -86,13 +106,12 @@ def test_interrupted_sweep_resumes_at_last_chunk(tmp_path, whole):
 
 
 @pytest.mark.parametrize("other", [[], ["simulation.html"]])
-def test_an_interrupted_replacement_leaves_no_script_without_a_page(tmp_path, other):
-    run_sweep(small(), tmp_path)
+def test_an_interrupted_replacement_leaves_no_script_without_a_page(finished, other):
     for name in ("sweep.html", "plotly.min.js", *other):
-        (tmp_path / name).write_text("x")
+        (finished / name).write_text("x")
     with pytest.raises(KeyboardInterrupt):
-        run_sweep(small(), tmp_path, progress=Interrupted(1), replace=True)
-    assert names(tmp_path) == {"plan.json", "chunks", *(["plotly.min.js"] if other else []), *other}
+        run_sweep(small(), finished, progress=Interrupted(1), replace=True)
+    assert names(finished) == {"plan.json", "chunks", *(["plotly.min.js"] if other else []), *other}
 
 
 def test_repeated_resume_gives_same_result(tmp_path, whole):
@@ -101,11 +120,10 @@ def test_repeated_resume_gives_same_result(tmp_path, whole):
     assert run_sweep(small(), tmp_path, resume=True, threads=1).runs.identical(whole)
 
 
-def test_finished_sweep_is_read_and_not_repeated(tmp_path, whole, monkeypatch):
-    run_sweep(small(), tmp_path)
+def test_finished_sweep_is_read_and_not_repeated(finished, whole, monkeypatch):
     monkeypatch.setattr("forcefeel.sweep.run.measure", None)
     progress = Interrupted()
-    assert run_sweep(small(), tmp_path, resume=True, progress=progress).runs.identical(whole)
+    assert run_sweep(small(), finished, resume=True, progress=progress).runs.identical(whole)
     assert progress.told == [400]
 
 
@@ -136,10 +154,9 @@ def test_damaged_pieces_are_computed_again(tmp_path, whole):
     assert len(progress.told) == 1 + len(small().chunks) - 1  # the first is as it was
 
 
-def test_chunk_on_full_disk_is_not_partly_written(tmp_path, monkeypatch):
+def test_chunk_on_full_disk_is_not_partly_written(begun, monkeypatch):
     """A full disk in the midst of a piece: it is named, and no part of the piece is there."""
-    interrupt(small(), tmp_path)
-    before = names(tmp_path / "chunks")
+    before = names(begun / "chunks")
 
     really = Path.open
 
@@ -149,8 +166,8 @@ def test_chunk_on_full_disk_is_not_partly_written(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "open", opened)
     with pytest.raises(InputError, match=r"00003\.npy: cannot be written \(No space left on device\)"):
-        run_sweep(small(), tmp_path, resume=True)
-    assert names(tmp_path / "chunks") == before
+        run_sweep(small(), begun, resume=True)
+    assert names(begun / "chunks") == before
 
 
 class _Full:
@@ -188,43 +205,39 @@ OTHERS = {
 
 @pytest.mark.parametrize("other", OTHERS)
 @pytest.mark.parametrize("resume", [True, False])
-def test_a_folder_with_another_sweep_is_refused(tmp_path, other, resume):
-    interrupt(small(), tmp_path)
+def test_a_folder_with_another_sweep_is_refused(begun, other, resume):
     make, said = OTHERS[other]
     with pytest.raises(InputError) as refused:
-        run_sweep(make(), tmp_path, resume=resume)
+        run_sweep(make(), begun, resume=resume)
     assert "holds another sweep" in str(refused.value)
     assert said in str(refused.value)
     assert "--replace" in str(refused.value)
-    assert len(names(tmp_path / "chunks")) == 3
+    assert len(names(begun / "chunks")) == 3
 
 
-def test_same_sweep_resumes_only_with_resume(tmp_path):
-    interrupt(small(), tmp_path)
+def test_same_sweep_resumes_only_with_resume(begun):
     kept = sum(map(len, small().chunks[:3]))
     with pytest.raises(InputError, match=f"holds {kept} of 400 runs of this very sweep; --resume to go on with it"):
-        run_sweep(small(), tmp_path)
-    run_sweep(small(), tmp_path, resume=True)
+        run_sweep(small(), begun)
+    run_sweep(small(), begun, resume=True)
     with pytest.raises(InputError, match="holds all 400 runs of this very sweep; --resume to write its page anew"):
-        run_sweep(small(), tmp_path)
+        run_sweep(small(), begun)
 
 
-def test_another_engine_is_another_sweep(tmp_path, monkeypatch):
-    interrupt(small(), tmp_path)
+def test_another_engine_is_another_sweep(begun, monkeypatch):
     right = chunk.nominal(small())
     monkeypatch.setattr(identity, "nominal", lambda sweep: np.nextafter(right, np.inf))
     with pytest.raises(InputError, match="the engine here gives other numbers for the nominal loader"):
-        run_sweep(small(), tmp_path, resume=True)
+        run_sweep(small(), begun, resume=True)
 
 
-def test_replace_restarts_sweep_and_keeps_other_files(tmp_path, whole):
-    run_sweep(small(30), tmp_path)
+def test_replace_restarts_sweep_and_keeps_other_files(finished):
     for name in ("sweep.html", "mine.txt"):
-        (tmp_path / name).write_text("there", encoding="utf-8")
-    interrupt(small(31), tmp_path / "other", after=1)
-    found = run_sweep(small(), tmp_path, replace=True)
-    assert found.runs.identical(whole)
-    assert names(tmp_path) == {"plan.json", "runs.nc", "mine.txt", "other"}
+        (finished / name).write_text("there", encoding="utf-8")
+    interrupt(small(31), finished / "other", after=1)
+    found = run_sweep(small(8), finished, replace=True)
+    assert found.runs.identical(run_sweep(small(8)).runs)
+    assert names(finished) == {"plan.json", "runs.nc", "mine.txt", "other"}
 
 
 @pytest.mark.parametrize(
@@ -246,8 +259,8 @@ def test_foreign_chunks_are_never_removed(tmp_path, held, said):
     assert all((tmp_path / name).exists() for name in held)
 
 
-def test_a_folder_of_chunks_that_is_a_link_is_not_followed(tmp_path):
-    run_sweep(small(8), tmp_path / "sweep")
+def test_a_folder_of_chunks_that_is_a_link_is_not_followed(made, tmp_path):
+    shutil.copytree(made / "finished", tmp_path / "sweep")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "00000.npy").write_text("mine")
     (tmp_path / "sweep" / "chunks").symlink_to(tmp_path / "mine", target_is_directory=True)
@@ -287,11 +300,10 @@ def test_invalid_plan_raises_input_error(tmp_path, plan):
         run_sweep(small(), tmp_path, resume=True)
 
 
-def test_unreadable_results_are_named(tmp_path):
-    run_sweep(small(), tmp_path)
-    (tmp_path / "runs.nc").write_bytes((tmp_path / "runs.nc").read_bytes()[:1000])
+def test_unreadable_results_are_named(finished):
+    (finished / "runs.nc").write_bytes((finished / "runs.nc").read_bytes()[:1000])
     with pytest.raises(InputError, match=r"runs\.nc: cannot be read .*; --replace to begin anew"):
-        run_sweep(small(), tmp_path, resume=True)
+        run_sweep(small(), finished, resume=True)
 
 
 def test_file_in_place_of_folder_is_refused(tmp_path):
@@ -357,12 +369,11 @@ def test_memory_stays_flat(tmp_path, monkeypatch):
     assert (peak(many) - peak(few)) / (many - few) < 40
 
 
-def test_results_that_miss_runs_are_refused(tmp_path):
-    run_sweep(small(8), tmp_path / "other")
-    run_sweep(small(), tmp_path)
-    (tmp_path / "runs.nc").write_bytes((tmp_path / "other" / "runs.nc").read_bytes())
+def test_results_that_miss_runs_are_refused(finished):
+    run_sweep(small(8), finished / "other")
+    (finished / "runs.nc").write_bytes((finished / "other" / "runs.nc").read_bytes())
     with pytest.raises(InputError, match=r"runs\.nc: does not hold the 400 runs; --replace to begin anew"):
-        run_sweep(small(), tmp_path, resume=True)
+        run_sweep(small(), finished, resume=True)
 
 
 def test_results_without_room_on_the_disk_are_not_begun(tmp_path, whole, monkeypatch):
