@@ -10,9 +10,10 @@ left out; an envelope shows them.
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelope.cases import REFERENCE_ARMS, make_cases
+from forcefeel.envelope.cases import REFERENCE_ARMS, Case, make_cases
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.envelope.machines import full_rows
+from forcefeel.envelope.refinement import UNKNOWN, rounds
 from forcefeel.envelope.softening import largest_share
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.laws.sampled.sampled_law import SampledLaw
@@ -28,28 +29,51 @@ _RATIOS = np.geomspace(0.02, 8.0, 12)
 _DIES = 0.05
 """Damping ratio of a swing that loses a quarter in a period."""
 
+_CLEAR = 0.02
+"""Damping ratio above the least from which on a feel's neighbors may be inferred from it."""
+
+_NEVER = -2
+"""An outcome that is not known beforehand at any feel."""
+
 
 def rendered_feels(loader: Loader, law: Law) -> NDArray[np.float64]:
     """Spring rate K, N m/rad, with least and most damping B, N m s/rad, that are stable there; (springs, 3), K rising.
 
-    K is a contiguous range around the loader's own G; no rows where not even that is stable.
+    K is a contiguous range around the loader's own G; no rows where not even that is stable. Coarse first, refined where the
+    verdict changes, as the settings of an envelope (``envelope.refinement``).
     """
     inertia, own = loader["feel.inertia"], loader["feel.stiffness"]
     springs = own * _SPRINGS
     dampings = 2 * np.sqrt(inertia * springs)[:, None] * _RATIOS
-    asked = np.column_stack([np.repeat(springs, len(_RATIOS)), dampings.ravel()])
-    feels = np.vstack([(loader["feel.damping"], own), asked[:, ::-1]])
-    settings = np.column_stack([np.full(len(feels), inertia), feels])
-    cases = make_cases(deviations_of(loader), REFERENCE_ARMS)
-    values = np.vstack([full_rows(loader, case, settings, law) for case in cases])
-    least = np.minimum(settings[:, 1] / (2 * np.sqrt(inertia * settings[:, 2])) / 2, _DIES)
-    informed = _informed(law, np.tile(settings, (len(cases), 1)), loader)
-    damped = _damping_ratios(loader, informed, values).reshape(len(cases), -1) >= least
-    good = damped[damped[:, 0], 1:].all(axis=0).reshape(dampings.shape)
+    feels = np.stack(
+        [np.full(dampings.shape, inertia), dampings, np.repeat(springs[:, None], len(_RATIOS), axis=1)], -1
+    )
+    programmed = np.array([[inertia, loader["feel.damping"], own]])
+    every_case = make_cases(deviations_of(loader), REFERENCE_ARMS)
+    steady = np.asarray(_margins(loader, law, [(case, programmed) for case in every_case]) >= 0)
+    cases = [case for case, good in zip(every_case, steady, strict=True) if good]
+    if not cases:
+        return np.empty((0, 3))
+    shape = len(cases), 1, *dampings.shape
+    outcome, margin = np.full(shape, UNKNOWN, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    for wanted in rounds(outcome, margin, _NEVER):
+        run = [(cases[k], feels[wanted[k, 0]]) for k in np.flatnonzero(wanted.any(axis=(1, 2, 3)))]
+        if run:
+            above = _margins(loader, law, run)
+            outcome[wanted], margin[wanted] = above >= 0, np.where(above < 0, above, np.maximum(above - _CLEAR, 0.0))
+    good = np.asarray((outcome[:, 0] > 0).all(axis=0))
     spans = [_span(dampings[k], good[k]) for k in range(len(springs))]
     reached = np.array([span is not None for span in spans])
     begin, end = _around(int(np.abs(_SPRINGS - 1).argmin()), reached)
     return np.array([(springs[k], *(spans[k] or ())) for k in range(begin, end)]).reshape(-1, 3)
+
+
+def _margins(loader: Loader, law: Law, run: list[tuple[Case, NDArray[np.float64]]]) -> NDArray[np.float64]:
+    """Damping ratio of the loop above the least, for the settings I, B, K of each case in turn."""
+    settings = np.vstack([settings for _, settings in run])
+    values = np.vstack([full_rows(loader, case, settings, law) for case, settings in run])
+    least = np.minimum(settings[:, 1] / (2 * np.sqrt(settings[:, 0] * settings[:, 2])) / 2, _DIES)
+    return np.asarray(_damping_ratios(loader, _informed(law, settings, loader), values) - least)
 
 
 def within_drive(rendered: NDArray[np.float64], loader: Loader) -> NDArray[np.float64]:
