@@ -82,8 +82,8 @@ class HostState:
         address: Its own address; empty before the first packet.
         packets: Number of accepted packets.
         refused: Number of rejected packets: damaged, old, out of range, of another version or sender.
-        silent_s: Time since the last packet, s; ``None`` before its first.
         softened: Number of accepted packets whose spring or damping was softened to what the loader renders.
+        silent_s: Time since the last packet, s; ``None`` before its first.
         share: Share of its values in the feel, 0 to 1; the rest is the default feel.
         waiting: Address of another sender since it is silent, which takes over with ``session.accept_host()``; empty without one.
 
