@@ -1,4 +1,4 @@
-"""Hypothesis: a fast profile for every run, a slow one by ``HYPOTHESIS_PROFILE=slow``. And the browser of the page tests."""
+"""Hypothesis: a fast profile for every run, others by ``HYPOTHESIS_PROFILE``. And the browser of the page tests."""
 
 import os
 import shutil
@@ -11,7 +11,8 @@ from tests.command_line import runs
 from tests.pages import new_window
 
 # Derandomized: a failure is one of the code, not of the day.
-settings.register_profile("fast", max_examples=40, deadline=None, derandomize=True, database=None)
+settings.register_profile("fast", max_examples=20, deadline=None, derandomize=True, database=None)
+settings.register_profile("validate", max_examples=60, deadline=None, derandomize=True, database=None)
 settings.register_profile("slow", max_examples=2000, deadline=None, database=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
 
