@@ -4,9 +4,11 @@ import os
 import shutil
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
+from forcefeel.live import rendered
 from tests.command_line import runs
 from tests.pages import new_window
 
@@ -19,6 +21,15 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
 
 # ``forcefeel("law", "my.toml", ...)`` in the empty folder of a test.
 forcefeel = runs()
+
+
+@pytest.fixture(scope="module")
+def coarse_range() -> Iterator[None]:
+    """What a host may ask of a loader is tried at fewer springs between the same ends, its own among them; all take it 3 s."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rendered, "_SPRINGS", np.geomspace(1 / 256, 1024, 10))
+        patch.setattr(rendered, "_RATIOS", np.geomspace(0.02, 8.0, 6))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -172,6 +172,7 @@ def test_failure_during_computation_keeps_the_old_report(out, designed, monkeypa
     assert _files(out) == before
 
 
+@pytest.mark.slow
 def test_report_is_reproducible(out, designed, tmp_path):
     write_report(designed, tmp_path, UnitSystem.US)
     assert _files(tmp_path) == _files(out)

@@ -27,7 +27,7 @@ window.WebSocket = class extends Real { constructor(...to) { super(...to); windo
 """
 """The page's connections, for a test to cut."""
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("coarse_range")]
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +63,12 @@ def page(request, browser, console):
     assert window.inner_text("#state") == "active", window.inner_text("#trips")
     yield window
     window.close()
+
+
+@pytest.fixture(scope="module")
+def pages_before():
+    """Pages whose release was judged."""
+    return []
 
 
 def until(page, holds):
@@ -164,9 +170,10 @@ def test_feel_sliders_change_the_feel(page, running):
 
 
 @pytest.mark.slow
-def test_release_verdict_is_shown_also_to_later_pages(page, running):
+def test_release_verdict_is_shown_also_to_later_pages(page, running, pages_before):
     """The first page waits for a release, 12 s; the later one shows its verdict and begins another, which the next test stops."""
-    first = page.viewport_size["width"] == WIDTHS[0]
+    first = not pages_before
+    pages_before.append(page)
     if first:
         page.locator("[data-test=release][data-side=positive]:enabled").click()
     page.locator("#judged strong", has_text="positive").wait_for()
