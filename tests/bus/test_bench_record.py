@@ -35,6 +35,7 @@ def signal(loader, **changes):
     return ff.bench.excite(loader, "J_m,k,c,J", "motor-open", ff.bench.ExcitationPlan(**(plan | changes)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", mostly_slow(["moteus", KINDS[-1]]))
 def test_identification_finds_the_hidden_machine(kind):
     loader = yoke(kind)

@@ -45,6 +45,7 @@ def _acknowledged(session):
     return not session.state.drive_fault
 
 
+@pytest.mark.slow
 def test_cockpit_names_the_fault_beside_its_axis(browser, tmp_path):
     wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with pytest.MonkeyPatch.context() as patch:
