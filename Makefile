@@ -47,7 +47,7 @@ fetched: $(VENV)/equipped
 # With the cases that pytest's marker `slow` names: they try in depth what a cheaper case of `make test` runs too.
 validate: $(VENV)/equipped target/wheel/built firmware-libraries
 	tests/browser/install
-	FORCEFEEL_REQUIRE_WHEEL=1 $(BIN)/pytest -m ""
+	FORCEFEEL_REQUIRE_WHEEL=1 HYPOTHESIS_PROFILE=validate $(BIN)/pytest -m ""
 
 # Clippy in the release profile too: the macros of other crates are there already. --all-targets would check each library twice.
 lint: $(VENV)/equipped

@@ -9,6 +9,7 @@ import io
 import os
 import re
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -105,6 +106,13 @@ def elsewhere(namespace: dict[str, object]) -> None:
 def back(namespace: dict[str, object]) -> None:
     """Where the other tests are."""
     os.chdir(str(namespace["_from"]))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with few cases first: theirs are the long ones, and the many short ones fill up what is left to each worker."""
+    cases = Counter(item.path for item in items)
+    items.sort(key=lambda item: (cases[item.path], str(item.path)))
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

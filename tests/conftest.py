@@ -1,23 +1,35 @@
-"""Hypothesis: a fast profile for every run, a slow one by ``HYPOTHESIS_PROFILE=slow``. And the browser of the page tests."""
+"""Hypothesis: a fast profile for every run, others by ``HYPOTHESIS_PROFILE``. And the browser of the page tests."""
 
 import os
 import shutil
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
+from forcefeel.live import rendered
 from tests.command_line import runs
 from tests.pages import new_window
 
 # Derandomized: a failure is one of the code, not of the day.
-settings.register_profile("fast", max_examples=40, deadline=None, derandomize=True, database=None)
+settings.register_profile("fast", max_examples=20, deadline=None, derandomize=True, database=None)
+settings.register_profile("validate", max_examples=60, deadline=None, derandomize=True, database=None)
 settings.register_profile("slow", max_examples=2000, deadline=None, database=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
 
 
 # ``forcefeel("law", "my.toml", ...)`` in the empty folder of a test.
 forcefeel = runs()
+
+
+@pytest.fixture(scope="module")
+def coarse_range() -> Iterator[None]:
+    """What a host may ask of a loader is tried at fewer springs between the same ends, its own among them; all take it 3 s."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rendered, "_SPRINGS", np.geomspace(1 / 256, 1024, 10))
+        patch.setattr(rendered, "_RATIOS", np.geomspace(0.02, 8.0, 6))
+        yield
 
 
 @pytest.fixture(scope="session")

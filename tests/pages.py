@@ -16,6 +16,8 @@ WIDTHS = (1280, 390)
 ROUNDING_PX = 1.0
 LARGEST_PAGE = 2_000_000
 """Bytes."""
+LONGEST_MS = 120_000
+"""Of a wait, on a busy machine."""
 
 DRAWN = """() => [...document.querySelectorAll('.plotly-graph-div')].every(plot => plot.querySelector('.trace, .hm'))"""
 
@@ -84,10 +86,23 @@ def views_of(names: Iterable[str], fast: int = 1):
     return page
 
 
+SELDOM = """(() => {
+    const frame = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (draw) => setTimeout(() => frame(draw), 60);
+})()"""
+
+
+def seldom_drawn(page):
+    """The page, whose drawing moves a dozen times a second: without a graphics card sixty times take a whole core."""
+    page.add_init_script(SELDOM)
+    return page
+
+
 @contextmanager
 def new_window(browser) -> Iterator:
     """A window whose ``complaints`` and ``requested`` tell what its page logs and requests."""
     window = browser.new_page()
+    window.set_default_timeout(LONGEST_MS)
     window.complaints, window.requested = [], []
     window.on(
         "console",
@@ -108,7 +123,7 @@ def show(window, page: Path, width: int) -> None:
     window.complaints.clear()
     window.requested.clear()
     window.goto(page.as_uri())
-    window.wait_for_function(DRAWN, timeout=20_000)
+    window.wait_for_function(DRAWN)
 
 
 def words_cut(page, words: str, rounding: float) -> list[str]:

@@ -63,8 +63,12 @@ SLOW = {
     *("forcefeel.fly.FlightReport", "forcefeel.fly.Flown", "forcefeel.fly.Maneuver"),
     *("forcefeel.fly.fly_maneuver", "forcefeel.fly.write_flight", "forcefeel.live.HostState"),
     *("forcefeel.frontier.LinkFrontier", "forcefeel.frontier.LinkLimit", "forcefeel.frontier.write_links"),
+    *("forcefeel.frontier.link_frontier", "forcefeel.frontier.write_frontier", "forcefeel.sweep.write_sweep"),
+    *("forcefeel.fly.fly", "forcefeel.fly.fly_live", "forcefeel.bus.play", "forcefeel.design.write_report"),
+    *("forcefeel.feel.fit_feel", "forcefeel.design.design_servo", "forcefeel.commission.simulated_records"),
+    *("forcefeel.choice.choose", "forcefeel.reproduction.reproduce"),
 }
-"""Examples of seconds; another name's begins in the same way."""
+"""Examples of seconds; the tests of each command run the same functions."""
 
 
 @pytest.mark.parametrize(

@@ -84,15 +84,18 @@ def test_small_install_suffices(tmp_path, words):
 
 @pytest.mark.parametrize(
     ("words", "package"),
-    [
-        ("design --out report", "pages"),
-        ("law elevator-2khz --law robust --out law", "pages"),
-        ("simulate --out run", "pages"),
-        ("envelope", "pages"),
-        ("sweep --runs 10", "pages"),
-        ("qualify elevator-2khz --law robust", "pages"),
-        ("fly sidestick-pitch", "fly"),
-    ],
+    mostly_slow(
+        [
+            ("design --out report", "pages"),
+            ("law elevator-2khz --law robust --out law", "pages"),
+            ("simulate --out run", "pages"),
+            ("envelope", "pages"),
+            ("fly sidestick-pitch", "fly"),
+            ("sweep --runs 10", "pages"),
+            ("qualify elevator-2khz --law robust", "pages"),
+        ],
+        2,
+    ),
 )
 def test_command_names_the_extra_that_it_lacks(tmp_path, words, package):
     done = _run(tmp_path, *words.split())

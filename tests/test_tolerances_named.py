@@ -30,16 +30,19 @@ def lines_of(statement: ast.stmt) -> range:
 def unnamed(source: str) -> Iterator[int]:
     """Lines of tolerances that are bare numbers and have no comment in their statement, nor one on the line above it."""
     tree = ast.parse(source)
-    statements = [lines_of(node) for node in ast.walk(tree) if isinstance(node, ast.stmt)]
+    nodes = [*ast.walk(tree)]
+    bare = [node for node in nodes if isinstance(node, ast.keyword) and node.arg in KEYWORDS and is_bare(node.value)]
+    if not bare:
+        return
+    statements = [lines_of(node) for node in nodes if isinstance(node, ast.stmt)]
     tokens = tokenize.generate_tokens(io.StringIO(source).readline)
     comments = {token.start: token.line for token in tokens if token.type == tokenize.COMMENT}
     beside = {line for line, _ in comments}
     alone = {line for (line, column), text in comments.items() if not text[:column].strip()}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.keyword) and node.arg in KEYWORDS and is_bare(node.value):
-            around = min((lines for lines in statements if node.lineno in lines), key=len)
-            if beside.isdisjoint(around) and around[0] - 1 not in alone:
-                yield node.value.lineno
+    for node in bare:
+        around = min((lines for lines in statements if node.lineno in lines), key=len)
+        if beside.isdisjoint(around) and around[0] - 1 not in alone:
+            yield node.value.lineno
 
 
 def test_tolerances_have_a_name_or_a_reason() -> None:

@@ -35,6 +35,7 @@ def signal(loader, **changes):
     return ff.bench.excite(loader, "J_m,k,c,J", "motor-open", ff.bench.ExcitationPlan(**(plan | changes)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", mostly_slow(["moteus", KINDS[-1]]))
 def test_identification_finds_the_hidden_machine(kind):
     loader = yoke(kind)
@@ -112,11 +113,11 @@ def test_signal_under_the_law_ends_with_the_supervisor():
 def test_signal_that_cannot_be_played_is_refused(excite, tmp_path):
     loader = yoke()
     with pytest.raises(ff.InputError, match="use --rate 2000"):
-        ff.bus.play(signal(loader, rate_hz=1000.0))
+        ff.bus.play(signal(loader, rate_hz=1000.0, time_s=2.0))
     with pytest.raises(ff.InputError, match="load_cell"):
-        ff.bus.play(signal(yoke(load_cell_n=None)))
+        ff.bus.play(signal(yoke(load_cell_n=None), time_s=2.0))
     with pytest.raises(ff.InputError, match="add the table"):
-        ff.bus.play(signal(ff.loader.electric("desktop-yoke")))
+        ff.bus.play(signal(ff.loader.electric("desktop-yoke"), time_s=2.0))
     (tmp_path / "yoke.toml").write_text(loader.to_toml().replace('"pty"', '"./nowhere"'), encoding="utf-8")
     words = ("--fit", "J_m", "--experiment", "motor-open", "--rate", 2000, "--time", 2, "--machine", "bus")
     status, out, err = excite("yoke.toml", *words, "--out", "bench.csv")

@@ -39,7 +39,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return OnDemand(lambda name: _write(name, folder / name))
 
 
-page = views_of(PLOTS)
+page = views_of(PLOTS, fast=0)
 TestPage = EveryPage
 
 

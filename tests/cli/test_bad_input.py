@@ -141,7 +141,7 @@ def commands(draw):
 
 
 @given(commands())
-@settings(max_examples=max(25, settings.default.max_examples // 2))
+@settings(max_examples=max(15, settings.default.max_examples // 2))
 @example(["sweep", "my.toml", "--runs", "4", "--duration", "0.2", "--replace", "--seed", "3000000000"])
 @example(["simulate", "my.toml", "--change", "1 s: feel.damping=200 lb in s/rad", "--fade-time", "5e-324"])
 def test_random_arguments_succeed_or_are_refused(place, words):

@@ -102,13 +102,12 @@ def test_message_length_is_bounded_and_truncation_is_stated():
 @pytest.mark.parametrize(
     "words",
     [
-        ("--help",),
-        ("analyze", "--help"),
         ("--version",),
         ("analyze",),
-        ("analyze", "--json"),
-        ("new", "my.toml"),
-        UNSTABLE,
+        *(
+            pytest.param(words, marks=pytest.mark.slow)
+            for words in (("--help",), ("analyze", "--help"), ("analyze", "--json"), ("new", "my.toml"), UNSTABLE)
+        ),
     ],
     ids=" ".join,
 )

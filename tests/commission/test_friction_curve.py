@@ -42,6 +42,7 @@ def test_seals_are_identified_and_a_fall_is_never_read_as_a_jump():
         assert found[key].value == pytest.approx(truth[key], rel=NEAR)
 
 
+@pytest.mark.slow
 def test_even_friction_gets_no_curve():
     even, curved, truth = fitted({DRY: "1.4 lb", BREAKAWAY: "1.4 lb"})
     found = {estimate.unknown.key: estimate.value for estimate in curved.estimates}

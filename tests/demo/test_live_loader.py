@@ -16,7 +16,7 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.qualification.batch_verdicts import NAMES
 from forcefeel.simulation.engine import prepared
-from tests.pages import WIDTHS, new_window
+from tests.pages import WIDTHS, new_window, seldom_drawn
 from tests.parametrization import mostly_slow
 
 DEMO = Path(__file__).parents[2] / "docs" / "demo"
@@ -36,11 +36,11 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def page(window):
-    window.goto((DEMO / "index.html").as_uri())
-    window.wait_for_selector(".passed, .failed")
-    yield window
-    window.goto("about:blank")  # its drawing moves on
+def page(browser):
+    with new_window(browser) as window:
+        seldom_drawn(window).goto((DEMO / "index.html").as_uri())
+        window.wait_for_selector(".passed, .failed")
+        yield window
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def loaders() -> dict[str, tuple[ff.Loader, str]]:
     }
 
 
-@pytest.mark.parametrize("name", loaders())
+@pytest.mark.parametrize("name", mostly_slow(loaders(), 2))
 def test_run_gives_the_bits_of_a_simulation(page, name):
     loader, law = loaders()[name]
     law = ff.Law.of(law, loader)
@@ -160,6 +160,7 @@ def test_all_of_it_is_small():
 @pytest.mark.parametrize("width", [WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
 def test_column_follows_the_pointer_and_verdict_follows_the_law(browser, width):
     with new_window(browser) as window:
+        seldom_drawn(window)
         window.set_viewport_size({"width": width, "height": 900})
         window.emulate_media(reduced_motion="reduce")
         window.goto((DEMO / "index.html").as_uri())

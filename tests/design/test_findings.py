@@ -79,6 +79,7 @@ def test_stiff_link_is_reported_as_rigid(loader):
     assert said(ff.design_loader(stiff)).findings[0].startswith("The linkage is nearly rigid")
 
 
+@pytest.mark.slow
 def test_tangent_in_figure_2_touches_its_curve(loader):
     other = loader.replace({"valve.pressure_gain": "0.05 in^5/(lb s)"})
     curves = ff.design.figures(ff.design_loader(other))[0].curves

@@ -16,5 +16,5 @@ def pages(tmp_path_factory):
     return OnDemand(lambda name: ff.design.write_report(design, folder / name, UNITS[name]))
 
 
-page = views_of(UNITS)
+page = views_of(UNITS, fast=0)
 TestPage = EveryPage

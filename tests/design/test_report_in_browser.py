@@ -176,6 +176,7 @@ def _luminance(color: str) -> float:
     return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [("us", WIDTHS[0])], indirect=True, scope="module")
 def test_text_and_plots_are_legible_in_light_and_dark_mode(page):
     for scheme in ("dark", "light"):  # as the reader's system changes

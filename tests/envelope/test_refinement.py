@@ -16,7 +16,6 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.refinement import FEWEST, UNKNOWN, rounds
 from forcefeel.envelope.result import Envelope
 from forcefeel.loader.loader import Loader
-from tests.parametrization import mostly_slow
 
 PASSES, UNSTABLE, FAILS = 0, 1, 2
 FINE = {"stiffness": "5..100 %:15:log", "frequency": "1.5..4 Hz:9:log", "damping": "0.2, 0.7"}
@@ -110,7 +109,9 @@ def test_stable_settings_beside_unstable_ones_are_run() -> None:
     assert run[:, :-1][stable[:, :-1] & ~stable[:, 1:]].all()
 
 
-@pytest.fixture(scope="module", params=mostly_slow(["elevator-2khz", "desktop-yoke"]))
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=pytest.mark.slow) for name in ("elevator-2khz", "desktop-yoke")]
+)
 def maps(request: pytest.FixtureRequest) -> tuple[Envelope, Envelope]:
     """Inferred and full map of a loader without noise, whose runs do not depend on their index in a batch."""
     loader = ff.digital_elevator() if request.param == "elevator-2khz" else ff.loader.electric(request.param)

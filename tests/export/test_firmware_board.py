@@ -100,6 +100,7 @@ def golden(folder):
     return emulated(folder, "emulated.elf", 0)
 
 
+@pytest.mark.slow
 def test_telemetry_has_the_golden_bits(golden, expected):
     numbers, states = expected
     assert re.search(rf"^pitch: {len(numbers)} samples, 0 differ; stack \d+ of {STACK_BYTES} bytes$", golden.text)
@@ -120,6 +121,7 @@ def test_telemetry_has_the_golden_bits(golden, expected):
     assert frames["busy"].max() <= 1000
 
 
+@pytest.mark.slow
 def test_converter_gets_each_command_a_period_later_and_enable_follows(golden, expected):
     commands, enables = expected[0][:, 0].astype(float), expected[1][:, 0]
     volts = command_channel(valve().loader).range
@@ -132,11 +134,13 @@ def test_converter_gets_each_command_a_period_later_and_enable_follows(golden, e
     assert 1000 < np.count_nonzero(enables) < len(enables)
 
 
+@pytest.mark.slow
 def test_watchdog_starts_once_and_is_refreshed_each_period(golden, expected):
     assert golden.watchdog[:3] == [0xCCCC, 0x5555, 0xAAAA]
     assert golden.watchdog[3:] == [0xAAAA] * len(expected[0])
 
 
+@pytest.mark.slow
 def test_stack_mark_stays_within_the_stack(golden):
     used = int(re.search(r"stack (\d+) of", golden.text)[1])
     assert 1000 < used < STACK_BYTES - 1000
@@ -152,6 +156,7 @@ def test_fault_takes_power_and_command_away(folder, expected):
     assert fault.frames["period"][-1] == FAULT_AT - 1
 
 
+@pytest.mark.slow
 def test_telemetry_script_prints_the_frames(golden, folder):
     with (folder / "telemetry.bin").open("rb") as stream:
         text = run(folder, sys.executable, "telemetry.py", stdin=stream)

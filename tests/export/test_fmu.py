@@ -20,6 +20,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.scenario import Steps
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import CONVERTERS, KNOTS, NONLINEAR, needs, run
+from tests.pages import OnDemand
 from tests.parametrization import mostly_slow
 
 pytestmark = pytest.mark.skipif(
@@ -76,11 +77,12 @@ def export(out, loader, feel=None):
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
     """The FMUs of each loader, and its law, designed once."""
-    found = {}
-    for name, loader in (LOADERS | SMOOTH).items():
+
+    def made(name):
         out = tmp_path_factory.mktemp(name)
-        found[name] = (out, export(out, loader()))
-    return found
+        return out, export(out, (LOADERS | SMOOTH)[name]())
+
+    return OnDemand(made)
 
 
 def opened(fmus, loader, kind, version, **how):

@@ -12,6 +12,7 @@ from fmpy.validation import validate_fmu
 import forcefeel as ff
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import NONLINEAR
+from tests.pages import OnDemand
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -50,13 +51,13 @@ ASIDE = {
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
-    found = {}
-    for name, make in LAWS.items():
-        law, loader = make()
+    def made(name):
+        law, loader = LAWS[name]()
         out = tmp_path_factory.mktemp(name.split(",", maxsplit=1)[0])
         ff.export.write_export(ff.export.Exported.of(law, loader, "pitch"), ff.export.Target.FMU, out)
-        found[name] = out, loader
-    return found
+        return out, loader
+
+    return OnDemand(made)
 
 
 def opened(fmus, name, kind, version, **how):

@@ -14,6 +14,7 @@ from forcefeel.export.sections import SECTIONS
 from forcefeel.laws.sampled.sampled_law import NUMBERS
 from tests.command_line import runs
 from tests.export.toolchain import CONVERTERS, NONLINEAR, STRICT, motor, needs, run, written
+from tests.parametrization import mostly_slow
 
 VALVE = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
 STICK = ff.loader.electric("sidestick-pitch").replace({"feel.breakout": "2 N"})
@@ -95,8 +96,17 @@ def test_tuned_law_matches_bitwise_while_it_is_tuned(folders, name):
     assert run(folders[name], "./program") == f"{name}: 15000 samples, 0 differ\n"
 
 
-@pytest.mark.parametrize("share", [None, 0.0, 0.3, 1.0])
-@pytest.mark.parametrize(("name", "loader", "ranges"), [("valve", VALVE, RANGES), ("stick", STICK, ON_STICK)])
+@pytest.mark.parametrize(
+    ("name", "loader", "ranges", "share"),
+    mostly_slow(
+        [
+            (name, loader, ranges, share)
+            for share in (0.3, None, 1.0, 0.0)
+            for name, loader, ranges in (("valve", VALVE, RANGES), ("stick", STICK, ON_STICK))
+        ],
+        2,
+    ),
+)
 def test_tuned_law_gives_the_bits_of_an_export_of_the_changed_file(folders, name, loader, ranges, share, tmp_path):
     """Its law designed anew, its golden vectors a simulation of that file; none: the file's own values."""
     needs("gcc")

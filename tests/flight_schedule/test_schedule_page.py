@@ -46,7 +46,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return OnDemand(write)
 
 
-page = views_of(SCHEDULES)
+page = views_of(SCHEDULES, fast=0)
 TestPage = EveryPage
 
 

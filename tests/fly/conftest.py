@@ -1,15 +1,8 @@
-"""Flights whose loader's range of springs and dampings is tried at fewer of them; ``tests/live`` has the whole range."""
+"""Flights, whose loaders a host moves: their ranges are coarse, as that of ``coarse_range``."""
 
-import numpy as np
 import pytest
 
-from forcefeel.live import rendered
 
-
-@pytest.fixture(scope="session", autouse=True)
-def coarse_range():
-    """The same ends, the loader's own spring among them; the whole table takes 3 s for each loader."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rendered, "_SPRINGS", np.geomspace(1 / 256, 1024, 10))
-        patch.setattr(rendered, "_RATIOS", np.geomspace(0.02, 8.0, 6))
-        yield
+@pytest.fixture(scope="module", autouse=True)
+def _range_of_the_host(coarse_range):
+    pass

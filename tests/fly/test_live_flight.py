@@ -15,6 +15,7 @@ from tests.command_line import runs
 from tests.fly.test_fly import AREA, CHORD, balance
 from tests.live.console.conftest import Talk
 from tests.live.unhurried import unhurried_elevator
+from tests.pages import seldom_drawn
 
 run = runs("run")
 
@@ -153,7 +154,7 @@ def test_console_in_another_process_reaches_the_flight(flown):
 @pytest.mark.browser
 def test_page_flies_at_both_widths(flown, browser):
     _, flight, console = flown
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page = seldom_drawn(browser.new_page(viewport={"width": 1280, "height": 900}))
     page.goto(console.address)
     page.locator("#flight-calibrated_airspeed", has_text="kt").wait_for()
     page.fill("#number-throttle", "95")

@@ -43,7 +43,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return OnDemand(write)
 
 
-page = views_of(FRONTIERS)
+page = views_of(FRONTIERS, fast=0)
 TestPage = EveryPage
 
 

@@ -132,6 +132,7 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     assert np.abs(angle - found).max() < 0.01 * depth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rests", mostly_slow([True, False]))
 def test_an_independent_integrator_finds_the_same_rest_under_a_hand_that_pushes_on(rests: bool) -> None:
     """200 N into the stop of a stick: the drive swings by 1.3 mm without the part for contact, by 3 um with it."""

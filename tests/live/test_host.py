@@ -20,6 +20,8 @@ from tests.live.unhurried import unhurried_elevator
 
 ROOT = Path(__file__).parent.parent.parent
 
+pytestmark = pytest.mark.usefixtures("coarse_range")
+
 
 @pytest.fixture(scope="module")
 def host() -> ModuleType:

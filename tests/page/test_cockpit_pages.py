@@ -47,7 +47,7 @@ def pages(guide, envelopes, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     }
 
 
-page = views_of((GUIDE, ENVELOPES))
+page = views_of((GUIDE, ENVELOPES), fast=0)
 TestPage = EveryPage
 
 

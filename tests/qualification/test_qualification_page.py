@@ -206,6 +206,7 @@ def test_names_are_text_not_markup(made, tmp_path):
     assert "a &amp; b &lt; c" in text
 
 
+@pytest.mark.slow
 def test_equal_qualifications_give_equal_bytes(made, tmp_path):
     first, second = (ff.qualification.write_qualification(made["friction"], tmp_path / name) for name in "ab")
     for name in ("qualification.html", "results.json"):

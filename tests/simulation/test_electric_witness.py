@@ -93,6 +93,7 @@ def test_engine_matches_witness(law, effect):
         assert np.abs(warm - expected["winding"]).max() < WARMS * expected["winding"].max()
 
 
+@pytest.mark.slow
 def test_engine_matches_witness_with_all_effects(law):
     """In steps of 0.25 ms. Play that closes inside a step while the column bounces is of the first order in it: 1.5e-4 at 0.5."""
     history, expected = both(EVERYTHING, law, 0.4, 2.5e-4)

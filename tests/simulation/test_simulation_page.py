@@ -279,7 +279,7 @@ def test_a_long_curve_keeps_its_peaks():
 # In a browser.
 
 
-page = views_of(("stops", "sweep", "diverged"))
+page = views_of(("stops", "sweep", "diverged"), fast=0)
 TestPage = EveryPage
 
 

@@ -29,7 +29,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 COCKPIT = "cockpit"
-page = views_of((*LOADERS, COCKPIT))
+page = views_of((*LOADERS, COCKPIT), fast=0)
 TestPage = EveryPage
 
 

@@ -166,7 +166,7 @@ def test_folder_in_place_of_file_is_refused(tmp_path, name):
 # In a browser.
 
 
-page = views_of(SWEEPS)
+page = views_of(SWEEPS, fast=0)
 TestPage = EveryPage
 
 

@@ -75,6 +75,7 @@ def record_of(names, drive="test_signal", controller=None, said=None):
     return BenchRecord("multisine", Experiment.read(f"servo-closed {said}"), time_s, seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measured", mostly_slow(SETS))
 def test_every_parameter_is_within_its_standard_errors(loader, measured):
     found = apart(loader, record_of(measured))

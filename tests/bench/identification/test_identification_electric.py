@@ -49,6 +49,16 @@ def by_current_alone(yoke, truth):
     return bench.record(truth, None, "motor-open test_current", quick, 2.5, random=random)
 
 
+@pytest.fixture(scope="module")
+def short():
+    """The channels of a motor alone, of no machine: what is refused is so before it is fitted."""
+    experiment, time = Experiment.read("motor-open test_current"), np.arange(1601) * 5e-4
+    names = ("column_angle", "drive_position", "load_cell_force", "motor_current", "motor_angle", "test_current")
+    return BenchRecord(
+        "bench", experiment, time, {name: 3 * np.sin(40 * time + k) for k, name in enumerate(names)}, "straight"
+    )
+
+
 @pytest.mark.slow
 def test_motor_link_and_column_are_within_their_standard_errors(yoke, truth, law, under_its_law, tmp_path):
     channels = ("column_angle", "drive_position", "load_cell_force", "motor_current")
@@ -125,31 +135,29 @@ def changed(found, experiment=None, **channels):
     )
 
 
-def test_data_of_another_bench_raises_input_error(yoke, by_current_alone):
-    zeros = np.zeros_like(by_current_alone.time_s)
+def test_data_of_another_bench_raises_input_error(yoke, short):
+    zeros = np.zeros_like(short.time_s)
     limit = yoke["current_loop.current_limit"]
     noise = 1e-6 * np.random.default_rng(9).standard_normal(len(zeros))
     cases = {
-        "load_pressure is no channel of an electric drive": changed(by_current_alone, load_pressure=zeros),
-        "servo-open test_signal is made for a hydraulic drive": changed(
-            by_current_alone, "servo-open", test_signal=zeros
-        ),
+        "load_pressure is no channel of an electric drive": changed(short, load_pressure=zeros),
+        "servo-open test_signal is made for a hydraulic drive": changed(short, "servo-open", test_signal=zeros),
         "motor_current is at current_loop.current_limit": changed(
-            by_current_alone, motor_current=np.clip(20 * by_current_alone.channels["motor_current"], -limit, limit)
+            short, motor_current=np.clip(20 * short.channels["motor_current"], -limit, limit)
         ),
-        "motor_angle moves by no more than its noise": changed(by_current_alone, motor_angle=noise),
+        "motor_angle moves by no more than its noise": changed(short, motor_angle=noise),
     }
     for message, record in cases.items():
         with pytest.raises(ff.InputError, match=message):
             identify(yoke, [record], "K_t")
     with pytest.raises(ff.InputError, match=r"valve\.current_gain is of a hydraulic drive"):
-        identify(yoke, [by_current_alone], "K_t,valve.current_gain")
+        identify(yoke, [short], "K_t,valve.current_gain")
 
 
-def test_motor_record_is_refused_for_a_valve(by_current_alone):
+def test_motor_record_is_refused_for_a_valve(short):
     with pytest.raises(ff.InputError, match="motor-open test_current is made for an electric drive"):
-        identify(ff.elevator(), [by_current_alone], "k")
-    pushed = changed(by_current_alone, "sweep", pilot_force=np.zeros_like(by_current_alone.time_s))
+        identify(ff.elevator(), [short], "k")
+    pushed = changed(short, "sweep", pilot_force=np.zeros_like(short.time_s))
     with pytest.raises(ff.InputError, match="is no channel of a hydraulic drive"):
         identify(ff.elevator(), [pushed], "k")
 

@@ -44,7 +44,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return OnDemand(write)
 
 
-page = views_of(CASES)
+page = views_of(CASES, fast=0)
 TestPage = EveryPage
 
 

@@ -9,6 +9,7 @@ from urllib.request import Request, urlopen
 import pytest
 
 import forcefeel as ff
+from tests.pages import seldom_drawn
 
 STICKS = Path(__file__).parents[3] / "examples" / "cockpit" / "linked-sticks.toml"
 WIDTHS = (1280, 390)
@@ -35,7 +36,7 @@ def console(cockpit):
 
 @pytest.fixture(scope="module", params=[WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
 def page(request, browser, console):
-    window = browser.new_page(viewport={"width": request.param, "height": 900})
+    window = seldom_drawn(browser.new_page(viewport={"width": request.param, "height": 900}))
     window.set_default_timeout(LONGEST_MS)
     window.complaints = []
     window.on(

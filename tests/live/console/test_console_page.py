@@ -5,6 +5,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.live.console import session
 from tests.live.unhurried import unhurried_elevator
+from tests.pages import seldom_drawn
 
 WIDTHS = (1280, 390)
 LONGEST_MS = 200_000
@@ -26,7 +27,7 @@ window.WebSocket = class extends Real { constructor(...to) { super(...to); windo
 """
 """The page's connections, for a test to cut."""
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("coarse_range")]
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,7 @@ def console(running):
 
 @pytest.fixture(scope="module", params=[WIDTHS[0], pytest.param(WIDTHS[1], marks=pytest.mark.slow)])
 def page(request, browser, console):
-    window = browser.new_page(viewport={"width": request.param, "height": 900})
+    window = seldom_drawn(browser.new_page(viewport={"width": request.param, "height": 900}))
     window.set_default_timeout(LONGEST_MS)
     window.complaints, window.requested = [], []
     window.on(
@@ -62,6 +63,12 @@ def page(request, browser, console):
     assert window.inner_text("#state") == "active", window.inner_text("#trips")
     yield window
     window.close()
+
+
+@pytest.fixture(scope="module")
+def pages_before():
+    """Pages whose release was judged."""
+    return []
 
 
 def until(page, holds):
@@ -134,7 +141,7 @@ def test_closed_browser_releases_hand_and_loop_continues(page, browser, console,
     page.click("#take")
     page.locator("#holder", has_text="No client").wait_for()
     other = browser.new_context(viewport=page.viewport_size)
-    window = other.new_page()
+    window = seldom_drawn(other.new_page())
     window.goto(console.address)  # which takes control, since it is free
     window.locator("#holder", has_text="You have control.").wait_for()
     window.mouse.move(*grip(window))
@@ -162,9 +169,11 @@ def test_feel_sliders_change_the_feel(page, running):
     assert running.loader["feel.stiffness"] == pytest.approx(wanted, rel=1e-4)  # the factor's six digits
 
 
-def test_release_verdict_is_shown_also_to_later_pages(page, running):
+@pytest.mark.slow
+def test_release_verdict_is_shown_also_to_later_pages(page, running, pages_before):
     """The first page waits for a release, 12 s; the later one shows its verdict and begins another, which the next test stops."""
-    first = page.viewport_size["width"] == WIDTHS[0]
+    first = not pages_before
+    pages_before.append(page)
     if first:
         page.locator("[data-test=release][data-side=positive]:enabled").click()
     page.locator("#judged strong", has_text="positive").wait_for()

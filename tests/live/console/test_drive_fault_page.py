@@ -5,6 +5,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.live.console import session as console_session
 from tests.live.test_bus import cockpit_on_bus, running, until, yoke
+from tests.pages import seldom_drawn
 
 pytestmark = pytest.mark.browser
 
@@ -23,7 +24,7 @@ def test_page_names_the_drives_fault_until_it_is_well(browser, wired):
     session, emulator, console = wired
     session.on()
     until(lambda: session.state.name == "active")
-    page = browser.new_page(viewport={"width": 390, "height": 900})
+    page = seldom_drawn(browser.new_page(viewport={"width": 390, "height": 900}))
     page.set_default_timeout(LONGEST_MS)
     page.goto(console.address)
     page.locator("#state.active").wait_for()
@@ -44,12 +45,13 @@ def _acknowledged(session):
     return not session.state.drive_fault
 
 
+@pytest.mark.slow
 def test_cockpit_names_the_fault_beside_its_axis(browser, tmp_path):
     wired = {axis: yoke(node=node) for node, axis in enumerate(("roll", "pitch"), 2)}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(console_session, "HELD_UP_S", LONGEST_MS / 1e3)
         with cockpit_on_bus(tmp_path, wired) as (cockpit, emulator), ff.live.Console(cockpit, port=0) as console:
-            page = browser.new_page(viewport={"width": 390, "height": 900})
+            page = seldom_drawn(browser.new_page(viewport={"width": 390, "height": 900}))
             page.set_default_timeout(LONGEST_MS)
             page.goto(console.address)
             emulator.fail(40, axis=1)
