@@ -154,8 +154,8 @@ fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
 fn both_directions_are_learnt_where_they_differ() {
     let off = [-0.1, 0.3];
     let mut state = FrictionState::initial(0.0);
-    // Each time that the column turns, a quarter of the error of the turn before is left.
-    for swing in 0..12 {
+    // Each time that the column turns, half of the error of the turn before is left in the other direction.
+    for swing in 0..24 {
         let rate = if swing % 2 == 0 { 1.0 } else { -1.0 };
         state = learnt(state, 2000, |learnt| (learnt - off[way(rate)]) * rate.signum(), rate);
     }
