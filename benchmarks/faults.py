@@ -43,8 +43,16 @@ Rows = NDArray[np.float64]
 def loaders() -> list[tuple[str, ff.Loader]]:
     """The built-in loaders under a sampled controller."""
     analog = ff.elevator().replace({"controller.period": "1 ms", "controller.delay": "1 ms"})
-    names = ("elevator-2khz", *ELECTRIC_AXES)
-    return [("elevator-1974", analog), *((name, open_loader(name)) for name in names)]
+    named = [(name, open_loader(name)) for name in ("elevator-2khz", *ELECTRIC_AXES)]
+    grips = [(name, loader.replace(GRIP)) for name, loader in named if name in AT_GRIP]
+    return [("elevator-1974", analog), *named, *grips]
+
+
+GRIP = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
+AT_GRIP = ("elevator-2khz",)
+"""Loaders that are drawn with a force sensor at the grip, too, which closes the loop of both of their laws. Of the motors' laws some are
+at their limit for long under an arm, without a fault too.
+"""
 
 
 def drawn() -> tuple[Rows, Rows, list[int]]:
@@ -54,7 +62,9 @@ def drawn() -> tuple[Rows, Rows, list[int]]:
     for name, loader in loaders():
         inertia, damping, stiffness = (loader[f"feel.{key}"] for key in ("inertia", "damping", "stiffness"))
         frequency, ratio = np.sqrt(stiffness / inertia), damping / (2 * np.sqrt(stiffness * inertia))
-        for law in ("robust", "observer") if name in ELECTRIC_AXES else ("robust", "agile"):
+        at_grip = bool(loader["grip_sensor.gain"])
+        others = "grip" if at_grip else "observer" if name in ELECTRIC_AXES else "agile"
+        for law in ("robust", others):
             for k in range(FEELS):
                 g = stiffness * 2 ** rng.uniform(-1.5, 0.7)
                 w, zeta = frequency * 2 ** rng.uniform(-0.5, 0.5), ratio * 2 ** rng.uniform(-0.5, 1)

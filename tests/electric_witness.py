@@ -158,7 +158,7 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
         ]
     )
     step = expm(feel * period)
-    y, feels, rows, last, memory = np.zeros(10), np.zeros(2), [], 0.0, np.zeros(5)
+    y, feels, rows, last, memory = np.zeros(10), np.zeros(2), [], 0.0, np.zeros(7)
     xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0 if added is None else added(0.0, 0.0)
     y[2] = e
     if start is not None:
@@ -299,24 +299,29 @@ def hear(numbers, known, torque, memory):
     """What the feel hears of an estimated torque, first in the memory, and how the friction that is known moves the law's state."""
     level, uncertain, slow, leak, low, high, gain, hand, blur, trust, _ = numbers[-11:]
     by_rate, enters = np.split(numbers[:-11], [len(known)])
-    heard, learnt, trusted, push, way_before = memory
+    heard, *learnt, trusted_negative, trusted_positive, push, way_before = memory
+    trusted = [trusted_negative, trusted_positive]
     if not level:
         return np.array([torque, *memory[1:]]), 0.0
     rate = by_rate @ known
     way_now = rate / math.hypot(rate, slow)
-    level += learnt
-    friction = level * way_now
+    own = 0 if way_now < 0 else 1
+    friction = (level + learnt[own]) * way_now
     # The torques of dry friction at this rate: all of them at rest, one in motion, in between within half a slow rate.
     least, most = (min(max(2 * (rate + way * slow) / slow, -1.0), 1.0) for way in (-1, 1))
     rest = torque - friction
     heard += leak * ((rest if abs(push) >= hand else 0.0) - heard)
-    heard = min(max(heard, rest + least * level - uncertain), rest + most * level + uncertain)
-    if abs(push) >= hand:  # what was learnt of late was the hand's
-        learnt += gain * (trusted - learnt)
-    elif way_now * way_before > 0.8:
-        learnt, trusted = min(max(learnt - gain * way_now * torque, low), high), trusted + trust * (learnt - trusted)
+    reach = [share * (level + learnt[0 if share < 0 else 1]) for share in (least, most)]
+    heard = min(max(heard, rest + reach[0] - uncertain), rest + reach[1] + uncertain)
+    for k in (0, 1):
+        if abs(push) >= hand:  # what was learnt of late was the hand's
+            learnt[k] += gain * (trusted[k] - learnt[k])
+        elif way_now * way_before > 0.8:
+            by = (1.0 if k == own else 0.5) * gain * way_now * torque
+            before, learnt[k] = learnt[k], min(max(learnt[k] - by, low), high)
+            trusted[k] += trust * (before - trusted[k])
     push, way_before = push + blur * (torque - push), way_before + blur * (way_now - way_before)
-    return np.array([heard, learnt, trusted, push, way_before]), enters * friction
+    return np.array([heard, *learnt, *trusted, push, way_before]), enters * friction
 
 
 def _piece(plant, y, span, asked, pilot, rtol):

@@ -83,7 +83,7 @@ def test_simulator_guides_loop_and_its_silence_restores_feel(host: ModuleType, t
     running = ff.live.start(loader, "robust", host=0, record=path)
     with running, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
         running.on()
-        assert running.host == ff.live.HostState(running.host.listens, "", 0, 0, 0, None, 0.0)
+        assert running.host == ff.live.HostState(running.host.listens, "", 0, 0, None, 0.0)
         address, _, port = running.host.listens.rpartition(":")
         assert address == "127.0.0.1"
         wire.settimeout(0.5)

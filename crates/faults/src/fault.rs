@@ -56,6 +56,8 @@ pub enum Kind {
     DriveHardover,
     /// The drive adds something to each command.
     DriveOffset,
+    /// The force sensor at the grip stays where it is.
+    GripStuck,
 }
 
 impl Kind {
@@ -86,6 +88,7 @@ impl Kind {
         Self::Reversed,
         Self::DriveHardover,
         Self::DriveOffset,
+        Self::GripStuck,
     ];
 
     /// Whether it is the hand that is at fault.
@@ -121,6 +124,9 @@ pub struct FaultHistory {
     /// What the sensors showed in the newest samples, by their number.
     recent: [[f64; SENSORS]; RECENT],
 }
+
+/// Place of the force sensor at the grip.
+const GRIP: usize = SENSORS - 1;
 
 /// Samples that are kept, for those that come late.
 const RECENT: usize = 64;
@@ -192,6 +198,7 @@ impl Fault {
                 input.missed = input.missed.max(before.missed);
             }
             Kind::Stuck => input.sensed[k] = *before.frozen.get_or_insert(before.shown[k]),
+            Kind::GripStuck => input.sensed[GRIP] = *before.frozen.get_or_insert(before.shown[GRIP]),
             Kind::Drift => {
                 // Within half a second to ten times what may disagree.
                 let whole = 10.0 * limits.agreement_m * (0.2 + self.size);

@@ -257,6 +257,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         run_of(Function::Disagreement, &|k| k > 1 && runs(k) && runs(k - 1) && disagree(limits, rows, k)),
     );
     see(Function::Stuck, stuck(case, limits, rows));
+    see(Function::Stuck, grip_stuck(case, limits, rows));
     see(
         Function::Runaway,
         run_of(Function::Runaway, &|k| {
@@ -335,6 +336,23 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     };
     (from..rows.len()).find(|&k| (k - limits.bridge as usize..=k).all(apart))
 }
+
+/// A force sensor at the grip that was made to stick, once the hand has changed its force by twice the allowed change, for as long as
+/// its estimate takes.
+fn grip_stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
+    let single = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() == 1;
+    let fault = case.faults.iter().find(|fault| fault.kind == Kind::GripStuck && single && limits.grip_noisy)?;
+    let from = fault.from.max(WATCHED);
+    let settles = limits.bridge as usize + samples(SETTLES_S / limits.period);
+    let changed = |k: usize| (rows[k].hand - rows[fault.from].hand).abs() * limits.grip_arm > 2.0 * limits.grip_apart;
+    let started = fault.from > 2 && !matches!(rows[fault.from - 1].allowed.state, SupervisorState::Off);
+    let free = |k: usize| rows[k].angle > limits.stops[0] && rows[k].angle < limits.stops[1];
+    let begin = from + (limits.stuck as usize).max(settles);
+    (begin..rows.len()).find(|&k| started && (k - settles..=k).all(|k| changed(k) && free(k)))
+}
+
+/// Time in s after which the estimate of a hand's torque has come to it within a thirtieth.
+const SETTLES_S: f64 = 0.02;
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
 fn samples(number: f64) -> usize {

@@ -3,18 +3,20 @@
 //! To every sensor the friction between hand and load cell looks like a hand that pulls. What is known of it is given back:
 //!
 //! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
-//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds, `h` what is trusted of it · `U` what both may be off by · `v_s` slow · `l` leak ·
+//! `g` what was learnt beyond it in the direction of `w`, `g'` in the other, `g_-`, `g_+` their bounds, `h` what is trusted of either · `U` what
+//! both may be off by · `v_s` slow · `l` leak ·
 //! `T_o` torque that the observer estimates · `T` torque that the feel computer receives · `a` gain · `q` torque of a hand · `c` blur · `d` trust
 //!
 //! | | |
 //! |---|---|
 //! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
-//! | `(F + g) [s-, s+]`, `s-+ = sat(2 (v -+ v_s) / v_s)` | torques of the friction that the rate allows: all at rest, one in motion |
+//! | `(F + g) s-` to `(F + g) s+`, `s-+ = sat(2 (v -+ v_s) / v_s)`, `g` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
 //! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is received drifts to what is measured, with the hand off to nothing |
 //! | `T+ = T'`, as near as `T_o - f + (F + g) [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
 //! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
-//! | `h+ = h + d (g - h)` there | trusted once it has held for a while |
-//! | `g+ = g + a (h - g)` where `|T_b| >= q` | the hand was there all along: what was learnt of late was its own |
+//! | `g'+ = sat(g' - a w T_o / 2)` there | as warm oil changes both directions, so does half of it the other |
+//! | `h+ = h + d (g - h)` there, of both | trusted once it has held for a while |
+//! | `g+ = g + a (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
 //! `U` keeps noise and the level's own error from driving the feel with the hand off. A column that came to rest under a hand is let go
@@ -70,16 +72,20 @@ pub struct KnownFriction<S> {
 /// `w w_b` from which on the column moves one way.
 const ONE_WAY: f64 = 0.8;
 
+/// Share of what one direction learns that the other does too. By all of it they could not differ; by none an error of both, the usual
+/// one, would be there again each time that the column turns.
+const SHARED: f64 = 0.5;
+
 /// What is remembered of it from sample to sample.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrictionState<S> {
     /// Torque that the feel computer received last.
     pub feel_torque: S,
-    /// Friction that was learnt beyond what is stated.
-    pub learnt: S,
+    /// Friction that was learnt beyond what is stated, of motion towards negative and towards positive angles.
+    pub learnt: [S; 2],
     /// What is trusted of it.
-    pub trusted: S,
+    pub trusted: [S; 2],
     /// Torque that was estimated of late.
     pub push: S,
     /// Way of late.
@@ -92,8 +98,8 @@ impl<S: Scalar> FrictionState<S> {
     pub fn initial(feel_torque: S) -> Self {
         Self {
             feel_torque,
-            learnt: feel_torque.zero(),
-            trusted: feel_torque.zero(),
+            learnt: [feel_torque.zero(); 2],
+            trusted: [feel_torque.zero(); 2],
             push: feel_torque,
             way: feel_torque.zero(),
         }
@@ -104,8 +110,12 @@ impl<S: Scalar> FrictionState<S> {
     pub fn visit(&mut self, visitor: &mut impl MemoryVisitor<S>) {
         let Self { feel_torque, learnt, trusted, push, way } = self;
         visitor.nonlinear("feel_torque", feel_torque);
-        visitor.nonlinear("learnt", learnt);
-        visitor.nonlinear("trusted", trusted);
+        for (way, of_way) in ["learnt_negative", "learnt_positive"].into_iter().zip(learnt) {
+            visitor.nonlinear(way, of_way);
+        }
+        for (way, of_way) in ["trusted_negative", "trusted_positive"].into_iter().zip(trusted) {
+            visitor.nonlinear(way, of_way);
+        }
         visitor.nonlinear("push", push);
         visitor.nonlinear("way", way);
     }
@@ -116,8 +126,8 @@ impl<S: Scalar> FrictionState<S> {
         let between = |a: S, b: S| a + (b - a).times(share);
         Self {
             feel_torque: between(self.feel_torque, next.feel_torque),
-            learnt: between(self.learnt, next.learnt),
-            trusted: between(self.trusted, next.trusted),
+            learnt: core::array::from_fn(|k| between(self.learnt[k], next.learnt[k])),
+            trusted: core::array::from_fn(|k| between(self.trusted[k], next.trusted[k])),
             push: between(self.push, next.push),
             way: between(self.way, next.way),
         }
@@ -154,7 +164,9 @@ impl<S: Scalar> KnownFriction<S> {
         let v = product(&self.rate, xi, y, feel).named("column_rate");
         let given = [estimated, v];
         let outputs = self.at_rate(S::part_begins(given), &state);
-        let [feel_torque, learnt, trusted, push, way, friction] = S::part_ends(given, outputs);
+        let [feel_torque, learnt_negative, learnt_positive, trusted_negative, trusted_positive, push, way, friction] =
+            S::part_ends(given, outputs);
+        let (learnt, trusted) = ([learnt_negative, learnt_positive], [trusted_negative, trusted_positive]);
         (FrictionState { feel_torque, learnt, trusted, push, way }, friction)
     }
 
@@ -164,15 +176,17 @@ impl<S: Scalar> KnownFriction<S> {
         rate.abs().less(self.rest) & spring.abs().less(self.uncertain)
     }
 
-    /// The next `T, g, h, T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.
+    /// The next `T`, `g` and `h` of both directions, `T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.
     #[inline(always)]
-    fn at_rate(&self, [estimated, v]: [S; 2], state: &FrictionState<S>) -> [S; 6] {
+    fn at_rate(&self, [estimated, v]: [S; 2], state: &FrictionState<S>) -> [S; 8] {
         let one = v.constant(1.0);
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
         let way = (v / (v * v + slow * slow).sqrt()).named("direction");
-        let level = self.level + state.learnt;
-        let friction = (level * way).named("friction_torque");
+        let [negative, positive] = state.learnt.map(|learnt| self.level + learnt);
+        // Of a rate, or a share of the friction, that has this sign.
+        let along = |signed: S| signed * S::select(signed.less(v.zero()), negative, positive);
+        let friction = along(way).named("friction_torque");
         let total = estimated - friction;
         let two = v.constant(2.0);
         let per_slow = two / slow;
@@ -180,22 +194,31 @@ impl<S: Scalar> KnownFriction<S> {
         let off = state.push.abs().less(self.hand);
         let measured = S::select(off, v.zero(), total);
         let drifted = measured + (state.feel_torque - measured) * (one - self.leak);
-        let [low, high] = [low * level - self.uncertain, high * level + self.uncertain];
+        let [low, high] = [along(low) - self.uncertain, along(high) + self.uncertain];
         let feel_torque = total + (drifted - total).clamp(low, high);
-        let (learnt, trusted) = self.learnt((estimated, off), way, state);
+        let ([g, g_positive], [h, h_positive]) = self.learnt((estimated, off), way, state);
         let push = state.push + (estimated - state.push) * self.blur;
         let way = state.way + (way - state.way) * self.blur;
-        [feel_torque, learnt, trusted, push, way, friction]
+        [feel_torque, g, g_positive, h, h_positive, push, way, friction]
     }
 
     /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
     #[inline(always)]
-    fn learnt(&self, (estimated, off): (S, S::Mask), way: S, state: &FrictionState<S>) -> (S, S) {
+    fn learnt(&self, (estimated, off): (S, S::Mask), way: S, state: &FrictionState<S>) -> ([S; 2], [S; 2]) {
         let free = off & way.constant(ONE_WAY).less(way * state.way);
-        let learnt = (state.learnt - estimated * way * self.gain).clamp(self.least, self.most);
-        let back = state.learnt + (state.trusted - state.learnt) * self.gain;
-        let trusted = state.trusted + (state.learnt - state.trusted) * self.trust;
-        (S::select(free, learnt, S::select(off, state.learnt, back)), S::select(free, trusted, state.trusted))
+        let own = estimated * way * self.gain;
+        let other = own.times(SHARED);
+        let negative = way.less(way.zero());
+        let less = [S::select(negative, own, other), S::select(negative, other, own)];
+        let next = |k: usize| {
+            let (was, held) = (state.learnt[k], state.trusted[k]);
+            let learnt = (was - less[k]).clamp(self.least, self.most);
+            let back = was + (held - was) * self.gain;
+            let trusted = held + (was - held) * self.trust;
+            (S::select(free, learnt, S::select(off, was, back)), S::select(free, trusted, held))
+        };
+        let [(g, h), (g_positive, h_positive)] = [next(0), next(1)];
+        ([g, g_positive], [h, h_positive])
     }
 
     /// How a state of the observer moves by the friction.

@@ -56,7 +56,7 @@ use grip::{FeelMotion, GripMonitor};
 use grip_zero::GripZero;
 pub(crate) use numbers::finite;
 use plausibility::Plausibility;
-use sensors::Sensors;
+use sensors::{OF_LINK, Sensors, Still};
 use sequence::Sequence;
 
 /// How much quicker than those of a silent host the values of one that swings the column go: within two swings of it.
@@ -111,6 +111,7 @@ pub struct Supervisor<S> {
     admitted: (bool, Option<[S; SENSORS]>),
     watch: GripMonitor<S>,
     grip_zero: GripZero<S>,
+    grip_still: Still<S>,
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
@@ -130,6 +131,7 @@ impl<S: Scalar> Supervisor<S> {
             admitted: (false, None),
             watch: GripMonitor::new(like),
             grip_zero: GripZero::new(like.zero()),
+            grip_still: Still::NEW,
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
@@ -187,8 +189,14 @@ impl<S: Scalar> Supervisor<S> {
             let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
             let feel = FeelMotion { follows, acceleration: of_feel, rate, link_torque: input.link_torque };
             self.watch.watch(&limits, fresh, feel, &mut functions);
-            let shows = self.grip_zero.watch(&limits, input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
-            functions = functions.with(Function::GripOffset, shows);
+            let (reading, torque) = (input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
+            functions = functions.with(Function::GripOffset, self.grip_zero.watch(&limits, reading, torque));
+            if limits.grip_noisy {
+                // Without drive, link and column predicted, the hand's torque is not known.
+                let known = self.plausibility.wrong == [0; OF_LINK];
+                let stuck = self.grip_still.is_stuck(&limits, reading, (torque, known), limits.grip_apart);
+                functions = functions.with(Function::Stuck, stuck);
+            }
         }
         let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
         functions = functions.with(Function::Saturation, saturated);
@@ -198,6 +206,7 @@ impl<S: Scalar> Supervisor<S> {
             self.sensors = Sensors::new(self.angle);
             self.plausibility = Plausibility::new(self.angle);
             self.watch = GripMonitor::new(self.angle);
+            self.grip_still = Still::NEW;
         }
         self.act(&limits, input, functions)
     }

@@ -28,7 +28,7 @@ record. ``host`` is a UDP port for an aircraft simulator, with the packets of ``
     drive_fault)``;
     name is one of ``STATES``.
 ``host``
-    ``HostState(listens, address, packets, refused, softened, silent_s, share, waiting)``, or ``None``.
+    ``HostState(listens, address, packets, refused, silent_s, share, waiting, softened)``, or ``None``.
 ``trips``
     Tuple of ``Trip(name, sentence)`` since the last acknowledgment.
 ``columns``, ``history(since=-1, most=None)``

@@ -373,7 +373,7 @@ class LiveSession(EndsWithBlock):
         newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
-        return HostState(listens, address, packets, refused, softened, silent_s, share, waiting or "")
+        return HostState(listens, address, packets, refused, silent_s, share, waiting or "", softened)
 
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
         """A row for each stored cycle after cycle ``since``, at most the newest ``most``; (rows, columns).

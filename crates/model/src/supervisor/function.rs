@@ -96,7 +96,7 @@ functions! {
     /// Drive and sensors give nothing.
     Silence: "sensors silent", Stop, |limits| limits.silence,
         "The drive and its sensors sent nothing. Look at the cable to the drive and its power.";
-    /// A sensor shows the same number while the others show motion.
+    /// A sensor shows the same number while the others show motion, or that at the grip while the hand's force changes.
     Stuck: "sensor stuck", Stop, |limits| limits.stuck,
         "A sensor stays at one number while the others move. Look at its coupling and its electronics.";
     /// Drive position, load cell and column angle do not go together.

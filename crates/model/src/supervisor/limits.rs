@@ -160,6 +160,10 @@ limits! {
     grip_quiet: S,
     /// Largest span in N of the sensor's readings without a hand.
     grip_span: S,
+    /// Whether its noise moves its readings from sample to sample.
+    grip_noisy: bool,
+    /// Change of the hand's estimated torque in N m by which it has to move.
+    grip_apart: S,
     /// Largest zero in N.
     grip_most: S,
     /// Change of the zero in a sample, in N.
@@ -230,6 +234,7 @@ impl Limits {
         };
         let drive = drive(values, kind);
         let runaway_condition = within(safety.runaway_time);
+        let largest_friction = column.static_friction.max(column.coulomb_friction);
         Ok(Self {
             period,
             command,
@@ -271,9 +276,13 @@ impl Limits {
             swing: safety.swing_limit,
             grip_sensor: grip_sensor.gain > 0.0,
             grip_zero: within(safety.grip_zero_time),
-            grip_quiet: (column.static_friction.max(column.coulomb_friction) + NO_HAND * safety.hand_force)
-                * column.grip_arm,
+            grip_quiet: (largest_friction + NO_HAND * safety.hand_force) * column.grip_arm,
             grip_span: WIDEST_NOISE * grip_sensor.noise + MOST_STEPS * grip_sensor.resolution,
+            grip_noisy: grip_sensor.gain > 0.0
+                && grip_sensor.noise > 0.0
+                && grip_sensor.noise >= 0.5 * grip_sensor.resolution,
+            grip_apart: (safety.hand_force + 2.0 * (1.0 + column.friction_asymmetry.abs()) * largest_friction)
+                * column.grip_arm,
             grip_most: safety.grip_offset,
             grip_step: safety.hand_force * period,
             grip_arm: column.grip_arm,

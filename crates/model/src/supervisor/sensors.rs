@@ -21,8 +21,8 @@ pub(super) const OF_LINK: usize = 3;
 /// What is remembered of the sensors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sensors<S> {
-    last: Option<[S; OF_LINK]>,
-    stretch: S,
+    /// Stretch of the link at the last sample that could be used; nothing before the first.
+    stretch: Option<S>,
     /// Periods up to samples since `last` that could not be used.
     unused: S,
     /// Cycles in a row without a sample that could be used for its delay.
@@ -33,12 +33,35 @@ pub(super) struct Sensors<S> {
 
 /// A sensor that shows the same number.
 #[derive(Debug, Clone, Copy)]
-struct Still<S> {
-    /// What the others made of it when it changed last, as drive travel in m; nothing before they are read.
+pub(super) struct Still<S> {
+    last: Option<S>,
+    /// What the others made of it when it changed last; nothing before they are read.
     expected: Option<S>,
     samples: u32,
     /// Samples in a row in which the others show motion since then.
     apart: u32,
+}
+
+impl<S: Scalar> Still<S> {
+    pub(super) const NEW: Self = Self { last: None, expected: None, samples: 0, apart: 0 };
+
+    /// Whether it is stuck: its reading is as it was, and what the others make of it has changed by more than `most`; `read`: none of
+    /// them is a prediction.
+    #[inline(always)]
+    pub(super) fn is_stuck(&mut self, limits: &Limits<S>, reading: S, (expected, read): (S, bool), most: S) -> bool {
+        let change = self.last.map(|last| (reading - last).abs());
+        self.last = Some(reading);
+        if change.is_none_or(|change| below(change.zero(), change)) {
+            (self.expected, self.samples, self.apart) = (read.then_some(expected), 0, 0);
+            return false;
+        }
+        self.samples = self.samples.saturating_add(1);
+        self.expected = self.expected.or(read.then_some(expected));
+        // A column that a hand holds still is no fault.
+        let apart = self.expected.is_some_and(|before| below(most, (expected - before).abs()));
+        self.apart = if apart && read { self.apart.saturating_add(1) } else { 0 };
+        self.samples >= limits.stuck && self.apart > limits.bridge
+    }
 }
 
 /// A sample that can be used, and how many periods it is younger than the one before that could be.
@@ -52,15 +75,7 @@ impl<S: Scalar> Sensors<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
-        let still = Still { expected: None, samples: 0, apart: 0 };
-        Self {
-            last: None,
-            stretch: zero,
-            unused: zero,
-            lost: 0,
-            still: [still; OF_LINK],
-            disagree: Debounce::default(),
-        }
+        Self { stretch: None, unused: zero, lost: 0, still: [Still::NEW; OF_LINK], disagree: Debounce::default() }
     }
 
     /// What is wrong with a sample, and the readings that are used for it, if it can be used at all.
@@ -95,7 +110,6 @@ impl<S: Scalar> Sensors<S> {
         self.unused = periods.zero();
         let same = |k: usize| !below(y[k].zero(), (raw[k] - y[k]).abs());
         self.agree(limits, (&y, same(0) && same(1) && same(2)), periods, functions);
-        self.last = Some(y);
         Some(Fresh { sensed: y, periods })
     }
 
@@ -106,10 +120,9 @@ impl<S: Scalar> Sensors<S> {
         let [force, position, angle] = *y;
         let (pulled, base) = (force * per_stiffness, angle * limits.lever);
         let stretch = position - base;
-        let first = self.last.is_none();
-        let rate = (stretch - self.stretch) * (force.constant(1.0) / (limits.period * periods));
-        let damped = if first { rate.zero() } else { rate * damping_time };
-        self.stretch = stretch;
+        let per_time = force.constant(1.0) / (limits.period * periods);
+        let damped = self.stretch.map_or(force.zero(), |last| (stretch - last) * per_time * damping_time);
+        self.stretch = Some(stretch);
         // |r| <= b + d_theta alpha R_b
         let left = (stretch + damped - pulled).abs();
         let wrong = below(half_play + limits.agreement_m, left);
@@ -119,18 +132,7 @@ impl<S: Scalar> Sensors<S> {
         let most = half_play.times(2.0) + limits.agreement_m;
         let mut stuck = false;
         for k in 0..OF_LINK {
-            let same = self.last.is_some_and(|last| !below((y[k] - last[k]).abs().zero(), (y[k] - last[k]).abs()));
-            if same {
-                let still = &mut self.still[k];
-                still.samples = still.samples.saturating_add(1);
-                still.expected = still.expected.or(read.then_some(expected[k]));
-                // A column that a hand holds still is no fault.
-                let apart = still.expected.is_some_and(|before| below(most, (expected[k] - before).abs()));
-                still.apart = if apart && read { still.apart.saturating_add(1) } else { 0 };
-                stuck |= still.samples >= limits.stuck && still.apart > limits.bridge;
-            } else {
-                self.still[k] = Still { expected: read.then_some(expected[k]), samples: 0, apart: 0 };
-            }
+            stuck |= self.still[k].is_stuck(limits, y[k], (expected[k], read), most);
         }
         *functions = functions.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);
     }

@@ -118,13 +118,18 @@ fn law_without_friction_beside_one_with_it_receives_all() {
     }
 }
 
+/// Place of a rate's direction.
+fn way(rate: f64) -> usize {
+    usize::from(rate >= 0.0)
+}
+
 /// What was learnt after so many samples at a torque and a rate, from what was recalled.
 fn learnt(from: FrictionState<f64>, samples: usize, torque: impl Fn(f64) -> f64, rate: f64) -> FrictionState<f64> {
     let law = law(LEVEL, 0.0);
     let mut friction_state = from;
     let mut xi = [0.0; MOST_STATES];
     for _ in 0..samples {
-        (xi[0], xi[1]) = (torque(friction_state.learnt), rate);
+        (xi[0], xi[1]) = (torque(friction_state.learnt[way(rate)]), rate);
         friction_state = law.output(&xi, &[0.0; SAMPLED], [0.0; 2], Some(friction_state)).friction_state;
     }
     friction_state
@@ -136,27 +141,49 @@ fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
     for (off, rate) in [(0.3, 1.0), (0.3, -1.0), (-0.2, 1.0), (-0.2, -1.0)] {
         // T_o = (F + g - F_true) sgn v
         let output = learnt(initial, 2000, |learnt| (learnt - off) * rate.signum(), rate);
-        assert_within(output.learnt, off, 1e-5);
+        assert_within(output.learnt[way(rate)], off, 1e-5);
+        // The other direction has half of it.
+        assert_within(output.learnt[way(-rate)], off / 2.0, 1e-5);
         let short = learnt(initial, 100, |learnt| (learnt - off) * rate.signum(), rate);
-        assert!(0.0 < short.learnt / off && short.learnt / off < 1.0);
+        let short = short.learnt[way(rate)] / off;
+        assert!(0.0 < short && short < 1.0);
+    }
+}
+
+#[test]
+fn both_directions_are_learnt_where_they_differ() {
+    let off = [-0.1, 0.3];
+    let mut state = FrictionState::initial(0.0);
+    // Each time that the column turns, half of the error of the turn before is left in the other direction.
+    for swing in 0..24 {
+        let rate = if swing % 2 == 0 { 1.0 } else { -1.0 };
+        state = learnt(state, 2000, |learnt| (learnt - off[way(rate)]) * rate.signum(), rate);
+    }
+    for (learnt, off) in state.learnt.into_iter().zip(off) {
+        assert_within(learnt, off, 1e-5);
     }
 }
 
 #[test]
 fn what_has_held_for_a_while_is_trusted_and_a_push_takes_back_the_rest() {
-    let held = learnt(FrictionState { learnt: 0.3, ..FrictionState::initial(0.0) }, 400, |_| 0.0, 1.0);
+    let held = learnt(FrictionState { learnt: [0.3; 2], ..FrictionState::initial(0.0) }, 400, |_| 0.0, 1.0);
     // The column's way of late is 4/5 after 31 samples.
-    assert_within(held.learnt, 0.3, 0.0);
-    assert_within(held.trusted, 0.3 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
+    for k in 0..2 {
+        assert_within(held.learnt[k], 0.3, 0.0);
+        assert_within(held.trusted[k], 0.3 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
+    }
     let pushed = learnt(FrictionState { push: 2.0 * HAND, ..held }, 200, |_| 2.0 * HAND, 1.0);
-    assert_within(pushed.trusted, held.trusted, 0.0);
-    assert_within(pushed.learnt, held.trusted + (0.3 - held.trusted) * (1.0 - GAIN).powi(200), 1e-12);
+    for k in 0..2 {
+        let trusted = held.trusted[k];
+        assert_within(pushed.trusted[k], trusted, 0.0);
+        assert_within(pushed.learnt[k], trusted + (0.3 - trusted) * (1.0 - GAIN).powi(200), 1e-12);
+    }
 }
 
 #[test]
 fn it_stays_within_its_bounds() {
     for (torque, bound) in [(-2.0, MOST), (2.0, LEAST)] {
-        assert_within(learnt(FrictionState::initial(0.0), 2000, |_| torque, 1.0).learnt, bound, 1e-14);
+        assert_within(learnt(FrictionState::initial(0.0), 2000, |_| torque, 1.0).learnt[1], bound, 1e-14);
     }
 }
 
@@ -164,12 +191,12 @@ fn it_stays_within_its_bounds() {
 fn nothing_is_learnt_at_rest_or_under_a_hand() {
     let initial = FrictionState::initial(0.0);
     for (torque, rate) in [(1.0, 0.0), (1.0, 0.5 * SLOW), (-1.0, -SLOW)] {
-        assert_within(learnt(initial, 500, |_| torque, rate).learnt, 0.0, 0.0);
+        assert_within(learnt(initial, 500, |_| torque, rate).learnt[way(rate)], 0.0, 0.0);
     }
     // A hand that has pushed for a while; until then it may have been the friction.
     let pushed = learnt(FrictionState::initial(2.0 * HAND), 1, |_| 2.0 * HAND, 1.0);
-    assert_within(learnt(pushed, 500, |_| 2.0 * HAND, 1.0).learnt, pushed.learnt, 0.0);
+    assert_within(learnt(pushed, 500, |_| 2.0 * HAND, 1.0).learnt[1], pushed.learnt[1], 0.0);
     // One that has turned round has to go on for a while.
     let forth = learnt(initial, 500, |_| 0.0, 1.0);
-    assert_within(learnt(forth, 20, |_| 1.0, -1.0).learnt, 0.0, 0.0);
+    assert_within(learnt(forth, 20, |_| 1.0, -1.0).learnt[0], 0.0, 0.0);
 }
