@@ -50,8 +50,8 @@ def loaders() -> list[tuple[str, ff.Loader]]:
 
 GRIP = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
 AT_GRIP = ("elevator-2khz",)
-"""Loaders that are drawn with a force sensor at the grip, too, which closes the loop of both of their laws. Of the motors' laws some are
-at their limit for long under an arm, without a fault too.
+"""Loaders that are drawn with a force sensor at the grip, too, which closes the loop of both their laws. Of the motors' laws some
+are at their limit for long under an arm, without a fault too.
 """
 
 

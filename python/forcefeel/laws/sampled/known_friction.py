@@ -28,8 +28,9 @@ REST_RAD_PER_S = SLOW_RAD_PER_S / 2
 pass change by less than five in a hundred."""
 
 LEARNS_S = 0.033
-"""1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a half, 2 lb of
-friction that is a fifth more passes at 77 in place of 78 %; faster by a third, that which is a fifth less at 85 in place of 90 %."""
+"""1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a half,
+2 lb of friction that is a fifth more passes at 77 in place of 78 %; faster by a third, that which is a fifth less at 85 in place of
+90 %."""
 
 BLUR_S = 0.01
 """1 / c in time: how long the column must have moved one way, and the hand have been off."""
