@@ -35,7 +35,7 @@ class StandIn:
         self.columns, self._speed, self.period_s = COLUMNS, speed, 1e-3
         self.trim_rad, self.stiffness_factor, self.shaker = 0.0, 1.0, 0.0
         self.hand_force_n, self.hand_angle_rad = 0.0, None
-        self.host, self.flight, self.fault = None, None, ""
+        self.host, self.flight, self.softened, self.fault = None, None, None, ""
         self.settings = SimpleNamespace(link=None, link_holds=True, priority=False)
         self.law = SimpleNamespace(name="robust")
         self.calls, self.trips = [], ()
