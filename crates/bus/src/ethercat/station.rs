@@ -26,6 +26,8 @@ const FIRST_STATION: u16 = 0x1000;
 /// How often a frame is sent, and a state or an answer is waited for, in ms.
 const TRIES: usize = 3;
 const PATIENCE: usize = 3000;
+/// How often all slaves are asked before there are none: an interface that has just come up carries nothing for up to a second.
+const WAKES: usize = 16;
 /// Most slaves of a line, and most words of an EEPROM that are looked at.
 const MOST_SLAVES: u16 = 127;
 const MOST_WORDS: u16 = 0x4000;
@@ -35,7 +37,7 @@ const MOST_WORDS: u16 = 0x4000;
 /// # Errors
 /// If there is none.
 pub fn scan(segment: &mut dyn Segment) -> Result<Vec<u16>, String> {
-    let count = broadcast(segment, command::BRD, 0, &[0; 2]);
+    let count = (0..WAKES).map(|_| broadcast(segment, command::BRD, 0, &[0; 2])).find(|&count| count > 0).unwrap_or(0);
     if count == 0 {
         return Err("expected slaves, got no answer; check that the interface is up, cable and power".into());
     }
