@@ -6,6 +6,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope.softening import largest_share
 from forcefeel.laws.law import Law
+from forcefeel.live import live_session
 from forcefeel.live.rendered import rendered_feels, within_drive
 
 STICK = ff.loader.electric("sidestick-pitch")
@@ -25,6 +26,17 @@ def test_feel_is_softened_at_the_start_and_at_each_change():
         running.feel = {"feel.stiffness": 1.9 * OWN}
         assert running.softened.requested_n_m_per_rad == pytest.approx(1.9 * OWN)
         assert running.feel["feel.stiffness"] == pytest.approx(most, rel=0.01)  # two bisections of 0.3 %
+
+
+def test_refused_change_leaves_what_is_stated_of_the_feel(monkeypatch):
+    def refuse(*_):
+        raise ff.InputError("law: none for this feel")
+
+    with ff.live.start(STICK.replace({"feel.stiffness": 2 * OWN}, si=True), real_time=False, soften=True) as running:
+        monkeypatch.setattr(live_session.Law, "of", refuse)
+        with pytest.raises(ff.InputError, match="none for this feel"):
+            running.feel = {"feel.stiffness": 1.9 * OWN}
+        assert running.softened.requested_n_m_per_rad == 2 * OWN
 
 
 def test_feel_stays_as_programmed_without_the_option():

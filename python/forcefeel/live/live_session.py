@@ -140,7 +140,9 @@ class LiveSession(EndsWithBlock):
     def feel(self, rows: Mapping[str, str | float | bool | None]) -> None:
         checked_feel(rows)
         with self._designs:
-            loader = self._softened(self.loader.replace(rows, si=True))
+            loader = self.loader.replace(rows, si=True)
+            softened = soften(loader) if self.settings.soften else None
+            loader = softened.loader if softened else loader
             had = self.law.sampled
             law = self.law if had is None else Law.of(self.settings.law, loader)
             if had is not None and law.sampled is not None and law.sampled.states != had.states:
@@ -148,6 +150,8 @@ class LiveSession(EndsWithBlock):
                     f"feel: expected a law with {had.states} states, as before, got {law.sampled.states}; restart with this feel"
                 )
             observer = None if law.sampled is None else law.sampled.rows()[0]
+            if softened:
+                self._request("softened", list(programmed(softened)))
             self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
             self.law = law
 
@@ -160,14 +164,6 @@ class LiveSession(EndsWithBlock):
             if self.settings.soften
             else None
         )
-
-    def _softened(self, loader: Loader) -> Loader:
-        """The loader with the feel that its drive renders, where the loop softens feels."""
-        if not self.settings.soften:
-            return loader
-        softened = soften(loader)
-        self._request("softened", list(programmed(softened)))
-        return softened.loader
 
     @property
     def trim_rad(self) -> float:
