@@ -38,7 +38,6 @@ def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateO
 
     Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
     """
-    from forcefeel.envelope import soften
     from forcefeel.simulation import RunStatus, simulate
     from forcefeel.simulation.tables import run_json
 
@@ -52,8 +51,12 @@ def run(path: LoaderOrProject = None, /, *, options: SimulateOptions = SimulateO
         return
     loader = options.loader(path)
     with all_or_nothing("simulate", silent=options.json):
-        softened = soften(loader) if options.soften else None
-        loader = softened.loader if softened else loader
+        softened = None
+        if options.soften:
+            from forcefeel.envelope import soften
+
+            softened = soften(loader)
+            loader = softened.loader
         scenario, driven_by = options.scenario(loader), options.law_of(loader)
         run = replace(simulate(loader, scenario, driven_by), softened=softened)
         law = driven_by.name
