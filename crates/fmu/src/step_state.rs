@@ -193,6 +193,7 @@ impl<S: Scalar + Into<f64>, D: Drive<S>> StepConstants<S, D> {
             let mut next = || like.constant(StandardNormal.sample(column));
             [next(), next(), next(), like.constant(StandardNormal.sample(grip))]
         };
+        // Not `begin` for one kind and its parts for the other: two starts of a step would be compiled into this function.
         let arrived = self.machine.arrive(&self.shared, state, inputs);
         if self.kind == Kind::Loader {
             if let Some(timing) = self.shared.timing {

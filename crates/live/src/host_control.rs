@@ -47,7 +47,7 @@ enum Outcome {
     Taken = 0,
     /// The loader cannot render its spring or damping.
     Refused = 1 << 16,
-    /// Nor as sent; the nearest acts.
+    /// The nearest spring and damping that the loader renders act in their place.
     Softened = 1 << 17,
 }
 
@@ -111,15 +111,15 @@ impl HostControl {
         let of_feel = values[SPRING] * self.of_pressure(values[0]) * spring;
         let asked = [of_feel + added.stiffness, damping + added.damping];
         let plain = added.stiffness == 0.0 && added.damping == 0.0;
-        let holds = packet.has(switches::FREEZE);
-        let nearest = if self.softens && !holds { self.nearest(asked, plain) } else { None };
+        let frozen = packet.has(switches::FREEZE);
+        let nearest = if self.softens && !frozen { self.nearest(asked, plain) } else { None };
         self.outcome = match nearest {
             Some(nearest) if nearest.iter().zip(asked).any(|(near, asked)| (near - asked).abs() > 0.0) => {
                 self.softened += 1;
                 self.stream.take(&softened(packet, of_feel, asked, nearest));
                 Outcome::Softened
             }
-            None if !holds && !plain && !renders(&self.rendered, asked) => Outcome::Refused,
+            None if !frozen && !plain && !renders(&self.rendered, asked) => Outcome::Refused,
             _ => {
                 self.stream.take(packet);
                 Outcome::Taken
