@@ -11,7 +11,7 @@ use std::cmp::Reverse;
 use std::time::{Duration, Instant};
 
 /// How long a node is waited for, and how often it is asked.
-const PATIENCE: Duration = Duration::from_millis(200);
+const PATIENCE: Duration = Duration::from_millis(500);
 const TRIES: usize = 3;
 /// What a node that states no serial number has.
 const NO_SERIAL: [u32; 3] = [0; 3];

@@ -25,6 +25,8 @@ pub mod clock;
 pub mod controller;
 pub mod cycle;
 pub mod emulated_axis;
+// Only Linux has a port of CAN or EtherCAT beside the serial one.
+#[cfg_attr(not(target_os = "linux"), allow(irrefutable_let_patterns))]
 pub mod emulated_wire;
 pub mod emulator;
 #[cfg(target_os = "linux")]
