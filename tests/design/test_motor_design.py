@@ -136,10 +136,10 @@ def test_every_curve_is_saved(designed, out):
 def test_motor_force_is_fully_transmitted_at_0_db(designed):
     figures = {figure.key: figure.curves for figure in ff.design.figures(designed)}
     force, hand = figures["command-to-force"], figures["hand"]
-    assert float(force["column held"].gain_db[0]) == pytest.approx(0, abs=TOLD)
+    assert float(force["column held"]["gain_db"][0]) == pytest.approx(0, abs=TOLD)
     share = designed.column_inertia_n_m_s2_per_rad / designed.felt_inertia_n_m_s2_per_rad
-    assert float(force["rigid link"].gain_db[0]) == pytest.approx(20 * np.log10(share), abs=TOLD)
-    assert float(hand["under robust"].gain_db[0]) == pytest.approx(float(hand["ideal feel"].gain_db[0]), abs=TOLD)
+    assert float(force["rigid link"]["gain_db"][0]) == pytest.approx(20 * np.log10(share), abs=TOLD)
+    assert float(hand["under robust"]["gain_db"][0]) == pytest.approx(float(hand["ideal feel"]["gain_db"][0]), abs=TOLD)
 
 
 @pytest.mark.slow

@@ -118,9 +118,10 @@ def test_value_tables_match_the_figures(out, drawn, key):
     for position, name in enumerate(header[1:], start=1):
         label, _, shown = name.rpartition(": ")
         quantity, unit = re.fullmatch(r"(\w+) \[(.+)\]", shown).groups()
-        data = next(data for variable, data in figure.curves[label].items() if variable.startswith(quantity))
-        scale = 1.0 if unit == "dB" else factor(data.attrs["units"], unit)
-        np.testing.assert_allclose(values[:, position], data.values * scale, rtol=NINE_DIGITS)
+        curve = figure.curves[label]
+        variable = next(name for name in curve if name.startswith(quantity))
+        scale = 1.0 if unit == "dB" else factor(curve.unit(variable), unit)
+        np.testing.assert_allclose(values[:, position], curve[variable] * scale, rtol=NINE_DIGITS)
 
 
 def test_angles_are_in_degrees_and_currents_in_milliamperes(out):

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-import xarray as xr
+
+from forcefeel.tables.labeled_arrays import LabeledArrays
 
 FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 1201)
 """Frequencies of the responses; 400 a decade show a mode of damping ratio 0.1 without corners."""
@@ -26,10 +27,10 @@ class Figure:
         key: ``figure-02`` and so on, the report's number.
         title: What it shows.
         kind: How to draw it.
-        curves: A data set per curve, by its label; units stand in the variables' ``units`` attribute.
+        curves: Arrays of each curve over time or frequency, with units, by its label; ``.dataset`` is one of xarray.
     """
 
     key: str
     title: str
     kind: Kind
-    curves: dict[str, xr.Dataset]
+    curves: dict[str, LabeledArrays]

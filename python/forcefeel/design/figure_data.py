@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 
 from forcefeel import _core
 from forcefeel.design.analysis import Configuration
@@ -11,11 +10,12 @@ from forcefeel.design.figure import FREQUENCIES_HZ, Figure, Kind
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_figures import motor_figures
 from forcefeel.design.workflow import Design
-from forcefeel.linear.frequency import frequency_response
+from forcefeel.linear.frequency import frequency_arrays
 from forcefeel.linear.models import LinearModel, Linkage, feel_model, loader_model, open_loop_model, servo_model
-from forcefeel.linear.step import step_response
+from forcefeel.linear.step import step_arrays
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ALTERNATIVES
+from forcefeel.tables.labeled_arrays import LabeledArrays
 
 
 def figures(design: Design | MotorDesign) -> tuple[Figure, ...]:
@@ -54,8 +54,8 @@ def _valve(loader: Loader) -> Figure:
     return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
 
 
-def _valve_curve(pressure: np.ndarray, flow: np.ndarray) -> xr.Dataset:
-    return xr.Dataset(
+def _valve_curve(pressure: np.ndarray, flow: np.ndarray) -> LabeledArrays:
+    return LabeledArrays(
         {"flow_m3_per_s": ("load_pressure_pa", flow, {"units": "m^3/s"})},
         {"load_pressure_pa": ("load_pressure_pa", pressure, {"units": "Pa"})},
     )
@@ -73,16 +73,16 @@ def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
         title,
         Kind.FREQUENCY,
         {
-            "rigid link": frequency_response(rigid.to_output(0), FREQUENCIES_HZ),
-            "compliant link, piston": frequency_response(compliant.to_output(0), FREQUENCIES_HZ),
-            "compliant link, column": frequency_response(column, FREQUENCIES_HZ),
+            "rigid link": frequency_arrays(rigid.to_output(0), FREQUENCIES_HZ),
+            "compliant link, piston": frequency_arrays(compliant.to_output(0), FREQUENCIES_HZ),
+            "compliant link, column": frequency_arrays(column, FREQUENCIES_HZ),
         },
     )
 
 
 def _overall(design: Design) -> Figure:
     curves = {
-        configuration.name: frequency_response(
+        configuration.name: frequency_arrays(
             open_loop_model(design.low_loader, configuration.linkage, configuration.law), FREQUENCIES_HZ
         )
         for configuration in design.configurations
@@ -106,9 +106,9 @@ def _compensated(design: Design) -> Figure:
     return Figure("figure-14", "Step of pilot force, compensated beside the original", Kind.TIME, curves)
 
 
-def _configuration(configuration: Configuration, loader: Loader) -> xr.Dataset:
+def _configuration(configuration: Configuration, loader: Loader) -> LabeledArrays:
     return _response(loader_model(loader, configuration.law, configuration.linkage), loader)
 
 
-def _response(model: LinearModel, loader: Loader) -> xr.Dataset:
-    return step_response(model, loader["pilot.force"])
+def _response(model: LinearModel, loader: Loader) -> LabeledArrays:
+    return step_arrays(model, loader["pilot.force"])

@@ -6,7 +6,6 @@ Angles stand beside those of the programmed spring, forces beside the motor's ow
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.design.assessment import programmed_angle_rad
@@ -14,10 +13,11 @@ from forcefeel.design.figure import FREQUENCIES_HZ, Figure, Kind
 from forcefeel.design.law_loop import law_response, law_step
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.linear.electric import ElectricPlant
-from forcefeel.linear.frequency import frequency_response
+from forcefeel.linear.frequency import frequency_arrays
 from forcefeel.linear.models import LinearModel, Linkage, feel_model, loader_model, open_loop_model, plant_model
 from forcefeel.linear.step import DURATION_S, step_outputs
 from forcefeel.loader.loader import Loader
+from forcefeel.tables.labeled_arrays import LabeledArrays
 
 _UP_TO_CURRENT_LOOP_HZ = np.geomspace(0.1, 1000.0, 1601)
 """Frequencies of the drive's own responses, 400 a decade."""
@@ -55,7 +55,7 @@ def _step(design: MotorDesign) -> Figure:
     return Figure(STEP, "Step of pilot force", Kind.TIME, curves)
 
 
-def _response(model: LinearModel, loader: Loader, samples: int) -> xr.Dataset:
+def _response(model: LinearModel, loader: Loader, samples: int) -> LabeledArrays:
     time, outputs = step_outputs(model, loader["pilot.force"], DURATION_S, samples)
     signals = dict(zip(model.output_labels, outputs, strict=True))
     units = {"motor_current_a": "A", "motor_voltage_v": "V"}
@@ -68,9 +68,9 @@ def _response(model: LinearModel, loader: Loader, samples: int) -> xr.Dataset:
 
 def _curve(
     time: NDArray[np.float64], angle: NDArray[np.float64], **others: tuple[NDArray[np.float64], str]
-) -> xr.Dataset:
+) -> LabeledArrays:
     data = {"column_angle_rad": (angle, "rad"), **others}
-    return xr.Dataset(
+    return LabeledArrays(
         {name: ("time_s", values, {"units": unit}) for name, (values, unit) in data.items()},
         {"time_s": ("time_s", time, {"units": "s"})},
     )
@@ -123,7 +123,7 @@ def _position(loader: Loader) -> Figure:
 
 def _loop(loader: Loader) -> Figure:
     models = {f"{linkage} link": open_loop_model(loader, linkage) for linkage in Linkage}
-    curves = {name: frequency_response(model, _UP_TO_CURRENT_LOOP_HZ) for name, model in models.items()}
+    curves = {name: frequency_arrays(model, _UP_TO_CURRENT_LOOP_HZ) for name, model in models.items()}
     return Figure(LOOP, "Loop of the feel by current alone, opened at the command", Kind.FREQUENCY, curves)
 
 
@@ -133,12 +133,12 @@ def _frequency(
     output: str,
     scale: float,
     frequency_hz: NDArray[np.float64] = _UP_TO_CURRENT_LOOP_HZ,
-) -> xr.Dataset:
+) -> LabeledArrays:
     """Gain and phase of one input to one output, times ``scale``."""
     row = list(model.output_labels).index(output)
     single = model.to_output(row)
     column = slice(entry, entry + 1)
-    return frequency_response(
+    return frequency_arrays(
         replace(
             single,
             B=single.B[:, column],
@@ -150,9 +150,9 @@ def _frequency(
     )
 
 
-def _spectrum(frequency_hz: NDArray[np.float64], values: NDArray[np.complex128]) -> xr.Dataset:
+def _spectrum(frequency_hz: NDArray[np.float64], values: NDArray[np.complex128]) -> LabeledArrays:
     phase = np.degrees(np.unwrap(np.angle(values)))
-    return xr.Dataset(
+    return LabeledArrays(
         {
             "gain_db": ("frequency_hz", 20 * np.log10(np.abs(values)), {"units": "dB"}),
             "phase_deg": ("frequency_hz", phase, {"units": "deg"}),

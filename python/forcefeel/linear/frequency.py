@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from forcefeel._core import balanced
 from forcefeel.linear.bracketing import root_between
 from forcefeel.linear.models import StateSpaceLike, check_model
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import ANGLE, HERTZ, RATIO
 
 if TYPE_CHECKING:
@@ -62,18 +63,21 @@ def frequency_response(model: StateSpaceLike, frequency_hz: NDArray[np.float64])
         >>> sorted(found.data_vars)
         ['gain_db', 'phase_deg']
     """
-    import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
+    return frequency_arrays(model, frequency_hz).dataset
 
+
+def frequency_arrays(model: StateSpaceLike, frequency_hz: NDArray[np.float64]) -> LabeledArrays:
+    """What ``frequency_response`` makes its data set of; the same arguments."""
     check_model("model", model, single=True)
     gain = np.abs(response(model, 2j * np.pi * frequency_hz))
     phase = np.degrees(_phase(model, 2 * np.pi * frequency_hz))
-    return xr.Dataset(
+    return LabeledArrays(
         {
             "gain_db": ("frequency_hz", 20 * np.log10(gain), {"units": "dB"}),
             "phase_deg": ("frequency_hz", phase, {"units": "deg"}),
         },
-        coords={"frequency_hz": ("frequency_hz", frequency_hz, {"units": "Hz"})},
-        attrs={"model": model.name},
+        {"frequency_hz": ("frequency_hz", frequency_hz, {"units": "Hz"})},
+        {"model": model.name},
     )
 
 

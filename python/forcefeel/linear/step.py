@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from forcefeel._core import balanced, exponential
 from forcefeel.errors import InputError, expect_number
 from forcefeel.linear.models import StateSpaceLike, check_model
+from forcefeel.tables.labeled_arrays import LabeledArrays
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,13 +40,18 @@ def step_response(
         >>> f"{float(response.column_angle_rad[-1]):.3f} rad"
         '0.045 rad'
     """
-    import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
+    return step_arrays(model, force_n, duration_s, samples).dataset
 
+
+def step_arrays(
+    model: StateSpaceLike, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
+) -> LabeledArrays:
+    """What ``step_response`` makes its data set of; the same arguments."""
     time, outputs = step_outputs(model, force_n, duration_s, samples)
     data = {
         name: ("time_s", row, {"units": _unit_of(name)}) for name, row in zip(model.output_labels, outputs, strict=True)
     }
-    return xr.Dataset(
+    return LabeledArrays(
         data, {"time_s": ("time_s", time, {"units": "s"})}, {"model": model.name, "pilot_force_n": force_n}
     )
 

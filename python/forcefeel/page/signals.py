@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import xarray as xr
-
 from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, UnitSystem, factor
 
 _PLAIN = ("dB", "deg", "Hz", "s", "V")
@@ -33,10 +31,8 @@ class Signal:
     scale: float
 
 
-def signal(data: xr.DataArray, system: UnitSystem) -> Signal | None:
-    """How ``data`` is shown under ``system``; ``None`` where the data do not say their unit."""
-    unit = data.attrs.get("units", "")
-    name = str(data.name)
+def signal(name: str, unit: str, system: UnitSystem) -> Signal | None:
+    """How an array of this name and unit is shown under ``system``; ``None`` where people read it in no unit."""
     bare = next((name.removesuffix(end) for end in _SUFFIXES if name.endswith(end)), name)
     if unit in _PLAIN or bare == "motor_current":  # a valve's current is a thousandth of a motor's
         return Signal(bare, unit, 1.0)

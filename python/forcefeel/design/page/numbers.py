@@ -3,22 +3,22 @@
 from collections.abc import Mapping
 from importlib.metadata import version
 
-import xarray as xr
-
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.page.captions import MEANINGS
+from forcefeel.design.page.responses import column_names
 from forcefeel.design.workflow import Design
 from forcefeel.json_values import json_text, json_value
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import UnitSystem
 
 
 def results_json(
     design: Design | MotorDesign,
     drawn: tuple[Figure, ...],
-    tables: Mapping[str, xr.Dataset],
+    tables: Mapping[str, LabeledArrays],
     units: UnitSystem,
     tried: LawComparison | None,
 ) -> str:
@@ -29,7 +29,7 @@ def results_json(
             "title": figure.title,
             "meaning": MEANINGS[figure.key],
             "file": name,
-            "columns": [*map(str, data.coords), *map(str, data.data_vars)],
+            "columns": column_names(data),
         }
         for figure, (name, data) in zip(drawn, tables.items(), strict=True)
     ]

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import plotly.graph_objects as go
-import xarray as xr
 from plotly.subplots import make_subplots
 
 from forcefeel.design.figure import Figure, Kind
@@ -15,6 +14,7 @@ from forcefeel.page.canvas import add_curve, frame, line, mark_level
 from forcefeel.page.palette import LineStyle, look
 from forcefeel.page.signals import signal
 from forcefeel.page.typography import parameter_text, unit_text
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import UnitSystem
 
 CUT = 2.5
@@ -51,7 +51,7 @@ def _valve(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     picture = go.Figure()
     units = ["", ""]
     for position, (label, data) in enumerate(figure.curves.items()):
-        pressure, flow = _in_units(data["load_pressure_pa"], system), _in_units(data["flow_m3_per_s"], system)
+        pressure, flow = (_in_units(data, name, system) for name in ("load_pressure_pa", "flow_m3_per_s"))
         units = [unit_text(pressure[1]), unit_text(flow[1])]
         style = look(figure.key, label, position)
         add_curve(picture, pressure[0], flow[0], label.replace("%", " %"), style)
@@ -66,11 +66,11 @@ def _frequency(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figu
     picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
     for position, (label, data) in enumerate(figure.curves.items()):
         style = line(look(figure.key, label, position))
-        frequency = data["frequency_hz"].values
+        frequency = data["frequency_hz"]
         for row, name, unit in ((1, "gain_db", "dB"), (2, "phase_deg", "°")):
             picture.add_scatter(
                 x=frequency,
-                y=data[name].values,
+                y=data[name],
                 name=label,
                 legendgroup=label,
                 showlegend=row == 1,
@@ -134,11 +134,11 @@ _OF_MOTOR = (
 
 def _angle_panel(picture: go.Figure, figure: Figure, design: AnyDesign, *, row: int) -> None:
     """Column angle in degrees; unstable curves are cut where they leave the picture."""
-    peak = float(np.degrees(np.max(np.abs(figure.curves["ideal feel"]["column_angle_rad"].values))))
+    peak = float(np.degrees(np.max(np.abs(figure.curves["ideal feel"]["column_angle_rad"]))))
     for position, (label, data) in enumerate(figure.curves.items()):
         bad = is_unstable(design, figure.key, label)
-        angle = np.degrees(data["column_angle_rad"].values)
-        time, angle = _cut(data["time_s"].values, angle, CUT * peak) if bad else (data["time_s"].values, angle)
+        angle = np.degrees(data["column_angle_rad"])
+        time, angle = _cut(data["time_s"], angle, CUT * peak) if bad else (data["time_s"], angle)
         add_curve(
             picture,
             time,
@@ -161,7 +161,7 @@ def _share_panel(picture: go.Figure, figure: Figure, design: AnyDesign, name: st
     for position, (label, data) in enumerate(figure.curves.items()):
         if name not in data:
             continue
-        time, share = data["time_s"].values, 100 * data[name].values / rated
+        time, share = data["time_s"], 100 * data[name] / rated
         if is_unstable(design, figure.key, label):
             time, share = _cut(time, share, CUT * 100)
         largest = max(largest, float(np.max(np.abs(share))))
@@ -180,10 +180,10 @@ def _cut(time: np.ndarray, values: np.ndarray, limit: float) -> tuple[np.ndarray
     return time[:last], np.clip(values[:last], -limit, limit)
 
 
-def _in_units(data: xr.DataArray, system: UnitSystem) -> tuple[np.ndarray, str]:
-    axis = signal(data, system)
-    return (data.values * axis.scale, axis.unit) if axis else (data.values, "")
+def _in_units(data: LabeledArrays, name: str, system: UnitSystem) -> tuple[np.ndarray, str]:
+    axis = signal(name, data.unit(name), system)
+    return (data[name] * axis.scale, axis.unit) if axis else (data[name], "")
 
 
 def _end(figure: Figure) -> float:
-    return float(next(iter(figure.curves.values()))["time_s"].values[-1])
+    return float(next(iter(figure.curves.values()))["time_s"][-1])
