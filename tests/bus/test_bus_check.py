@@ -32,7 +32,8 @@ def test_check_finds_node_watchdog_and_directions(kind, wrong):
     assert found.watchdog.ok, found.watchdog
     assert [finding.name for finding in found.directions] == ["motor", "column encoder", "load cell"]
     assert [finding.name for finding in found.directions if not finding.ok] == ([wrong] if wrong else [])
-    assert found.ok == (not wrong)
+    # On a busy machine the drive may answer too late; what is said then is tested with planned times.
+    assert found.ok == (found.delay.ok and not wrong)
     assert found.delay.answers > 0.9 * found.delay.commands
     assert 0 < found.delay.median_s <= found.delay.p99_s <= found.delay.worst_s
     periods = found.delay.delay_s / loader["controller.period"]
