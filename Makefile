@@ -6,7 +6,7 @@
 # make docs     validation table and the README's picture from the program itself
 # make demo     the live loader's compiled model and laws, docs/demo/engine.js
 # make site     the documentation as pages, in site/; PICTURES=0 where there is no Chromium
-# make platforms  the library inside FMUs for Linux (glibc 2.17), Windows x64, macOS x64 and arm64, cross-compiled
+# make platforms  the library inside FMUs, and a wheel, for Linux (glibc 2.17), Windows x64, macOS x64 and arm64, cross-compiled
 # make firmware-libraries  the libraries of exported firmware for Cortex-M4F, aarch64 and x86-64
 # make audit    advisories on the dependencies, with a network, cargo-deny and pip-audit; the tests check licenses and sources
 # make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
@@ -106,12 +106,12 @@ wheel: firmware-libraries
 	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 -m "" tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
 
-# Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each.
+# Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each library, a quarter of an hour each wheel.
 # What is built here goes into every FMU that this checkout exports.
 platforms: firmware-libraries
 	tests/platforms/install
 	tests/platforms/build
-	FORCEFEEL_PLATFORMS=1 $(BIN)/pytest -n 0 tests/platforms
+	FORCEFEEL_PLATFORMS=1 FORCEFEEL_WHEELS=dist/platforms $(BIN)/pytest -n 0 -m "" tests/platforms tests/wheel
 
 # What an export to firmware needs no cargo with; a minute. Slow tests and wheels have all, the others those of two targets.
 firmware-libraries: $(VENV)/equipped

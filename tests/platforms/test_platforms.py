@@ -1,4 +1,4 @@
-"""The libraries of ``make platforms``: for whom each is, what it needs, and the bits that it gives where it runs.
+"""The libraries and wheels of ``make platforms``: for whom each is, what it needs, and the bits that it gives where it runs.
 
 They run where ``make platforms`` says so: not in ``make test``, as they take a cross compiler each. macOS is not run.
 """
@@ -8,6 +8,7 @@ import re
 import shutil
 import struct
 import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -24,6 +25,11 @@ MOST_ZIPPED = 2_000_000
 """Bytes of one library in an FMU: 0.8 MB for Linux, 1.8 MB elsewhere."""
 OLDEST_GLIBC = (2, 17)
 DLLS_OF_WINDOWS = {"kernel32.dll", "msvcrt.dll", "ntdll.dll", "bcryptprimitives.dll", "userenv.dll", "ws2_32.dll"}
+
+
+WHEELS = Path(__file__).parents[2] / "dist" / "platforms"
+MACHO = {"x64": 0x01000007, "arm64": 0x0100000C}
+"""Numbers of the processors."""
 
 
 def library(name):
@@ -57,10 +63,47 @@ def test_windows_library_needs_windows_alone():
     assert "fmi3InstantiateCoSimulation" in text
 
 
-@pytest.mark.parametrize(("name", "processor"), [("x64", 0x01000007), ("arm64", 0x0100000C)])
-def test_macos_library_is_for_its_processor(name, processor):
-    head = library(f"libforcefeel_fmi_{name}.dylib").read_bytes()[:8]
-    assert struct.unpack("<II", head) == (0xFEEDFACF, processor)  # Mach-O, 64 bits
+def is_macho(binary, processor):
+    return struct.unpack("<II", binary[:8]) == (0xFEEDFACF, MACHO[processor])  # Mach-O, 64 bits
+
+
+@pytest.mark.parametrize("processor", MACHO)
+def test_macos_library_is_for_its_processor(processor):
+    assert is_macho(library(f"libforcefeel_fmi_{processor}.dylib").read_bytes(), processor)
+
+
+def wheel(system):
+    (path,) = WHEELS.glob(f"*-cp311-abi3-{system}.whl")
+    return path
+
+
+@pytest.mark.parametrize("system", ["manylinux*_2_17_x86_64*", "win_amd64", "macosx_*_arm64", "macosx_*_x86_64"])
+def test_wheel_has_the_libraries_of_every_platform_and_uses_only_stable_python_abi(system):
+    path = wheel(system)
+    held = set(zipfile.ZipFile(path).namelist())
+    assert {f"forcefeel/export/fmu/{platform.library}" for platform in PLATFORMS} <= held
+    assert any(name.startswith("forcefeel/export/firmware/libraries/") for name in held)
+    assert "0 ABI version mismatches and 0 ABI violations" in audited(path)
+
+
+def audited(path):
+    done = subprocess.run(
+        [sys.executable, "-m", "abi3audit", "--strict", "--summary", path], capture_output=True, text=True, check=True
+    )
+    return done.stdout + done.stderr
+
+
+def test_windows_extension_needs_python_and_windows_alone(tmp_path):
+    extension = Path(zipfile.ZipFile(wheel("win_amd64")).extract("forcefeel/_core.pyd", tmp_path))
+    text = said("x86_64-w64-mingw32-objdump", "-p", extension)
+    needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
+    assert {name for name in needed if not name.startswith("api-ms-win-")} <= DLLS_OF_WINDOWS | {"python3.dll"}
+    assert "PyInit__core" in text
+
+
+@pytest.mark.parametrize(("system", "processor"), [("macosx_*_arm64", "arm64"), ("macosx_*_x86_64", "x64")])
+def test_macos_extension_is_for_its_processor(system, processor):
+    assert is_macho(zipfile.ZipFile(wheel(system)).read("forcefeel/_core.abi3.so"), processor)
 
 
 def test_windows_library_gives_a_simulations_bits_under_wine(tmp_path):
