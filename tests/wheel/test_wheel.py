@@ -1,6 +1,7 @@
 """The wheel: one for every Python from 3.11 on, and it runs where nothing else of the project is.
 
-``make validate`` tests the one that it builds from the extension's own crates, ``make wheel`` and ``make platforms`` those for others.
+``make validate`` tests the one that it builds from the extension's own crates, ``make wheel`` and ``make platforms`` those
+for others.
 """
 
 import json
