@@ -5,7 +5,6 @@
 
 use crate::measures::{MEASURES, Peaks, Samples, measure};
 use crate::noise::Noise;
-use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
@@ -99,7 +98,7 @@ impl Job<'_> {
         if self.values.len() > 1 && self.flights.is_empty() {
             return_on_vectors!(
                 level,
-                simd => self.vectorized::<_, Pair<Lanes<_>>, K>(simd, first, measures, histories),
+                simd => self.vectorized::<_, crate::pair::Pair<Lanes<_>>, K>(simd, first, measures, histories),
                 simd => self.in_eights::<_, K>(simd, first, measures, histories)
             );
         }
