@@ -44,15 +44,12 @@ def loaders() -> list[tuple[str, ff.Loader]]:
     """The built-in loaders under a sampled controller."""
     analog = ff.elevator().replace({"controller.period": "1 ms", "controller.delay": "1 ms"})
     named = [(name, open_loader(name)) for name in ("elevator-2khz", *ELECTRIC_AXES)]
-    grips = [(name, loader.replace(GRIP)) for name, loader in named if name in AT_GRIP]
+    grips = [(name, loader.replace(GRIP)) for name, loader in named]
     return [("elevator-1974", analog), *named, *grips]
 
 
 GRIP = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
-AT_GRIP = ("elevator-2khz",)
-"""Loaders that are drawn with a force sensor at the grip, too, which closes the loop of both their laws. Of the motors' laws some
-are at their limit for long under an arm, without a fault too.
-"""
+"""A force sensor at the grip, which closes the loop of the laws ``robust`` and ``grip``."""
 
 
 def drawn() -> tuple[Rows, Rows, list[int]]:

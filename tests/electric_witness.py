@@ -164,6 +164,8 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
     if start is not None:
         y, feels, xi, e = start.plant, start.feel, start.law, start.command
     touch = Touch(law.contact[0]) if law is not None and law.knows_contact else None
+    if touch is not None and g("grip_sensor.gain"):
+        touch.ends = g("column.stop_low"), g("column.stop_high"), g("feel.stiffness")
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
@@ -212,6 +214,7 @@ class Touch:
         self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
+        self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
 
     def notice(self, h, torque, column):
         """Whether there is contact at a sample."""
@@ -265,9 +268,10 @@ class Touch:
         """The feel, the command and its torque at a sample, from those of free motion."""
         (force, position, column), drive_rate, (rests, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
-        noticed, was = self.notice(h, own[1], column), self.share
+        at_end = self.at_end(feels[0], column, own[1])
+        noticed, was = self.notice(h, own[1], column) or at_end, self.share
         if noticed:
-            self.place = (self.struck_at, self.torque)
+            self.place = (column if at_end else self.struck_at, self.torque)
         away = column - self.place[0]
         held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
         if noticed or (was > 0 and abs(away) < self.near):
@@ -276,15 +280,28 @@ class Touch:
             self.share = max(was - abs(column_rate) * h / self.travel, 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])
+        rate = feels[1]
+        if at_end:
+            feels, rate = np.array([column, column_rate]), self.rate
         command = self.k_x * (self.per_angle * (feels[0] - self.offset) - position) + self.k_v * (
-            self.per_angle * feels[1] - drive_rate
+            self.per_angle * rate - drive_rate
         )
         self.acts = 1.0 if abs(self.rate) < rests else self.share
         contact = (command, -self.per_angle * force)
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
         leaves = self.share < 1 or abs(command) > limit
         self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
+        self.acts = 0.0 if at_end else self.acts
         return feels, command, torque
+
+    def at_end(self, delta, column, hand):
+        """Whether a hand, as a sensor at the grip shows it, pushes feel and column into an end stop."""
+        if self.ends is None:
+            return False
+        low, high, stiffness = self.ends
+        if delta > high and column > high - self.near:
+            return hand > stiffness * delta
+        return delta < low and column < low + self.near and hand < stiffness * delta
 
     def damp(self, h, feels, inertia):
         """The feel after a period."""

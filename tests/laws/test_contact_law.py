@@ -105,6 +105,29 @@ def test_a_hand_that_is_stronger_than_the_drive_lets_go_of_a_column_that_is_not_
     assert column[let_go].min() > -0.53 * stop
 
 
+@pytest.mark.parametrize("law", ["grip", "robust"])
+@pytest.mark.parametrize("name", ["sidestick-pitch", "elevator-electric"])
+def test_a_hand_that_pushes_a_column_with_a_sensor_at_the_grip_into_its_end_stop(name: str, law: str) -> None:
+    """The drive holds the force of the feel's spring against the hand, and the stop the rest.
+
+    The feel had gone on, and the drive pushed the column into the stop with all its current.
+    """
+    loader = ff.loader.electric(name).replace({"grip_sensor.gain": 1.0})
+    arm, stop = loader["column.grip_arm"], loader["column.stop_high"]
+    spring = loader["feel.stiffness"] * stop
+    time = np.arange(0.0, 2.0005, 5e-4)
+    pushed = ff.simulation.Recorded(time, 1.25 * spring / arm * np.minimum(time / 0.3, 1))
+    run = ff.simulate(loader, ff.Scenario(pushed, 2.0, 5e-4, 5e-4), ff.Law.of(law, loader)).history
+    column, feel, force = (
+        run[name].to_numpy()[-1000:] for name in ("column_angle_rad", "feel_position_rad", "load_cell_force_n")
+    )
+    lever = loader["linkage.ratio"] * loader["column.base_arm"]
+    assert column.mean() > stop
+    assert np.ptp(column) < QUIET_RAD
+    assert feel.mean() == pytest.approx(stop, abs=np.radians(1.0))  # it went on by a quarter, 3 deg and more
+    assert -1.1 * spring < lever * force.mean() < 0  # with the hand's push it would be positive
+
+
 QUIET = {
     f"{sensor}.{row}": 0.0
     for sensor in ("load_cell", "potentiometer", "column_sensor")
@@ -130,6 +153,24 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     depth = angle.max() - np.radians(5.0)
     assert depth > 1e-3  # it struck, with some 80 N
     assert np.abs(angle - found).max() < 0.01 * depth
+
+
+def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the_grip() -> None:
+    soft = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}
+    loader = ff.loader.electric("sidestick-pitch").replace(soft | QUIET | {"grip_sensor.gain": 1.0}, si=True)
+    loader = loader.replace({"feel.breakout": None})
+    law = ff.Law.of("grip", loader)
+    time = np.arange(0.0, 0.6003, 5e-4)
+
+    def hand(at: float) -> float:
+        return 200.0 * min(at / 0.3, 1.0)
+
+    scenario = ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), 0.6, 5e-4, 5e-4)
+    run = ff.simulate(loader, scenario, law).history["column_angle_rad"].to_numpy()
+    found = witness.simulate(loader, law.sampled, hand, 0.6, rtol=1e-7)["column_angle_rad"]  # far below the depth
+    depth = run.max() - loader["column.stop_high"]
+    assert depth > 3e-3  # 200 N at the soft stop
+    assert np.abs(run - found).max() < 0.02 * depth  # a touch between two samples
 
 
 @pytest.mark.slow

@@ -12,6 +12,8 @@ MOST_ENERGY_J, MOST_TIME_ABOVE_S = 10.0, 0.02
 RUNS = 1200
 """Some fifty of each kind. ``benchmarks/faults.py`` and ``benchmarks/linked_faults.py`` run millions."""
 
+GRIP = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
+
 KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
 """Columns of the outcomes."""
 
@@ -19,12 +21,13 @@ KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
 @pytest.fixture(scope="module")
 def loaders() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A hydraulic loader, the same with a light feel and dry friction that its law knows, an electric one and a light one, each
-    under its law."""
+    under its law; and the last two with a force sensor at the grip."""
     of = [open_loader(name) for name in ("elevator-2khz", "elevator-2khz", "elevator-electric", "sidestick-pitch")]
     light = {key: 0.3 * of[1][key] for key in ("feel.inertia", "feel.damping", "feel.stiffness")}
     of[1] = (
         of[1].replace(light, si=True).replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2.4 lb"})
     )
+    of += [loader.replace(GRIP) for loader in of[2:]]
     made = [ff.Law.of("robust", loader).sampled for loader in of]
     return np.array([loader.si_values for loader in of]), np.array([law.rows()[0] for law in made if law is not None])
 
@@ -39,6 +42,8 @@ def test_fault_gives_hand_less_than_ten_joules(loaders) -> None:
     assert outcomes[of_loader, ABOVE].max() <= MOST_TIME_ABOVE_S
     for kind in ("Late", "Silence", "DriveHardover", "Huge", "Reversed"):
         assert (outcomes[kinds == kind, STOPPED] >= 0).mean() > 0.8
+    for kind in ("GripStuck", "GripNoisy"):
+        assert (outcomes[kinds == kind, STOPPED] >= 0).any()
     # What is lost for less than the silence, and a spike where there is power, are bridged; a start is not.
     for kind in ("None", "Lost", "Spike", "HostSilent"):
         assert (outcomes[kinds == kind, STOPPED] >= 0).mean() < 0.05
@@ -65,7 +70,9 @@ def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -
     faulty = outcomes[:, 1].astype(int)
     at, other = sides[np.arange(len(sides)), faulty], sides[np.arange(len(sides)), 1 - faulty]
     electronic = outcomes[:, 0] == 0
-    assert (at[electronic, STOPPED] >= 0).mean() > 0.7
+    # No side has a force sensor at the grip that could stick.
+    at_grip = np.isin(at[:, KIND], [_core.fault_kinds().index(kind) for kind in ("GripStuck", "GripNoisy")])
+    assert (at[electronic & ~at_grip, STOPPED] >= 0).mean() > 0.7
     assert (other[electronic, STOPPED] < 0).all()
     stopped = ~electronic & (at[:, STOPPED] >= 0)
     assert ((other[stopped, STOPPED] >= 0) & (other[stopped, STOPPED] <= at[stopped, STOPPED] + 1)).all()

@@ -58,6 +58,8 @@ pub enum Kind {
     DriveOffset,
     /// The force sensor at the grip stays where it is.
     GripStuck,
+    /// The same, and its noise goes on.
+    GripNoisy,
 }
 
 impl Kind {
@@ -89,6 +91,7 @@ impl Kind {
         Self::DriveHardover,
         Self::DriveOffset,
         Self::GripStuck,
+        Self::GripNoisy,
     ];
 
     /// Whether it is the hand that is at fault.
@@ -199,6 +202,10 @@ impl Fault {
             }
             Kind::Stuck => input.sensed[k] = *before.frozen.get_or_insert(before.shown[k]),
             Kind::GripStuck => input.sensed[GRIP] = *before.frozen.get_or_insert(before.shown[GRIP]),
+            Kind::GripNoisy => {
+                let frozen = *before.frozen.get_or_insert(before.shown[GRIP]);
+                input.sensed[GRIP] = frozen + NOISE_OF_SPAN * limits.grip_span * noise(since);
+            }
             Kind::Drift => {
                 // Within half a second to ten times what may disagree.
                 let whole = 10.0 * limits.agreement_m * (0.2 + self.size);
@@ -282,6 +289,17 @@ impl Fault {
             _ => 0.0,
         }
     }
+}
+
+/// Noise of a sensor as a share of the span that is its widest.
+const NOISE_OF_SPAN: f64 = 0.1;
+
+/// Noise of a sample, uniform and of unit variance.
+#[expect(clippy::cast_precision_loss, reason = "32 bits")]
+fn noise(sample: usize) -> f64 {
+    // Knuth's multiplicative hash, the product's upper half.
+    let hash = (sample as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+    12.0_f64.sqrt() * (hash as f64 / f64::from(u32::MAX) - 0.5)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]

@@ -4,7 +4,7 @@
 //! shared with the supervisor but the limits. What the machine really did stands in the record beside what the sensors showed.
 
 use crate::case::Case;
-use crate::fault::Kind;
+use crate::fault::{Fault, Kind};
 use crate::run::{Moving, Row, safe_from};
 use forcefeel_model::supervisor::{Function, Limits, SupervisorState};
 use forcefeel_model::transducers::SENSORS;
@@ -337,18 +337,23 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     (from..rows.len()).find(|&k| (k - limits.bridge as usize..=k).all(apart))
 }
 
-/// A force sensor at the grip that was made to stick, once the hand has changed its force by twice the allowed change, for as long as
-/// its estimate takes.
+/// A force sensor at the grip that was made to stick, once the hand's force is apart from all that it was while the reading came to rest,
+/// by thrice the allowed change, for as long as the supervisor looks on.
 fn grip_stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let single = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() == 1;
-    let fault = case.faults.iter().find(|fault| fault.kind == Kind::GripStuck && single && limits.grip_noisy)?;
-    let from = fault.from.max(WATCHED);
-    let settles = limits.bridge as usize + samples(SETTLES_S / limits.period);
-    let changed = |k: usize| (rows[k].hand - rows[fault.from].hand).abs() * limits.grip_arm > 2.0 * limits.grip_apart;
+    let sticks = |fault: &&Fault| matches!(fault.kind, Kind::GripStuck | Kind::GripNoisy);
+    let fault = case.faults.iter().find(|fault| sticks(fault) && single && limits.grip_sensor)?;
+    // Until the estimate and the lagged reading have settled, and then as long as the reading has to rest.
+    let settles = samples(2.0 * SETTLES_S / limits.period) + limits.grip_stuck as usize;
+    let from = fault.from.max(WATCHED) + settles;
     let started = fault.from > 2 && !matches!(rows[fault.from - 1].allowed.state, SupervisorState::Off);
-    let free = |k: usize| rows[k].angle > limits.stops[0] && rows[k].angle < limits.stops[1];
-    let begin = from + (limits.stuck as usize).max(settles);
-    (begin..rows.len()).find(|&k| started && (k - settles..=k).all(|k| changed(k) && free(k)))
+    let hands = || rows[fault.from..=from].iter().map(|row| row.hand);
+    let (low, high) = (hands().fold(f64::INFINITY, f64::min), hands().fold(f64::NEG_INFINITY, f64::max));
+    let most = 3.0 * limits.grip_apart / limits.grip_arm;
+    let free = |row: &Row| row.angle > limits.stops[0] && row.angle < limits.stops[1];
+    let apart = |row: &Row| free(row) && (row.hand > high + most || row.hand < low - most);
+    let lasts = 2 * limits.grip_stuck as usize + settles;
+    (from + lasts..rows.len()).find(|&k| started && rows[k - lasts..=k].iter().all(apart))
 }
 
 /// Time in s after which the estimate of a hand's torque has come to it within a thirtieth.

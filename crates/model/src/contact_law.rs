@@ -24,7 +24,9 @@
 //!   keeps the torque on one side;
 //! - eight slower swings in a row, up to `2 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
-//!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way.
+//!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
+//! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
+//!   hand pushing into it. While that is so, the feel moves as the column.
 //!
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by
@@ -105,7 +107,8 @@ pub struct ContactLaw<S> {
     quick: S,
     /// One over the time constant of the peak, in 1/s.
     per_peak: S,
-    near: S,
+    /// `theta_n`.
+    pub near: S,
     travel: S,
 }
 
@@ -244,12 +247,13 @@ impl<S: Scalar> ContactLaw<S> {
         Self::take(|| zero)
     }
 
-    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one.
+    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `at_end`: whether
+    /// the column is at an end stop that the torque does not show, where that is asked.
     #[inline(always)]
     pub fn noticed(
         &self,
         torque: S,
-        [column, column_rate]: [S; 2],
+        ([column, column_rate], at_end): ([S; 2], Option<S::Mask>),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
@@ -307,12 +311,14 @@ impl<S: Scalar> ContactLaw<S> {
             | struck
             | turned
             | (swing & touches);
+        let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
         let side = S::select(begins, one.times_sign(torque), was.side);
         let larger = begins | (was.extreme * side).less(torque * side);
         let against = S::select((rate * side).less(-moves), one, -one);
         // Where the push was largest: a column that is thrown back has left the place before the push is over.
         let place = S::select(noticed, was.extreme_angle, was.place);
+        let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
         let place_torque = S::select(noticed, torque, was.place_torque);
         let since = S::select(begins, zero, (was.since + h).min(one));
 

@@ -32,6 +32,8 @@ pub struct Control<S> {
     pub(crate) converters: Converters<S>,
     /// Column angle in rad per displacement of the base in m.
     pub(crate) per_base: S,
+    /// End stops of the column in rad.
+    pub(crate) ends: [S; 2],
     pub(crate) force_per_effort: S,
 }
 
@@ -178,8 +180,11 @@ impl<S: Scalar> Control<S> {
             let column = [base, base_rate].map(|number| number * self.per_base);
             let inputs =
                 ContactInputs { force, position: [piston, piston_rate], angle: column, feel: feeling.motion.at };
+            let at_end = shared.effects.grip_sensor & shared.effects.column_stops;
+            let at_end = at_end.then(|| self.at_end(output.torque, feeling, inputs));
             let neutral = known.map(|_| neutral);
-            self.in_contact(output, (feeling, &mut remembered.contact_state), (inputs, neutral), [period, per_period])
+            let state = (&mut *feeling, &mut remembered.contact_state);
+            self.in_contact(output, state, (inputs, neutral, at_end), [period, per_period])
         } else {
             (output, period.zero())
         };
@@ -226,23 +231,31 @@ impl<S: Scalar> Control<S> {
         self.converters.write(e)
     }
 
-    /// What the law says between free motion and contact, and the share of the contact; where it begins, the feel stands where the
+    /// What the law says between free motion and contact, and the share of the contact that damps the feel; where it begins, the feel stands where the
     /// drive stands. A column that friction holds near the neutral is in contact too.
     #[inline(always)]
     fn in_contact(
         &self,
         output: LawOutput<S>,
         (feeling, state): (&mut FeelState<S>, &mut ContactState<S>),
-        (inputs, neutral): (ContactInputs<S>, Option<S>),
+        (inputs, neutral, at_end): (ContactInputs<S>, Option<S>, Option<S::Mask>),
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
-        let (now, begins) = law.noticed(output.torque, inputs.angle, *state, period);
+        let (now, begins) = law.noticed(output.torque, (inputs.angle, at_end), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;
-        feeling.motion.at = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
-        let inputs = ContactInputs { feel: feeling.motion.at, ..inputs };
+        let mut feel = [S::select(begins, stands, delta), S::select(begins, rate.zero(), rate)];
+        feeling.motion.at = feel;
+        if let Some(at_end) = at_end {
+            // The feel has the column's rate as it is, the command that without noise.
+            let [delta, rate] = feel;
+            let [column, column_rate] = inputs.angle;
+            feeling.motion.at = [S::select(at_end, column, delta), S::select(at_end, column_rate, rate)];
+            feel = [feeling.motion.at[0], S::select(at_end, now.rate, rate)];
+        }
+        let inputs = ContactInputs { feel, ..inputs };
         let share = neutral.map_or(now.share, |neutral| {
             let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
             S::select(self.observer.friction.rests(now.rate, spring), spring.constant(1.0), now.share)
@@ -250,7 +263,20 @@ impl<S: Scalar> Control<S> {
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], &inputs);
         let beyond = command - self.converters.within_range(command);
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
-        (LawOutput { command, torque, ..output }, share)
+        // A feel that moves as the column is not damped.
+        let damps = at_end.map_or(share, |at_end| S::select(at_end, share.zero(), share));
+        (LawOutput { command, torque, ..output }, damps)
+    }
+
+    /// Whether feel and column are at an end stop that the hand pushes into: a force sensor at the grip does not show it. The feel would go
+    /// on, and the drive push the column into the stop with all that it has.
+    #[inline(always)]
+    fn at_end(&self, hand: S, feeling: &FeelState<S>, inputs: ContactInputs<S>) -> S::Mask {
+        let ([low, high], near) = (self.ends, self.observer.contact.near);
+        let ([delta, _], [column, _]) = (feeling.motion.at, inputs.angle);
+        let spring = self.feel.spring_torque(feeling.neutral, delta);
+        (high.less(delta) & (high - near).less(column) & spring.less(hand))
+            | (delta.less(low) & column.less(low + near) & hand.less(spring))
     }
 
     /// The feel after a period, damped by its share in a contact.

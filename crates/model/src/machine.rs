@@ -93,6 +93,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             next_feel: feel,
             converters: D::converters(parameters),
             per_base: parameters.column.angle(one),
+            ends: [parameters.column.stop_low, parameters.column.stop_high],
             force_per_effort: drive.force_per_effort(),
         };
         Self {

@@ -9,6 +9,7 @@
 //! | each sensor against the observer; lost and wrong samples bridged | `plausibility` |
 //! | force, speed, travel, runaway | [`grip`] |
 //! | zero of the force sensor at the grip | `grip_zero` |
+//! | whether it follows the hand | `grip_reading` |
 //! | limits of the command, its way to zero | `command` |
 //! | off, initializing, passive, active, fading, tripped | [`sequence`] |
 //! | finding the travel | `search` |
@@ -34,6 +35,7 @@ mod command;
 mod debounce;
 pub mod function;
 pub mod grip;
+mod grip_reading;
 mod grip_zero;
 mod input;
 pub mod limits;
@@ -53,10 +55,12 @@ use crate::Scalar;
 use crate::transducers::SENSORS;
 use command::Command;
 use grip::{FeelMotion, GripMonitor};
+use grip_reading::GripReading;
 use grip_zero::GripZero;
+use numbers::below;
 pub(crate) use numbers::finite;
 use plausibility::Plausibility;
-use sensors::{OF_LINK, Sensors, Still};
+use sensors::Sensors;
 use sequence::Sequence;
 
 /// How much quicker than those of a silent host the values of one that swings the column go: within two swings of it.
@@ -111,7 +115,7 @@ pub struct Supervisor<S> {
     admitted: (bool, Option<[S; SENSORS]>),
     watch: GripMonitor<S>,
     grip_zero: GripZero<S>,
-    grip_still: Still<S>,
+    grip_reading: GripReading<S>,
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
@@ -131,7 +135,7 @@ impl<S: Scalar> Supervisor<S> {
             admitted: (false, None),
             watch: GripMonitor::new(like),
             grip_zero: GripZero::new(like.zero()),
-            grip_still: Still::NEW,
+            grip_reading: GripReading::new(like.zero()),
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
@@ -191,10 +195,12 @@ impl<S: Scalar> Supervisor<S> {
             self.watch.watch(&limits, fresh, feel, &mut functions);
             let (reading, torque) = (input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
             functions = functions.with(Function::GripOffset, self.grip_zero.watch(&limits, reading, torque));
-            if limits.grip_noisy {
-                // Without drive, link and column predicted, the hand's torque is not known.
-                let known = self.plausibility.wrong == [0; OF_LINK];
-                let stuck = self.grip_still.is_stuck(&limits, reading, (torque, known), limits.grip_apart);
+            if limits.grip_sensor {
+                let [low, high] = limits.stops;
+                let free = below(low, self.angle) && below(self.angle, high);
+                let time = limits.period * fresh.periods;
+                let torques = free.then_some([torque, self.watch.drive_torque()]);
+                let stuck = self.grip_reading.is_stuck(&limits, (reading, time), torques);
                 functions = functions.with(Function::Stuck, stuck);
             }
         }
@@ -206,7 +212,7 @@ impl<S: Scalar> Supervisor<S> {
             self.sensors = Sensors::new(self.angle);
             self.plausibility = Plausibility::new(self.angle);
             self.watch = GripMonitor::new(self.angle);
-            self.grip_still = Still::NEW;
+            self.grip_reading = GripReading::new(self.angle.zero());
         }
         self.act(&limits, input, functions)
     }

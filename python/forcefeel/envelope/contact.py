@@ -104,9 +104,13 @@ STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
 _LITTLE = 0.02
 """Damping ratio of steel."""
 
+_MUCH = 0.5
+"""Of rubber: against a soft stop more settings swing on with it than without."""
+
 CONTACTS = (
     *(Contact(False, k, _LITTLE, mass) for mass, k in product((0.0, 3.0), STIFFNESSES)),
     *(Contact(True, k, _LITTLE) for k in (1e4, 1e5, 1e6)),
+    Contact(True, 1e3, _MUCH),
 )
 """Those of an envelope. ``benchmarks/contact.py`` has 45."""
 

@@ -102,6 +102,12 @@ impl<S: Scalar> GripMonitor<S> {
         }
     }
 
+    /// `alpha R_b F`, lagged as the hand's torque is.
+    #[inline(always)]
+    pub(super) fn drive_torque(&self) -> S {
+        self.lagged[1]
+    }
+
     /// What is wrong at the grip.
     #[inline(always)]
     pub(super) fn watch(
@@ -120,7 +126,10 @@ impl<S: Scalar> GripMonitor<S> {
         let (moved, changed) = ((angle - last_angle) * per_periods, (grip_force - last_force) * per_periods);
         let rate = moved * (one / limits.period);
         self.estimate(limits, [rate, drive_torque, feel_acceleration, feel_rate], limits.period * periods);
-        let energy = self.given(limits, follows, limits.period * periods);
+        // At an end stop the stop's torque is in that of the hand.
+        let [low, high] = limits.stops;
+        let free = below(low, angle) && below(angle, high);
+        let energy = self.given(limits, follows && free, limits.period * periods);
         self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate, energy };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;
@@ -190,14 +199,14 @@ impl<S: Scalar> GripMonitor<S> {
         below(limits.motion, (rate * rate - feel_rate * feel_rate) * limits.inertia.times(0.5))
     }
 
-    /// What the hand is given otherwise than by the feel, and what a stop gives.
+    /// What the hand is given otherwise than by the feel, while that is known, and what a stop gives.
     #[inline(always)]
-    fn given(&mut self, limits: &Limits<S>, follows: bool, time: S) -> S {
+    fn given(&mut self, limits: &Limits<S>, known: bool, time: S) -> S {
         let [_, forgets, ahead] = limits.energy;
         let [rate, .., feel_rate] = self.lagged;
         let zero = time.zero();
         let of_feel = (-(self.torque * feel_rate)).max(zero);
-        let power = if follows { -(self.torque * rate) - of_feel } else { zero };
+        let power = if known { -(self.torque * rate) - of_feel } else { zero };
         self.energy = (self.energy + power * time - self.energy * forgets).max(zero);
         self.energy + power.max(zero) * ahead
     }

@@ -160,10 +160,10 @@ limits! {
     grip_quiet: S,
     /// Largest span in N of the sensor's readings without a hand.
     grip_span: S,
-    /// Whether its noise moves its readings from sample to sample.
-    grip_noisy: bool,
     /// Change of the hand's estimated torque in N m by which it has to move.
     grip_apart: S,
+    /// Samples for which it has to be so: what the estimate takes to settle, too.
+    grip_stuck: u32,
     /// Largest zero in N.
     grip_most: S,
     /// Change of the zero in a sample, in N.
@@ -234,6 +234,8 @@ impl Limits {
         };
         let drive = drive(values, kind);
         let runaway_condition = within(safety.runaway_time);
+        let stuck = within(safety.stuck_time);
+        let settles = whole(FILTER_SETTLES / (ESTIMATE_BANDWIDTH * period)) + 1;
         let largest_friction = column.static_friction.max(column.coulomb_friction);
         Ok(Self {
             period,
@@ -260,13 +262,13 @@ impl Limits {
             tracking: tracking(period),
             agreement_m: safety.agreement * lever,
             agreement: within(safety.agreement_time),
-            stuck: within(safety.stuck_time),
+            stuck,
             silence: within(safety.silence_time),
             host: within(safety.host_time),
             overrun: within(safety.overrun_time),
             saturation: within(safety.saturation_time),
             force: within(safety.force_time),
-            runaway: runaway_condition + whole(FILTER_SETTLES / (ESTIMATE_BANDWIDTH * period)) + 1,
+            runaway: runaway_condition + settles,
             runaway_condition,
             friction: column.coulomb_friction * column.grip_arm,
             hand_torque: safety.hand_force * column.grip_arm,
@@ -278,11 +280,9 @@ impl Limits {
             grip_zero: within(safety.grip_zero_time),
             grip_quiet: (largest_friction + NO_HAND * safety.hand_force) * column.grip_arm,
             grip_span: WIDEST_NOISE * grip_sensor.noise + MOST_STEPS * grip_sensor.resolution,
-            grip_noisy: grip_sensor.gain > 0.0
-                && grip_sensor.noise > 0.0
-                && grip_sensor.noise >= 0.5 * grip_sensor.resolution,
             grip_apart: (safety.hand_force + 2.0 * (1.0 + column.friction_asymmetry.abs()) * largest_friction)
                 * column.grip_arm,
+            grip_stuck: stuck + settles,
             grip_most: safety.grip_offset,
             grip_step: safety.hand_force * period,
             grip_arm: column.grip_arm,

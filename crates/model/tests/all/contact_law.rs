@@ -21,7 +21,7 @@ fn after(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed(torque(time), column(time), state, [H, 1.0 / H]).0;
+        state = law().noticed(torque(time), (column(time), None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
