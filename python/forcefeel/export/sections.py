@@ -86,7 +86,6 @@ SECTIONS = {
         "e = e_o + m (e_c - e_o), T = T_o + m (T_c - T_o), delta'+ = delta' / (1 + m B_c h / I)",
         "contact_law.rs",
         STABLE,
-        rare="Of a supervised law: a column that swings against something stiff.",
     ),
     "limits": Section("Command within its limits", "|e| <= e_max", "controller.rs", LIMIT),
     "observer_state": Section("Observer at the next sample", "xi+ = A xi + B [y; e] + b f", "observer.rs", STABLE),
