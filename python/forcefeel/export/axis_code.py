@@ -17,6 +17,7 @@ from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import board_axis
 from forcefeel.export.golden import spelled_rows
+from forcefeel.export.sections import STATES
 from forcefeel.export.trace_map import commented, trace_html, trace_json
 
 _FILES = {
@@ -85,8 +86,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
 def axis_files(fields: Mapping[str, object]) -> dict[str, str | bytes]:
     """Files by name of :func:`axis_fields`."""
     files, source = rendered("c", _FILES, fields), f"{fields['name']}.c"
-    text, name = str(files[source]), str(fields["name"])
-    return files | dict(zip(_MAPS, (trace_json(source, text, name), trace_html(source, text, name)), strict=True))
+    of = (source, str(files[source]), str(fields["name"]), STATES)
+    return files | dict(zip(_MAPS, (trace_json(*of), trace_html(*of)), strict=True))
 
 
 def _first(kind: str, value: float, *, single: bool) -> str:
