@@ -74,3 +74,14 @@ def test_every_option_has_help_and_a_default_or_is_required():
     assert (
         IdentifyOptions(data=(Path("x.csv"),), fit="k").command_line(None) == "forcefeel identify --data x.csv --fit k"
     )
+
+
+def test_option_without_its_value_is_named(forcefeel):
+    """The option behind it would be taken for the value, and that one's value for an argument."""
+    for words in (("export", "--to", "c", "--tunable", "--out", "x"), ("simulate", "--set", "--json", "x")):
+        status, _, told = forcefeel(words[0], "elevator-2khz", *words[1:])
+        assert status == 2
+        assert f"{words[-3]}: expected a value; forcefeel {words[0]} --help lists the options" in told
+    status, _, told = forcefeel("simulate", "elevator-2khz", "elevator", "2")
+    assert status == 2
+    assert "one argument too many" in told

@@ -91,7 +91,7 @@ impl Blocks {
 
     fn place(&mut self, graph: &Graph, operands: &Operands, (node, block): (u32, usize)) {
         match graph.nodes[node as usize] {
-            Node::Input(_) | Node::Flag(_) => {
+            Node::Input(_) | Node::Flag(_) | Node::Word(_) => {
                 self.of.insert(node, ALWAYS);
             }
             _ if operands.given.contains(&node) => {

@@ -4,6 +4,7 @@ use crate::blocks::{ALWAYS, Blocks, Operands, choice};
 use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, FIRST_OF_TUNING, INPUTS, name_of, row_name};
 use crate::dots::{Product, products};
 use crate::operands::{held, of_few_steps, operands_of, reached, within};
+use crate::trace::logic::Kind;
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
 use crate::writer::{Bits, Writer};
 use std::collections::{HashMap, HashSet};
@@ -48,7 +49,8 @@ impl<'a> Body<'a> {
     pub fn of(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32], called: &[(u32, String)]) -> Self {
         let mut body = Self::with(writer, graph, wanted, None);
         for (node, name) in called {
-            let kept = matches!(graph.nodes[*node as usize], Node::Input(_) | Node::Flag(_) | Node::Known(..));
+            let kept =
+                matches!(graph.nodes[*node as usize], Node::Input(_) | Node::Flag(_) | Node::Word(_) | Node::Known(..));
             if !kept && !body.names.contains_key(node) {
                 let name = body.free(name, false);
                 body.names.insert(*node, name);
@@ -268,6 +270,11 @@ impl<'a> Body<'a> {
         if let Some((x, limit)) = within(graph, node) {
             return Some(format!("{name}_within({}, {})", self.spelled(x), self.spelled(limit)));
         }
+        if let Node::Input(place) | Node::Flag(place) | Node::Word(place) = graph.nodes[node as usize]
+            && let Some(of_axis) = self.writer.of_axis(place)
+        {
+            return Some(of_axis.to_owned());
+        }
         let mut s = |node: u32| self.spelled(node);
         Some(match graph.nodes[node as usize] {
             Node::Input(place) if place < INPUTS.len() => {
@@ -294,19 +301,31 @@ impl<'a> Body<'a> {
             Node::And(a, b) => format!("{} && {}", s(a), s(b)),
             Node::Or(a, b) => format!("{} || {}", s(a), s(b)),
             Node::Not(a) => format!("!{}", s(a)),
+            Node::Next(a) => format!("{name}_next({})", s(a)),
+            Node::Larger(a, b) => format!("({0} > {1}) ? {0} : {1}", s(a), s(b)),
+            Node::AtLeast(a, samples) => format!("{} >= {samples}U", s(a)),
+            Node::Same(a, b) => format!("{} == {}", s(a), s(b)),
+            Node::Number(a) => format!("({})({})", self.writer.real(), self.spelled(a)),
+            Node::IsNumber(a) => format!("{name}_is_number({})", s(a)),
+            Node::Bits(ref masks) => {
+                let known = |node: u32| matches!(graph.nodes[node as usize], Node::Holds(..));
+                let bits = masks.iter().enumerate().filter(|&(_, &mask)| !known(mask));
+                let bits: Vec<String> = bits.map(|(k, &mask)| format!("{name}_bit({}, {k}U)", s(mask))).collect();
+                if bits.is_empty() { "0U".to_owned() } else { bits.join("\n        | ") }
+            }
             Node::Known(..) | Node::Data(..) | Node::Holds(..) | Node::Given(_) | Node::Select(..) | Node::Part(..) => {
                 return None;
             }
+            Node::Word(_) | Node::Whole(..) => return None,
             Node::Gives(part, place) => format!("{}[{place}]", self.results(part)),
         })
     }
 
     fn kind(&self, node: u32) -> String {
-        match self.graph.nodes[node as usize] {
-            Node::Flag(_) | Node::Less(..) | Node::And(..) | Node::Or(..) | Node::Not(_) | Node::Holds(..) => {
-                "bool".to_owned()
-            }
-            _ => self.writer.real(),
+        match self.graph.kind(node) {
+            Kind::Flag => "bool".to_owned(),
+            Kind::Word => "uint32_t".to_owned(),
+            Kind::Number => self.writer.real(),
         }
     }
 
@@ -447,10 +466,13 @@ impl<'a> Body<'a> {
             return name.clone();
         }
         let name = match (&self.graph.nodes[node as usize], self.graph.names.get(&node)) {
-            (&Node::Input(place) | &Node::Flag(place), _) => {
-                let from = if place < INPUTS.len() { "input_" } else { "" };
-                let name = name_of(place).replace(['.', '['], "_").replace(']', "");
-                self.free(&format!("{from}{name}"), false)
+            (&Node::Input(place) | &Node::Flag(place) | &Node::Word(place), _) => {
+                let name = match self.writer.of_axis(place) {
+                    Some(name) => name.replace("in->", "input_").replace("state->", ""),
+                    None if place < INPUTS.len() => format!("input_{}", name_of(place)),
+                    None => name_of(place).to_owned(),
+                };
+                self.free(&name.replace(['.', '['], "_").replace(']', ""), false)
             }
             (_, Some(name)) => self.free(name, false),
             _ => self.free(self.graph.sections[node as usize], true),

@@ -184,11 +184,11 @@ pub struct Given {
 pub const ANSWERS: usize = 4;
 
 impl Job {
-    fn kind(&self) -> DriveKind {
+    pub(crate) fn kind(&self) -> DriveKind {
         DriveKind::of(&self.values[0])
     }
 
-    fn shared(&self) -> Shared {
+    pub(crate) fn shared(&self) -> Shared {
         let tuned = (0..2).map(|end| {
             let mut values = self.values[0];
             self.tunable.iter().for_each(|&(row, ends)| values[row] = ends[end]);
@@ -216,7 +216,7 @@ impl Job {
         Parameters::from_values(&core::array::from_fn(|k| number(k, &|setting| self.values[setting][k])))
     }
 
-    fn observer<S: Scalar>(&self, number: impl Fn(usize, &dyn Fn(usize) -> f64) -> S) -> Observer<S> {
+    pub(crate) fn observer<S: Scalar>(&self, number: impl Fn(usize, &dyn Fn(usize) -> f64) -> S) -> Observer<S> {
         Observer::from_numbers(&core::array::from_fn(|k| number(k, &|setting| self.observers[setting][k])))
     }
 
@@ -361,19 +361,23 @@ impl Job {
     fn traced<T>(&self, work: impl FnOnce(&Shared, &Control<Trace>) -> T) -> (T, Graph) {
         traced(self.single, self.values.len(), Some(SHARE), || {
             let shared = self.shared();
-            let control = with_drive!(self.kind(), K => self.tracing::<K>(&shared));
+            let control = with_drive!(self.kind(), K => self.tracing::<K>(&shared, true));
             work(&shared, &control)
         })
     }
 
-    fn tracing<K: Kind>(&self, shared: &Shared) -> Control<Trace> {
+    /// Law, feel and converters of numbers that write down; the law's matrices as tables, or as numbers like the others.
+    pub(crate) fn tracing<K: Kind>(&self, shared: &Shared, tables: bool) -> Control<Trace> {
         Trace::section("tuning");
         let all = |of: &dyn Fn(usize) -> f64| (0..self.values.len()).map(of).collect::<Vec<_>>();
         let bank = |bank: Bank| {
             let law = self.observer(|place, of| {
                 let numbers = all(of);
-                let number =
-                    if self.is_of_matrices(place) { number(&numbers, bank) } else { Trace::known(&numbers, bank) };
+                let number = if tables && self.is_of_matrices(place) {
+                    number(&numbers, bank)
+                } else {
+                    Trace::known(&numbers, bank)
+                };
                 number.of_row(COUNT + part_of(place).0)
             });
             let parameters = self.parameters(|row, of| {
@@ -453,7 +457,11 @@ fn number(values: &[f64], bank: Bank) -> Trace {
 }
 
 /// One loader under a law.
-fn machine<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, shared: &Shared) -> Machine<S, K::Of<S>> {
+pub(crate) fn machine<S: Scalar, K: Kind>(
+    parameters: &Parameters<S>,
+    law: Observer<S>,
+    shared: &Shared,
+) -> Machine<S, K::Of<S>> {
     let gains = Compensator::state_feedback(parameters, [parameters.column.inertia.zero(); 7]);
     Machine::new(parameters, gains, shared).with_observer(law)
 }

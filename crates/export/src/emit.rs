@@ -2,7 +2,7 @@
 
 use crate::blocks::{Blocks, Operands};
 use crate::body::Body;
-use crate::controller::{FIRST_OF_FLIGHT, INPUTS, Job, Program, is_flag, name_of, place_of};
+use crate::controller::{Job, Program, is_flag, name_of, place_of};
 use crate::operands::operands_of;
 use crate::trace::Node;
 use crate::writer::{Numbers, Writer};
@@ -39,7 +39,8 @@ impl Source {
     /// The law of a job; the names of C begin with `name`.
     pub fn of(job: &Job, name: &str) -> Self {
         let (step, reset) = (job.period(), job.reset());
-        let states = needed(&step);
+        let given = GIVEN.iter().filter_map(|name| place_of(name)).collect();
+        let states = needed(&step, given);
         let mut writer = Writer::new(name, job.single);
         let (step_text, operations) = program(&mut writer, &step, &states, true);
         let (reset_text, _) = program(&mut writer, &reset, &states, false);
@@ -66,18 +67,19 @@ pub fn body_of(writer: &mut Writer, of: &Program) -> String {
     program(writer, of, &BTreeSet::new(), true).0
 }
 
-/// The states that a program reads, directly or by others.
-fn needed(program: &Program) -> BTreeSet<usize> {
+/// The states that are given out, and those that a program reads, directly or by others.
+pub(crate) fn needed(program: &Program, given: BTreeSet<usize>) -> BTreeSet<usize> {
     let graph = &program.graph;
     let of = (0..graph.nodes.len()).map(|place| operands_of(graph, place)).collect();
     let operands = Operands { of, ..Operands::default() };
-    let mut states: BTreeSet<usize> = GIVEN.iter().filter_map(|name| place_of(name)).collect();
+    let all: BTreeSet<usize> = program.next.iter().map(|&(place, _)| place).collect();
+    let mut states = given;
     loop {
         let mut more = states.clone();
         // Placed, since a choice within an arm of its own mask reads nothing of its other arm.
         let blocks = Blocks::of(graph, &operands, &wanted(program, &states));
         more.extend(blocks.of.keys().filter_map(|&node| match graph.nodes[node as usize] {
-            Node::Input(input) | Node::Flag(input) if (INPUTS.len()..FIRST_OF_FLIGHT).contains(&input) => Some(input),
+            Node::Input(state) | Node::Flag(state) | Node::Word(state) if all.contains(&state) => Some(state),
             _ => None,
         }));
         if more == states {
@@ -87,6 +89,11 @@ fn needed(program: &Program) -> BTreeSet<usize> {
     }
 }
 
+/// What a state is called.
+fn kept(writer: &Writer, place: usize) -> String {
+    writer.of_axis(place).map_or_else(|| name_of(place).to_owned(), str::to_owned)
+}
+
 /// Outputs and next states.
 fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     let next = program.next.iter().filter(|(place, _)| states.contains(place)).map(|&(_, node)| node);
@@ -94,7 +101,7 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
 }
 
 /// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
-fn program(
+pub(crate) fn program(
     writer: &mut Writer,
     program: &Program,
     states: &BTreeSet<usize>,
@@ -102,15 +109,18 @@ fn program(
 ) -> (String, (usize, usize)) {
     let graph = &program.graph;
     let next = program.next.iter().filter(|(place, _)| states.contains(place));
-    let next = next.map(|&(place, node)| (node, format!("next_{}", name_of(place))));
+    let next: Vec<(u32, String, usize)> =
+        next.map(|&(place, node)| (node, kept(writer, place).replace("state->", ""), place)).collect();
+    let called = next.iter().map(|(node, name, _)| (*node, format!("next_{name}")));
     let outputs = program.outputs.iter().map(|&(what, node)| (node, what.replace('[', "_").replace(']', "")));
-    let mut body = Body::of(writer, graph, &wanted(program, states), &next.chain(outputs).collect::<Vec<_>>());
+    let mut body = Body::of(writer, graph, &wanted(program, states), &called.chain(outputs).collect::<Vec<_>>());
     body.write_all();
     let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
     let mut results: Vec<String> = results.collect();
-    for &(place, node) in program.next.iter().filter(|(place, _)| states.contains(place)) {
-        if !matches!(graph.nodes[node as usize], Node::Input(same) | Node::Flag(same) if same == place) {
-            results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
+    for (node, name, place) in next {
+        let node_of = &graph.nodes[node as usize];
+        if !matches!(node_of, &Node::Input(same) | &Node::Flag(same) | &Node::Word(same) if same == place) {
+            results.push(format!("state->{name} = {};", body.spelled(node)));
         }
     }
     let sum: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();

@@ -1,4 +1,4 @@
-//! A law and its feel as C99, from the very lines of the model.
+//! A law, its feel and its supervisor as C99, from the very lines of the model.
 //!
 //! The model is generic over its number type. [`trace::Trace`] is one that does not compute: it writes down each operation that it is asked
 //! for. [`controller`] lets it through the one function that simulation and real-time loop run in a period, and so gets every operation of
@@ -13,10 +13,12 @@
 //! | [`operands`] | what each is made of as C writes it |
 //! | [`body`] | the lines of a function of C |
 //! | [`writer`] | numbers, tables and functions that all of them share |
+//! | [`axis`] | law and feel under their supervisor, whose decisions are taken both ways |
 //! | [`pair`] | two controllers and the electronic link between them |
 //! | [`emit`] | the parts of the files: functions, states, a setting's numbers |
 #![forbid(unsafe_code)]
 
+pub mod axis;
 pub mod blocks;
 pub mod body;
 pub mod controller;

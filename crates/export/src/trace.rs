@@ -7,6 +7,7 @@
 //! Sensors and states are taken to be finite, for what is not is turned away before: `0 x` is zero, and a limit that is infinite limits
 //! nothing. The sign of a zero is not kept.
 
+pub mod logic;
 mod parts;
 
 use core::cell::RefCell;
@@ -81,6 +82,24 @@ pub enum Node {
     Part(Vec<u32>, Vec<u32>),
     /// One of the several numbers that a part gives.
     Gives(u32, usize),
+    /// A count or a code, by its place.
+    Word(usize),
+    /// A count that is known, or the code of a value by its name.
+    Whole(u32, &'static str),
+    /// One more than a count.
+    Next(u32),
+    /// The larger of two counts.
+    Larger(u32, u32),
+    /// Whether a count is so much or more.
+    AtLeast(u32, u32),
+    /// Whether two codes are the same.
+    Same(u32, u32),
+    /// A count as a number.
+    Number(u32),
+    /// Whether a number is one, and finite.
+    IsNumber(u32),
+    /// Masks as bits of a word, the first the lowest.
+    Bits(Vec<u32>),
 }
 
 /// What was written down.
@@ -134,6 +153,15 @@ pub fn input_as_f64(place: usize) -> f64 {
 
 const NAMED: u64 = 0x7ff8_f0ce_fee1_0000;
 const PLACE: u64 = 0xffff;
+
+/// The same for any number: its node in the last bits.
+const TRACED: u64 = 0x7ff8_f0cf_0000_0000;
+
+impl From<Trace> for f64 {
+    fn from(number: Trace) -> Self {
+        Self::from_bits(TRACED | u64::from(number.0))
+    }
+}
 
 impl Graph {
     fn put(&mut self, node: Node) -> u32 {
@@ -433,13 +461,30 @@ impl Node {
     /// The nodes that it is made of; of a part, those that it is given.
     pub fn operands(&self) -> Vec<u32> {
         match *self {
-            Self::Known(..) | Self::Data(..) | Self::Input(_) | Self::Flag(_) | Self::Holds(..) | Self::Given(_) => {
-                Vec::new()
-            }
-            Self::UnaryOp(_, a) | Self::Not(a) | Self::Gives(a, _) => vec![a],
-            Self::BinaryOp(_, a, b) | Self::Less(a, b) | Self::And(a, b) | Self::Or(a, b) => vec![a, b],
+            Self::Known(..)
+            | Self::Data(..)
+            | Self::Input(_)
+            | Self::Flag(_)
+            | Self::Holds(..)
+            | Self::Given(_)
+            | Self::Word(_)
+            | Self::Whole(..) => Vec::new(),
+            Self::UnaryOp(_, a)
+            | Self::Not(a)
+            | Self::Gives(a, _)
+            | Self::Next(a)
+            | Self::AtLeast(a, _)
+            | Self::Number(a)
+            | Self::IsNumber(a) => vec![a],
+            Self::BinaryOp(_, a, b)
+            | Self::Less(a, b)
+            | Self::And(a, b)
+            | Self::Or(a, b)
+            | Self::Larger(a, b)
+            | Self::Same(a, b) => vec![a, b],
             Self::Select(a, b, c) => vec![a, b, c],
             Self::Part(_, ref given) => given.clone(),
+            Self::Bits(ref masks) => masks.clone(),
         }
     }
 }
@@ -561,6 +606,9 @@ impl Scalar for Trace {
         if value.is_nan() && value.to_bits() & !PLACE == NAMED {
             return Self::input((value.to_bits() & PLACE) as usize);
         }
+        if value.is_nan() && value.to_bits() >> 32 == TRACED >> 32 {
+            return Self(u32::try_from(value.to_bits() & u64::from(u32::MAX)).unwrap_or_default());
+        }
         put(|graph| graph.number(&vec![value; graph.settings], Bank::All))
     }
     fn sqrt(self) -> Self {
@@ -580,6 +628,9 @@ impl Scalar for Trace {
     }
     fn times_sign(self, other: Self) -> Self {
         put(|graph| graph.two(BinaryOp::TimesSign, self.0, other.0))
+    }
+    fn is_number(self) -> Mask {
+        Mask(GRAPH.with_borrow_mut(|graph| graph.is_number(self.0)))
     }
     fn less(self, other: Self) -> Mask {
         Mask(GRAPH.with_borrow_mut(|graph| graph.less(self.0, other.0)))

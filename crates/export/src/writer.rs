@@ -4,6 +4,9 @@ use crate::trace::{Bank, Graph, Node};
 use core::fmt::Write;
 use std::collections::BTreeSet;
 
+/// The place of the first input of an axis, beyond all that a law is given; its states come after its inputs.
+pub const FIRST_OF_AXIS: usize = 1 << 17;
+
 /// Numbers of a law as members of a structure of C.
 #[derive(Debug, Clone, Default)]
 pub struct Numbers {
@@ -71,12 +74,19 @@ pub struct Writer {
     pub functions: Vec<Function>,
     /// The inputs that are read.
     pub inputs: BTreeSet<usize>,
+    /// Of an axis, what its inputs and states are called, in their order.
+    pub axis: Vec<String>,
 }
 
 impl Writer {
     /// A writer; the names of C begin with `name`.
     pub fn new(name: &str, single: bool) -> Self {
         Self { name: name.to_owned(), single, ..Self::default() }
+    }
+
+    /// What an input or a state of an axis is called.
+    pub fn of_axis(&self, place: usize) -> Option<&str> {
+        place.checked_sub(FIRST_OF_AXIS).map(|k| self.axis[k].as_str())
     }
 
     /// The type of its numbers.
@@ -118,6 +128,8 @@ impl Writer {
         Some(match &graph.nodes[node as usize] {
             Node::Known(bits, Bank::All, _) => literal(f64::from_bits(bits[0]), self.single),
             Node::Known(bits, bank, _) | Node::Data(bits, bank) => self.number(bits.clone(), &setting(*bank)),
+            Node::Whole(value, "") => format!("{value}U"),
+            Node::Whole(value, name) => format!("{value}U /* {name} */"),
             Node::Holds(values, Bank::All) => values[0].to_string(),
             Node::Holds(values, bank) => {
                 let bits = values.iter().map(|&value| f64::from(u8::from(value)).to_bits()).collect();

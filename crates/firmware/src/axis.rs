@@ -1,15 +1,19 @@
 //! A period of an axis: what the live loop does in a cycle, without a clock, a record or an operating system.
 
 use crate::loader::{Loader, Setting};
-use forcefeel_model::Scalar;
-use forcefeel_model::control::{Control, Sample};
-use forcefeel_model::machine::{Inputs, Shared};
-use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
-use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
-use forcefeel_model::supervisor::{
-    Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
-};
+use forcefeel_model::Logic;
+use forcefeel_model::axis::{Axis as ModelAxis, AxisInput};
+use forcefeel_model::control::Control;
+use forcefeel_model::logic::Named;
+use forcefeel_model::machine::Shared;
+use forcefeel_model::modifiers::{FeelModifiers, ModifierRates};
+use forcefeel_model::supervisor::{Functions, Limits, RequestedMode, Supervisor, SupervisorOutput, SupervisorState};
 use forcefeel_model::transducers::SENSORS;
+
+/// A number of a board.
+pub trait Number: Logic<Mask = bool, Count = u32, Set = Functions> + Into<f64> {}
+
+impl<S: Logic<Mask = bool, Count = u32, Set = Functions> + Into<f64>> Number for S {}
 
 /// What is given to an axis in a period.
 #[derive(Debug, Clone, Copy)]
@@ -74,24 +78,17 @@ pub struct Output<S> {
     pub tripped: u32,
 }
 
-/// Law, feel and supervisor of one axis.
+/// Law, feel and supervisor of one axis, for one setting of the feel or many.
 #[derive(Debug, Clone)]
-pub struct Axis<S: Scalar> {
+pub struct Axis<S: Number> {
     shared: Shared,
     control: Control<S>,
     settings: (u32, u32),
-    led: ModifierRamp<S>,
     pace: ModifierRates<S>,
-    followed: SupervisedLaw<S>,
-    sensors: [S; SENSORS],
-    supervisor: Supervisor<S>,
-    /// Samples in a row that had not come by the period before.
-    missed: u32,
-    /// What it allowed last.
-    last: Option<SupervisorOutput<S>>,
+    supervised: ModelAxis<S>,
 }
 
-impl<S: Scalar> Axis<S> {
+impl<S: Number> Axis<S> {
     /// An axis that is off; nothing if it has no settings, or no limits that a supervisor could hold it to.
     pub fn new(loader: &Loader, settings: &[Setting], like: S) -> Option<Self> {
         let first = settings.first()?;
@@ -103,79 +100,45 @@ impl<S: Scalar> Axis<S> {
             shared,
             control,
             settings: (0, 0),
-            led: ModifierRamp::at(like.zero()),
             pace: first.pace(like.constant(loader.period_s)),
-            followed: SupervisedLaw::new(&control, at_rest),
-            sensors: [like.zero(); SENSORS],
-            supervisor: Supervisor::new(limits, like),
-            missed: 0,
-            last: None,
+            supervised: ModelAxis::new(&control, at_rest, Supervisor::new(limits, like)),
         })
     }
 
     /// A period; nothing, and nothing is changed, if there are no such settings.
-    pub fn step(&mut self, settings: &[Setting], given: &Input<S>) -> Option<Output<S>>
-    where
-        S: Into<f64>,
-    {
-        let like = given.trim;
+    pub fn step(&mut self, settings: &[Setting], given: &Input<S>) -> Option<Output<S>> {
         self.select(settings, given)?;
-        let inputs = self.inputs(given);
-        if given.missed == 0 {
-            self.sensors = given.sensors;
-        }
-        let mut input = SupervisorInput {
-            sensed: self.sensors,
-            missed: given.missed,
-            periods: count(self.missed, like) + like.constant(1.0),
-            delay: given.delay,
-            late: given.late,
-            host_age: None,
-            // The law's, as it comes to it.
-            command: like.zero(),
-            feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
-            feel_rate: self.followed.feeling().motion.at[1] * self.control.per_delta(),
-            link_torque: like.zero(),
-            emergency_stop: given.flags & EMERGENCY_STOP != 0,
-            other_axis: false,
-            drive_fault: given.flags & DRIVE_FAULT != 0,
-            requested: match given.request {
+        let &Input { sensors, trim, stiffness_factor, shaker, blend, missed, delay, late, flags, .. } = given;
+        let input = AxisInput {
+            sensors,
+            wanted: FeelModifiers { trim_rad: trim, stiffness_factor, shaker },
+            blend,
+            added: [given.added_force, given.added_stiffness, given.added_damping],
+            requested: S::code(match given.request {
                 1 => RequestedMode::Passive,
                 2 => RequestedMode::Active,
                 _ => RequestedMode::Off,
-            },
-            acknowledge: given.flags & ACKNOWLEDGED != 0,
+            }),
+            missed,
+            delay,
+            late,
+            emergency_stop: flags & EMERGENCY_STOP != 0,
+            drive_fault: flags & DRIVE_FAULT != 0,
+            acknowledge: flags & ACKNOWLEDGED != 0,
         };
-        self.missed = given.missed;
-        let sample = self.supervisor.admit(&input).map(|sensors| Sample { sensors, pilot_force: like.zero() });
-        let (supervisor, last) = (&mut self.supervisor, &mut self.last);
-        let law = (&self.shared, &self.control);
-        let command = self.followed.step(law, &inputs, sample.as_ref(), |answer| {
-            input.command = answer.command;
-            let allowed = supervisor.step(&input);
-            *last = Some(allowed);
-            LimitedCommand::from(&allowed)
-        });
-        // The supervisor is asked in each period.
-        let allowed = self.last?;
+        let (command, allowed) = self.supervised.step((&self.shared, &self.control), &self.pace, &input)?;
         Some(self.output(command, &allowed))
     }
 
     fn output(&self, command: S, allowed: &SupervisorOutput<S>) -> Output<S> {
-        let per_delta = self.control.per_delta();
+        let (per_delta, followed) = (self.control.per_delta(), self.supervised.followed());
+        let state = S::which(allowed.state);
         Output {
             command,
-            torque: self.followed.answer().torque,
-            feel: self.followed.feeling().motion.at.map(|number| number * per_delta),
+            torque: followed.answer().torque,
+            feel: followed.feeling().motion.at.map(|number| number * per_delta),
             enable: u32::from(allowed.enable),
-            state: match allowed.state {
-                SupervisorState::Off => 0,
-                SupervisorState::Initializing => 1,
-                SupervisorState::Passive => 2,
-                SupervisorState::Active => 3,
-                SupervisorState::Fading => 4,
-                SupervisorState::Tripped => 5,
-            },
+            state: (0..).zip(SupervisorState::ALL).find(|&(_, known)| *known == state).map_or(0, |(place, _)| place),
             acting: allowed.acting.bits(),
             tripped: allowed.tripped.bits(),
         }
@@ -195,26 +158,4 @@ impl<S: Scalar> Axis<S> {
         }
         Some(())
     }
-
-    /// What the feel is told from outside.
-    fn inputs(&mut self, given: &Input<S>) -> Inputs
-    where
-        S: Into<f64>,
-    {
-        let Input { trim, stiffness_factor, shaker, blend, .. } = *given;
-        let modifiers = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
-        let swing = self.led.swing(modifiers.shaker, &self.pace);
-        let trim = self.last.map_or(modifiers.trim_rad, |allowed| allowed.neutral(modifiers.trim_rad));
-        let [trim, stiffness_factor, shaker, fade] =
-            [trim, modifiers.stiffness_factor, swing, blend].map(|number| [number.into(); 2]);
-        let [added_force, added_stiffness, added_damping] =
-            [given.added_force, given.added_stiffness, given.added_damping].map(|number| [number.into(); 2]);
-        Inputs { trim, stiffness_factor, shaker, fade, added_force, added_stiffness, added_damping, ..Inputs::NONE }
-    }
-}
-
-/// A number of samples. It is zero but where some did not come, and a board need not convert that.
-#[inline(always)]
-fn count<S: Scalar>(samples: u32, like: S) -> S {
-    if samples == 0 { like.zero() } else { like.constant(f64::from(samples)) }
 }

@@ -2,6 +2,7 @@
 
 use crate::setup::Setup;
 use forcefeel_model::control::ControlOutput;
+use forcefeel_model::logic::Named;
 use forcefeel_model::supervised_law::LimitedCommand;
 use forcefeel_model::supervisor::{
     Function, Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
@@ -9,14 +10,7 @@ use forcefeel_model::supervisor::{
 use forcefeel_model::transducers::SENSORS;
 
 /// States, in the order of a row's numbers.
-pub const STATES: [SupervisorState; 6] = [
-    SupervisorState::Off,
-    SupervisorState::Initializing,
-    SupervisorState::Passive,
-    SupervisorState::Active,
-    SupervisorState::Fading,
-    SupervisorState::Tripped,
-];
+pub const STATES: &[SupervisorState] = SupervisorState::ALL;
 
 /// Name and sentence of each safety function, by the bit that it has in a row.
 pub fn trips() -> Vec<(&'static str, &'static str)> {

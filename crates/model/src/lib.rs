@@ -36,6 +36,7 @@
 //! | what a bench measures of it | [`channels`] |
 //! | a hand at the grip of a simulated loader | [`hand`] |
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
+//! | counts, states and decisions of a number type, for it; one axis in a period | [`logic`], [`axis`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |
 //! | link between two pilots' controls; as a shaft, between two feels | [`link`], [`shaft`], [`linked_feels`] |
@@ -45,6 +46,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod axis;
 mod bisect;
 pub mod cancellation;
 pub mod channels;
@@ -74,9 +76,11 @@ pub mod linkage;
 pub mod linked_feels;
 pub mod load_cell;
 pub mod loader;
+pub mod logic;
 pub mod machine;
 pub mod memory;
 pub mod modifiers;
+pub mod named;
 pub mod observer;
 pub mod parameters;
 pub mod potentiometer;
@@ -89,4 +93,5 @@ pub mod surface;
 pub mod transducers;
 pub mod units;
 
+pub use logic::Logic;
 pub use scalar::Scalar;

@@ -4,8 +4,7 @@
 //!
 //! The real-time loop and a target board lead these alike. What is no number changes nothing.
 
-use crate::Scalar;
-use crate::supervisor::finite;
+use crate::Logic;
 
 /// Fastest change of the commanded neutral, in rad/s, where the feel itself sets no limit; full travel in some seconds.
 const TRIM_RATE: f64 = 0.1;
@@ -49,7 +48,10 @@ pub struct ModifierRamp<S> {
     turns: S,
 }
 
-impl<S: Scalar> ModifierRamp<S> {
+crate::logic::memory! { FeelModifiers { number trim_rad, stiffness_factor, shaker; } }
+crate::logic::memory! { ModifierRamp { part now; number turns; } }
+
+impl<S: Logic> ModifierRamp<S> {
     /// From the spring as it is, its neutral at an angle.
     #[inline(always)]
     pub fn at(trim_rad: S) -> Self {
@@ -62,7 +64,7 @@ impl<S: Scalar> ModifierRamp<S> {
     #[inline(always)]
     pub fn step(&mut self, wanted: &FeelModifiers<S>, pace: &ModifierRates<S>) -> FeelModifiers<S> {
         let towards = |now: S, wanted: S, rate: S| {
-            if finite(wanted) { now + (wanted - now).within(rate * pace.period) } else { now }
+            S::select(wanted.is_number(), now + (wanted - now).within(rate * pace.period), now)
         };
         let (now, like) = (self.now, pace.period);
         let trim_rate = pace.trim_rate.min(like.constant(TRIM_RATE));
@@ -84,8 +86,9 @@ impl<S: Scalar> ModifierRamp<S> {
         let (turns, one) = (self.turns, shaker.constant(1.0));
         let next = turns + pace.shaker_frequency.times(1.0 / core::f64::consts::TAU) * pace.period;
         self.turns = S::select(next.less(one), next, next - one);
-        if S::any(shaker.zero().less(shaker.abs())) {
-            shaker * turns.times(core::f64::consts::TAU).sin()
+        let on = shaker.zero().less(shaker.abs());
+        if S::any(on) {
+            S::select(on, shaker * turns.times(core::f64::consts::TAU).sin(), shaker.zero())
         } else {
             shaker.zero()
         }

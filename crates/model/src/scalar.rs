@@ -32,6 +32,11 @@ pub trait Scalar:
     fn less(self, other: Self) -> Self::Mask;
     /// Whether the mask holds in any lane: what changes nothing elsewhere need then not be computed.
     fn any(mask: Self::Mask) -> bool;
+    /// Whether it is a number, and finite.
+    #[inline(always)]
+    fn is_number(self) -> Self::Mask {
+        self.abs().less(self.constant(f64::INFINITY))
+    }
     /// `yes` where the mask holds, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 

@@ -51,7 +51,8 @@ pub use input::{RequestedMode, SupervisorInput};
 pub use limits::{Limits, Refusal};
 pub use sequence::SupervisorState;
 
-use crate::Scalar;
+use crate::Logic;
+use crate::logic::{Count, FunctionSet};
 use crate::transducers::SENSORS;
 use command::Command;
 use grip::{FeelMotion, GripMonitor};
@@ -68,51 +69,53 @@ const SWING_FADES: f64 = 5.0;
 
 /// What a loop may do in this period.
 #[derive(Debug, Clone, Copy)]
-pub struct SupervisorOutput<S> {
+pub struct SupervisorOutput<S: Logic> {
     /// State of the loader.
-    pub state: SupervisorState,
+    pub state: S::Code<SupervisorState>,
     /// Command that is sent, in V or A.
     pub command: S,
     /// The enable line: the drive has power, a valve's bypass is closed.
-    pub enable: bool,
+    pub enable: S::Mask,
     /// Whether the law is followed.
-    pub follows: bool,
+    pub follows: S::Mask,
     /// Share of the feel that is there, 0 to 1.
     pub share: S,
     /// Column's angle in rad where the feel began to come or to go.
     pub anchor: S,
     /// Share of the host's values, 0 to 1; the default feel has the rest.
     pub host_share: S,
-    /// The feel's neutral in rad that leads the column while the travel is found.
-    pub leads: Option<S>,
+    /// Whether the travel is being found, and the feel's neutral in rad that then leads the column.
+    pub leads: S::Mask,
+    /// See [`leads`](Self::leads).
+    pub led: S,
     /// What is known of the grip.
     pub grip: GripEstimate<S>,
     /// Zero of the force sensor at the grip in N, taken off its readings.
     pub grip_zero: S,
     /// Functions that act now.
-    pub acting: Functions,
+    pub acting: S::Set,
     /// Functions that acted since they were acknowledged.
-    pub tripped: Functions,
+    pub tripped: S::Set,
     /// The one that stopped the loader.
-    pub cause: Option<Function>,
+    pub cause: S::Code<Option<Function>>,
 }
 
-impl<S: Scalar> SupervisorOutput<S> {
+impl<S: Logic> SupervisorOutput<S> {
     /// The feel's neutral in rad, where host and trim have it at `wanted`.
     #[inline(always)]
     pub fn neutral(&self, wanted: S) -> S {
-        self.leads.unwrap_or(self.anchor + self.share * (wanted - self.anchor))
+        S::select(self.leads, self.led, self.anchor + self.share * (wanted - self.anchor))
     }
 }
 
 /// A loader's supervisor.
 #[derive(Debug, Clone, Copy)]
-pub struct Supervisor<S> {
+pub struct Supervisor<S: Logic> {
     limits: Limits<S>,
     sensors: Sensors<S>,
     plausibility: Plausibility<S>,
-    /// The readings of this period, and whether they are admitted yet.
-    admitted: (bool, Option<[S; SENSORS]>),
+    /// Whether the readings of this period are admitted yet.
+    admitted: bool,
     watch: GripMonitor<S>,
     grip_zero: GripZero<S>,
     grip_reading: GripReading<S>,
@@ -120,27 +123,45 @@ pub struct Supervisor<S> {
     sequence: Sequence<S>,
     host_share: S,
     /// The column swings under the host, until that is acknowledged.
-    swings: bool,
+    swings: S::Mask,
     /// The column's angle as sampled last.
     angle: S,
+    /// Functions that act in this period.
+    acting: S::Set,
 }
 
-impl<S: Scalar> Supervisor<S> {
+crate::logic::memory! {
+    Supervisor {
+        part sensors, plausibility, watch, grip_zero, grip_reading, command, sequence;
+        number host_share;
+        flag swings;
+        number angle;
+        set acting;
+    }
+}
+
+impl<S: Logic> Supervisor<S> {
     /// A loader that is off; `like`: any number of the kind. Numbers that stand for several runs at once have no one state.
     pub fn new(limits: Limits, like: S) -> Self {
+        Self::within(limits.numbers_of(like), like)
+    }
+
+    /// The same, with limits in the number type.
+    pub fn within(limits: Limits<S>, like: S) -> Self {
         Self {
-            limits: limits.numbers_of(like),
+            limits,
             sensors: Sensors::new(like),
             plausibility: Plausibility::new(like),
-            admitted: (false, None),
+            admitted: false,
             watch: GripMonitor::new(like),
             grip_zero: GripZero::new(like.zero()),
             grip_reading: GripReading::new(like.zero()),
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
-            swings: false,
+            swings: S::mask(false),
             angle: like.zero(),
+            acting: S::Set::none(),
         }
     }
 
@@ -149,90 +170,134 @@ impl<S: Scalar> Supervisor<S> {
         &self.limits
     }
 
+    /// The feel's neutral in rad in the next period, where host and trim have it at `wanted`: see [`SupervisorOutput::neutral`].
+    #[inline(always)]
+    pub fn neutral(&self, wanted: S) -> S {
+        let Sequence { share, anchor, search, .. } = &self.sequence;
+        S::select(search.is_under_way(), search.neutral, *anchor + *share * (wanted - *anchor))
+    }
+
     /// End stops in rad as the search found them; nothing before.
     pub fn found_stops(&self) -> Option<[S; 2]> {
-        self.sequence.found_stops()
+        let (has_stops, stops) = self.sequence.found_stops();
+        S::holds(has_stops).then_some(stops)
     }
 
     /// The readings that the law is given in this period: as sampled, or as predicted where the sample is lost, late or implausible; nothing
     /// where none can be. Of the input, command and feel need not be known yet.
     #[inline]
     pub fn admit(&mut self, input: &SupervisorInput<S>) -> Option<[S; SENSORS]> {
+        let (known, readings) = self.admitted(input);
+        S::holds(known).then_some(readings)
+    }
+
+    /// The same, and whether they are known.
+    #[inline]
+    pub fn admitted(&mut self, input: &SupervisorInput<S>) -> (S::Mask, [S; SENSORS]) {
         let limits = &self.limits;
-        let arrived =
-            input.missed == 0 && input.delay <= limits.late && input.sensed.iter().all(|&value| finite(value));
+        let in_time = !(input.missed.some() | input.delay.above(limits.late));
+        let arrived = input.sensed.iter().fold(in_time, |arrived, value| arrived & value.is_number());
         let offset = self.grip_zero.offset;
-        let readings = self.plausibility.admit(limits, arrived.then_some((&input.sensed, input.periods)));
-        let readings = readings.map(|[force, position, base, grip]| [force, position, base, grip - offset]);
-        self.admitted = (true, readings);
-        readings
+        self.plausibility.admit(limits, arrived, (&input.sensed, input.periods));
+        self.plausibility.readings[3] = self.plausibility.readings[3] - offset;
+        self.admitted = true;
+        (self.plausibility.begun, self.plausibility.readings)
     }
 
     /// One sample; its readings are admitted if they have not been.
     #[inline]
     pub fn step(&mut self, input: &SupervisorInput<S>) -> SupervisorOutput<S> {
         let limits = self.limits;
-        let mut functions = Functions::NONE
+        if !self.admitted {
+            self.admitted(input);
+        }
+        self.admitted = false;
+        S::section("safety");
+        let implausible = self.plausibility.wrong.map(|samples| samples.above(limits.bridge));
+        self.acting = S::Set::none()
             .with(Function::EmergencyStop, input.emergency_stop)
             .with(Function::DriveFault, input.drive_fault)
             .with(Function::OtherAxis, input.other_axis)
-            .with(Function::Overrun, input.late >= limits.overrun)
-            .with(Function::NotANumber, !(finite(input.command) && finite(input.feel_acceleration)));
-        let used = if self.admitted.0 { self.admitted.1 } else { self.admit(input) };
-        self.admitted.0 = false;
-        let follows = self.sequence.follows();
-        let implausible = self.plausibility.wrong.map(|samples| samples > limits.bridge);
-        functions = functions
+            .with(Function::Overrun, input.late.at_least(limits.overrun))
+            .with(Function::NotANumber, !(input.command.is_number() & input.feel_acceleration.is_number()))
             .with(Function::LoadCell, implausible[0])
             .with(Function::DrivePosition, implausible[1])
             .with(Function::ColumnAngle, implausible[2]);
-        if let Some(fresh) = self.sensors.watch(&limits, input, used, &mut functions) {
-            self.angle = fresh.sensed[2];
-            let known = finite(input.feel_acceleration);
-            let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
-            let rate = if finite(input.feel_rate) { input.feel_rate } else { self.angle.zero() };
-            let feel = FeelMotion { follows, acceleration: of_feel, rate, link_torque: input.link_torque };
-            self.watch.watch(&limits, fresh, feel, &mut functions);
-            let (reading, torque) = (input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
-            functions = functions.with(Function::GripOffset, self.grip_zero.watch(&limits, reading, torque));
-            if limits.grip_sensor {
-                let [low, high] = limits.stops;
-                let free = below(low, self.angle) && below(self.angle, high);
-                let time = limits.period * fresh.periods;
-                let torques = free.then_some([torque, self.watch.drive_torque()]);
-                let stuck = self.grip_reading.is_stuck(&limits, (reading, time), torques);
-                functions = functions.with(Function::Stuck, stuck);
+        let used = (self.plausibility.begun, self.plausibility.readings);
+        self.sensors.watch(&limits, input, used, &mut self.acting);
+        S::paths(self, |this| {
+            if S::holds(this.sensors.usable) {
+                this.watch(&limits, input);
             }
+        });
+        S::section("command");
+        let active = self.sequence.is(SupervisorState::Active);
+        let saturated = self.command.saturated(&limits, active);
+        self.acting = self.acting.with(Function::Saturation, saturated);
+        self.host(&limits, (input.host_age, input.acknowledge));
+        self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut self.acting);
+        S::paths(self, |this| {
+            if S::holds(this.sequence.started) {
+                // A new start: nothing of before counts.
+                this.sensors = Sensors::new(this.angle);
+                this.plausibility = Plausibility::new(this.angle);
+                this.watch = GripMonitor::new(this.angle);
+                this.grip_reading = GripReading::new(this.angle.zero());
+            }
+        });
+        self.act(&limits, input)
+    }
+
+    /// What a sample shows that can be used.
+    #[inline(always)]
+    fn watch(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>) {
+        let fresh = self.sensors.fresh;
+        self.angle = fresh.sensed[2];
+        let or_none = |value: S| S::select(value.is_number(), value, value.zero());
+        let feel = FeelMotion {
+            follows: self.sequence.follows(),
+            acceleration: or_none(input.feel_acceleration),
+            rate: or_none(input.feel_rate),
+            link_torque: input.link_torque,
+        };
+        self.watch.watch(limits, fresh, feel, &mut self.acting);
+        S::section("grip_zero");
+        let (reading, torque) = (input.sensed[3], self.watch.grip.hand_force * limits.grip_arm);
+        let offset = self.grip_zero.watch(limits, reading, torque);
+        self.acting = self.acting.with(Function::GripOffset, offset);
+        if limits.grip_sensor {
+            S::section("grip_reading");
+            let [low, high] = limits.stops;
+            let free = below(low, self.angle) & below(self.angle, high);
+            let time = limits.period * fresh.periods;
+            let torques = [torque, self.watch.drive_torque()];
+            let stuck = self.grip_reading.is_stuck(limits, (reading, time), (free, torques));
+            self.acting = self.acting.with(Function::Stuck, stuck);
         }
-        let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
-        functions = functions.with(Function::Saturation, saturated);
-        self.host(&limits, (input.host_age, input.acknowledge), &mut functions);
-        if self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut functions) {
-            // A new start: nothing of before counts.
-            self.sensors = Sensors::new(self.angle);
-            self.plausibility = Plausibility::new(self.angle);
-            self.watch = GripMonitor::new(self.angle);
-            self.grip_reading = GripReading::new(self.angle.zero());
-        }
-        self.act(&limits, input, functions)
     }
 
     /// What comes of the state.
     #[inline(always)]
-    fn act(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>, mut functions: Functions) -> SupervisorOutput<S> {
+    fn act(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>) -> SupervisorOutput<S> {
+        S::section("command");
         let follows = self.sequence.follows();
-        if self.sequence.is_cut() {
-            self.command.cut();
-            self.sequence.disabled();
-        } else if follows {
-            // While the loop is late, the law knows nothing new: the last command holds.
-            let holds = input.late > 0;
-            let e = if holds { self.command.last } else { input.command };
-            self.command.follow(limits, e, self.sequence.share, &mut functions);
-        } else if self.command.stop(limits) {
-            self.sequence.stopped();
-        }
-        self.plausibility.sends(if self.sequence.enable { self.command.last } else { self.command.last.zero() });
+        S::paths(self, |this| {
+            if S::holds(this.sequence.cut) {
+                this.command.cut();
+                this.sequence.disabled();
+            } else if S::holds(follows) {
+                // While the loop is late, the law knows nothing new: the last command holds.
+                let e = S::select(input.late.some(), this.command.last, input.command);
+                this.command.follow(limits, e, this.sequence.share, &mut this.acting);
+            } else {
+                this.command.stop(limits);
+                if S::holds(this.command.is_zero) {
+                    this.sequence.stopped();
+                }
+            }
+        });
+        let sent = S::select(self.sequence.enable, self.command.last, self.command.last.zero());
+        self.plausibility.sends(sent);
         SupervisorOutput {
             state: self.sequence.state,
             command: self.command.last,
@@ -241,10 +306,11 @@ impl<S: Scalar> Supervisor<S> {
             share: self.sequence.share,
             host_share: self.host_share,
             anchor: self.sequence.anchor,
-            leads: self.sequence.leads(),
+            leads: self.sequence.search.is_under_way(),
+            led: self.sequence.search.neutral,
             grip: self.watch.grip,
             grip_zero: self.grip_zero.offset,
-            acting: functions,
+            acting: self.acting,
             tripped: self.sequence.tripped.with(Function::Swing, self.swings),
             cause: self.sequence.cause,
         }
@@ -252,17 +318,15 @@ impl<S: Scalar> Supervisor<S> {
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits<S>, (age, acknowledge): (Option<u32>, bool), functions: &mut Functions) {
-        let silent = age.is_some_and(|samples| samples >= limits.host);
-        self.swings = !acknowledge && age.is_some() && (self.swings || functions.has(Function::Swing));
-        *functions = functions.with(Function::HostSilent, silent).only(Function::Swing, self.swings);
+    fn host(&mut self, limits: &Limits<S>, (age, acknowledge): (Option<S::Count>, S::Mask)) {
+        let silent = age.map_or(S::mask(false), |samples| samples.at_least(limits.host));
+        let there = S::mask(age.is_some());
+        self.swings = there & !acknowledge & (self.swings | self.acting.has(Function::Swing));
+        self.acting =
+            self.acting.without(Function::Swing).with(Function::HostSilent, silent).with(Function::Swing, self.swings);
         let step = limits.host_step;
         let (zero, one) = (step.zero(), step.constant(1.0));
-        let change = match (self.swings, silent) {
-            (true, _) => -step.times(SWING_FADES),
-            (_, true) => -step,
-            _ => step,
-        };
+        let change = S::select(self.swings, -step.times(SWING_FADES), S::select(silent, -step, step));
         self.host_share = (self.host_share + change).clamp(zero, one);
     }
 }

@@ -6,6 +6,7 @@ use crate::simulate::spring_curve;
 use forcefeel_export::controller::{ANSWERS, FLIGHT, Given, INPUTS, Job, answers};
 use forcefeel_export::emit::Source;
 use forcefeel_export::pair::{GivenPair, LINK_ANSWERS, PAIR_ANSWERS, Pair};
+use forcefeel_export::trace::logic::Kind;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::electronic_link::MOST_DELAY;
 use forcefeel_model::link::{HALVINGS, LINK_ROWS};
@@ -30,6 +31,16 @@ pub struct LawSource {
     /// Members of a setting, and for each setting what they hold.
     own: (String, Vec<String>),
     operations: (usize, usize),
+}
+
+/// The parts of C that follow from the trace of an axis: law, feel and supervisor.
+#[pyclass(frozen, get_all, module = "forcefeel._core")]
+pub struct AxisSource {
+    /// Name of each state, its kind (number, flag, word), and what it is where the axis is off.
+    states: Vec<(String, &'static str, f64)>,
+    functions: Vec<String>,
+    step: String,
+    operations: usize,
 }
 
 /// A law with its feel on a digital controller, for one setting or many.
@@ -76,6 +87,26 @@ impl ExportedLaw {
             py.detach(|| Source::of(&self.0, name));
         let [same, own] = [same, own].map(|numbers| (numbers.members, numbers.values));
         LawSource { states, inputs, functions, step, reset, hinge_moment, same, own, operations }
+    }
+
+    /// Law, feel and supervisor of the one setting as C, whose names begin with `name`.
+    fn axis_source(&self, py: Python<'_>, name: &str) -> PyResult<AxisSource> {
+        if self.0.values.len() > 1 || !self.0.tunable.is_empty() {
+            return Err(refused("axis: expected a law of one setting without tunable rows"));
+        }
+        let source = py.detach(|| forcefeel_export::axis::AxisSource::of(&self.0, name));
+        let source = source.map_err(|refusal| refused(refusal.text()))?;
+        let kind = |kind: Kind| match kind {
+            Kind::Number => "number",
+            Kind::Flag => "flag",
+            Kind::Word => "word",
+        };
+        Ok(AxisSource {
+            states: source.states.into_iter().map(|state| (state.name, kind(state.kind), state.first)).collect(),
+            functions: source.functions,
+            step: source.step,
+            operations: source.operations,
+        })
     }
 
     /// Force, spring and damping (flights, 3) that the surface adds in flights and at angles (flights, 11), as the law's C computes them.

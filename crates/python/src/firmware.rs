@@ -2,7 +2,7 @@
 
 use crate::arrays::rows;
 use crate::errors::refused;
-use forcefeel_firmware::axis::{Axis, Input, Output};
+use forcefeel_firmware::axis::{Axis, Input, Number, Output};
 use forcefeel_firmware::loader::{Loader, Setting};
 use forcefeel_firmware::surface::{FLOWN, hinge_moment};
 use forcefeel_model::Scalar;
@@ -130,7 +130,7 @@ impl BoardAxis {
         added.map(|added| added.map(Into::into))
     }
 
-    fn run<S: Scalar + Into<f64>>(
+    fn run<S: Number>(
         &self,
         like: S,
         inputs: &[[f64; GIVEN]],

@@ -55,6 +55,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<export::ExportedLaw>()?;
     module.add_class::<export::ExportedPair>()?;
     module.add_class::<export::LawSource>()?;
+    module.add_class::<export::AxisSource>()?;
     module.add_class::<firmware::BoardAxis>()?;
     module.add_function(wrap_pyfunction!(firmware::board_sources, module)?)?;
     module.add("FMU_CLOCK", forcefeel_fmu::variables::CLOCK)?;

@@ -25,8 +25,8 @@ use forcefeel_live::udp::Udp;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
 use forcefeel_model::link::LINK_ROWS;
 use forcefeel_model::linked_feels::LinkedFeels;
+use forcefeel_model::logic::Named;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_model::supervisor::SupervisorState;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::start::Start;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -467,7 +467,7 @@ pub fn live_columns() -> Vec<&'static str> {
 /// Names of the supervisor's states.
 #[pyfunction]
 pub fn live_states() -> Vec<&'static str> {
-    STATES.map(SupervisorState::name).to_vec()
+    STATES.iter().map(|state| state.name()).collect()
 }
 
 /// Name and sentence of each of the supervisor's trips.

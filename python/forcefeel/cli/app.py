@@ -5,6 +5,7 @@ A command's file holds its options, a frozen dataclass, and ``run``, which takes
 
 import ast
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 
 from cyclopts import App, Parameter
@@ -131,7 +132,9 @@ def command_line_error(error: CycloptsError) -> str:
     if isinstance(error, RepeatArgumentError):
         return f"{error.token.keyword}: given twice; give it once"
     if isinstance(error, UnusedCliTokensError):
-        return f"{' '.join(map(repr, error.unused_tokens or ()))}: one argument too many; put quotes around a value with blanks"
+        unused, name = " ".join(map(repr, error.unused_tokens or ())), _without_value(error)
+        missing = f"{name}: expected a value; {chain} --help lists the options"
+        return missing if name else f"{unused}: one argument too many; put quotes around a value with blanks"
     if isinstance(error, CoercionError) and argument is not None and error.token is not None:
         name, choices = error.token.keyword or argument.name, argument.get_choices()
         expected = (
@@ -142,6 +145,15 @@ def command_line_error(error: CycloptsError) -> str:
         if expected:
             return f"{name}: expected {expected}, got {error.token.value!r}"
     return str(error)
+
+
+def _without_value(error: UnusedCliTokensError) -> str:
+    """The option that takes a value and has another option behind it, which was then taken for the value."""
+    options = error.app.assemble_argument_collection() if error.app else ()
+    takes = {name: argument.token_count()[0] > 0 for argument in options for name in argument.names}
+    return next(
+        (name for name, value in pairwise(error.root_input_tokens or ()) if takes.get(name) and value in takes), ""
+    )
 
 
 _KINDS = {int: "a whole number", float: "a number", bool: "no value: it is a switch"}

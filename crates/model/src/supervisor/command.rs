@@ -5,40 +5,44 @@
 //! While the feel comes, the command has `s_0 + (1 - s_0) s` of its limit: a valve that much of its speed, a motor that much of its torque.
 
 use super::debounce::Debounce;
-use super::function::{Function, Functions};
+use super::function::Function;
 use super::limits::Limits;
 use super::numbers::below;
-use super::numbers::finite;
-use crate::Scalar;
+use crate::Logic;
+use crate::logic::FunctionSet;
 
 /// Share of the limit at which a command is at it.
 const AT_LIMIT: f64 = 0.99;
 
 /// What was commanded last.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Command<S> {
+pub(super) struct Command<S: Logic> {
     pub(super) last: S,
-    saturated: Debounce,
+    saturated: Debounce<S>,
+    /// Whether the last step towards zero came there.
+    pub(super) is_zero: S::Mask,
 }
 
-impl<S: Scalar> Command<S> {
+crate::logic::memory! { Command { number last; part saturated; flag is_zero; } }
+
+impl<S: Logic> Command<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
-        Self { last: like.zero(), saturated: Debounce::default() }
+        Self { last: like.zero(), saturated: Debounce::new(), is_zero: S::mask(true) }
     }
 
     /// Whether the command that was given last has been at its limit for too long; while the feel comes it may be.
     #[inline(always)]
-    pub(super) fn saturated(&mut self, limits: &Limits<S>, active: bool) -> bool {
+    pub(super) fn saturated(&mut self, limits: &Limits<S>, active: S::Mask) -> S::Mask {
         let at = limits.command.times(AT_LIMIT);
-        self.saturated.holds(active && !below(self.last.abs(), at), limits.saturation)
+        self.saturated.holds(active & !below(self.last.abs(), at), limits.saturation)
     }
 
     /// The law's command as far as it is allowed.
     #[inline(always)]
-    pub(super) fn follow(&mut self, limits: &Limits<S>, e: S, share: S, functions: &mut Functions) -> S {
+    pub(super) fn follow(&mut self, limits: &Limits<S>, e: S, share: S, functions: &mut S::Set) {
         let most = Self::largest(limits, share);
-        let e = if finite(e) { e } else { self.last };
+        let e = S::select(e.is_number(), e, self.last);
         let held = e.within(most);
         let slowed = self.last + (held - self.last).within(limits.command_step);
         let differs = |a: S, b: S| below(a.zero(), (a - b).abs());
@@ -46,17 +50,15 @@ impl<S: Scalar> Command<S> {
             functions.with(Function::CommandLimit, differs(held, e)).with(Function::CommandRate, differs(slowed, held));
         // The limit comes first: it may shrink faster than the command may change.
         self.last = slowed.within(most);
-        self.last
     }
 
-    /// A sample nearer to zero; whether it is there.
+    /// A sample nearer to zero.
     #[inline(always)]
-    pub(super) fn stop(&mut self, limits: &Limits<S>) -> bool {
+    pub(super) fn stop(&mut self, limits: &Limits<S>) {
         let step = limits.stop_step;
         // What rounding leaves of the last step goes with it.
-        let there = below(self.last.abs(), step.times(1.0 + STEP_ROUNDING));
-        self.last = if there { step.zero() } else { self.last - self.last.within(step) };
-        there
+        self.is_zero = below(self.last.abs(), step.times(1.0 + STEP_ROUNDING));
+        self.last = S::select(self.is_zero, step.zero(), self.last - self.last.within(step));
     }
 
     /// Zero now.

@@ -1,14 +1,26 @@
 //! How long something has lasted.
 
-/// Samples in a row in which a condition held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Debounce(u32);
+use crate::Logic;
+use crate::logic::Count;
 
-impl Debounce {
+/// Samples in a row in which a condition held.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Debounce<S: Logic> {
+    pub(super) samples: S::Count,
+}
+
+crate::logic::memory! { Debounce { count samples; } }
+
+impl<S: Logic> Debounce<S> {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { samples: S::Count::none() }
+    }
+
     /// One sample more; whether it has now lasted for so many.
     #[inline(always)]
-    pub fn holds(&mut self, condition: bool, samples: u32) -> bool {
-        self.0 = if condition { self.0.saturating_add(1) } else { 0 };
-        self.0 >= samples
+    pub(super) fn holds(&mut self, condition: S::Mask, samples: u32) -> S::Mask {
+        self.samples = self.samples.in_a_row(condition);
+        self.samples.at_least(samples)
     }
 }

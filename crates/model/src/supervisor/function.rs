@@ -3,6 +3,7 @@
 //! A function acts in the last of so many samples in a row that show its condition: 1 is the first sample that shows it.
 
 use super::limits::Limits;
+use crate::named::Named;
 
 /// What a function does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -159,6 +160,22 @@ impl Function {
     /// Whether it stays until somebody acknowledges it.
     pub const fn latched(self) -> bool {
         self.action().stops() || matches!(self, Self::Swing)
+    }
+}
+
+impl Named for Option<Function> {
+    const ALL: &'static [Self] = &{
+        let mut all = [None; Function::ALL.len() + 1];
+        let mut k = 0;
+        while k < Function::ALL.len() {
+            all[k + 1] = Some(Function::ALL[k]);
+            k += 1;
+        }
+        all
+    };
+
+    fn name(self) -> &'static str {
+        self.map_or("none", Function::name)
     }
 }
 

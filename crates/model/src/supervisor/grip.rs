@@ -28,11 +28,12 @@
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
 use super::debounce::Debounce;
-use super::function::{CONFIRMED, Function, Functions};
+use super::function::{CONFIRMED, Function};
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::numbers::below;
 use super::sensors::Fresh;
-use crate::Scalar;
+use crate::Logic;
+use crate::logic::{Count, FunctionSet};
 
 /// What is known of the grip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,9 +50,9 @@ pub struct GripEstimate<S> {
 
 /// How the feel moves.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FeelMotion<S> {
+pub(super) struct FeelMotion<S: Logic> {
     /// Whether the law is what moves the column.
-    pub follows: bool,
+    pub follows: S::Mask,
     /// Acceleration with no hand on it, in rad/s².
     pub acceleration: S,
     /// In rad/s.
@@ -62,8 +63,10 @@ pub(super) struct FeelMotion<S> {
 
 /// What is remembered of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct GripMonitor<S> {
-    last: Option<(S, S)>,
+pub(super) struct GripMonitor<S: Logic> {
+    /// Whether there was a sample before; its angle and force.
+    begun: S::Mask,
+    last: [S; 2],
     /// `int (alpha R_b F + tau) dt`.
     impulse: S,
     torque: S,
@@ -74,31 +77,46 @@ pub(super) struct GripMonitor<S> {
     energy: S,
     swing: Swing<S>,
     pub(super) grip: GripEstimate<S>,
-    lasting: [Debounce; 2],
-    force: Debounce,
-    hand: Debounce,
-    runaway: Debounce,
-    gives: Debounce,
+    lasting: [Debounce<S>; 2],
+    force: Debounce<S>,
+    hand: Debounce<S>,
+    runaway: Debounce<S>,
+    gives: Debounce<S>,
 }
 
-impl<S: Scalar> GripMonitor<S> {
+crate::logic::memory! { GripEstimate { number force, hand_force, rate, energy; } }
+crate::logic::memory! {
+    GripMonitor {
+        flag begun;
+        numbers last;
+        number impulse, torque;
+        numbers lagged, changes;
+        number energy;
+        part swing, grip;
+        parts lasting;
+        part force, hand, runaway, gives;
+    }
+}
+
+impl<S: Logic> GripMonitor<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
         Self {
-            last: None,
+            begun: S::mask(false),
+            last: [zero; 2],
             impulse: zero,
             torque: zero,
             lagged: [zero; 4],
             changes: [zero; 2],
             energy: zero,
-            swing: Swing { turned_at: zero, last: zero, torques: [zero; 2], undamped: 0 },
+            swing: Swing { turned_at: zero, last: zero, torques: [zero; 2], undamped: S::Count::none() },
             grip: GripEstimate { force: zero, hand_force: zero, rate: zero, energy: zero },
-            lasting: [Debounce::default(); 2],
-            force: Debounce::default(),
-            hand: Debounce::default(),
-            runaway: Debounce::default(),
-            gives: Debounce::default(),
+            lasting: [Debounce::new(); 2],
+            force: Debounce::new(),
+            hand: Debounce::new(),
+            runaway: Debounce::new(),
+            gives: Debounce::new(),
         }
     }
 
@@ -115,25 +133,27 @@ impl<S: Scalar> GripMonitor<S> {
         limits: &Limits<S>,
         Fresh { sensed: [force, _, angle], periods }: Fresh<S>,
         FeelMotion { follows, acceleration: feel_acceleration, rate: feel_rate, link_torque }: FeelMotion<S>,
-        functions: &mut Functions,
+        functions: &mut S::Set,
     ) {
+        S::section("grip");
         let one = force.constant(1.0);
         let drive_torque = force * limits.lever;
         let grip_force = drive_torque * (one / limits.grip_arm);
-        let (last_angle, last_force) = self.last.unwrap_or((angle, grip_force));
-        self.last = Some((angle, grip_force));
+        let last = |k: usize, now: S| S::select(self.begun, self.last[k], now);
+        let (last_angle, last_force) = (last(0, angle), last(1, grip_force));
+        (self.begun, self.last) = (S::mask(true), [angle, grip_force]);
         let per_periods = one / periods;
         let (moved, changed) = ((angle - last_angle) * per_periods, (grip_force - last_force) * per_periods);
         let rate = moved * (one / limits.period);
         self.estimate(limits, [rate, drive_torque, feel_acceleration, feel_rate], limits.period * periods);
         // At an end stop the stop's torque is in that of the hand.
         let [low, high] = limits.stops;
-        let free = below(low, angle) && below(angle, high);
-        let energy = self.given(limits, follows && free, limits.period * periods);
+        let free = below(low, angle) & below(angle, high);
+        let energy = self.given(limits, follows & free, limits.period * periods);
         self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate, energy };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;
-        let beyond = below(angle, low) || below(high, angle);
+        let beyond = below(angle, low) | below(high, angle);
         let now = [(Function::AbsoluteForce, above(grip_force, limits.absolute_force)), (Function::Travel, beyond)];
         for (lasting, (function, condition)) in self.lasting.iter_mut().zip(now) {
             *functions = functions.with(function, lasting.holds(condition, CONFIRMED));
@@ -143,7 +163,7 @@ impl<S: Scalar> GripMonitor<S> {
         self.changes = [moved, changed];
         let fast = |now: S, last: S, most: S| {
             let way = now.constant(1.0).times_sign(now);
-            below(most, now * way) && below(most, last * way)
+            below(most, now * way) & below(most, last * way)
         };
         *functions = functions
             .with(Function::Speed, fast(moved, last_moved, limits.speed_step))
@@ -153,16 +173,16 @@ impl<S: Scalar> GripMonitor<S> {
         // What the column's inertia shows is the hand's torque less the friction's.
         let hand = self.torque + self.friction(limits);
         let hand = self.hand.holds(!below(hand.abs(), limits.hand_torque), CONFIRMED);
-        let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
+        let runs = self.runaway.holds(follows & !hand & self.runs_away(limits), limits.runaway_condition);
         let moves = self.torque.abs().max(link_torque.abs());
         let swings = self.swing.goes_on(limits, (angle, self.lagged[0]), [moves, self.lagged[1]]);
-        let too_much = below(limits.energy[0], energy) || (follows && self.thrown(limits));
+        let too_much = below(limits.energy[0], energy) | (follows & self.thrown(limits));
         let gives = self.gives.holds(too_much, CONFIRMED);
         *functions = functions
             .with(Function::Force, lasts)
             .with(Function::Runaway, runs)
             .with(Function::Energy, gives)
-            .with(Function::Swing, follows && swings);
+            .with(Function::Swing, follows & swings);
     }
 
     #[inline(always)]
@@ -184,29 +204,29 @@ impl<S: Scalar> GripMonitor<S> {
     }
 
     #[inline(always)]
-    fn runs_away(&self, limits: &Limits<S>) -> bool {
+    fn runs_away(&self, limits: &Limits<S>) -> S::Mask {
         let [rate, drive_torque, feel_acceleration, _] = self.lagged;
         let power = (drive_torque - self.friction(limits)) * rate;
         let of_feel = feel_acceleration * rate * limits.inertia * limits.light_feel;
         let of_hand = (self.torque * rate).max(rate.zero()) * (rate.constant(1.0) - limits.light_feel);
-        below(of_feel, -limits.runaway_power) && below((of_feel + of_hand).times(0.5), power * limits.light_feel)
+        below(of_feel, -limits.runaway_power) & below((of_feel + of_hand).times(0.5), power * limits.light_feel)
     }
 
     /// Whether the column is faster than its feel by too much.
     #[inline(always)]
-    fn thrown(&self, limits: &Limits<S>) -> bool {
+    fn thrown(&self, limits: &Limits<S>) -> S::Mask {
         let [rate, .., feel_rate] = self.lagged;
         below(limits.motion, (rate * rate - feel_rate * feel_rate) * limits.inertia.times(0.5))
     }
 
     /// What the hand is given otherwise than by the feel, while that is known, and what a stop gives.
     #[inline(always)]
-    fn given(&mut self, limits: &Limits<S>, known: bool, time: S) -> S {
+    fn given(&mut self, limits: &Limits<S>, known: S::Mask, time: S) -> S {
         let [_, forgets, ahead] = limits.energy;
         let [rate, .., feel_rate] = self.lagged;
         let zero = time.zero();
         let of_feel = (-(self.torque * feel_rate)).max(zero);
-        let power = if known { -(self.torque * rate) - of_feel } else { zero };
+        let power = S::select(known, -(self.torque * rate) - of_feel, zero);
         self.energy = (self.energy + power * time - self.energy * forgets).max(zero);
         self.energy + power.max(zero) * ahead
     }
@@ -214,15 +234,17 @@ impl<S: Scalar> GripMonitor<S> {
 
 /// A column that swings from side to side.
 #[derive(Debug, Clone, Copy)]
-struct Swing<S> {
+struct Swing<S: Logic> {
     /// Angle at which it turned last, and by how much it had moved to there.
     turned_at: S,
     last: S,
     /// Largest torque of the hands and of the drive since it turned.
     torques: [S; 2],
     /// Swings in a row of nearly the same size.
-    undamped: u32,
+    undamped: S::Count,
 }
+
+crate::logic::memory! { Swing { number turned_at, last; numbers torques; count undamped; } }
 
 /// `v_s`: a column that runs away is faster.
 const SLOW_RAD_PER_S: f64 = 0.01;
@@ -232,27 +254,28 @@ const SWINGS: u32 = 3;
 /// Share of the drive's torque that a hand has which keeps a column swinging: twice its damping ratio, and that not the smallest.
 const KEEPS_SWINGING: f64 = 0.1;
 
-impl<S: Scalar> Swing<S> {
+impl<S: Logic> Swing<S> {
     /// At an angle, with its lagged rate, under these torques of hands and drive.
     #[inline(always)]
-    fn goes_on(&mut self, limits: &Limits<S>, (angle, lagged): (S, S), torques: [S; 2]) -> bool {
+    fn goes_on(&mut self, limits: &Limits<S>, (angle, lagged): (S, S), torques: [S; 2]) -> S::Mask {
         for (most, torque) in self.torques.iter_mut().zip(torques) {
             *most = most.max(torque.abs());
         }
         // It turns where its lagged rate, which noise does not turn, changes its sign.
         let moved = angle - self.turned_at;
-        if below(moved * lagged, lagged.zero()) && below(limits.swing.times(TURNS), moved.abs()) {
-            let [hand, drive] = self.torques;
-            let alone = below(hand, limits.hand_torque.min(drive.times(KEEPS_SWINGING)));
-            let large = !below(moved.abs(), limits.swing);
-            let kept = !below(moved.abs(), self.last.times(UNDAMPED));
-            self.undamped = if large && kept && alone { self.undamped + 1 } else { 0 };
-            (self.turned_at, self.last, self.torques) = (angle, moved.abs(), [angle.zero(); 2]);
-        }
-        let goes_on = self.undamped >= SWINGS;
-        if goes_on {
-            self.undamped = 0;
-        }
+        let turns = below(moved * lagged, lagged.zero()) & below(limits.swing.times(TURNS), moved.abs());
+        S::paths(self, |this| {
+            if S::holds(turns) {
+                let [hand, drive] = this.torques;
+                let alone = below(hand, limits.hand_torque.min(drive.times(KEEPS_SWINGING)));
+                let large = !below(moved.abs(), limits.swing);
+                let kept = !below(moved.abs(), this.last.times(UNDAMPED));
+                this.undamped = this.undamped.in_a_row(large & kept & alone);
+                (this.turned_at, this.last, this.torques) = (angle, moved.abs(), [angle.zero(); 2]);
+            }
+        });
+        let goes_on = self.undamped.at_least(SWINGS);
+        self.undamped = self.undamped.only(!goes_on);
         goes_on
     }
 }

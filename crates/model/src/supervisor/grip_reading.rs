@@ -10,48 +10,57 @@
 
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::numbers::below;
-use crate::Scalar;
+use crate::Logic;
+use crate::logic::Count;
 
 /// `delta`: the default tolerance of the column's inertia, and four lengths of 1 %.
 const DEVIATION: f64 = 0.24;
 
 /// What is remembered of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct GripReading<S> {
-    /// `F_g`; nothing before the first reading.
-    shown: Option<S>,
+pub(super) struct GripReading<S: Logic> {
+    /// Whether there was a reading before; `F_g`.
+    begun: S::Mask,
+    shown: S,
     /// `F_0`, `tau_0` and `D_0`.
     rested: [S; 3],
     /// Samples in a row in which the reading rests and the torque is known.
-    rests: u32,
+    rests: S::Count,
     /// Samples in a row in which the torque is apart.
-    apart: u32,
+    apart: S::Count,
 }
 
-impl<S: Scalar> GripReading<S> {
-    #[inline(always)]
+crate::logic::memory! { GripReading { flag begun; number shown; numbers rested; count rests, apart; } }
+
+impl<S: Logic> GripReading<S> {
     pub(super) fn new(zero: S) -> Self {
-        Self { shown: None, rested: [zero; 3], rests: 0, apart: 0 }
+        let none = S::Count::none();
+        Self { begun: S::mask(false), shown: zero, rested: [zero; 3], rests: none, apart: none }
     }
 
-    /// Takes a reading in, so long after the one before it, and torques of hand and drive where that of the hand is known; whether the
-    /// sensor is stuck.
+    /// Takes a reading in, so long after the one before it, and torques of hand and drive, and whether that of the hand is known; whether
+    /// the sensor is stuck.
     #[inline(always)]
-    pub(super) fn is_stuck(&mut self, limits: &Limits<S>, (reading, time): (S, S), torques: Option<[S; 2]>) -> bool {
-        let last = self.shown.unwrap_or(reading);
+    pub(super) fn is_stuck(
+        &mut self,
+        limits: &Limits<S>,
+        (reading, time): (S, S),
+        (known, [hand, drive]): (S::Mask, [S; 2]),
+    ) -> S::Mask {
+        let last = S::select(self.begun, self.shown, reading);
         let share = time.times(ESTIMATE_BANDWIDTH).min(time.constant(1.0));
         let shown = last + (reading - last) * share;
-        self.shown = Some(shown);
+        (self.begun, self.shown) = (S::mask(true), shown);
         let moves = below(limits.grip_span, (shown - self.rested[0]).abs());
-        let [hand, drive] = torques.unwrap_or([shown.zero(); 2]);
-        self.rests = if moves || torques.is_none() { 0 } else { self.rests.saturating_add(1) };
-        if self.rests <= limits.grip_stuck {
-            (self.rested, self.apart) = ([shown, hand, drive], 0);
-            return false;
-        }
-        let most = limits.grip_apart + (drive - self.rested[2]).abs().times(DEVIATION);
-        let apart = below(most, (hand - self.rested[1]).abs());
-        self.apart = if apart { self.apart.saturating_add(1) } else { 0 };
-        self.apart >= limits.grip_stuck
+        self.rests = self.rests.in_a_row(known & !moves);
+        S::paths(self, |this| {
+            if S::holds(this.rests.above(limits.grip_stuck)) {
+                let most = limits.grip_apart + (drive - this.rested[2]).abs().times(DEVIATION);
+                this.apart = this.apart.in_a_row(below(most, (hand - this.rested[1]).abs()));
+            } else {
+                (this.rested, this.apart) = ([shown, hand, drive], S::Count::none());
+            }
+        });
+        self.apart.at_least(limits.grip_stuck)
     }
 }

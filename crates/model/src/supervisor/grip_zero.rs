@@ -8,11 +8,12 @@
 
 use super::limits::Limits;
 use super::numbers::below;
-use crate::Scalar;
+use crate::Logic;
+use crate::logic::Count;
 
 /// What is remembered of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct GripZero<S> {
+pub(super) struct GripZero<S: Logic> {
     /// `F_0`.
     pub(super) offset: S,
     /// Mean of the last readings without a hand.
@@ -20,34 +21,39 @@ pub(super) struct GripZero<S> {
     /// Lowest and highest reading since the hand was off, the sums of reading and torque, and their number.
     range: [S; 2],
     sums: [S; 2],
-    samples: u32,
+    samples: S::Count,
 }
 
-impl<S: Scalar> GripZero<S> {
+crate::logic::memory! { GripZero { number offset, mean; numbers range, sums; count samples; } }
+
+impl<S: Logic> GripZero<S> {
     #[inline(always)]
     pub(super) fn new(zero: S) -> Self {
-        Self { offset: zero, mean: zero, range: [zero; 2], sums: [zero; 2], samples: 0 }
+        Self { offset: zero, mean: zero, range: [zero; 2], sums: [zero; 2], samples: S::Count::none() }
     }
 
     /// Takes a reading in; whether the sensor shows too much without a hand.
     #[inline(always)]
-    pub(super) fn watch(&mut self, limits: &Limits<S>, reading: S, hand_torque: S) -> bool {
+    pub(super) fn watch(&mut self, limits: &Limits<S>, reading: S, hand_torque: S) -> S::Mask {
         if !limits.grip_sensor {
-            return false;
+            return S::mask(false);
         }
-        let [low, high] = if self.samples == 0 { [reading; 2] } else { self.range };
-        let sums = if self.samples == 0 { [reading.zero(); 2] } else { self.sums };
+        let counted = self.samples.some();
+        let since = |before: S, first: S| S::select(counted, before, first);
+        let [low, high] = self.range.map(|end| since(end, reading));
+        let sums = self.sums.map(|sum| since(sum, reading.zero()));
         self.range = [low.min(reading), high.max(reading)];
         self.sums = [sums[0] + reading, sums[1] + hand_torque];
-        self.samples += 1;
+        self.samples = self.samples.next();
         let hand = below(limits.hand_torque, hand_torque.abs());
-        if hand || below(limits.grip_span, self.range[1] - self.range[0]) {
-            self.samples = 0;
-        } else if self.samples >= limits.grip_zero {
-            let [mean, torque] = self.sums.map(|sum| sum / reading.constant(f64::from(self.samples)));
-            self.mean = if below(limits.grip_quiet, torque.abs()) { self.mean } else { mean };
-            self.samples = 0;
+        let hand = hand | below(limits.grip_span, self.range[1] - self.range[0]);
+        let none = !hand & self.samples.at_least(limits.grip_zero);
+        if S::any(none) {
+            // Of so many samples, and no more: then they begin again.
+            let [mean, torque] = self.sums.map(|sum| sum / reading.constant(f64::from(limits.grip_zero)));
+            self.mean = S::select(none & !below(limits.grip_quiet, torque.abs()), mean, self.mean);
         }
+        self.samples = self.samples.only(!(hand | none));
         let wanted = self.mean.within(limits.grip_most);
         self.offset = self.offset + (wanted - self.offset).within(limits.grip_step);
         below(limits.grip_most, self.mean.abs())

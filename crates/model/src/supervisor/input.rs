@@ -1,23 +1,24 @@
 //! Input of the supervisor at a sample.
 
+use crate::Logic;
+use crate::named::Named;
 use crate::transducers::SENSORS;
 
 /// Input of the supervisor at a sample.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::struct_excessive_bools, reason = "each holds by itself")]
-pub struct SupervisorInput<S> {
+pub struct SupervisorInput<S: Logic> {
     /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
     pub sensed: [S; SENSORS],
     /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
-    pub missed: u32,
+    pub missed: S::Count,
     /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
     pub periods: S,
     /// Cycles by which the sample is late: zero where it answers the command of the cycle before.
-    pub delay: u32,
+    pub delay: S::Count,
     /// Cycles in a row, this one included, that the loop was late.
-    pub late: u32,
+    pub late: S::Count,
     /// Samples since the host's last packet; nothing where there is no host.
-    pub host_age: Option<u32>,
+    pub host_age: Option<S::Count>,
     /// The law's command, in V or A.
     pub command: S,
     /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
@@ -28,15 +29,15 @@ pub struct SupervisorInput<S> {
     /// Torque in N m of electronic links on the feel: with it another pilot moves the column.
     pub link_torque: S,
     /// The emergency stop is pressed.
-    pub emergency_stop: bool,
+    pub emergency_stop: S::Mask,
     /// Another axis stopped, and this one is to stop with it.
-    pub other_axis: bool,
+    pub other_axis: S::Mask,
     /// The drive reports a fault.
-    pub drive_fault: bool,
+    pub drive_fault: S::Mask,
     /// The requested mode.
-    pub requested: RequestedMode,
+    pub requested: S::Code<RequestedMode>,
     /// The message of a trip is acknowledged.
-    pub acknowledge: bool,
+    pub acknowledge: S::Mask,
 }
 
 /// Mode that the user requests.
@@ -48,4 +49,16 @@ pub enum RequestedMode {
     Passive,
     /// Feel.
     Active,
+}
+
+impl Named for RequestedMode {
+    const ALL: &'static [Self] = &[Self::Off, Self::Passive, Self::Active];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Passive => "passive",
+            Self::Active => "active",
+        }
+    }
 }

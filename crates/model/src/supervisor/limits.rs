@@ -25,36 +25,36 @@ impl Refusal {
     }
 }
 
-/// What a limit is in another number type.
+/// What a limit is in another number type, each number made by a function.
 trait In<S> {
     type Found;
-    fn same(self, like: S) -> Self::Found;
+    fn of(self, number: &mut impl FnMut(f64) -> S) -> Self::Found;
 }
 
-impl<S: Scalar> In<S> for f64 {
+impl<S> In<S> for f64 {
     type Found = S;
-    fn same(self, like: S) -> S {
-        like.constant(self)
+    fn of(self, number: &mut impl FnMut(f64) -> S) -> S {
+        number(self)
     }
 }
 
-impl<S: Scalar, const N: usize> In<S> for [f64; N] {
+impl<S, const N: usize> In<S> for [f64; N] {
     type Found = [S; N];
-    fn same(self, like: S) -> [S; N] {
-        self.map(|number| like.constant(number))
+    fn of(self, number: &mut impl FnMut(f64) -> S) -> [S; N] {
+        self.map(number)
     }
 }
 
 impl<S> In<S> for u32 {
     type Found = Self;
-    fn same(self, _: S) -> Self {
+    fn of(self, _: &mut impl FnMut(f64) -> S) -> Self {
         self
     }
 }
 
 impl<S> In<S> for bool {
     type Found = Self;
-    fn same(self, _: S) -> Self {
+    fn of(self, _: &mut impl FnMut(f64) -> S) -> Self {
         self
     }
 }
@@ -69,7 +69,12 @@ macro_rules! limits {
         impl Limits {
             /// The same limits in another number type.
             pub fn numbers_of<S: Scalar>(&self, like: S) -> Limits<S> {
-                Limits { $( $name: In::<S>::same(self.$name, like), )* }
+                self.made_by(|number| like.constant(number))
+            }
+
+            /// The same limits, each number made by a function, in the order of the table.
+            pub fn made_by<S>(&self, mut number: impl FnMut(f64) -> S) -> Limits<S> {
+                Limits { $( $name: In::<S>::of(self.$name, &mut number), )* }
             }
         }
     };
@@ -302,7 +307,7 @@ impl Limits {
 const ROUNDING: f64 = 1e-9;
 
 /// Most whole periods of delay that the commands under way have room for.
-const MOST_DELAY: u32 = 6;
+pub(super) const MOST_DELAY: u32 = 6;
 
 /// `a`, `b`, `d`, `g` of the drive.
 fn drive(values: &Parameters<f64>, kind: DriveKind) -> [f64; 4] {

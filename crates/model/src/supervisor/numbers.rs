@@ -4,12 +4,12 @@ use crate::Scalar;
 
 /// Whether one number is below another.
 #[inline(always)]
-pub(super) fn below<S: Scalar>(a: S, b: S) -> bool {
-    S::any(a.less(b))
+pub(super) fn below<S: Scalar>(a: S, b: S) -> S::Mask {
+    a.less(b)
 }
 
 /// Whether a number is one, and finite.
 #[inline(always)]
 pub(crate) fn finite<S: Scalar>(value: S) -> bool {
-    below(value.abs(), value.constant(f64::INFINITY))
+    S::any(value.is_number())
 }

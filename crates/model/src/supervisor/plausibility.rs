@@ -13,18 +13,19 @@
 //! the gains of a critically damped tracking filter of the bandwidth `w_o`. A reading farther from its prediction than
 //! [`Limits::plausible`] is not used: its prediction stands for it, for `bridge_time` at most. A lost sample is three such.
 
-use super::limits::{ESTIMATE_BANDWIDTH, Limits};
+use super::limits::{ESTIMATE_BANDWIDTH, Limits, MOST_DELAY};
 use super::numbers::below;
 use super::sensors::OF_LINK;
-use crate::Scalar;
-use crate::controller::CommandDelay;
+use crate::Logic;
+use crate::logic::Count;
 use crate::transducers::SENSORS;
 
 /// Observer of drive, link and column.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plausibility<S> {
-    /// Readings of the sample that was used last.
-    last: Option<[S; OF_LINK]>,
+pub(super) struct Plausibility<S: Logic> {
+    /// Whether a sample has been used, and the readings of the last.
+    pub(super) begun: S::Mask,
+    last: [S; OF_LINK],
     /// `theta`, `v`, `tau`.
     column: [S; 3],
     /// `x`, `u`.
@@ -33,103 +34,123 @@ pub(super) struct Plausibility<S> {
     link: [S; 2],
     /// Force at the grip as sampled last, which nothing predicts.
     grip: S,
-    commands: CommandDelay<S>,
-    sample: usize,
+    /// Commands that went out, the last first.
+    sent: [S; 1 + MOST_DELAY as usize],
     /// Periods since the last sample that the prediction has gone through.
     lost: S,
     /// By how much more than right behind a sample the prediction may be off.
     slack: S,
     /// Samples in a row in which each sensor was implausible.
-    pub(super) wrong: [u32; OF_LINK],
+    pub(super) wrong: [S::Count; OF_LINK],
+    /// What the law is given; nothing unless `begun`.
+    pub(super) readings: [S; SENSORS],
+}
+
+crate::logic::memory! {
+    Plausibility {
+        flag begun;
+        numbers last, column, drive, link;
+        number grip;
+        numbers sent;
+        number lost, slack;
+        counts wrong;
+        numbers readings;
+    }
 }
 
 /// Slack where it begins: of a column at the speed limit, whose rate is not known, the filter's lag comes to six times what is plausible.
 const SLACK_AT_FIRST: f64 = 10.0;
 
-impl<S: Scalar> Plausibility<S> {
+impl<S: Logic> Plausibility<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
         Self {
-            last: None,
+            begun: S::mask(false),
+            last: [zero; OF_LINK],
             column: [zero; 3],
             drive: [zero; 2],
             link: [zero; 2],
             grip: zero,
-            commands: CommandDelay::holding(zero),
-            sample: 0,
+            sent: [zero; 1 + MOST_DELAY as usize],
             lost: zero,
             slack: like.constant(SLACK_AT_FIRST),
-            wrong: [0; OF_LINK],
+            wrong: [S::Count::none(); OF_LINK],
+            readings: [zero; SENSORS],
         }
     }
 
     /// The command that goes out for this sample.
     #[inline(always)]
     pub(super) fn sends(&mut self, e: S) {
-        self.commands.send(self.sample, e);
-        self.sample = self.sample.wrapping_add(1);
+        for k in (1..self.sent.len()).rev() {
+            self.sent[k] = self.sent[k - 1];
+        }
+        self.sent[0] = e;
     }
 
-    /// The readings that the law is given: as sampled, so many periods behind those before, or as predicted. Nothing before the first sample.
+    /// Finds the readings that the law is given: as sampled, so many periods behind those before, or as predicted where none arrived.
+    /// There are none before the first sample.
     #[inline(always)]
-    pub(super) fn admit(&mut self, limits: &Limits<S>, sensed: Option<(&[S; SENSORS], S)>) -> Option<[S; SENSORS]> {
-        let one = self.grip.constant(1.0);
-        let (sensors, periods) = match (sensed, self.last) {
-            (None, None) => return None,
-            (None, Some(_)) => {
-                self.predict(limits, one);
-                self.lost = self.lost + one;
-                return Some(self.readings(limits));
+    pub(super) fn admit(&mut self, limits: &Limits<S>, arrived: S::Mask, (sensors, periods): (&[S; SENSORS], S)) {
+        S::section("plausibility");
+        let one = periods.constant(1.0);
+        let ahead = S::select(arrived, (periods - self.lost).max(one), one);
+        // Nothing predicts so far ahead.
+        let begins = arrived & (!self.begun | below(one.times(f64::from(limits.silence)), ahead));
+        S::paths(self, |this| {
+            if S::holds(begins) {
+                this.begin(limits, sensors, periods);
+            } else if S::holds(this.begun) {
+                this.predict(limits, ahead);
+                if S::holds(arrived) {
+                    this.judge(limits, sensors);
+                } else {
+                    this.lost = this.lost + one;
+                    this.readings = this.predicted(limits);
+                }
             }
-            (Some((sensors, periods)), _) => (sensors, periods),
-        };
-        let &[force, position, base, grip] = sensors;
+        });
+    }
+
+    /// Each reading against its prediction.
+    #[inline(always)]
+    fn judge(&mut self, limits: &Limits<S>, &[force, position, base, grip]: &[S; SENSORS]) {
         let y = [force, position, base / limits.base_arm];
-        self.grip = grip;
-        let ahead = (periods - self.lost).max(one);
-        if self.last.is_none() || below(one.times(f64::from(limits.silence)), ahead) {
-            // Nothing predicts so far ahead.
-            self.begin(limits, y, periods);
-            return Some(*sensors);
-        }
-        self.predict(limits, ahead);
         let predicted = [self.link[0], self.drive[0], self.column[0]];
-        let mut used = y;
+        let (mut used, mut plausible) = (y, [S::mask(true); OF_LINK]);
         for k in 0..OF_LINK {
-            let plausible = !below(limits.plausible[k] * self.slack, (y[k] - predicted[k]).abs());
-            self.wrong[k] = if plausible { 0 } else { self.wrong[k].saturating_add(1) };
-            used[k] = if plausible { y[k] } else { predicted[k] };
+            plausible[k] = !below(limits.plausible[k] * self.slack, (y[k] - predicted[k]).abs());
+            self.wrong[k] = self.wrong[k].in_a_row(!plausible[k]);
+            used[k] = S::select(plausible[k], y[k], predicted[k]);
         }
         self.correct(limits, [used[0] - predicted[0], used[1] - predicted[1], used[2] - predicted[2]]);
-        (self.last, self.lost) = (Some(used), one.zero());
-        let taken = |k: usize, as_sampled: S, predicted: S| if self.wrong[k] == 0 { as_sampled } else { predicted };
-        Some([taken(0, force, used[0]), taken(1, position, used[1]), taken(2, base, used[2] * limits.base_arm), grip])
+        (self.last, self.lost, self.grip) = (used, force.zero(), grip);
+        let base = S::select(plausible[2], base, used[2] * limits.base_arm);
+        self.readings = [used[0], used[1], base, grip];
     }
 
     #[inline(always)]
-    fn readings(&self, limits: &Limits<S>) -> [S; SENSORS] {
+    fn predicted(&self, limits: &Limits<S>) -> [S; SENSORS] {
         [self.link[0], self.drive[0], self.column[0] * limits.base_arm, self.grip]
     }
 
     /// Where there is nothing to predict from: at rest, or with the rates of the two last samples.
     #[inline(always)]
-    fn begin(&mut self, limits: &Limits<S>, y: [S; OF_LINK], periods: S) {
-        let [force, position, angle] = y;
-        let zero = force.zero();
-        let rates = match self.last {
-            Some(last) => {
-                let per_time = force.constant(1.0) / (limits.period * periods);
-                [(position - last[1]) * per_time, (angle - last[2]) * per_time]
-            }
-            None => [zero; 2],
-        };
+    fn begin(&mut self, limits: &Limits<S>, sensors: &[S; SENSORS], periods: S) {
+        let &[force, position, base, grip] = sensors;
+        let (angle, zero) = (base / limits.base_arm, force.zero());
+        let per_time = force.constant(1.0) / (limits.period * periods);
+        let rate = |now: S, last: S| S::select(self.begun, (now - last) * per_time, zero);
+        let rates = [rate(position, self.last[1]), rate(angle, self.last[2])];
         let [.., per_force] = limits.drive;
         self.column = [angle, rates[1], -(force * limits.lever)];
         self.drive = [position, rates[0] + per_force * force];
         let link_force = self.link_force(limits, rates[0] - limits.lever * rates[1]);
         self.link = [force, force - link_force];
-        (self.last, self.lost, self.slack, self.wrong) = (Some(y), zero, force.constant(SLACK_AT_FIRST), [0; OF_LINK]);
+        (self.begun, self.last, self.lost) = (S::mask(true), [force, position, angle], zero);
+        (self.slack, self.wrong) = (force.constant(SLACK_AT_FIRST), [S::Count::none(); OF_LINK]);
+        (self.grip, self.readings) = (grip, *sensors);
     }
 
     /// `F - F_b` with drive and column as they are, `x' - alpha R_b v` being `rate`.
@@ -145,7 +166,7 @@ impl<S: Scalar> Plausibility<S> {
     fn predict(&mut self, limits: &Limits<S>, periods: S) {
         let one = periods.constant(1.0);
         let h = limits.period * periods;
-        let e = self.commands.arriving(self.sample.wrapping_sub(1 + limits.delay as usize));
+        let e = self.sent[limits.delay.min(MOST_DELAY) as usize];
         let ([angle, rate, hand], [position, free]) = (self.column, self.drive);
         let [a, b, d, g] = limits.drive;
         let [per_stiffness, half_play, damping_time] = limits.link;

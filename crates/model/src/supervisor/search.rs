@@ -9,74 +9,117 @@ use super::debounce::Debounce;
 use super::limits::Limits;
 use super::numbers::below;
 use super::numbers::finite;
-use crate::Scalar;
+use crate::Logic;
+use crate::named::Named;
 
 /// Samples for which a stop must be pressed.
 const PRESSED: u32 = 10;
 /// How far neutral may go beyond an end that is known, or from the middle where none is, in rad.
 const FARTHEST_RAD: f64 = 1.6;
 
-/// How far a search is.
+/// Where a search is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Found {
-    /// It goes on.
-    Searching,
-    /// Both stops are found and the column is back.
-    Both,
-    /// There is something else.
-    Other,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum SearchPhase {
+pub(super) enum SearchPhase {
+    /// There is none.
+    None,
+    /// On its way to the low stop.
     Low,
+    /// To the high one.
     High,
+    /// On its way back.
     Back,
 }
 
-/// A search under way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Search<S> {
-    leg: SearchPhase,
-    pub(super) neutral: S,
-    pub(super) stops: [S; 2],
-    pressed: Debounce,
+impl Named for SearchPhase {
+    const ALL: &'static [Self] = &[Self::None, Self::Low, Self::High, Self::Back];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Low => "low",
+            Self::High => "high",
+            Self::Back => "back",
+        }
+    }
 }
 
-impl<S: Scalar> Search<S> {
+/// A search, if it is under way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search<S: Logic> {
+    phase: S::Code<SearchPhase>,
+    pub(super) neutral: S,
+    pub(super) stops: [S; 2],
+    pressed: Debounce<S>,
+    /// Both stops are found and the column is back.
+    pub(super) is_done: S::Mask,
+    /// There is something else.
+    pub(super) blocked: S::Mask,
+}
+
+crate::logic::memory! { Search { code phase; number neutral; numbers stops; part pressed; flag is_done, blocked; } }
+
+impl<S: Logic> Search<S> {
+    /// Not under way.
+    #[inline(always)]
+    pub(super) fn none(angle: S) -> Self {
+        Self {
+            phase: S::code(SearchPhase::None),
+            neutral: angle,
+            stops: [angle; 2],
+            pressed: Debounce::new(),
+            is_done: S::mask(false),
+            blocked: S::mask(false),
+        }
+    }
+
     /// From where the column is.
     #[inline(always)]
     pub(super) fn from(angle: S) -> Self {
-        Self { leg: SearchPhase::Low, neutral: angle, stops: [angle; 2], pressed: Debounce::default() }
+        Self { phase: S::code(SearchPhase::Low), ..Self::none(angle) }
     }
 
-    /// A sample further.
     #[inline(always)]
-    pub(super) fn step(&mut self, limits: &Limits<S>, angle: S, grip_force: S) -> Found {
+    pub(super) fn is_under_way(&self) -> S::Mask {
+        !S::is(self.phase, SearchPhase::None)
+    }
+
+    /// It is given up, or at its end.
+    #[inline(always)]
+    pub(super) fn end(&mut self) {
+        self.phase = S::code(SearchPhase::None);
+    }
+
+    /// A sample further; decisions are taken.
+    #[inline(always)]
+    pub(super) fn step(&mut self, limits: &Limits<S>, angle: S, grip_force: S) {
         let step = limits.search_step;
-        let (end, way) = match self.leg {
+        (self.is_done, self.blocked) = (S::mask(false), S::mask(false));
+        let (end, way) = match S::which(self.phase) {
+            SearchPhase::None => return,
             SearchPhase::Low => (0, -step),
             SearchPhase::High => (1, step),
             SearchPhase::Back => {
                 let home = angle.zero().clamp(self.stops[0], self.stops[1]);
                 let left = home - self.neutral;
                 self.neutral = self.neutral + left.within(step);
-                return if below(left.abs(), step) { Found::Both } else { Found::Searching };
+                self.is_done = below(left.abs(), step);
+                return;
             }
         };
         self.neutral = self.neutral + way;
         let pushes = below(limits.search_force, grip_force.times_sign(way));
-        if self.pressed.holds(pushes, PRESSED) {
+        if S::holds(self.pressed.holds(pushes, PRESSED)) {
             let known = limits.stops[end];
-            if finite(known) && !below((angle - known).abs(), limits.travel_margin) {
-                return Found::Other;
+            if finite(known) && S::holds(!below((angle - known).abs(), limits.travel_margin)) {
+                self.blocked = S::mask(true);
+                return;
             }
             self.stops[end] = angle;
-            self.pressed = Debounce::default();
+            self.pressed = Debounce::new();
             self.neutral = angle;
-            self.leg = if self.leg == SearchPhase::Low { SearchPhase::High } else { SearchPhase::Back };
+            self.phase = S::code(if end == 0 { SearchPhase::High } else { SearchPhase::Back });
         }
         let from = if finite(limits.stops[end]) { limits.stops[end].abs() } else { angle.zero() };
-        if below(from + angle.constant(FARTHEST_RAD), self.neutral.abs()) { Found::Other } else { Found::Searching }
+        self.blocked = below(from + angle.constant(FARTHEST_RAD), self.neutral.abs());
     }
 }

@@ -8,12 +8,14 @@
 //!
 //! To acknowledge does not start anything: after it the person must have requested off before the loader starts (ISO 13850, 4.1.4).
 
-use super::function::{Action, Function, Functions};
+use super::function::{Action, Function};
 use super::input::{RequestedMode, SupervisorInput};
 use super::limits::Limits;
 use super::numbers::below;
-use super::search::{Found, Search};
-use crate::Scalar;
+use super::search::Search;
+use crate::Logic;
+use crate::logic::{Count, FunctionSet};
+use crate::named::Named;
 
 /// State of a loader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,9 +34,11 @@ pub enum SupervisorState {
     Tripped,
 }
 
-impl SupervisorState {
-    /// Its name.
-    pub const fn name(self) -> &'static str {
+impl Named for SupervisorState {
+    const ALL: &'static [Self] =
+        &[Self::Off, Self::Initializing, Self::Passive, Self::Active, Self::Fading, Self::Tripped];
+
+    fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
             Self::Initializing => "initializing",
@@ -48,186 +52,226 @@ impl SupervisorState {
 
 /// Where a loader is in it.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::struct_excessive_bools, reason = "each holds by itself, in any of the states")]
-pub(super) struct Sequence<S> {
-    pub(super) state: SupervisorState,
+pub(super) struct Sequence<S: Logic> {
+    pub(super) state: S::Code<SupervisorState>,
     /// Share of the feel.
     pub(super) share: S,
     /// Column's angle where the feel began to come or to go.
     pub(super) anchor: S,
-    comes: bool,
-    pub(super) enable: bool,
-    pub(super) tripped: Functions,
-    pub(super) cause: Option<Function>,
-    cut: bool,
+    comes: S::Mask,
+    pub(super) enable: S::Mask,
+    pub(super) tripped: S::Set,
+    pub(super) cause: S::Code<Option<Function>>,
+    pub(super) cut: S::Mask,
     /// Off has been requested since the loader was off.
-    armed: bool,
+    armed: S::Mask,
     /// The command has come to zero.
-    at_zero: bool,
-    acknowledged: bool,
-    watched: u32,
-    search: Option<Search<S>>,
-    stops: Option<[S; 2]>,
+    at_zero: S::Mask,
+    acknowledged: S::Mask,
+    watched: S::Count,
+    pub(super) search: Search<S>,
+    /// Whether the end stops are found, and where.
+    has_stops: S::Mask,
+    stops: [S; 2],
+    /// The loader has just been started.
+    pub(super) started: S::Mask,
 }
 
-impl<S: Scalar> Sequence<S> {
+crate::logic::memory! {
+    Sequence {
+        code state;
+        number share, anchor;
+        flag comes, enable;
+        set tripped;
+        code cause;
+        flag cut, armed, at_zero, acknowledged;
+        count watched;
+        part search;
+        flag has_stops;
+        numbers stops;
+        flag started;
+    }
+}
+
+impl<S: Logic> Sequence<S> {
     pub(super) fn new(like: S) -> Self {
+        let (no, zero) = (S::mask(false), like.zero());
         Self {
-            state: SupervisorState::Off,
-            share: like.zero(),
-            anchor: like.zero(),
-            comes: false,
-            enable: false,
-            tripped: Functions::NONE,
-            cause: None,
-            cut: false,
-            armed: false,
-            at_zero: true,
-            acknowledged: false,
-            watched: 0,
-            search: None,
-            stops: None,
+            state: S::code(SupervisorState::Off),
+            share: zero,
+            anchor: zero,
+            comes: no,
+            enable: no,
+            tripped: S::Set::none(),
+            cause: S::code(None),
+            cut: no,
+            armed: no,
+            at_zero: S::mask(true),
+            acknowledged: no,
+            watched: S::Count::none(),
+            search: Search::none(zero),
+            has_stops: no,
+            stops: [zero; 2],
+            started: no,
         }
     }
 
     /// Whether the law moves the column.
     #[inline(always)]
-    pub(super) fn follows(&self) -> bool {
-        matches!(self.state, SupervisorState::Active | SupervisorState::Fading) || self.search.is_some()
+    pub(super) fn follows(&self) -> S::Mask {
+        self.is(SupervisorState::Active) | self.is(SupervisorState::Fading) | self.search.is_under_way()
     }
 
     #[inline(always)]
-    pub(super) fn is_cut(&self) -> bool {
-        self.cut
+    pub(super) fn is(&self, state: SupervisorState) -> S::Mask {
+        S::is(self.state, state)
     }
 
     /// The drive has no power any more.
     #[inline(always)]
     pub(super) fn disabled(&mut self) {
-        (self.enable, self.at_zero) = (false, true);
+        (self.enable, self.at_zero) = (S::mask(false), S::mask(true));
     }
 
     /// The command has come to zero.
     #[inline(always)]
     pub(super) fn stopped(&mut self) {
-        self.at_zero = true;
-        if matches!(self.state, SupervisorState::Tripped | SupervisorState::Off) {
-            self.enable = false;
-        }
+        self.at_zero = S::mask(true);
+        self.enable = self.enable & !(self.is(SupervisorState::Tripped) | self.is(SupervisorState::Off));
     }
 
-    #[inline(always)]
-    pub(super) fn leads(&self) -> Option<S> {
-        self.search.map(|search| search.neutral)
+    pub(super) fn found_stops(&self) -> (S::Mask, [S; 2]) {
+        (self.has_stops, self.stops)
     }
 
-    pub(super) fn found_stops(&self) -> Option<[S; 2]> {
-        self.stops
-    }
-
-    /// One sample further, at the column's angle under the drive's force at the grip; whether the loader has just been started.
+    /// One sample further, at the column's angle under the drive's force at the grip.
     #[inline(always)]
     pub(super) fn step(
         &mut self,
         limits: &Limits<S>,
         input: &SupervisorInput<S>,
         (angle, grip_force): (S, S),
-        functions: &mut Functions,
-    ) -> bool {
-        let newly = input.acknowledge && !self.acknowledged;
+        functions: &mut S::Set,
+    ) {
+        S::section("sequence");
+        let newly = input.acknowledge & !self.acknowledged;
         self.acknowledged = input.acknowledge;
-        let asked = self.state;
-        if let Some(search) = &mut self.search {
-            let outcome = search.step(limits, angle, grip_force);
-            *functions = functions.with(Function::TravelSearch, outcome == Found::Other);
-            if outcome == Found::Both {
-                (self.stops, self.search, self.state) = (Some(search.stops), None, SupervisorState::Passive);
+        let was_off = self.is(SupervisorState::Off);
+        if limits.travel_search {
+            S::paths(&mut self.search, |search| search.step(limits, angle, grip_force));
+            *functions = functions.with(Function::TravelSearch, self.search.blocked);
+        }
+        let (functions, stops) = (*functions, functions.stops());
+        S::paths(self, |this| {
+            this.before(limits, input, (functions, stops));
+            this.go(limits, input, (newly, stops), angle);
+        });
+        self.started = was_off & self.is(SupervisorState::Initializing);
+    }
+
+    /// What ends a state, whatever it is for.
+    #[inline(always)]
+    fn before(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>, (functions, stops): (S::Set, S::Mask)) {
+        if limits.travel_search && S::holds(self.search.is_done) {
+            (self.has_stops, self.stops) = (S::mask(true), self.search.stops);
+            self.search.end();
+            self.state = S::code(SupervisorState::Passive);
+        }
+        match S::which(self.state) {
+            SupervisorState::Off => {}
+            SupervisorState::Initializing | SupervisorState::Passive
+                if S::holds(S::is(input.requested, RequestedMode::Off)) =>
+            {
+                self.off(S::mask(true));
             }
+            _ if S::holds(stops) => self.trip(functions),
+            _ => {}
         }
-        if input.requested == RequestedMode::Off
-            && matches!(self.state, SupervisorState::Initializing | SupervisorState::Passive)
-        {
-            self.off(true);
-        }
-        if !matches!(self.state, SupervisorState::Off) && !functions.stopping().is_empty() {
-            self.trip(*functions);
-        }
-        match self.state {
+    }
+
+    /// From state to state.
+    #[inline(always)]
+    fn go(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>, (newly, stops): (S::Mask, S::Mask), angle: S) {
+        let requested = |mode: RequestedMode| S::is(input.requested, mode);
+        match S::which(self.state) {
             SupervisorState::Off => {
-                self.armed |= input.requested == RequestedMode::Off;
-                if self.armed
-                    && input.requested != RequestedMode::Off
-                    && functions.stopping().is_empty()
-                    && self.at_zero
-                {
-                    (self.state, self.watched, self.share) = (SupervisorState::Initializing, 0, angle.zero());
+                self.armed = self.armed | requested(RequestedMode::Off);
+                if S::holds(self.armed & !requested(RequestedMode::Off) & !stops & self.at_zero) {
+                    self.state = S::code(SupervisorState::Initializing);
+                    (self.watched, self.share) = (S::Count::none(), angle.zero());
                 }
             }
             SupervisorState::Initializing => self.initialize(limits, angle),
-            SupervisorState::Passive if input.requested == RequestedMode::Active && self.at_zero => {
-                (self.state, self.at_zero, self.share) = (SupervisorState::Fading, false, angle.zero());
-                (self.anchor, self.comes) = (angle, true);
+            SupervisorState::Passive => {
+                if S::holds(requested(RequestedMode::Active) & self.at_zero) {
+                    self.state = S::code(SupervisorState::Fading);
+                    (self.at_zero, self.share) = (S::mask(false), angle.zero());
+                    (self.anchor, self.comes) = (angle, S::mask(true));
+                }
             }
             SupervisorState::Active | SupervisorState::Fading => {
-                self.fade(limits, input.requested == RequestedMode::Active, angle);
+                self.fade(limits, requested(RequestedMode::Active), angle);
             }
-            SupervisorState::Tripped if newly && self.at_zero && !self.enable && functions.stopping().is_empty() => {
-                (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);
-                self.off(input.requested == RequestedMode::Off);
+            SupervisorState::Tripped => {
+                if S::holds(newly & self.at_zero & !self.enable & !stops) {
+                    (self.tripped, self.cause, self.cut) = (S::Set::none(), S::code(None), S::mask(false));
+                    self.off(requested(RequestedMode::Off));
+                }
             }
-            SupervisorState::Passive | SupervisorState::Tripped => {}
         }
-        asked == SupervisorState::Off && self.state == SupervisorState::Initializing
     }
 
     #[inline(always)]
-    fn off(&mut self, armed: bool) {
-        (self.state, self.search, self.armed) = (SupervisorState::Off, None, armed);
+    fn off(&mut self, armed: S::Mask) {
+        self.search.end();
+        (self.state, self.armed) = (S::code(SupervisorState::Off), armed);
     }
 
     #[inline(always)]
-    fn trip(&mut self, functions: Functions) {
-        if self.state != SupervisorState::Tripped {
-            self.cause = functions.stopping().first();
+    fn trip(&mut self, functions: S::Set) {
+        if S::which(self.state) != SupervisorState::Tripped {
+            self.cause = S::first(functions.stopping());
         }
         self.tripped = self.tripped.and(functions.stopping());
-        self.cut |= !functions.that(Action::Cut).is_empty();
-        (self.state, self.search) = (SupervisorState::Tripped, None);
+        self.cut = self.cut | functions.does(Action::Cut);
+        self.search.end();
+        self.state = S::code(SupervisorState::Tripped);
     }
 
     /// Sensors are watched for as long as one may be stuck, without power; then there is power.
     #[inline(always)]
     fn initialize(&mut self, limits: &Limits<S>, angle: S) {
-        if self.search.is_some() {
+        if S::holds(self.search.is_under_way()) {
             return;
         }
-        self.watched += 1;
-        if self.watched < limits.stuck {
+        self.watched = self.watched.next();
+        if S::holds(!self.watched.at_least(limits.stuck)) {
             return;
         }
-        self.enable = true;
+        self.enable = S::mask(true);
         if limits.travel_search {
-            (self.search, self.at_zero) = (Some(Search::from(angle)), false);
+            (self.search, self.at_zero) = (Search::from(angle), S::mask(false));
         } else {
-            self.state = SupervisorState::Passive;
+            self.state = S::code(SupervisorState::Passive);
         }
     }
 
     #[inline(always)]
-    fn fade(&mut self, limits: &Limits<S>, comes: bool, angle: S) {
-        let whole = !below(self.share, self.share.constant(1.0));
-        if comes != self.comes {
-            // A fade that turns round goes back on its way: neutral does not jump.
-            self.anchor = if whole { angle } else { self.anchor };
-            self.comes = comes;
-        }
-        let step = limits.fade_step;
-        let (zero, one) = (step.zero(), step.constant(1.0));
-        self.share = (if comes { self.share + step } else { self.share - step }).clamp(zero, one);
-        self.state = match (comes, below(self.share, one), below(zero, self.share)) {
-            (true, false, _) => SupervisorState::Active,
-            (false, _, false) => SupervisorState::Passive,
-            _ => SupervisorState::Fading,
+    fn fade(&mut self, limits: &Limits<S>, comes: S::Mask, angle: S) {
+        let (step, one) = (limits.fade_step, self.share.constant(1.0));
+        let whole = !below(self.share, one);
+        let turns = (comes & !self.comes) | (self.comes & !comes);
+        // A fade that turns round goes back on its way: neutral does not jump.
+        self.anchor = S::select(turns & whole, angle, self.anchor);
+        self.comes = comes;
+        self.share = S::select(comes, self.share + step, self.share - step).clamp(step.zero(), one);
+        let state = if S::holds(comes & !below(self.share, one)) {
+            SupervisorState::Active
+        } else if S::holds(!comes & !below(step.zero(), self.share)) {
+            SupervisorState::Passive
+        } else {
+            SupervisorState::Fading
         };
+        self.state = S::code(state);
     }
 }

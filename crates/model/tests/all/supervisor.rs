@@ -165,7 +165,9 @@ fn sensors_that_drift_apart_are_stopped_once_they_disagree() {
     let drift = |k: u32| f64::from(k) * 1e-3 * of.agreement_m;
     let (stopped, _, allowed) = until_safe(&mut supervisor, |k| {
         let tremor = f64::from(k) * 1e-9;
-        SupervisorInput { sensed: [tremor, drift(k) + tremor, tremor, 0.0], ..input }
+        let mut now = input;
+        now.sensed = [tremor, drift(k) + tremor, tremor, 0.0];
+        now
     });
     assert_eq!(allowed.cause, Some(Function::Disagreement));
     assert!(drift(stopped - of.agreement) < 1.1 * of.agreement_m, "{stopped}");
@@ -291,7 +293,9 @@ fn a_hand_too_light_to_be_seen_moves_a_light_feel_and_no_hand_is_stopped() {
             let angle = rate * if time < rise { 0.5 * time * time / rise } else { time - 0.5 * rise };
             let driven = force + if time < rise { of.inertia * rate / rise / of.lever } else { 0.0 };
             let sensed = [driven, angle * of.lever + driven * of.link[0], angle * of.base_arm, 0.0];
-            supervisor.step(&SupervisorInput { sensed, feel_rate: rate, ..input }).acting.has(Function::Runaway)
+            let mut now = input;
+            (now.sensed, now.feel_rate) = (sensed, rate);
+            supervisor.step(&now).acting.has(Function::Runaway)
         });
         assert_eq!(stopped, stops, "under a torque of {torque}");
     }
@@ -372,7 +376,8 @@ fn the_travel_is_found_or_refused() {
             if matches!(state, SupervisorState::Passive | SupervisorState::Tripped) {
                 break;
             }
-            if let Some(leads) = allowed.leads {
+            if allowed.leads {
+                let leads = allowed.led;
                 // The column follows up to its stop; from there the drive stretches the link.
                 let angle = leads.clamp(stops[0], stops[1]);
                 let force = (leads - angle) * 2e5;
