@@ -185,7 +185,8 @@ impl<S: Scalar> ContactState<S> {
             angle,
             rate: zero,
             peak: torque.abs(),
-            side: one.times_sign(torque),
+            // Not the sign of a zero, which exported C does not keep.
+            side: S::select(torque.less(zero), -one, one),
             since: one,
             push: -one,
             before: zero,

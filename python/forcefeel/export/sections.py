@@ -193,6 +193,14 @@ SECTIONS = {
         STATES,
         rows=("safety.grip_zero_time",),
     ),
+    "grip_reading": Section(
+        "Force sensor at the grip against the hand's estimated torque",
+        "|F_g - F_0| within the noise: |tau - tau_0| <= tau_max + delta |D - D_0|",
+        "supervisor/grip_reading.rs, supervisor/limits.rs",
+        SAFE,
+        STATES,
+        rows=("safety.stuck_time", "grip_sensor.noise", "grip_sensor.resolution", "safety.hand_force"),
+    ),
     "sequence": Section(
         "State: off, initializing, passive, active, fading, tripped; search of the travel",
         "off -> initializing -> passive <-> fading <-> active; any -> tripped -> off",
