@@ -38,7 +38,7 @@ def folders(tmp_path_factory):
     }
 
 
-def _counted(code):
+def counted(code):
     """Statements of a file of functions: semicolons outside of parentheses, and heads of branches and loops."""
     bare = re.sub(r"/\*.*?\*/|typedef struct \{.*?\}", "", code, flags=re.DOTALL)
     bare = "\n".join(line for line in bare.splitlines() if not line.startswith("#"))
@@ -50,13 +50,18 @@ def _counted(code):
     return count + len(re.findall(r"\b(?:if|for) \(", bare))
 
 
+def declared(code):
+    """Names of numbers, flags and words."""
+    return re.findall(r"\b(?:bool|uint32_t|\w+_real) (\w+)(?: =|;|\[)", code)
+
+
 @pytest.mark.parametrize("name", ["roll", "pitch"])
 def test_every_statement_is_mapped_to_its_line(folders, name):
     code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
     document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
     mapped = document["statements"]
     lines = code.splitlines()
-    assert len(mapped) == _counted(code) > 400
+    assert len(mapped) == counted(code) > 400
     rows = {*table(ff.loader.electric("elevator-electric").drive), *table(ff.digital_elevator().drive)}
     for statement in mapped:
         assert statement["code"].split()[0] in lines[statement["line"] - 1]
@@ -77,11 +82,10 @@ def test_rows_of_the_feel_are_in_its_sections(folders, name):
 
 @pytest.mark.parametrize("name", ["roll", "pitch"])
 def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
-    code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
-    declared = re.findall(r"\b(?:bool|\w+_real) (\w+)(?: =|;|\[)", code)
-    assert len(declared) > 300
-    assert max(map(len, declared)) <= LONGEST_NAME
-    assert not [name for name in declared if re.fullmatch(r"[a-z]\d+", name)]
+    names = declared((folders[name] / f"{name}_law.c").read_text(encoding="utf-8"))
+    assert len(names) > 300
+    assert max(map(len, names)) <= LONGEST_NAME
+    assert not [name for name in names if re.fullmatch(r"[a-z]\d+", name)]
 
 
 @pytest.mark.parametrize("name", ["roll", "pitch"])
@@ -132,5 +136,5 @@ def test_link_has_a_map_too(tmp_path):
     ff.export.write_pair(pair, tmp_path)
     code = (tmp_path / f"{pair.name}.c").read_text(encoding="utf-8")
     document = json.loads((tmp_path / "trace.json").read_text(encoding="utf-8"))
-    assert len(document["statements"]) == _counted(code)
+    assert len(document["statements"]) == counted(code)
     assert "link" in document["sections"]

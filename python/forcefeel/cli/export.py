@@ -56,6 +56,10 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             ASKED,
         ),
     ] = False
+    supervisor: Annotated[
+        bool,
+        option("With --to c: also write law, feel and supervisor as one step, of a law of one setting.", ASKED),
+    ] = False
     tunable: Annotated[
         tuple[str, ...],
         option(
@@ -96,7 +100,8 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
             check_board_loader(loader)
         feel = None if self.knots is None else read_knots(self.knots).feel
         try:
-            return replace(Exported.of(self.law, loader, self.name, feel, tunable=self.tunable), linked=self.linked)
+            exported = Exported.of(self.law, loader, self.name, feel, tunable=self.tunable)
+            return replace(exported, linked=self.linked, supervised=self.supervisor)
         except InputError as error:
             raise _spelled(error) from error
 
@@ -107,6 +112,7 @@ def _spelled(error: InputError) -> InputError:
     for argument, option_name in (
         ("law: ", "--law: "),
         ("tunable: ", "--tunable: "),
+        ("supervisor: ", "--supervisor: "),
         ("name: ", "--name: "),
         ("target: ", "--target: "),
         ("to: ", "--to: "),
@@ -168,6 +174,8 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
         raise InputError(f"--linked: is for --to c, and --to is {options.to}; leave it out")
     if options.tunable and options.to != "c":
         raise InputError(f"--tunable: is for --to c, and --to is {options.to}; leave it out")
+    if options.supervisor and options.to != "c":
+        raise InputError(f"--supervisor: is for --to c, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
     if options.board is not None and options.to != "firmware":
@@ -175,7 +183,8 @@ def run(path: LoaderOrProject = None, /, *, options: ExportOptions) -> None:
     if options.board is not None and options.target is not None:
         raise InputError(f"--board: has its own target, and --target is {options.target}; leave one of them out")
     target, triple = Target(options.to), options.board or options.target
-    export_folder(target, options.name, triple=triple).check(options.out, replace=options.replace)
+    folder = export_folder(target, options.name, triple=triple, supervised=options.supervisor)
+    folder.check(options.out, replace=options.replace)
     with all_or_nothing("export", silent=options.json) as bar:
         bar.describe("law")
         exported = options.exported(path)

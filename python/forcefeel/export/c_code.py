@@ -57,8 +57,12 @@ def c_names(name: str) -> tuple[str, ...]:
     return (*(file.format(name) for file in _FILES.values()), *TRACE)
 
 
-def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[str, str | bytes]:
+def c_files(
+    exported: Exported, *, single: bool, measure: bool = False, axis: Mapping[str, object] | None = None
+) -> dict[str, str | bytes]:
     """Files by name; ``single`` for a target with single precision; ``measure`` states the cost on installed targets.
+
+    ``axis``: fields on the supervised law, if that is in the folder too.
 
     Raises:
         InputError: If the law is not a sampled one, or does not stabilize the loader, so that there is no reference.
@@ -74,7 +78,9 @@ def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[
         inputs = inputs.astype(np.float32).astype(np.float64)
     inputs = within_ranges(inputs, source)
     fields = (
-        {"tunable": ()} | about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
+        {"tunable": (), "axis": axis}
+        | about(exported, numbers, single=single)
+        | _of_source(source, exported.name, single=single)
     )
     if exported.tunable:
         tunings = golden_tunings(exported, single=single)
@@ -100,7 +106,7 @@ def c_files(exported: Exported, *, single: bool, measure: bool = False) -> dict[
         "answers": spelled_rows(answers, single=single),
     }
     if measure:
-        fields["costs"] = measured(rendered("c", _FILES, fields), fields)
+        fields["costs"] = measured(rendered("c", _FILES, fields), fields, f"{exported.name}_law.c")
     return with_trace(rendered("c", _FILES, fields), f"{exported.name}_law.c", exported.name)
 
 

@@ -36,8 +36,12 @@ class Cost:
     instructions: int = 0
 
 
-def measured(files: Mapping[str, str | bytes], fields: Mapping[str, object]) -> tuple[Cost, ...]:
-    """Costs of the C in ``files``, for every target that is installed.
+def measured(
+    files: Mapping[str, str | bytes], fields: Mapping[str, object], source: str, program: str = "cost.c"
+) -> tuple[Cost, ...]:
+    """Costs of the C in ``files``, ``source`` with the step among them, for every target that is installed.
+
+    ``program`` is the template of the program that counts.
 
     Raises:
         InputError: If no compiler is installed, or one fails.
@@ -46,35 +50,35 @@ def measured(files: Mapping[str, str | bytes], fields: Mapping[str, object]) -> 
         folder = Path(name)
         for file, text in files.items():
             (folder / file).write_text(str(text), encoding="utf-8")
-        program = environment(html=False).get_template("export/board/cost.c.j2").render(fields, times=_TIMES)
-        (folder / "cost.c").write_text(program, encoding="utf-8")
-        costs = [_native(folder, str(fields["name"]))] if shutil.which("gcc") else []
+        counts = environment(html=False).get_template(f"export/board/{program}.j2").render(fields, times=_TIMES)
+        (folder / "cost.c").write_text(counts, encoding="utf-8")
+        costs = [_native(folder, source)] if shutil.which("gcc") else []
         if shutil.which("arm-none-eabi-gcc") and shutil.which("qemu-system-arm"):
-            costs += [_emulated(folder, str(fields["name"]), core) for core in _EMULATED]
+            costs += [_emulated(folder, source, core) for core in _EMULATED]
     if not costs:
         raise InputError("--measure: expected gcc, or arm-none-eabi-gcc and qemu-system-arm, found none; install one")
     return tuple(costs)
 
 
-def _native(folder: Path, name: str) -> Cost:
+def _native(folder: Path, source: str) -> Cost:
     machine = _run(folder, "gcc", "-dumpmachine").partition("-")[0]
-    return Cost(f"{machine}, gcc -O2", _stack(folder, name, "gcc"))
+    return Cost(f"{machine}, gcc -O2", _stack(folder, source, "gcc"))
 
 
-def _emulated(folder: Path, name: str, core: str) -> Cost:
+def _emulated(folder: Path, source: str, core: str) -> Cost:
     cpu = (f"-mcpu={core}", "-mthumb", "-mfloat-abi=hard", "-mfpu=auto")
     compiler = ("arm-none-eabi-gcc", *cpu, "-O2", "-ffp-contract=off", "-std=gnu99")
-    stack = _stack(folder, name, "arm-none-eabi-gcc", *cpu)
+    stack = _stack(folder, source, "arm-none-eabi-gcc", *cpu)
     link = ("--specs=rdimon.specs", "-nostartfiles", "-T", str(_BOARD / "board.ld"), "-Wl,--gc-sections")
-    sources = ("cost.c", f"{name}_law.c", str(_BOARD / "reset.c"))
+    sources = ("cost.c", source, str(_BOARD / "reset.c"))
     _run(folder, *compiler, *link, "-Wl,--no-warnings", "-o", "cost.elf", *sources, "-lm")
     semihosting = ("-nographic", "-semihosting-config", "enable=on,target=native", "-icount", "shift=0")
     ticks = _run(folder, "qemu-system-arm", "-M", _EMULATED[core], *semihosting, "-kernel", "cost.elf")
     return Cost(f"{core}, gcc -O2", stack, round(int(ticks) * _PER_TICK / _TIMES))
 
 
-def _stack(folder: Path, name: str, *compiler: str) -> int:
-    _run(folder, *compiler, *_STRICT, "-fstack-usage", "-c", "-o", "law.o", f"{name}_law.c")
+def _stack(folder: Path, source: str, *compiler: str) -> int:
+    _run(folder, *compiler, *_STRICT, "-fstack-usage", "-c", "-o", "law.o", source)
     frames = next(folder.glob("*.su")).read_text(encoding="utf-8").splitlines()
     return sum(int(line.split("\t")[1]) for line in frames)
 

@@ -30,6 +30,7 @@ class Exported:
         name: Prefix of file names and C identifiers.
         linked: Whether the law in C takes a force, a spring and a damping beside the feel, as of an electronic link.
         tunable: Rows of the feel that a program with the law in C may tune.
+        supervised: Whether law, feel and supervisor are written in C too.
 
     Raises:
         InputError: If the law was designed for another loader, rate or drive, is an analog law for a digital controller, has a
@@ -46,6 +47,7 @@ class Exported:
     name: str = "loader"
     linked: bool = False
     tunable: tuple[Tunable, ...] = ()
+    supervised: bool = False
 
     def __post_init__(self) -> None:
         if not _IDENTIFIER.fullmatch(self.name) or len(self.name) > _LONGEST_NAME:

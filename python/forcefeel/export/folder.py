@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from forcefeel.errors import InputError
+from forcefeel.export.axis_code import axis_fields, axis_files, axis_names
 from forcefeel.export.c_code import c_files, c_names
 from forcefeel.export.drive_sheet import DRIVE, DRIVE_PAGE, drive_csv, drive_page, drive_settings
 from forcefeel.export.exported import Exported
@@ -17,7 +18,7 @@ from forcefeel.export.target import Target
 from forcefeel.page.folder import OutputFolder
 
 
-def export_folder(target: Target, name: str, *, triple: str | None = None) -> OutputFolder:
+def export_folder(target: Target, name: str, *, triple: str | None = None, supervised: bool = False) -> OutputFolder:
     """Folder of an export with the file prefix ``name``; it checks for existing files before the computation.
 
     Example:
@@ -26,7 +27,7 @@ def export_folder(target: Target, name: str, *, triple: str | None = None) -> Ou
     """
     match target:
         case Target.C:
-            names = c_names(name)
+            names = (*c_names(name), *(axis_names(name) if supervised else ()))
         case Target.FIRMWARE:
             names = firmware_names(name, triple)
         case Target.FMU:
@@ -47,7 +48,9 @@ def _files(
 ) -> dict[str, str | bytes]:
     match target:
         case Target.C:
-            return c_files(exported, single=single, measure=measure)
+            axis = axis_fields(exported, single=single, measure=measure) if exported.supervised else None
+            files = c_files(exported, single=single, measure=measure, axis=axis)
+            return files | (axis_files(axis) if axis else {})
         case Target.FIRMWARE:
             return firmware_files(exported, triple, single=single)
         case Target.FMU:
@@ -103,7 +106,9 @@ def write_export(
     """
     if exported.tunable and target is not Target.C:
         raise InputError(f"tunable: is for the target c, and the target is {target}; leave it out")
-    folder = export_folder(target, exported.name, triple=triple)
+    if exported.supervised and target is not Target.C:
+        raise InputError(f"supervisor: is for the target c, and the target is {target}; leave it out")
+    folder = export_folder(target, exported.name, triple=triple, supervised=exported.supervised)
     folder.check(out, replace=replace)
     files = _files(exported, target, single=single, measure=measure, triple=triple)
     folder.write(out, files)

@@ -15,6 +15,9 @@ START = "The law starts in the equilibrium of its sensors."
 VECTORS = "{name}_test.c: release, sweep, random input from beyond either stop"
 FLIGHTS = "{name}_test.c: random flights"
 STATUSES = "tests/export/test_c_safety.py"
+SAFE = "The loader is held within its limits, and stopped where a function of the table acts: docs/how-to/safety.md."
+
+STATES = "{name}_test.c: on, sweep, faults of sensors and loop, acknowledgment, emergency stop"
 PAIRS = "{name}_test.c: opposed hands, priority button, disconnect"
 
 
@@ -141,6 +144,73 @@ SECTIONS = {
         "link.rs, electronic_link.rs",
         FEEL,
         PAIRS,
+    ),
+    "modifiers": Section(
+        "Trim, factor on the spring and stick shaker, led to the requested values",
+        "x+ = x + sat(w - x) within r T; swing = a sin(2 pi turns)",
+        "modifiers.rs, axis.rs",
+        FEEL,
+        STATES,
+        rows=("feel.trim_rate", "feel.shaker_frequency", "controller.period"),
+    ),
+    "plausibility": Section(
+        "Observer of drive, link and column: readings as sampled, or as predicted",
+        "J v' = alpha R_b F + tau; u' = a e - b F - d u, x' = u - g F; F = k (s -+ b) + c s' + F_b",
+        "supervisor/plausibility.rs, supervisor/limits.rs",
+        SAFE,
+        STATES,
+        rows=("safety.bridge_time", "safety.silence_time", "safety.delay_tolerance"),
+    ),
+    "safety": Section(
+        "Safety functions that need no sensor",
+        "emergency stop, drive fault, late cycles, numbers, readings that are bridged for too long",
+        "supervisor.rs, supervisor/function.rs",
+        SAFE,
+        STATES,
+        rows=("safety.overrun_time", "safety.bridge_time"),
+    ),
+    "sensors": Section(
+        "Sensors: silent, late, no number, out of range, stuck, in disagreement",
+        "r = s + (c / k) s' - F / k, |r| <= b + d_theta alpha R_b",
+        "supervisor/sensors.rs, supervisor/limits.rs",
+        SAFE,
+        STATES,
+        rows=("safety.stuck_time", "safety.agreement_time", "safety.silence_time"),
+    ),
+    "grip": Section(
+        "Force, speed, travel and energy at the grip, runaway, swing",
+        "tau = w_o (J v - int (alpha R_b F + tau) dt); P = (alpha R_b F - f) v; E' = P_g - max(0, -tau v_f) - E / 1 s",
+        "supervisor/grip.rs, supervisor/limits.rs",
+        SAFE,
+        STATES,
+        rows=("safety.force_time", "safety.runaway_time"),
+    ),
+    "grip_zero": Section(
+        "Zero of the force sensor at the grip",
+        "F_0 goes to the mean of F_g while no hand is on the grip",
+        "supervisor/grip_zero.rs, supervisor/limits.rs",
+        SAFE,
+        STATES,
+        rows=("safety.grip_zero_time",),
+    ),
+    "sequence": Section(
+        "State: off, initializing, passive, active, fading, tripped; search of the travel",
+        "off -> initializing -> passive <-> fading <-> active; any -> tripped -> off",
+        "supervisor/sequence.rs, supervisor/search.rs",
+        SAFE,
+        STATES,
+        rows=("safety.stuck_time", "safety.travel_search"),
+    ),
+    "command": Section(
+        "Command within its limits, or led to zero",
+        "|e| <= (s_0 + (1 - s_0) s) e_max, |e - e_last| <= e'_max T",
+        "supervisor/command.rs, supervisor.rs",
+        SAFE,
+        STATES,
+        rows=("safety.saturation_time",),
+    ),
+    "outputs": Section(
+        "Programmed angle and rate; functions as bits", "theta = delta / (delta per angle)", "axis.rs", BITS, STATES
     ),
     "result": Section("Outputs and next state, if all are numbers", "-", "control.rs", BITS),
     "numbers": Section("Operations on numbers", "smaller, larger, within, with_sign, nearest, bits", "scalar.rs", BITS),

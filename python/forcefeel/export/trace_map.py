@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
-from forcefeel.export.sections import SECTIONS
+from forcefeel.export.sections import SECTIONS, VECTORS, Section
 from forcefeel.page.render import render
 
 _MARK = re.compile(r"^( *)/\* section: (\w+)(, continued)? \*/$")
@@ -29,6 +29,7 @@ _STATUS = (
     "_rest",
     "_surface",
     "_sample",
+    "_init",
 )
 _COMMENT = re.compile(r" /\*.*?\*/")
 _WIDTH = 150
@@ -144,12 +145,15 @@ def _bare(code: str) -> str:
     return _COMMENT.sub("", code)
 
 
-def trace_json(file: str, code: str, name: str) -> str:
-    """The map as JSON: sections with equation, source, requirement and test; statements with line and rows."""
+def trace_json(file: str, code: str, name: str, vectors: str = VECTORS) -> str:
+    """The map as JSON: sections with equation, source, requirement and test; statements with line and rows.
+
+    ``vectors`` is the test of the sections that the golden vectors of a law would run.
+    """
     mapped = statements(code)
     used = {statement.section for statement in mapped}
     sections = {
-        key: asdict(section) | {"source": _paths(section.source), "test": section.test.format(name=name)}
+        key: asdict(section) | {"source": _paths(section.source), "test": _test(section, name, vectors)}
         for key, section in SECTIONS.items()
         if key in used
     }
@@ -157,12 +161,16 @@ def trace_json(file: str, code: str, name: str) -> str:
     return json.dumps(document, indent=1) + "\n"
 
 
+def _test(section: Section, name: str, vectors: str) -> str:
+    return (vectors if section.test == VECTORS else section.test).format(name=name)
+
+
 def _paths(files: str) -> list[str]:
     return [f"crates/model/src/{file}" for file in files.split(", ")]
 
 
-def trace_html(file: str, code: str, name: str) -> str:
-    """The map as a page: a table of sections, then each function's statements."""
+def trace_html(file: str, code: str, name: str, vectors: str = VECTORS) -> str:
+    """The map as a page: a table of sections, then each function's statements; ``vectors`` as of ``trace_json``."""
     mapped = statements(code)
     functions = {
         function: [statement for statement in mapped if statement.function == function]
@@ -173,7 +181,7 @@ def trace_html(file: str, code: str, name: str) -> str:
         (
             key,
             SECTIONS[key],
-            SECTIONS[key].test.format(name=name),
+            _test(SECTIONS[key], name, vectors),
             sum(statement.section == key for statement in mapped),
         )
         for key in used
