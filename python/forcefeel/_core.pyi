@@ -22,6 +22,7 @@ __all__ = [
     "PERIOD_COMMAND",
     "PERIOD_SHOWN",
     "ArgumentError",
+    "AxisSource",
     "BoardAxis",
     "BusDrive",
     "BusEmulator",
