@@ -15,7 +15,19 @@ from forcefeel.export.trace_map import statements
 from forcefeel.loader.parameters import table
 from tests.command_line import runs
 from tests.export.test_trace_map import LONGEST_NAME, counted, declared
-from tests.export.toolchain import BOARDS, CONVERTERS, STRICT, for_board, motor, needs, on_board, run, valve, written
+from tests.export.toolchain import (
+    BOARDS,
+    CONVERTERS,
+    GRIP_SENSOR,
+    STRICT,
+    for_board,
+    motor,
+    needs,
+    on_board,
+    run,
+    valve,
+    written,
+)
 from tests.parametrization import mostly_slow
 
 ACTED = {
@@ -85,7 +97,7 @@ def test_motor_matches_the_live_loop_bitwise_in_single_precision(single, compile
 
 LOADERS = {
     "every part, surface, converters": lambda: replace(valve().loader, name="valve"),
-    "sensor at the grip": lambda: ff.loader.electric("sidestick-pitch"),
+    "sensor at the grip": lambda: ff.loader.electric("elevator-electric").replace(GRIP_SENSOR),
     "travel search": lambda: ff.digital_elevator().replace(
         {"safety.travel_search": True, "column.stop_low": "-0.02 rad", "column.stop_high": "0.02 rad"} | CONVERTERS
     ),

@@ -15,6 +15,7 @@ from forcefeel.export.tunable import tunable_rows
 from tests.export.toolchain import (
     BOARDS,
     CONVERTERS,
+    GRIP_SENSOR,
     KNOTS,
     NONLINEAR,
     STRICT,
@@ -55,6 +56,15 @@ def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, le
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_law.c", "pitch_test.o", "-lm")
     assert run(folder, "./program") == "pitch: 10000 samples, 0 differ\n"
+
+
+def test_law_with_a_sensor_at_the_grip_begins_a_contact_as_the_simulation(tmp_path):
+    """At rest the hand's torque is a zero, whose sign is not kept."""
+    needs("gcc")
+    loader = ff.digital_elevator().replace(GRIP_SENSOR)
+    written(ff.export.Exported.of("robust", loader, "pitch"), tmp_path)
+    run(tmp_path, "gcc", *STRICT, "-O1", "-o", "program", "pitch_law.c", "pitch_test.c", "-lm")
+    assert run(tmp_path, "./program") == "pitch: 10000 samples, 0 differ\n"
 
 
 @pytest.mark.parametrize("level", mostly_slow([0, 3]))

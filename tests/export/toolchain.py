@@ -82,6 +82,9 @@ CONVERTERS = {
 KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
 
 
+GRIP_SENSOR = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.5 N"}
+
+
 def valve():
     """A valve's law for two settings, with every nonlinear part of the feel, and a surface."""
     loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS | SURFACE, si=True)
