@@ -30,7 +30,7 @@ const FIRST_ANSWER: Duration = Duration::from_secs(1);
 /// How long a drive may take until its torque acts.
 const POWERED: Duration = Duration::from_secs(3);
 /// How long an answer is waited for in virtual time.
-const VIRTUAL_PATIENCE: Duration = Duration::from_secs(1);
+const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
 /// A node as a loader file has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
