@@ -155,19 +155,25 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     assert np.abs(angle - found).max() < 0.01 * depth
 
 
+SOFT_STOP = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}
+
+
+def _push(at: float) -> float:
+    """A hand in N that is at 200 N after 0.3 s."""
+    return 200.0 * min(at / 0.3, 1.0)
+
+
+def _pushed(duration: float) -> ff.Scenario:
+    time = np.arange(0.0, duration + 3e-4, 5e-4)
+    return ff.Scenario(ff.simulation.Recorded(time, np.vectorize(_push)(time)), duration, 5e-4, 5e-4)
+
+
 def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the_grip() -> None:
-    soft = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}
-    loader = ff.loader.electric("sidestick-pitch").replace(soft | QUIET | {"grip_sensor.gain": 1.0}, si=True)
+    loader = ff.loader.electric("sidestick-pitch").replace(SOFT_STOP | QUIET | {"grip_sensor.gain": 1.0}, si=True)
     loader = loader.replace({"feel.breakout": None})
     law = ff.Law.of("grip", loader)
-    time = np.arange(0.0, 0.6003, 5e-4)
-
-    def hand(at: float) -> float:
-        return 200.0 * min(at / 0.3, 1.0)
-
-    scenario = ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), 0.6, 5e-4, 5e-4)
-    run = ff.simulate(loader, scenario, law).history["column_angle_rad"].to_numpy()
-    found = witness.simulate(loader, law.sampled, hand, 0.6, rtol=1e-7)["column_angle_rad"]  # far below the depth
+    run = ff.simulate(loader, _pushed(0.6), law).history["column_angle_rad"].to_numpy()
+    found = witness.simulate(loader, law.sampled, _push, 0.6, rtol=1e-7)["column_angle_rad"]  # far below the depth
     depth = run.max() - loader["column.stop_high"]
     assert depth > 3e-3  # 200 N at the soft stop
     assert np.abs(run - found).max() < 0.02 * depth  # a touch between two samples
@@ -177,18 +183,11 @@ def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the
 @pytest.mark.parametrize("rests", mostly_slow([True, False]))
 def test_an_independent_integrator_finds_the_same_rest_under_a_hand_that_pushes_on(rests: bool) -> None:
     """200 N into the stop of a stick: the drive swings by 1.3 mm without the part for contact, by 3 um with it."""
-    stop = {"column.stop_stiffness": 6e3, "column.stop_damping": 5.0, "motor.cogging_torque": 0.0}
-    loader = ff.loader.electric("sidestick-pitch").replace(stop | QUIET, si=True).replace({"feel.breakout": None})
+    loader = ff.loader.electric("sidestick-pitch").replace(SOFT_STOP | QUIET, si=True).replace({"feel.breakout": None})
     made = ff.Law.of("robust", loader)
     law = made if rests else made.without_contact()
-    time = np.arange(0.0, 1.2003, 5e-4)
-
-    def hand(at: float) -> float:
-        return 200.0 * min(at / 0.3, 1.0)
-
-    scenario = ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), 1.2, 5e-4, 5e-4)
-    run = ff.simulate(loader, scenario, law).history["drive_position_m"].to_numpy()
-    found = witness.simulate(loader, law.sampled, hand, 1.2, rtol=1e-7)["drive_position_m"]  # far below the swing
+    run = ff.simulate(loader, _pushed(1.2), law).history["drive_position_m"].to_numpy()
+    found = witness.simulate(loader, law.sampled, _push, 1.2, rtol=1e-7)["drive_position_m"]  # far below the swing
     assert np.abs(run - found).max() < SAME_M
     assert [np.ptp(position[-400:]) < SAME_M for position in (run, found)] == [rests] * 2
 

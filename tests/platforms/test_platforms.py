@@ -8,7 +8,6 @@ import re
 import shutil
 import struct
 import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.export.fmu_files import LIBRARIES, PLATFORMS
+from tests.wheel.test_wheel import audited
 
 pytestmark = pytest.mark.skipif("FORCEFEEL_PLATFORMS" not in os.environ, reason="make platforms builds and tests them")
 
@@ -83,14 +83,7 @@ def test_wheel_has_the_libraries_of_every_platform_and_uses_only_stable_python_a
     held = set(zipfile.ZipFile(path).namelist())
     assert {f"forcefeel/export/fmu/{platform.library}" for platform in PLATFORMS} <= held
     assert any(name.startswith("forcefeel/export/firmware/libraries/") for name in held)
-    assert "0 ABI version mismatches and 0 ABI violations" in audited(path)
-
-
-def audited(path):
-    done = subprocess.run(
-        [sys.executable, "-m", "abi3audit", "--strict", "--summary", path], capture_output=True, text=True, check=True
-    )
-    return done.stdout + done.stderr
+    assert "0 ABI version mismatches and 0 ABI violations" in audited("abi3audit", "--strict", "--summary", path)
 
 
 def test_windows_extension_needs_python_and_windows_alone(tmp_path):

@@ -58,7 +58,6 @@ use command::Command;
 use grip::{FeelMotion, GripMonitor};
 use grip_reading::GripReading;
 use grip_zero::GripZero;
-use numbers::below;
 pub(crate) use numbers::finite;
 use plausibility::Plausibility;
 use sensors::Sensors;
@@ -267,11 +266,9 @@ impl<S: Logic> Supervisor<S> {
         self.acting = self.acting.with(Function::GripOffset, offset);
         if limits.grip_sensor {
             S::section("grip_reading");
-            let [low, high] = limits.stops;
-            let free = below(low, self.angle) & below(self.angle, high);
             let time = limits.period * fresh.periods;
             let torques = [torque, self.watch.drive_torque()];
-            let stuck = self.grip_reading.is_stuck(limits, (reading, time), (free, torques));
+            let stuck = self.grip_reading.is_stuck(limits, (reading, time), (limits.is_free(self.angle), torques));
             self.acting = self.acting.with(Function::Stuck, stuck);
         }
     }

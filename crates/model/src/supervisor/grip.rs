@@ -147,9 +147,7 @@ impl<S: Logic> GripMonitor<S> {
         let rate = moved * (one / limits.period);
         self.estimate(limits, [rate, drive_torque, feel_acceleration, feel_rate], limits.period * periods);
         // At an end stop the stop's torque is in that of the hand.
-        let [low, high] = limits.stops;
-        let free = below(low, angle) & below(angle, high);
-        let energy = self.given(limits, follows & free, limits.period * periods);
+        let energy = self.given(limits, follows & limits.is_free(angle), limits.period * periods);
         self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate, energy };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;

@@ -3,6 +3,7 @@
 //! `T` period · times become whole samples: at most that long where something is silent or late, at least one · `alpha R_b` travel of the
 //! drive per radian of the column · `e_max` largest command, in V of a valve's amplifier or in A of a motor
 
+use super::numbers::below;
 use crate::Scalar;
 use crate::parameters::{DriveKind, Parameters};
 
@@ -66,7 +67,16 @@ macro_rules! limits {
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Limits<S = f64> { $( $(#[doc = $doc])+ pub $name: $kind, )* }
 
-        impl Limits {
+        impl<S: Scalar> Limits<S> {
+    /// Whether a column at this angle is at neither end stop.
+    #[inline(always)]
+    pub(super) fn is_free(&self, angle: S) -> S::Mask {
+        let [low, high] = self.stops;
+        below(low, angle) & below(angle, high)
+    }
+}
+
+impl Limits {
             /// The same limits in another number type.
             pub fn numbers_of<S: Scalar>(&self, like: S) -> Limits<S> {
                 self.made_by(|number| like.constant(number))
