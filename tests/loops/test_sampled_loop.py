@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 
 import forcefeel as ff
+from forcefeel import _core
 from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
@@ -158,3 +159,20 @@ def test_analog_loader_and_foreign_law_are_refused(loader: ff.Loader) -> None:
     slower = loader.replace({"controller.period": "1 ms"})
     with pytest.raises(InputError, match=r"made for a controller\.period of 0\.5 ms, the loader has 1 ms"):
         sampled_loops(slower, own(loader, "robust"))
+
+
+def test_loops_of_both_drives_side_by_side_are_the_loops_of_each(loader: ff.Loader) -> None:
+    both = [other.si_values for other in (loader, ff.loader.electric("elevator-electric"))]
+    mixed = np.array([both[k] for k in (0, 1, 1, 0, 1, 0, 0, 1, 1, 1, 0)])
+    gains = np.array([[-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, -1.5e-3]])
+
+    def periods(values: np.ndarray) -> tuple[list[int], np.ndarray]:
+        return _core.sampled_loops(values, 2.5e-4, (2, 1), gains=np.repeat(gains, len(values), axis=0), threads=2)
+
+    states, matrices = periods(mixed)
+    for values in both:
+        own, alone = periods(values[np.newaxis])
+        columns = [states.index(state) for state in own]
+        inputs = [len(states), len(states) + 1]
+        for found in matrices[(mixed == values).all(axis=1)]:
+            np.testing.assert_array_equal(found[np.ix_(columns, columns + inputs)], alone[0])

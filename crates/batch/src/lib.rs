@@ -1,6 +1,8 @@
 //! Many runs: groups of them over the cores.
 #![forbid(unsafe_code)]
 
+pub mod periods;
+
 use fearless_simd::Level;
 use forcefeel_model::link::LINK_ROWS;
 use forcefeel_model::parameters::{DriveKind, Feel};

@@ -6,6 +6,7 @@ use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
 use crate::limits::{at_least_zero, at_most, rising, step, timing as in_steps};
 use crate::model::drive_of;
 use crate::slopes::check_keys;
+use forcefeel_batch::periods::periods;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::channels::CHANNELS;
 use forcefeel_model::controller::Timing;
@@ -17,8 +18,9 @@ use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::surface::{FLIGHT, FlightState};
 use forcefeel_simulate::batch::{Change, Job, Sampling};
 use forcefeel_simulate::measures::{Peaks, Samples, measure, measures};
+use forcefeel_slopes::periods::Periods;
 use forcefeel_slopes::record_slopes::SlopeJob;
-use forcefeel_slopes::sampled_loops::{INPUTS, Periods, SampledLoops};
+use forcefeel_slopes::sampled_loops::{INPUTS, SampledLoops};
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::{ELECTRIC_OUTPUTS, OUTPUTS, Output, outputs};
@@ -321,7 +323,7 @@ pub fn sampled_loops<'py>(
     let law = laws.law();
     let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
     let loops = SampledLoops { effects: effects_of(values.iter(), &law), step_s, timing, values: &values, law };
-    let Periods { states, matrices } = answered(py.detach(|| loops.periods(threads)))?;
+    let Periods { states, matrices } = answered(py.detach(|| periods(&loops, threads)))?;
     let shape = [values.len(), states.len(), states.len() + INPUTS];
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }

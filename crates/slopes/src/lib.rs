@@ -3,9 +3,11 @@
 //! | of | file |
 //! |---|---|
 //! | records of a bench, along parameters | [`record_slopes`] |
-//! | a period of a digital controller: its matrices | [`sampled_loops`] |
+//! | a period of a digital controller: its matrix | [`sampled_loops`] |
+//! | the matrices of many | [`periods`] |
 #![forbid(unsafe_code)]
 
+pub mod periods;
 pub mod record_slopes;
 pub mod sampled_loops;
 

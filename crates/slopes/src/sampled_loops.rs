@@ -1,4 +1,4 @@
-//! Many loops under a digital controller: the matrices of a period, exactly, from the step that runs it.
+//! Loops under a digital controller: the matrix of a period, exactly, from the step that runs it.
 //!
 //! `x+ = M x + b_e e_C + b_F F_p + sum b_j e_j`, `x` what the loader and its controller carry from one period to the next
 //! ([`PERIOD_STATES`]), `e_C` a signal on the command, `F_p` a pilot force that stays through the period, `e_j` a test signal at the
@@ -7,8 +7,6 @@
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
-use core::sync::atomic::{AtomicBool, Ordering};
-use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
@@ -19,12 +17,8 @@ use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
-use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
-use forcefeel_solve::return_on_vectors;
 use forcefeel_solve::smooth::without_steps;
-use forcefeel_solve::threads::{NoThreads, each};
-use forcefeel_solve::wide::Wide;
 
 /// Inputs of a period: signal on the command, pilot force.
 pub const INPUTS: usize = 2;
@@ -53,117 +47,9 @@ pub struct SampledLoops<'a> {
     pub law: Law<'a>,
 }
 
-/// The matrices of loops.
-#[derive(Debug, Clone)]
-pub struct Periods {
-    /// Which states are kept, places among the [`PERIOD_STATES`].
-    pub states: Vec<usize>,
-    /// `[M, b_e, b_F]` of each loop, row by row.
-    pub matrices: Vec<f64>,
-}
-
 impl SampledLoops<'_> {
-    /// The matrices of all loops on so many threads.
-    ///
-    /// # Errors
-    /// If the system gives no threads.
-    pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
-        let (level, all) = (Level::new(), Evaluated::new((0..PERIOD_STATES).collect()));
-        let runs = self.values.len();
-        if runs > 2 * LANES {
-            // States on which nothing depends in the first and last loops are left out; if one matters to another loop, all are evaluated below.
-            let mut some = vec![[[0.0; COLUMNS]; PERIOD_STATES]; 2 * LANES];
-            for (blocks, first) in some.chunks_mut(LANES).zip([0, runs - LANES]) {
-                self.group(level, first, &all, blocks.as_flattened_mut().as_flattened_mut());
-            }
-            let evaluated = Evaluated::new(kept(&some, |_| false));
-            let (matrices, depends) = self.blocks(level, threads, &evaluated)?;
-            if !depends {
-                return Ok(Periods { states: evaluated.states, matrices });
-            }
-        }
-        let (whole, _) = self.blocks(level, threads, &all)?;
-        let whole = whole.as_chunks::<COLUMNS>().0.as_chunks::<PERIOD_STATES>().0;
-        let states = kept(whole, |_| false);
-        let columns: Vec<usize> = states.iter().copied().chain(PERIOD_STATES..COLUMNS).collect();
-        let mut matrices = Vec::with_capacity(whole.len() * states.len() * columns.len());
-        for matrix in whole {
-            for &state in &states {
-                matrices.extend(columns.iter().map(|&k| matrix[state][k]));
-            }
-        }
-        Ok(Periods { states, matrices })
-    }
-
-    /// The matrices of all loops on the states that are evaluated, and whether one of these depends on another state.
-    fn blocks(&self, level: Level, threads: usize, evaluated: &Evaluated) -> Result<(Vec<f64>, bool), NoThreads> {
-        let mut blocks = vec![0.0; self.values.len() * evaluated.size()];
-        let depends = AtomicBool::new(false);
-        each(threads, blocks.chunks_mut(LANES * evaluated.size()).enumerate(), |(group, blocks)| {
-            if self.group(level, group * LANES, evaluated, blocks) {
-                depends.store(true, Ordering::Relaxed);
-            }
-        })?;
-        Ok((blocks, depends.into_inner()))
-    }
-
-    /// The matrices of a group of runs, and whether a state depends on one that is not evaluated.
-    fn group(&self, level: Level, first: usize, evaluated: &Evaluated, blocks: &mut [f64]) -> bool {
-        let runs = first..(first + LANES).min(self.values.len());
-        if runs.clone().all(|run| self.kind(run) == self.kind(first)) {
-            return_on_vectors!(level, simd => with_drive!(self.kind(first), K => {
-                self.vectorized::<_, K>(simd, first, evaluated, blocks)
-            }));
-        }
-        let mut depends = false;
-        for (run, block) in runs.zip(blocks.chunks_mut(evaluated.size())) {
-            let (matrix, _) = self.matrix_of(run, &Parameters::from_values(&self.values[run]));
-            for (&state, row) in evaluated.states.iter().zip(block.chunks_mut(evaluated.width())) {
-                for (value, &place) in matrix[state].iter().zip(&evaluated.places) {
-                    match row.get_mut(place) {
-                        Some(entry) => *entry = *value,
-                        None => depends |= *value != 0.0,
-                    }
-                }
-            }
-        }
-        depends
-    }
-
-    /// The same with the runs side by side, column by column.
-    #[inline(always)]
-    fn vectorized<S: Simd, K: Kind>(&self, simd: S, first: usize, evaluated: &Evaluated, blocks: &mut [f64]) -> bool {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let last = self.values.len() - 1;
-                let wide = |of: &dyn Fn(usize) -> f64| Lanes::gather(simd, |lane| of((first + lane).min(last)));
-                let values = core::array::from_fn(|k| wide(&|run| self.values[run][k]));
-                let ready = self.ready::<Lanes<S>, K>(&Parameters::from_values(&values), wide);
-                let (width, size, zero) = (evaluated.width(), evaluated.size(), Lanes::splat(simd, 0.0));
-                let mut depends = false;
-                // All others are evaluated as one, their sum, after the last column.
-                for place in 0..=width {
-                    let slope = |k: usize| Lanes::splat(simd, f64::from(evaluated.places[k] == place));
-                    let (state, drives) = along(|k| Dual { value: zero, slope: slope(k) });
-                    let (_, next) = ready.next(&state, &drives);
-                    for (row, &state) in evaluated.states.iter().enumerate() {
-                        let slopes = next[state].slope.values();
-                        if place == width {
-                            depends |= slopes.iter().any(|&slope| slope != 0.0);
-                            continue;
-                        }
-                        for (block, slope) in blocks.chunks_mut(size).zip(slopes) {
-                            block[row * width + place] = slope;
-                        }
-                    }
-                }
-                depends
-            },
-        )
-    }
-
-    fn kind(&self, run: usize) -> DriveKind {
+    /// The drive of a run.
+    pub fn kind(&self, run: usize) -> DriveKind {
         DriveKind::of(&self.values[run])
     }
 
@@ -211,8 +97,9 @@ impl SampledLoops<'_> {
         self.ready::<T, K>(parameters, |of: &dyn Fn(usize) -> f64| zero.constant(of(run)))
     }
 
+    /// A machine whose periods are asked for, of numbers that stand for several runs where `wide` makes them.
     #[inline(always)]
-    fn ready<T: Scalar, K: Kind>(
+    pub fn ready<T: Scalar, K: Kind>(
         &self,
         parameters: &Parameters<T>,
         wide: impl Fn(&dyn Fn(usize) -> f64) -> T,
@@ -238,33 +125,8 @@ impl SampledLoops<'_> {
     }
 }
 
-/// Which states of a matrix are evaluated, and for each state and input its column; of those that are not, none.
-struct Evaluated {
-    states: Vec<usize>,
-    places: [usize; COLUMNS],
-}
-
-impl Evaluated {
-    fn new(states: Vec<usize>) -> Self {
-        let others = states.len() + INPUTS;
-        let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
-        let places = core::array::from_fn(|k| columns().position(|column| column == k).unwrap_or(others));
-        Self { states, places }
-    }
-
-    /// Columns of a matrix.
-    fn width(&self) -> usize {
-        self.states.len() + INPUTS
-    }
-
-    /// Numbers of a matrix.
-    fn size(&self) -> usize {
-        self.states.len() * self.width()
-    }
-}
-
 /// A machine whose periods are asked for.
-struct Ready<'a, T: Scalar, D: Drive<Dual<T>>> {
+pub struct Ready<'a, T: Scalar, D: Drive<Dual<T>>> {
     machine: Machine<Dual<T>, D>,
     loops: &'a SampledLoops<'a>,
     parameters: Parameters<Dual<T>>,
@@ -286,17 +148,18 @@ impl<T: Scalar, D: Drive<Dual<T>>> Ready<'_, T, D> {
 
     /// What there is at the start of a period, and the state a period later.
     #[inline(always)]
-    fn next(&self, state: &[Dual<T>; PERIOD_STATES], drives: &Drives<Dual<T>>) -> Next<T, D> {
+    pub fn next(&self, state: &[Dual<T>; PERIOD_STATES], drives: &Drives<Dual<T>>) -> Next<T, D> {
         let shared = self.loops.shared();
         Period { machine: &self.machine, shared: &shared, timing: self.loops.timing }.next(state, drives)
     }
 }
 
-type Next<T, D> = (Option<Snapshot<Dual<T>, D>>, [Dual<T>; PERIOD_STATES]);
+/// What there is at the start of a period, if a step begins there, and the state a period later.
+pub type Next<T, D> = (Option<Snapshot<Dual<T>, D>>, [Dual<T>; PERIOD_STATES]);
 
 /// State and drives of which each is what `of` gives for its column.
 #[inline(always)]
-fn along<T: Scalar>(of: impl Fn(usize) -> Dual<T>) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
+pub fn along<T: Scalar>(of: impl Fn(usize) -> Dual<T>) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
     let [command_signal, force] = [of(PERIOD_STATES), of(PERIOD_STATES + 1)];
     let drives = Drives { command_signal, force, force_before: force, test_signal: (force.zero(), 0) };
     (core::array::from_fn(of), drives)

@@ -91,6 +91,7 @@ def parts(drive: str) -> Mapping[str, str]:
     return MappingProxyType({part: _without_piston(what, drive) for part, what in PARTS.items() if part in own})
 
 
+@cache
 def unit(row: Parameter) -> Unit:
     """The row's units; a switch has none."""
     return RATIO if is_switch(row) else Unit(row.unit_si, row.unit_metric, row.unit_us)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cache
 
 from forcefeel._core import Parameter
 from forcefeel.loader import bus, curve_text, tolerance_text
@@ -36,9 +37,8 @@ _EXAMPLE_DIGITS = 4
 def write(contents: Contents, units: UnitSystem) -> str:
     """A commented loader file."""
     values, curves, tolerances = contents.values, contents.curves, contents.tolerances
-    templates = environment(html=False)
-    templates.filters["toml"] = _toml_string
-    return templates.get_template("loader/loader.toml.j2").render(
+    template = environment(html=False, toml=_toml_string).get_template("loader/loader.toml.j2")
+    return template.render(
         name=contents.name,
         source=contents.source,
         drive=contents.drive,
@@ -103,6 +103,7 @@ def toml_value(row: Parameter, value: float, units: UnitSystem, digits: int = DI
     return str(bool(value)).lower() if is_switch(row) else _toml_string(with_unit(row, value, units, digits))
 
 
+@cache
 def _limits(row: Parameter, units: UnitSystem) -> str:
     """The accepted range; the unit stands once."""
     low, high = (with_unit(row, limit, units) for limit in limits_si(row))

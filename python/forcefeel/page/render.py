@@ -52,8 +52,8 @@ def drawing(drawn: "go.Figure", key: str) -> Markup:
 
 @cache
 def _templates() -> jinja2.Environment:
-    templates = environment(html=True)
-    templates.filters.update(
+    return environment(
+        html=True,
         capital=capital,
         change=change_text,
         commas=lambda number: f"{number:,}",
@@ -64,4 +64,3 @@ def _templates() -> jinja2.Environment:
         span=symbol_svg,
         symbol=symbol_html,
     )
-    return templates

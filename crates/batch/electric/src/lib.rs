@@ -6,6 +6,8 @@ use fearless_simd::Level;
 use forcefeel_model::drive::OfElectric;
 use forcefeel_simulate::batch::{Job, Values};
 use forcefeel_simulate::linked::{self, Side};
+use forcefeel_slopes::periods::Evaluated;
+use forcefeel_slopes::sampled_loops::SampledLoops;
 
 /// The group of runs from `first` on: the measures of each, and its histories where there is room for them.
 pub fn group(job: &Job<'_>, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
@@ -15,4 +17,9 @@ pub fn group(job: &Job<'_>, level: Level, first: usize, measures: &mut [Values],
 /// The loader of a run of a job as a side of a pair.
 pub fn side<'a>(job: &'a Job<'a>, run: usize) -> Box<dyn Side + 'a> {
     linked::side::<OfElectric>(job, run)
+}
+
+/// Matrices of a period of loops from `first` on, in vector lanes; none where the machine has no vectors.
+pub fn periods(evaluated: &Evaluated, loops: &SampledLoops<'_>, first: usize, blocks: &mut [f64]) -> Option<bool> {
+    evaluated.on_vectors::<OfElectric>(loops, first, blocks)
 }

@@ -30,10 +30,8 @@ fn number<S: Scalar>(mask: S::Mask, like: S) -> S {
 
 /// Parameters whose numbers all depend on `x`, so that they differ from lane to lane.
 fn parameters<S: Scalar>(x: S) -> Parameters<S> {
-    let share = x.times(1e-1) + x.constant(1.0);
-    Parameters::from_values(&core::array::from_fn::<_, COUNT, _>(|k| {
-        share.times(Parameters::with_every_row().values()[k])
-    }))
+    let (share, values) = (x.times(1e-1) + x.constant(1.0), Parameters::with_every_row().values());
+    Parameters::from_values(&core::array::from_fn::<_, COUNT, _>(|k| share.times(values[k])))
 }
 
 fn effects() -> Effects {

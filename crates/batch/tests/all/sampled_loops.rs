@@ -2,6 +2,8 @@
 
 use crate::observers::{DEAF, Sampled};
 use crate::runs::{GAINS, everything, pushed, run};
+use forcefeel_batch::periods::periods as periods_of;
+use forcefeel_matrices::period;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
@@ -11,7 +13,8 @@ use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_simulate::batch::Job;
-use forcefeel_slopes::sampled_loops::{INPUTS, Periods, SampledLoops};
+use forcefeel_slopes::periods::Periods;
+use forcefeel_slopes::sampled_loops::{INPUTS, SampledLoops};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS as BATCH_OUTPUTS;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
@@ -52,9 +55,12 @@ fn shared(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Shared {
     Shared { effects, step_s: H, timing: Some(timing), curve: None, cancellation: None }
 }
 
+fn loops<'a>(values: &'a [[f64; COUNT]], law: Law<'a>, timing: Timing) -> SampledLoops<'a> {
+    SampledLoops { effects: shared(values, law, timing).effects, step_s: H, timing, values, law }
+}
+
 fn periods(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Periods {
-    let effects = shared(values, law, timing).effects;
-    SampledLoops { effects, step_s: H, timing, values, law }.periods(1).expect("threads")
+    periods_of(&loops(values, law, timing), 1).expect("threads")
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a handful")]
@@ -230,10 +236,12 @@ fn states_that_are_left_out_have_their_poles_at_zero() {
                 let (one, other) = (det(&all), z.powi(left_out) * det(&found.matrix));
                 assert!((one - other).abs() <= 1e-9 * one.abs(), "{timing:?} at {z}: {one:e} for {other:e}");
             }
-            // What is kept is the whole's, number by number.
+            // What is kept is the whole's, number by number, and that of a machine without vectors.
+            let plain = period(&loops(&[p.values()], law, timing), 0);
             for (row, &state) in found.states.iter().enumerate() {
                 for (column, &from) in found.states.iter().enumerate() {
                     assert_eq!(found.matrix[(row, column)].to_bits(), whole[(state, from)].to_bits());
+                    assert_eq!(found.matrix[(row, column)].to_bits(), plain[state][from].to_bits());
                 }
                 assert_eq!(found.by_command[row].to_bits(), whole[(state, PERIOD_STATES)].to_bits());
                 assert_eq!(found.by_force[row].to_bits(), whole[(state, PERIOD_STATES + 1)].to_bits());
@@ -329,11 +337,11 @@ fn many_loops_are_the_loops_one_by_one() {
     let values: Vec<_> = loaders.iter().map(Parameters::values).collect();
     let laws: Vec<_> = loaders.iter().map(|p| estimating(p, timing)).collect();
     let law = Law::Observers(&laws);
-    let many = SampledLoops { effects: shared(&values, law, timing).effects, step_s: H, timing, values: &values, law };
-    let all = many.periods(1).expect("threads");
+    let many = loops(&values, law, timing);
+    let all = periods_of(&many, 1).expect("threads");
     let bits = |matrices: &[f64]| matrices.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     for threads in [2, 3] {
-        assert_eq!(bits(&many.periods(threads).expect("threads").matrices), bits(&all.matrices), "{threads}");
+        assert_eq!(bits(&periods_of(&many, threads).expect("threads").matrices), bits(&all.matrices), "{threads}");
     }
     let size = all.matrices.len() / values.len();
     for (k, one) in values.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Matrices of the linear models and their slopes: how they change with a parameter, exactly.
+//! Matrices of the linear models and of periods, and their slopes: how they change with a parameter, exactly.
 //!
 //! `x' = A x + B u`, `y = C x + D u`, or `x+ = M x + B u` from one period of a digital controller to the next · `u = [e_T, F_p]` test
 //! signal and pilot force · `y` the channels of a bench · `theta` a parameter
@@ -89,6 +89,11 @@ fn put([value, slope]: &mut [StateSpace; 2], of: fn(&mut StateSpace) -> &mut DMa
         of(value)[(k, j)] = number.value;
         of(slope)[(k, j)] = number.slope;
     }
+}
+
+/// The matrix of a period of one of `loops`.
+pub fn period(loops: &SampledLoops<'_>, run: usize) -> PeriodMatrix {
+    loops.matrix_of(run, &along(&loops.values[run], None)).0.map(|row| row.map(|number| number.value))
 }
 
 /// The first of `loops` on a bench, from one period to the next: `a` is `M`, over the states that count. Columns of `b` and `d`:
