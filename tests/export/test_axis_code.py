@@ -1,6 +1,7 @@
 """The supervised law in C: the live loop's bits in every state of the supervisor, and all of it run and mapped."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -51,6 +52,9 @@ ACTED = {
 
 MISSED = 0.005
 """Share of a period's statements that golden vectors may miss: the rare branches that the map names, and of contact."""
+
+LONGEST_FUNCTION = 900
+"""Lines: of two arms that are just not cut, and of comments."""
 
 RUN_BY_THE_LAW = {"contact"}
 """Sections whose swings the vectors of the law run; under a supervisor a column seldom swings so."""
@@ -166,6 +170,19 @@ def test_every_statement_is_mapped_to_its_line(folder, single, name):
     safety = {row for statement in mapped for row in statement["rows"] if row.startswith("safety.")}
     assert {"safety.absolute_force", "safety.speed_limit", "safety.energy_limit", "safety.command_rate"} <= safety
     assert max(map(len, declared(code))) <= LONGEST_NAME
+
+
+@pytest.mark.parametrize("name", ["pitch", "roll"])
+def test_functions_are_short_and_each_value_that_passes_between_them_is_used(folder, single, name):
+    code = ((folder if name == "pitch" else single) / f"{name}_axis.c").read_text(encoding="utf-8")
+    of_period = code.split(f"}} {name}_axis_values;")
+    passing = declared(of_period[0].rsplit("typedef struct {", 1)[1])
+    functions = of_period[1].split("\n}\n")
+    assert len(functions) > 8
+    assert max(function.count("\n") for function in functions) < LONGEST_FUNCTION
+    for value in passing:
+        used = [function for function in functions if re.search(rf"between->{value}\b", function)]
+        assert len(used) > 1, value
 
 
 def test_limits_are_those_of_the_loader_file(tmp_path):

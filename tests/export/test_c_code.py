@@ -176,17 +176,19 @@ def several(tmp_path_factory):
 
 @pytest.mark.slow
 def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
-    """Several settings with every part, and a tuned motor that is linked to one program with them: their names must not meet.
+    """Several settings with every part, and a tuned and a supervised motor that are linked to one program with them: their names
+    must not meet.
 
     The checker takes a second for each part of a feel, so that the motor has only its own: its curve and its cogging.
     """
     needs("cppcheck")
     plain = motor({})
     rows = tunable_rows(["feel.deadband=0..1 deg"], plain.loader, plain.law)
-    single = written(replace(plain, tunable=rows), tmp_path, single=True)
+    single = written(replace(plain, tunable=rows), tmp_path / "tuned", single=True)
     # As gcc for the board sees it: each configuration is checked anew, and takes as long.
     asked = ("--addon=misra", "--std=c99", "--enable=style,warning,performance,portability", "-D__GNUC__=12", "--quiet")
-    sources = [several / "pitch_law.c", single / "roll_law.c", several / "pitch_main.c"]
+    supervised = written(replace(plain, name="yaw", supervised=True), tmp_path / "supervised", single=True)
+    sources = [several / "pitch_law.c", single / "roll_law.c", supervised / "yaw_axis.c", several / "pitch_main.c"]
     text = run(single, "cppcheck", *asked, "--template={id}", *sources)
     found = set(re.findall(r"^\S+$", text, re.MULTILINE))
     assert found == ARGUED

@@ -182,8 +182,13 @@ impl<'a> Body<'a> {
             }
             for (node, arms) in members {
                 let (kind, name) = (self.kind(node), self.named(node));
+                // Of two words that are known, C's type would be the smallest that holds them.
+                let known = |arm: &Option<u32>| {
+                    arm.is_some_and(|arm| matches!(self.graph.nodes[arm as usize], Node::Whole(..)))
+                };
+                let typed = if arms.iter().all(known) { format!("({kind})") } else { String::new() };
                 let chosen = match arms.map(|arm| arm.map(|arm| self.spelled(arm))) {
-                    [Some(yes), Some(no)] => format!("{mask} ? {yes} : {no}"),
+                    [Some(yes), Some(no)] => format!("{mask} ? {typed}{yes} : {typed}{no}"),
                     [Some(second), None] => format!("{mask} && {second}"),
                     [None, second] => format!("(!{mask}) && {}", second.unwrap_or_default()),
                 };

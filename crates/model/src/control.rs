@@ -292,7 +292,11 @@ impl<S: Scalar> Control<S> {
     #[inline(always)]
     pub(crate) fn trimmed(&self, output: LawOutput<S>, neutral: S, fade: f64) -> LawOutput<S> {
         let (from, to) = (self.observer.per_neutral(), self.next_observer.per_neutral());
-        let of = |k: usize| if fade == 0.0 { from[k] } else { from[k] + (to[k] - from[k]).times(fade) } * neutral;
+        // What a neutral has no part in takes nothing from one that is no number: in the traced C it is left out.
+        let of = |k: usize| {
+            let per_neutral = if fade == 0.0 { from[k] } else { from[k] + (to[k] - from[k]).times(fade) };
+            per_neutral.slope_times(neutral)
+        };
         LawOutput { command: output.command + of(0), torque: output.torque + of(1), ..output }
     }
 

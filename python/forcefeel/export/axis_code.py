@@ -17,6 +17,7 @@ from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import board_axis
 from forcefeel.export.golden import spelled_rows
+from forcefeel.export.period_functions import in_functions
 from forcefeel.export.sections import STATES
 from forcefeel.export.trace_map import commented, trace_html, trace_json
 
@@ -56,6 +57,7 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
         inputs = inputs.astype(np.float32).astype(np.float64)
     answers, states = board_axis(exported).answers(inputs, words.tolist(), single=single)
     code = "".join((*source.functions, source.step))
+    period = in_functions(source.step, name, len(source.functions) + 1)
     fields: dict[str, object] = about(exported, numbers, single=single) | {
         "name": name,
         "states": [(state, _TYPES[kind].format(name)) for state, kind, _ in source.states],
@@ -63,7 +65,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
         "costs": (),
         "operations": source.operations,
         "functions": [commented(function).rstrip("\n") for function in source.functions],
-        "step": commented(source.step),
+        "members": period.members,
+        "period": commented(period.code),
         "code": code,
         "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
         "bits": "uint32_t" if single else "uint64_t",
@@ -73,8 +76,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
             for function, does, *_ in safety_functions(loader.si_values, loader.drive, numbers.period_s)
         ],
         "samples": len(inputs),
-        "given": spelled_rows(np.nan_to_num(inputs[:, [*range(7), 8, 9, 10]], nan=0.0), single=single),
-        "words": _words(np.column_stack([words[:, 2:], np.isnan(inputs[:, 0]) + 2 * np.isnan(inputs[:, 4])])),
+        "given": spelled_rows(inputs[:, [*range(7), 8, 9, 10]], single=single),
+        "words": _words(words[:, 2:]),
         "answers": spelled_rows(answers, single=single),
         "must": _words(states),
     }

@@ -8,7 +8,7 @@ from forcefeel.export.firmware_code import golden_inputs
 
 _Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 
-_FORCE, _POSITION, _BASE, _TRIM, _SHAKER = 0, 1, 2, slice(4, 7), 6
+_FORCE, _POSITION, _BASE, _TRIM, _SHAKER, _ADDED = 0, 1, 2, slice(4, 7), 6, (8, 9, 10)
 _REQUEST, _MISSED, _DELAY, _LATE, _FLAGS = range(2, 7)
 _OFF, _PASSIVE, _ACTIVE = 0, 1, 2
 _DRIVE_FAULT, _ACKNOWLEDGED = 2, 4
@@ -75,6 +75,10 @@ def _requests(script: _Script) -> None:
     script.part(5, _OFF)
     _, asked = script.part(check + 20, _PASSIVE)
     asked[-2:, _FLAGS] = _DRIVE_FAULT
+    # No number beside the hand's force while the feel comes.
+    for added in _ADDED:
+        numbers, _ = script.restart(check + 120)
+        numbers[check + 100 : check + 105, added] = np.nan
 
 
 def _faults(script: _Script) -> None:
