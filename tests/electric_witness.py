@@ -268,7 +268,7 @@ class Touch:
         """The feel, the command and its torque at a sample, from those of free motion."""
         (force, position, column), drive_rate, (rests, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
-        at_end = self.at_end(feels[0], column, own[1])
+        at_end = self.at_end(feels, column, own[1])
         noticed, was = self.notice(h, own[1], column) or at_end, self.share
         if noticed:
             self.place = (column if at_end else self.struck_at, self.torque)
@@ -294,14 +294,14 @@ class Touch:
         self.acts = 0.0 if at_end else self.acts
         return feels, command, torque
 
-    def at_end(self, delta, column, hand):
-        """Whether a hand, as a sensor at the grip shows it, pushes feel and column into an end stop."""
+    def at_end(self, feels, column, hand):
+        """Whether feel and column go into an end stop by their motion or a hand, as a sensor at the grip shows it."""
         if self.ends is None:
             return False
-        low, high, stiffness = self.ends
+        (low, high, stiffness), (delta, rate) = self.ends, feels
         if delta > high and column > high - self.near:
-            return hand > stiffness * delta
-        return delta < low and column < low + self.near and hand < stiffness * delta
+            return hand > stiffness * delta or rate > 0
+        return delta < low and column < low + self.near and (hand < stiffness * delta or rate < 0)
 
     def damp(self, h, feels, inertia):
         """The feel after a period."""

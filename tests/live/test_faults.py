@@ -55,6 +55,13 @@ def test_legal_runs_are_not_stopped(loaders) -> None:
     assert (outcomes[:, STOPPED] < 0).all()
 
 
+def test_column_that_runs_into_its_end_stop_under_a_grip_sensor_is_not_stopped(loaders) -> None:
+    """The feel went on by its own motion, the hand lighter than its spring, and the drive pushed the column into the stop."""
+    electric = tuple(rows[4:5] for rows in loaders)
+    outcomes = _core.supervised_faults(*electric, seed=7, first=9479, count=1, faults=0)
+    assert (outcomes[:, STOPPED] < 0).all()
+
+
 def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -> None:
     """Electronic link of two sticks: the other side is not stopped. Shaft of two columns: it stops with the first."""
     project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")

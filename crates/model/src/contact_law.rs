@@ -26,7 +26,7 @@
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
 //!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
-//!   hand pushing into it. While that is so, the feel moves as the column.
+//!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by

@@ -268,15 +268,15 @@ impl<S: Scalar> Control<S> {
         (LawOutput { command, torque, ..output }, damps)
     }
 
-    /// Whether feel and column are at an end stop that the hand pushes into: a force sensor at the grip does not show it. The feel would go
-    /// on, and the drive push the column into the stop with all that it has.
+    /// Whether feel and column are at an end stop that the hand pushes into, or the feel's own motion: a force sensor at the grip does not show
+    /// it. The feel would go on, and the drive push the column into the stop with all that it has.
     #[inline(always)]
     fn at_end(&self, hand: S, feeling: &FeelState<S>, inputs: ContactInputs<S>) -> S::Mask {
         let ([low, high], near) = (self.ends, self.observer.contact.near);
-        let ([delta, _], [column, _]) = (feeling.motion.at, inputs.angle);
-        let spring = self.feel.spring_torque(feeling.neutral, delta);
-        (high.less(delta) & (high - near).less(column) & spring.less(hand))
-            | (delta.less(low) & column.less(low + near) & hand.less(spring))
+        let ([delta, rate], [column, _]) = (feeling.motion.at, inputs.angle);
+        let (spring, zero) = (self.feel.spring_torque(feeling.neutral, delta), hand.zero());
+        (high.less(delta) & (high - near).less(column) & (spring.less(hand) | zero.less(rate)))
+            | (delta.less(low) & column.less(low + near) & (hand.less(spring) | rate.less(zero)))
     }
 
     /// The feel after a period, damped by its share in a contact.
