@@ -101,14 +101,20 @@ class Contact:
 STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
 """N/m at the grip: from a firm arm's to a steel stop's."""
 
-_LITTLE = 0.02
-"""Damping ratio of steel."""
+_LITTLE, _SOME, _MUCH = 0.02, 0.1, 0.5
+"""Damping ratios: of steel, of a hand, of rubber."""
 
-_MUCH = 0.5
-"""Of rubber: against a soft stop more settings swing on with it than without."""
+_DAMPED = (
+    Contact(False, 3e4, _MUCH),
+    Contact(False, 1e6, _SOME),
+    Contact(False, 1e4, _SOME),
+    Contact(False, 1e5, _SOME, 3.0),
+)
+"""Clamps in which settings swing on that do so in none with little damping."""
 
 CONTACTS = (
     *(Contact(False, k, _LITTLE, mass) for mass, k in product((0.0, 3.0), STIFFNESSES)),
+    *_DAMPED,
     *(Contact(True, k, _LITTLE) for k in (1e4, 1e5, 1e6)),
     Contact(True, 1e3, _MUCH),
 )
