@@ -92,7 +92,7 @@ def expected():
     numbers, states = board_axis(valve()).answers(
         inputs.astype(np.float32).astype(np.float64), words.tolist(), single=True
     )
-    return numbers.astype(np.float32), states
+    return numbers[:, :4].astype(np.float32), states
 
 
 @pytest.fixture(scope="module")
