@@ -91,6 +91,7 @@ __all__ = [
     "orifice_flow",
     "parameters",
     "parts",
+    "propagated",
     "recursion",
     "release_feature_groups",
     "release_rule_names",
@@ -655,6 +656,9 @@ def feel_steps(settings: _Array, period: float) -> _Array:
 
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
 def exponential(a: _Array) -> _Array: ...
+def propagated(phi: _Array, start: _Array, inputs: _Array) -> _Array:
+    """The states (steps + 1, n) of ``x_{k+1} = phi x_k + v_k`` from ``start`` on, with ``v_k`` the rows of ``inputs``."""
+
 def balanced(a: _Array) -> tuple[_Array, _Array]: ...
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
 def stationary(phi: _Array, h: _Array, q: _Array, r: _Array) -> tuple[_Array, float] | None:

@@ -71,6 +71,24 @@ pub fn exponential<'py>(py: Python<'py>, a: PyReadonlyArray2<'py, f64>) -> PyRes
     to_numpy(py, &forcefeel_solve::exponential(&matrix("a", &a, (n, n))?))
 }
 
+/// The states (steps + 1, n) of `x_{k+1} = phi x_k + v_k` from `start` on, with `v_k` the rows of `inputs`.
+#[pyfunction]
+pub fn propagated<'py>(
+    py: Python<'py>,
+    phi: PyReadonlyArray2<'py, f64>,
+    start: PyReadonlyArray1<'py, f64>,
+    inputs: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Matrix<'py>> {
+    let start: Vec<f64> = start.as_array().iter().copied().collect();
+    let (steps, n) = inputs.as_array().dim();
+    if n == 0 || start.len() != n {
+        return Err(refused(format!("start: expected {n} values, one at least, got {}", start.len())));
+    }
+    let (phi, inputs) = (matrix("phi", &phi, (n, n))?, inputs.as_array().iter().copied().collect::<Vec<_>>());
+    let states = py.detach(|| forcefeel_solve::propagated(&phi, &start, &inputs));
+    PyArray1::from_vec(py, states).reshape([steps + 1, n])
+}
+
 /// `D^-1 a D` with a diagonal `D` of powers of two that makes rows and columns alike, and that diagonal.
 #[pyfunction]
 pub fn balanced<'py>(

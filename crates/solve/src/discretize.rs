@@ -60,6 +60,28 @@ pub fn exponential(z: &DMatrix<f64>) -> DMatrix<f64> {
     grown + one
 }
 
+/// The states of `x_{k+1} = phi x_k + v_k` from a first one on: `inputs` has `v_k` row by row, and so have the states that come.
+///
+/// # Panics
+/// If `phi` is not square or `inputs` has no whole number of rows.
+pub fn propagated(phi: &DMatrix<f64>, start: &[f64], inputs: &[f64]) -> Vec<f64> {
+    let n = start.len();
+    assert_eq!(phi.shape(), (n, n), "state matrix must be square with a row for each state");
+    assert!(n > 0 && inputs.len().is_multiple_of(n), "inputs must have a number for each state and step");
+    let mut states = Vec::with_capacity(n + inputs.len());
+    states.extend_from_slice(start);
+    let mut next = vec![0.0; n];
+    for input in inputs.chunks_exact(n) {
+        next.copy_from_slice(input);
+        let now = &states[states.len() - n..];
+        for (column, state) in phi.as_slice().chunks_exact(n).zip(now) {
+            next.iter_mut().zip(column).for_each(|(next, entry)| *next += entry * state);
+        }
+        states.extend_from_slice(&next);
+    }
+    states
+}
+
 /// `D^-1 a D` with a diagonal `D` of powers of two, for which rows and columns are of one size, and that diagonal; `a` itself where
 /// it is not made of numbers. For a matrix of any size; `balance` is for vector lanes.
 ///

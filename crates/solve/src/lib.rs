@@ -48,5 +48,5 @@ pub mod transition;
 pub mod unit_circle;
 pub mod wide;
 
-pub use discretize::{balanced, discretize, exponential};
+pub use discretize::{balanced, discretize, exponential, propagated};
 pub use linearize::{StateSpace, linearize};

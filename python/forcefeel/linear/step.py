@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import balanced, exponential
+from forcefeel._core import balanced, exponential, propagated
 from forcefeel.errors import InputError, expect_number
 from forcefeel.linear.models import StateSpaceLike, check_model
 from forcefeel.tables.labeled_arrays import LabeledArrays
@@ -71,10 +71,8 @@ def step_outputs(
     time = np.linspace(0.0, duration_s, samples)
     b = np.asarray(model.B)[:, 0]
     phi, level, _ = transition(np.asarray(model.A), b, duration_s / (samples - 1))
-    states = np.zeros((samples, len(b)))
     with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(samples - 1):
-            states[k + 1] = phi @ states[k] + level * force_n
+        states = propagated(phi, np.zeros(len(b)), np.tile(level * force_n, (samples - 1, 1)))
         outputs = np.asarray(model.C) @ states.T + np.asarray(model.D)[:, :1] * force_n
     return time, np.where(np.isfinite(outputs), outputs, np.nan)
 

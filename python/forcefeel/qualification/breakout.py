@@ -12,7 +12,8 @@ model with the smallest information criterion is used.
 
 import math
 from dataclasses import dataclass
-from itertools import combinations
+from functools import cached_property
+from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,11 +86,17 @@ def breakout(distance: _Array, force_n: _Array, force_uncertainty_n: float) -> F
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Distances, forces away from neutral, and square roots of the weights (points,)."""
+    """Rising distances, forces away from neutral, and square roots of the weights (points,)."""
 
     d: _Array
     force: _Array
     weight: _Array
+
+    @cached_property
+    def beyond(self) -> _Array:
+        """Weighted sums of 1, ``d``, ``d^2``, ``F`` and ``F d`` over the points from each place on: (5, points + 1)."""
+        each = np.array([np.ones_like(self.d), self.d, self.d**2, self.force, self.force * self.d]) * self.weight**2
+        return np.pad(np.cumsum(each[:, ::-1], axis=1)[:, ::-1], ((0, 0), (0, 1)))
 
 
 def _best_lines(points: _Points, changes: int) -> "_Lines":
@@ -125,13 +132,22 @@ def _basis(d: _Array, knots: _Array) -> _Array:
 
 
 def _residual_squares(points: _Points, knots: _Array) -> _Array:
-    """Residual sums of squares of the best lines with these knots, vectorized over sets of knots."""
-    basis, force = points.weight[:, np.newaxis] * _basis(points.d, knots), points.weight * points.force
-    turned = np.swapaxes(basis, -1, -2)
-    products = turned @ basis + _SAME * np.eye(basis.shape[-1])
-    along = turned @ force
-    terms = np.linalg.solve(products, along[..., np.newaxis])[..., 0]
-    return np.asarray(force @ force - np.sum(along * terms, axis=-1))
+    """Residual sums of squares of the best lines with these rising knots, vectorized over sets of knots."""
+    # Normal equations: a product with max(d - kappa, 0) is one of sums over the points beyond kappa.
+    lines, changes = 2, knots.shape[-1]
+    zeroth, first, second, force, force_first = points.beyond[:, np.searchsorted(points.d, knots, side="right")]
+    products = np.empty((*knots.shape[:-1], lines + changes, lines + changes))
+    along = np.empty(products.shape[:-1])
+    (products[..., 0, 0], middle, products[..., 1, 1], along[..., 0], along[..., 1]) = points.beyond[:, 0]
+    products[..., 0, 1] = products[..., 1, 0] = middle
+    products[..., 0, lines:] = products[..., lines:, 0] = first - knots * zeroth
+    products[..., 1, lines:] = products[..., lines:, 1] = second - knots * first
+    along[..., lines:] = force_first - knots * force
+    for low, high in combinations_with_replacement(range(changes), 2):
+        both = second - (knots + knots[..., [low]]) * first + knots * knots[..., [low]] * zeroth
+        products[..., lines + low, lines + high] = products[..., lines + high, lines + low] = both[..., high]
+    terms = np.linalg.solve(products + _SAME * np.eye(lines + changes), along[..., np.newaxis])[..., 0]
+    return np.asarray(np.sum((points.weight * points.force) ** 2) - np.sum(along * terms, axis=-1))
 
 
 def _fitted(points: _Points, basis: _Array) -> tuple[_Array, float]:

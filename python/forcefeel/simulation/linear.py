@@ -56,22 +56,16 @@ def run(loader: Loader, law: GainLaw, scenario: Scenario) -> tuple[NDArray[np.fl
     steps = Steps.of(on_samples(scenario), loader)
     force = steps.inputs["force"].copy()
     phi, level, ramp = transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
-    states = np.empty((len(force) + 1, len(phi)))
-    states[0] = 0.0
+    start = np.zeros(len(phi))
     angle, until = steps.held or (0.0, 0)
     if steps.held or steps.start_force_n:
         per_force = equilibrium(model)
         hand = angle / float(np.asarray(model.C)[0] @ per_force)
-        states[0] = per_force * (hand + steps.start_force_n)
+        start = per_force * (hand + steps.start_force_n)
         force[:until] += hand
     with np.errstate(over="ignore", invalid="ignore"):
-        levels, ramps = np.outer(force[:, 0], level), np.outer(force[:, 1] - force[:, 0], ramp)
-        state = states[0]
-        for following, by_level, by_ramp in zip(states[1:], levels, ramps, strict=True):
-            np.matmul(phi, state, out=following)
-            np.add(following, by_level, out=following)
-            np.add(following, by_ramp, out=following)
-            state = following
+        by_force = np.outer(force[:, 0], level) + np.outer(force[:, 1] - force[:, 0], ramp)
+        states = _core.propagated(phi, start, by_force)
         pilot_force = np.append(force[:, 0], force[-1, 1])
         outputs = _outputs(model, states, pilot_force)
     samples, rest = outputs[:, :: steps.every], _angle_under(model, force[-1, 1])

@@ -1,7 +1,7 @@
 //! State transition over one step against systems whose solution is known in closed form.
 
 use crate::rows::rows;
-use forcefeel_solve::discretize;
+use forcefeel_solve::{discretize, propagated};
 use nalgebra::DMatrix;
 
 /// The exponential scales and squares, which costs a few more roundings than a sum.
@@ -76,4 +76,16 @@ fn a_matrix_too_large_for_its_digits_has_no_transition() {
     for beyond in [1e11, 1e200, f64::MAX, f64::INFINITY, f64::NAN] {
         assert!(of(beyond).iter().all(|entry| entry.is_nan()));
     }
+}
+
+#[test]
+fn states_that_double_and_turn_are_those_of_powers() {
+    // x doubles and takes in one, y turns with z: 2^k - 1, and a turn of a quarter each step.
+    let phi = rows([[2.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]);
+    let states = propagated(&phi, &[0.0, 1.0, 0.0], &[1.0, 0.0, 0.0].repeat(5));
+    let turned = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
+    for (k, (state, [y, z])) in (0..).zip(states.chunks(3).zip(turned)) {
+        assert_eq!(state, [f64::powi(2.0, k) - 1.0, y, z]);
+    }
+    assert_eq!(states.len(), 18);
 }
