@@ -241,7 +241,7 @@ def test_firmware_matches_the_live_loop(loader):
     given[:, 4], given[:, 6] = 0.02, 0.5
     given[:, 5] = np.where(np.maximum.accumulate(seen["spring_factor"]) > 1.0, 1.3, 1.0)
     assert np.count_nonzero(np.diff(seen["spring_factor"])) > 100  # it is led there
-    words = np.zeros((len(rows), 7), dtype=int)
+    words = np.zeros((len(rows), 8), dtype=int)
     active = np.flatnonzero(seen["state"] == 3)
     words[np.argmax(seen["state"] == 1) : active[-1] + 1, 2] = 2
     numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
@@ -258,7 +258,7 @@ def test_host_force_acts_like_hand_force():
     given = np.zeros((16000, 11))
     given[:, 5] = 1.0
     given[4000:, 8] = force = 0.5
-    words = np.zeros((len(given), 7), dtype=int)
+    words = np.zeros((len(given), 8), dtype=int)
     words[1:, 2] = 2
     numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
     assert states[-1, 1] == 3

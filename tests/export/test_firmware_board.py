@@ -92,7 +92,7 @@ def expected():
     numbers, states = board_axis(valve()).answers(
         inputs.astype(np.float32).astype(np.float64), words.tolist(), single=True
     )
-    return numbers.astype(np.float32), states
+    return numbers[:, :4].astype(np.float32), states
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +163,9 @@ def test_telemetry_script_prints_the_frames(golden, folder):
     head, *rows = text.splitlines()
     assert head.split() == list(FRAME.names)
     assert len(rows) >= FAULT_AT - 100
-    assert float(rows[-1].split()[2]) == golden.frames["torque"][int(rows[-1].split()[0])]
+    period, _, torque, *_ = rows[-1].split()
+    # A frame is left out where a change of setting takes longer than a period.
+    assert float(torque) == golden.frames["torque"][golden.frames["period"] == int(period)]
 
 
 def test_program_for_the_board_fits_and_needs_no_emulator(folder):

@@ -18,7 +18,7 @@ use forcefeel_model::with_drive;
 use std::collections::BTreeSet;
 
 /// Inputs of an axis, in this order, by what each is.
-const AXIS_INPUTS: [(&str, Kind); 17] = [
+const AXIS_INPUTS: [(&str, Kind); 19] = [
     ("force", Kind::Number),
     ("position", Kind::Number),
     ("base", Kind::Number),
@@ -33,6 +33,8 @@ const AXIS_INPUTS: [(&str, Kind); 17] = [
     ("missed", Kind::Word),
     ("delay", Kind::Word),
     ("late", Kind::Word),
+    ("host_age", Kind::Word),
+    ("host", Kind::Flag),
     ("emergency_stop", Kind::Flag),
     ("drive_fault", Kind::Flag),
     ("acknowledged", Kind::Flag),
@@ -132,6 +134,7 @@ impl Period {
                 ("state", allowed.state.0),
                 ("acting", Word::bits(&allowed.acting).0),
                 ("tripped", Word::bits(&allowed.tripped).0),
+                ("host_share", allowed.host_share.0),
             ];
             let mut next = Visiting(Next(Vec::new()));
             axis.visit(&mut next);
@@ -222,6 +225,8 @@ fn given(zero: Trace) -> AxisInput<Trace> {
         blend: zero,
         added: ["added_force", "added_stiffness", "added_damping"].map(number),
         requested: word("request"),
+        host: flag("host"),
+        host_age: word("host_age"),
         missed: word("missed"),
         delay: word("delay"),
         late: word("late"),

@@ -220,7 +220,7 @@ impl Fault {
             }
             Kind::HostSilent => {
                 before.host += 1;
-                input.host_age = input.host_age.max(Some(before.host));
+                input.host_age = input.host_age.max(before.host);
             }
             Kind::Late => {
                 let by = (1 + count(39.0 * self.size)).min(sample);

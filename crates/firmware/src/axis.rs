@@ -47,8 +47,10 @@ pub struct Input<S> {
     pub delay: u32,
     /// Periods in a row that were late.
     pub late: u32,
-    /// Bits: emergency stop, fault of the drive, acknowledged.
+    /// Bits: emergency stop, fault of the drive, acknowledged, host.
     pub flags: u32,
+    /// With a host, periods since it gave trim, factor, shaker and what is added.
+    pub host_age: u32,
 }
 
 /// The bits of [`Input::flags`].
@@ -57,6 +59,8 @@ pub const EMERGENCY_STOP: u32 = 1;
 pub const DRIVE_FAULT: u32 = 2;
 /// See [`EMERGENCY_STOP`].
 pub const ACKNOWLEDGED: u32 = 4;
+/// See [`EMERGENCY_STOP`].
+pub const HOST: u32 = 8;
 
 /// What an axis answers.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +80,8 @@ pub struct Output<S> {
     pub acting: u32,
     /// Those that acted since they were acknowledged.
     pub tripped: u32,
+    /// Share of the host's values in the next input, 0 to 1; the default ones have the rest.
+    pub host_share: S,
 }
 
 /// Law, feel and supervisor of one axis, for one setting of the feel or many.
@@ -119,6 +125,8 @@ impl<S: Number> Axis<S> {
                 2 => RequestedMode::Active,
                 _ => RequestedMode::Off,
             }),
+            host: flags & HOST != 0,
+            host_age: given.host_age,
             missed,
             delay,
             late,
@@ -141,6 +149,7 @@ impl<S: Number> Axis<S> {
             state: (0..).zip(SupervisorState::ALL).find(|&(_, known)| *known == state).map_or(0, |(place, _)| place),
             acting: allowed.acting.bits(),
             tripped: allowed.tripped.bits(),
+            host_share: allowed.host_share,
         }
     }
 

@@ -60,7 +60,16 @@ extern "C" fn forcefeel_step(
     output: Option<&mut Output<Real>>,
 ) -> u32 {
     let (Some(given), Some(output), false) = (given, output, settings.is_null()) else { return BAD_INPUT };
-    *output = Output { command: 0.0, torque: 0.0, feel: [0.0; 2], enable: 0, state: 0, acting: 0, tripped: 0 };
+    *output = Output {
+        command: 0.0,
+        torque: 0.0,
+        feel: [0.0; 2],
+        enable: 0,
+        state: 0,
+        acting: 0,
+        tripped: 0,
+        host_share: 0.0,
+    };
     let Some(place) = place.filter(|place| place.ready == READY) else { return NOT_READY };
     // SAFETY: it was written together with the mark.
     let axis = unsafe { place.axis.assume_init_mut() };

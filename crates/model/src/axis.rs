@@ -24,6 +24,10 @@ pub struct AxisInput<S: Logic> {
     pub added: [S; 3],
     /// The requested mode.
     pub requested: S::Code<RequestedMode>,
+    /// Whether a host gives what is wanted and added.
+    pub host: S::Mask,
+    /// Periods since its last values.
+    pub host_age: S::Count,
     /// Samples in a row without a sample.
     pub missed: S::Count,
     /// Periods by which the sample is later than the controller's delay has it.
@@ -94,7 +98,8 @@ impl<S: Logic + Into<f64>> Axis<S> {
             periods: like.number(self.missed) + like.constant(1.0),
             delay: given.delay,
             late: given.late,
-            host_age: None,
+            host: given.host,
+            host_age: given.host_age,
             // The law's, as it comes to it.
             command: like.zero(),
             feel_acceleration: control.free_acceleration(shared, self.followed.feeling(), &inputs),

@@ -233,7 +233,7 @@ impl<S: Logic> Supervisor<S> {
         let active = self.sequence.is(SupervisorState::Active);
         let saturated = self.command.saturated(&limits, active);
         self.acting = self.acting.with(Function::Saturation, saturated);
-        self.host(&limits, (input.host_age, input.acknowledge));
+        self.host(&limits, input);
         self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut self.acting);
         S::paths(self, |this| {
             if S::holds(this.sequence.started) {
@@ -315,10 +315,9 @@ impl<S: Logic> Supervisor<S> {
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits<S>, (age, acknowledge): (Option<S::Count>, S::Mask)) {
-        let silent = age.map_or(S::mask(false), |samples| samples.at_least(limits.host));
-        let there = S::mask(age.is_some());
-        self.swings = there & !acknowledge & (self.swings | self.acting.has(Function::Swing));
+    fn host(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>) {
+        let silent = input.host & input.host_age.at_least(limits.host);
+        self.swings = input.host & !input.acknowledge & (self.swings | self.acting.has(Function::Swing));
         self.acting =
             self.acting.without(Function::Swing).with(Function::HostSilent, silent).with(Function::Swing, self.swings);
         let step = limits.host_step;

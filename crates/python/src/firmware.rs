@@ -19,8 +19,9 @@ use pyo3::prelude::*;
 
 /// Numbers and words of an input; of an answer.
 const GIVEN: usize = SAMPLED + 7;
-const WORDS: usize = 7;
-const ANSWERED: usize = 4;
+const WORDS: usize = 8;
+const ANSWERED: usize = 5;
+const STATES: usize = 4;
 
 /// Answers of a board: numbers and words, a row each sample.
 type Answers<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
@@ -82,8 +83,8 @@ impl BoardAxis {
         (period_s, at_rest, cancellation.to_vec(), knots.to_vec(), coefficients.to_vec(), points, cancels)
     }
 
-    /// Command, torque, angle and rate of the feel (samples, 4), and enable, state, acting, tripped (samples, 4), for sensors, trim, factor,
-    /// shaker, blend, added force, spring and damping (samples, 11) and from, to, request, missed, late, flags (samples, 6), from an axis that is off.
+    /// Command, torque, angle and rate of the feel, share of the host (samples, 5), and enable, state, acting, tripped (samples, 4), for sensors, trim, factor,
+    /// shaker, blend, added force, spring and damping (samples, 11) and from, to, request, missed, delay, late, flags, age of the host (samples, 8), from an axis that is off.
     #[pyo3(signature = (inputs, words, *, single))]
     fn answers<'py>(
         &self,
@@ -99,10 +100,9 @@ impl BoardAxis {
         let outputs =
             py.detach(|| if single { self.run(0.0_f32, &inputs, &words) } else { self.run(0.0_f64, &inputs, &words) })?;
         let (numbers, words): (Vec<_>, Vec<_>) = outputs.into_iter().unzip();
-        let shape = [inputs.len(), ANSWERED];
         Ok((
-            PyArray1::from_vec(py, numbers.into_flattened()).reshape(shape)?,
-            PyArray1::from_vec(py, words.into_flattened()).reshape(shape)?,
+            PyArray1::from_vec(py, numbers.into_flattened()).reshape([inputs.len(), ANSWERED])?,
+            PyArray1::from_vec(py, words.into_flattened()).reshape([inputs.len(), STATES])?,
         ))
     }
 
@@ -135,14 +135,14 @@ impl BoardAxis {
         like: S,
         inputs: &[[f64; GIVEN]],
         words: &[[u32; WORDS]],
-    ) -> PyResult<Vec<([f64; ANSWERED], [u32; ANSWERED])>> {
+    ) -> PyResult<Vec<([f64; ANSWERED], [u32; STATES])>> {
         let no_limits = || refused("loader: has no limits that a supervisor could hold it to".to_owned());
         let mut axis = Axis::new(&self.loader, &self.settings, like).ok_or_else(no_limits)?;
         let no_setting = || refused(format!("words: expected settings below {}", self.settings.len()));
         inputs
             .iter()
             .zip(words)
-            .map(|(numbers, &[from, to, request, missed, delay, late, flags])| {
+            .map(|(numbers, &[from, to, request, missed, delay, late, flags, host_age])| {
                 let [
                     force,
                     drive,
@@ -173,10 +173,11 @@ impl BoardAxis {
                     delay,
                     late,
                     flags,
+                    host_age,
                 };
-                let Output { command, torque, feel: [angle, rate], enable, state, acting, tripped } =
+                let Output { command, torque, feel: [angle, rate], enable, state, acting, tripped, host_share } =
                     axis.step(&self.settings, &given).ok_or_else(no_setting)?;
-                Ok(([command, torque, angle, rate].map(Into::into), [enable, state, acting, tripped]))
+                Ok(([command, torque, angle, rate, host_share].map(Into::into), [enable, state, acting, tripped]))
             })
             .collect()
     }

@@ -9,9 +9,9 @@ from forcefeel.export.firmware_code import golden_inputs
 _Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 _FORCE, _POSITION, _BASE, _TRIM, _SHAKER, _ADDED = 0, 1, 2, slice(4, 7), 6, (8, 9, 10)
-_REQUEST, _MISSED, _DELAY, _LATE, _FLAGS = range(2, 7)
+_REQUEST, _MISSED, _DELAY, _LATE, _FLAGS, _HOST_AGE = range(2, 8)
 _OFF, _PASSIVE, _ACTIVE = 0, 1, 2
-_DRIVE_FAULT, _ACKNOWLEDGED = 2, 4
+_DRIVE_FAULT, _ACKNOWLEDGED, _HOST = 2, 4, 8
 _ANGLE_RAD = 0.3
 """Jump of the column's angle: no reading that a prediction explains."""
 _LATE_PERIODS = 9
@@ -20,7 +20,7 @@ _THROWN = 220
 
 
 def axis_inputs(exported: Exported) -> _Part:
-    """Numbers (samples, 11) and words (samples, 7) for ``BoardAxis.answers``: every state, and faults.
+    """Numbers (samples, 11) and words (samples, 8) for ``BoardAxis.answers``: every state, and faults.
 
     A fault ends in a trip, an acknowledgment and a new start.
     """
@@ -47,7 +47,7 @@ class _Script:
 
     def part(self, length: int, request: int = _ACTIVE) -> _Part:
         """So many samples more."""
-        numbers, asked = np.repeat(self.rest, length, axis=0), np.zeros((length, 7), dtype=np.int64)
+        numbers, asked = np.repeat(self.rest, length, axis=0), np.zeros((length, 8), dtype=np.int64)
         asked[:, _REQUEST] = request
         self.parts.append((numbers, asked))
         return numbers, asked
@@ -79,6 +79,13 @@ def _requests(script: _Script) -> None:
     for added in _ADDED:
         numbers, _ = script.restart(check + 120)
         numbers[check + 100 : check + 105, added] = np.nan
+    # A host that falls silent, then goes on; without a host its age counts for nothing.
+    silent = script.samples("safety.host_time")
+    _, asked = script.restart(check + silent + 200)
+    asked[check:, _FLAGS] = _HOST
+    asked[check + 20 : check + silent + 120, _HOST_AGE] = range(silent + 100)
+    asked[-20:, _HOST_AGE] = silent
+    asked[-20:, _FLAGS] = 0
 
 
 def _faults(script: _Script) -> None:

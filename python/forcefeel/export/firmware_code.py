@@ -80,8 +80,8 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "functions": [(name, does) for name, does, *_ in functions],
         "samples": len(inputs),
         "given": spelled_rows(inputs, single=single),
-        "words": _words(words),
-        "answers": spelled_rows(answers, single=single),
+        "words": _words(words[:, :7]),
+        "answers": spelled_rows(answers[:, :4], single=single),
         "states": _words(states),
         "periods": _periods_until_on(exported),
         "origin": library_origin(triple, single=single),
@@ -116,7 +116,7 @@ def board_axis(exported: Exported) -> BoardAxis:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Inputs, numbers (samples, 11) and words (samples, 7), that reach every state.
+    """Inputs, numbers (samples, 11) and words (samples, 8), that reach every state.
 
     They are: on, a sweep, a sensor with NaN, acknowledgment, on, random input, the emergency stop.
     """
@@ -146,7 +146,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     beside = [0.1 * loader["feel.stiffness"], 0.1 * loader["feel.damping"]]
     stirred[:, 9:] = beside * random.uniform(-0.5, 1, (_PART, 2))
     inputs = np.vstack([still, sweep, stopped, still, stirred])
-    words = np.zeros((len(inputs), 7), dtype=np.int64)
+    words = np.zeros((len(inputs), 8), dtype=np.int64)
     begins = rest + _PART + settled
     words[:, 2] = _ACTIVE
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 
 _LONGEST = 400
-"""Lines of an arm or a period that is not cut, and of most functions: in many short ones, gcc inlines fewer of them, and a
-period takes a fifth more instructions."""
+"""Lines of an arm or a period that is not cut, and of most functions."""
 _ENOUGH = 250
 """Lines after which a function ends where its section does."""
 _INDENT = "    "
@@ -219,7 +218,8 @@ class _Writer:
         owns = "between" not in pointers and self.members
         kinds = {key: text.format(self.name) for key, text in _POINTERS.items() if key in pointers}
         parameters = ", ".join(text if pointers[key] else f"const {text}" for key, text in kinds.items())
-        self.lines += [f"static void {function}({parameters})", "{"]
+        kind = "static" if owns else f"{self.name}_INLINE"
+        self.lines += [f"{kind} void {function}({parameters})", "{"]
         if owns:
             self.lines.append(f"{_INDENT}{self.name}_values between;")
         words = dict.fromkeys(word for outer in block for inner in outer.simple() for word in inner.words())

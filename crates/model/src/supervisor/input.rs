@@ -17,8 +17,10 @@ pub struct SupervisorInput<S: Logic> {
     pub delay: S::Count,
     /// Cycles in a row, this one included, that the loop was late.
     pub late: S::Count,
-    /// Samples since the host's last packet; nothing where there is no host.
-    pub host_age: Option<S::Count>,
+    /// Whether there is a host.
+    pub host: S::Mask,
+    /// Samples since its last packet.
+    pub host_age: S::Count,
     /// The law's command, in V or A.
     pub command: S,
     /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see

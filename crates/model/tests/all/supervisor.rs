@@ -20,7 +20,8 @@ fn still(requested: RequestedMode) -> SupervisorInput<f64> {
         periods: 1.0,
         delay: 0,
         late: 0,
-        host_age: None,
+        host: false,
+        host_age: 0,
         command: 0.0,
         feel_acceleration: 0.0,
         feel_rate: 0.0,
@@ -307,13 +308,13 @@ fn a_silent_host_fades_and_comes_back_without_a_stop() {
     let of = *supervisor.limits();
     let mut shares = vec![];
     for age in 0..of.host + 600 {
-        input.host_age = Some(age);
+        (input.host, input.host_age) = (true, age);
         shares.push(supervisor.step(&input).host_share);
     }
     assert!(shares[..of.host as usize].iter().all(|&share| share >= 1.0));
     assert_eq!(shares.last(), Some(&0.0));
     assert!(shares.windows(2).all(|pair| pair[0] - pair[1] <= of.host_step * 1.001));
-    input.host_age = Some(0);
+    input.host_age = 0;
     let back = (0..600).map(|_| supervisor.step(&input)).last().expect("samples");
     assert_eq!((back.state, back.host_share), (SupervisorState::Active, 1.0));
 }
@@ -414,7 +415,8 @@ fn single_precision_does_the_same() {
         periods: 1.0,
         delay: 0,
         late: 0,
-        host_age: None,
+        host: false,
+        host_age: 0,
         command: 1.0,
         feel_acceleration: 0.0,
         feel_rate: 0.0,
@@ -513,7 +515,7 @@ fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel
         let omega = 2.0 * core::f64::consts::TAU;
         for k in 0..2000_u32 {
             let time = f64::from(k) * PERIOD;
-            let mut now = SupervisorInput { host_age: Some(0), ..input };
+            let mut now = SupervisorInput { host: true, ..input };
             // The column under the link alone, as a spring of its own moves it.
             let angle =
                 |time: f64| 0.1 * (1.0 - (-4.0 * time).exp()) * (-damping * omega * time).exp() * (omega * time).sin();
@@ -528,7 +530,7 @@ fn a_column_that_swings_under_a_host_with_no_hand_on_it_goes_to_the_default_feel
             shares.push(allowed.host_share);
         }
         assert_eq!((told, shares.last() == Some(&0.0)), (fades, fades));
-        let now = SupervisorInput { host_age: Some(0), ..input };
+        let now = SupervisorInput { host: true, ..input };
         assert_eq!(supervisor.step(&now).tripped.has(Function::Swing), fades, "it stays");
         supervisor.step(&SupervisorInput { acknowledge: true, ..now });
         let back = (0..600).map(|_| supervisor.step(&now)).last().expect("samples");
