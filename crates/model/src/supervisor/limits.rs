@@ -67,16 +67,7 @@ macro_rules! limits {
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Limits<S = f64> { $( $(#[doc = $doc])+ pub $name: $kind, )* }
 
-        impl<S: Scalar> Limits<S> {
-    /// Whether a column at this angle is at neither end stop.
-    #[inline(always)]
-    pub(super) fn is_free(&self, angle: S) -> S::Mask {
-        let [low, high] = self.stops;
-        below(low, angle) & below(angle, high)
-    }
-}
-
-impl Limits {
+        impl Limits {
             /// The same limits in another number type.
             pub fn numbers_of<S: Scalar>(&self, like: S) -> Limits<S> {
                 self.made_by(|number| like.constant(number))
@@ -214,6 +205,15 @@ const FILTER_SETTLES: f64 = 5.0;
 const NO_HAND: f64 = 0.25;
 /// Span of ten thousand samples of noise, as a multiple of its r.m.s.
 const WIDEST_NOISE: f64 = 10.0;
+
+impl<S: Scalar> Limits<S> {
+    /// Whether a column at this angle is at neither end stop.
+    #[inline(always)]
+    pub(super) fn is_free(&self, angle: S) -> S::Mask {
+        let [low, high] = self.stops;
+        below(low, angle) & below(angle, high)
+    }
+}
 
 impl Limits {
     /// Those of a loader under a controller with this period in s.
