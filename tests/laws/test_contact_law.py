@@ -1,5 +1,6 @@
 """The part of a law for contact: quiet against a stop and a clamp, where the law alone swings."""
 
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -163,17 +164,25 @@ def _push(at: float) -> float:
     return 200.0 * min(at / 0.3, 1.0)
 
 
-def _pushed(duration: float) -> ff.Scenario:
+def _blow(at: float) -> float:
+    """A hand in N that has let go when the feel comes to the stop by its own motion."""
+    return 400.0 * float(np.interp(at, [0.0, 0.02, 0.04, 0.06], [0.0, 1.0, 1.0, 0.0]))
+
+
+def _under(hand: Callable[[float], float], duration: float) -> ff.Scenario:
     time = np.arange(0.0, duration + 3e-4, 5e-4)
-    return ff.Scenario(ff.simulation.Recorded(time, np.vectorize(_push)(time)), duration, 5e-4, 5e-4)
+    return ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), duration, 5e-4, 5e-4)
 
 
-def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the_grip() -> None:
+@pytest.mark.parametrize(("hand", "duration"), [(_push, 0.6), (_blow, 0.2)], ids=["push", "blow"])
+def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the_grip(
+    hand: Callable[[float], float], duration: float
+) -> None:
     loader = ff.loader.electric("sidestick-pitch").replace(SOFT_STOP | QUIET | {"grip_sensor.gain": 1.0}, si=True)
     loader = loader.replace({"feel.breakout": None})
     law = ff.Law.of("grip", loader)
-    run = ff.simulate(loader, _pushed(0.6), law).history["column_angle_rad"].to_numpy()
-    found = witness.simulate(loader, law.sampled, _push, 0.6, rtol=1e-7)["column_angle_rad"]  # far below the depth
+    run = ff.simulate(loader, _under(hand, duration), law).history["column_angle_rad"].to_numpy()
+    found = witness.simulate(loader, law.sampled, hand, duration, rtol=1e-7)["column_angle_rad"]  # far below the depth
     depth = run.max() - loader["column.stop_high"]
     assert depth > 3e-3  # 200 N at the soft stop
     assert np.abs(run - found).max() < 0.02 * depth  # a touch between two samples
@@ -186,7 +195,7 @@ def test_an_independent_integrator_finds_the_same_rest_under_a_hand_that_pushes_
     loader = ff.loader.electric("sidestick-pitch").replace(SOFT_STOP | QUIET, si=True).replace({"feel.breakout": None})
     made = ff.Law.of("robust", loader)
     law = made if rests else made.without_contact()
-    run = ff.simulate(loader, _pushed(1.2), law).history["drive_position_m"].to_numpy()
+    run = ff.simulate(loader, _under(_push, 1.2), law).history["drive_position_m"].to_numpy()
     found = witness.simulate(loader, law.sampled, _push, 1.2, rtol=1e-7)["drive_position_m"]  # far below the swing
     assert np.abs(run - found).max() < SAME_M
     assert [np.ptp(position[-400:]) < SAME_M for position in (run, found)] == [rests] * 2
