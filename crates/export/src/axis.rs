@@ -2,6 +2,7 @@
 
 use crate::controller::{Job, Program, machine};
 use crate::emit::{needed, program};
+use crate::functions::Period;
 use crate::trace::logic::{Kind, NodeVisitor, Visiting, Word};
 use crate::trace::{Bank, Mask, Node, Trace, traced};
 use crate::writer::{FIRST_OF_AXIS, Writer};
@@ -58,8 +59,8 @@ pub struct AxisSource {
     pub states: Vec<AxisState>,
     /// Functions that a period calls.
     pub functions: Vec<String>,
-    /// Body of a period.
-    pub step: String,
+    /// A period.
+    pub period: Period,
     /// Operations of a period.
     pub operations: usize,
 }
@@ -72,31 +73,31 @@ impl AxisSource {
     pub fn of(job: &Job, name: &str) -> Result<Self, Refusal> {
         let parameters = job.parameters(|_, of| of(0));
         let limits = Limits::new(&parameters, job.kind(), job.period_s)?;
-        let period = Period::without_constants(job, &limits);
+        let period = TracedPeriod::without_constants(job, &limits);
         let mut writer = Writer::new(name, job.single);
-        writer.axis = AXIS_INPUTS.iter().map(|(name, _)| format!("in->{name}")).collect();
-        writer.axis.extend(period.states.iter().map(|state| format!("state->{}", state.name)));
+        writer.axis = AXIS_INPUTS.iter().map(|&(name, _)| ("in", name.to_owned())).collect();
+        writer.axis.extend(period.states.iter().map(|state| ("state", state.name.clone())));
         let states = needed(&period.program, BTreeSet::new());
-        let (step, (operations, _)) = program(&mut writer, &period.program, &states, false);
+        let (statements, (operations, _)) = program(&mut writer, &period.program, &states, false);
         let states = states.iter().map(|place| period.states[place - FIRST_OF_AXIS - AXIS_INPUTS.len()].clone());
         Ok(Self {
             states: states.collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
-            step,
+            period: Period::of(statements, name, writer.functions.len() + 1),
             operations,
         })
     }
 }
 
 /// A period that was traced, and its states.
-struct Period {
+struct TracedPeriod {
     program: Program,
     states: Vec<AxisState>,
     /// The node of each state where the axis is off.
     first: Vec<u32>,
 }
 
-impl Period {
+impl TracedPeriod {
     fn of<K: Drive>(job: &Job, limits: (&Limits, &[BTreeSet<usize>]), constant: &BTreeSet<usize>) -> Self {
         let shared = job.shared();
         let at_rest = at_rest::<K>(job, &shared);

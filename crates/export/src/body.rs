@@ -4,6 +4,7 @@ use crate::blocks::{ALWAYS, Blocks, Operands, choice};
 use crate::controller::{FIRST_OF_FLIGHT, FIRST_OF_LINK, FIRST_OF_TUNING, INPUTS, name_of, row_name};
 use crate::dots::{Product, products};
 use crate::operands::{held, of_few_steps, operands_of, reached, within};
+use crate::statement::{Statement, Value, What, marked, text};
 use crate::trace::logic::Kind;
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
 use crate::writer::{Bits, Writer};
@@ -13,9 +14,10 @@ use std::collections::{HashMap, HashSet};
 const WORTH_A_BRANCH: usize = 2;
 
 /// Names of a function's arguments and of loops.
-const RESERVED: [&str; 12] = ["state", "from", "to", "in", "out", "flight", "seen", "good", "k", "m", "c", "r"];
+const RESERVED: [&str; 13] =
+    ["state", "from", "to", "in", "out", "between", "flight", "seen", "good", "k", "m", "c", "r"];
 
-/// The lines of a function while they are written.
+/// The statements of a function while they are written.
 #[derive(Debug)]
 pub struct Body<'a> {
     writer: &'a mut Writer,
@@ -33,14 +35,12 @@ pub struct Body<'a> {
     taken: HashSet<String>,
     /// Whether it is a part's, which is given the settings.
     is_part: bool,
-    /// The section that was written last, and those that were begun.
+    /// The section that is written.
     section: &'static str,
-    begun: HashSet<&'static str>,
     /// Banks whose settings a function is given.
     banks: Vec<Bank>,
     done: HashSet<u32>,
-    text: String,
-    indent: usize,
+    statements: Vec<Statement>,
     operations: (usize, usize),
 }
 
@@ -100,11 +100,9 @@ impl<'a> Body<'a> {
             taken,
             is_part,
             section: "",
-            begun: HashSet::new(),
             banks: Vec::new(),
             done,
-            text: String::new(),
-            indent: 1,
+            statements: Vec::new(),
             operations: (0, 0),
         }
     }
@@ -114,9 +112,9 @@ impl<'a> Body<'a> {
         self.write_block(ALWAYS);
     }
 
-    /// The lines, and their operations: as written, and in loops.
-    pub fn text(self) -> (String, (usize, usize)) {
-        (self.text, self.operations)
+    /// The statements, and their operations: as written, and in loops.
+    pub fn statements(self) -> (Vec<Statement>, (usize, usize)) {
+        (self.statements, self.operations)
     }
 
     fn write_block(&mut self, block: usize) {
@@ -140,8 +138,7 @@ impl<'a> Body<'a> {
         }
         if let Node::Part(roots, given) = &self.graph.nodes[node as usize] {
             self.enter(node);
-            let call = self.call(node, roots, given);
-            self.line(&call);
+            self.call(node, roots, given);
         } else if let Some(&product) = self.product_of.get(&node) {
             let product = self.products[product].clone();
             self.done.extend(product.rows.iter().map(|&(_, node)| node));
@@ -149,10 +146,10 @@ impl<'a> Body<'a> {
             self.write_product(&product);
         } else if let Some(value) = self.value(node) {
             self.enter(node);
-            let kind = self.kind(node);
-            let name = self.named(node);
+            let reads = matches!(self.graph.nodes[node as usize], Node::Input(_) | Node::Flag(_) | Node::Word(_));
             let rows = self.rows(&self.graph.nodes[node as usize].operands());
-            self.line(&format!("const {kind} {name} = {value};{rows}"));
+            let (of, text) = (self.value_of(node), format!("{value};{rows}"));
+            self.put(if reads { What::Reads(of, text) } else { What::Makes(of, text) });
             self.operations.0 += usize::from(!self.operands.of[node as usize].is_empty());
         }
     }
@@ -181,41 +178,41 @@ impl<'a> Body<'a> {
                 self.write_block(arm);
             }
             for (node, arms) in members {
-                let (kind, name) = (self.kind(node), self.named(node));
                 // Of two words that are known, C's type would be the smallest that holds them.
                 let known = |arm: &Option<u32>| {
                     arm.is_some_and(|arm| matches!(self.graph.nodes[arm as usize], Node::Whole(..)))
                 };
-                let typed = if arms.iter().all(known) { format!("({kind})") } else { String::new() };
+                let typed = if arms.iter().all(known) { format!("({})", self.kind(node)) } else { String::new() };
                 let chosen = match arms.map(|arm| arm.map(|arm| self.spelled(arm))) {
                     [Some(yes), Some(no)] => format!("{mask} ? {typed}{yes} : {typed}{no}"),
                     [Some(second), None] => format!("{mask} && {second}"),
                     [None, second] => format!("(!{mask}) && {}", second.unwrap_or_default()),
                 };
                 let rows = self.rows(&[&[group.mask], &*arms.into_iter().flatten().collect::<Vec<_>>()].concat());
-                self.line(&format!("const {kind} {name} = {chosen};{rows}"));
+                let of = self.value_of(node);
+                self.put(What::Makes(of, format!("{chosen};{rows}")));
                 self.operations.0 += 1;
             }
             return;
         }
         for &(node, _) in &members {
-            let (kind, name) = (self.kind(node), self.named(node));
-            self.line(&format!("{kind} {name};"));
+            let of = self.value_of(node);
+            self.put(What::Declares(of));
         }
-        for (arm, begin) in [format!("if ({mask}) {{{of_mask}"), "} else {".to_owned()].into_iter().enumerate() {
-            self.line(&begin);
-            self.indent += 1;
+        let (section, mut branches) = (self.section, Vec::new());
+        for (arm, head) in [format!("if ({mask}) {{{of_mask}"), "else {".to_owned()].into_iter().enumerate() {
+            let outer = core::mem::take(&mut self.statements);
             self.write_block(group.arms[arm]);
             for &(node, arms) in &members {
                 let name = self.named(node);
                 let value = arms[arm].map_or_else(|| "false".to_owned(), |chosen| self.spelled(chosen));
                 let rows = arms[arm].map_or_else(String::new, |chosen| self.rows(&[chosen]));
                 self.enter(node);
-                self.line(&format!("{name} = {value};{rows}"));
+                self.put(What::Fills(name, format!(" = {value};{rows}")));
             }
-            self.indent -= 1;
+            branches.push((head, core::mem::replace(&mut self.statements, outer)));
         }
-        self.line("}");
+        self.statements.push(Statement { section, what: What::Branches(branches) });
         self.operations.0 += 1;
     }
 
@@ -251,22 +248,19 @@ impl<'a> Body<'a> {
         format!(" /* {} */", rows.into_iter().map(row_name).collect::<Vec<_>>().join(", "))
     }
 
-    /// A line that tells the section of a node, where another begins.
+    /// The section of a node begins, or goes on.
     fn enter(&mut self, node: u32) {
-        let section = self.graph.sections[node as usize];
-        if section != self.section {
-            self.section = section;
-            let again = if self.begun.insert(section) { "" } else { ", continued" };
-            self.line(&format!("/* section: {section}{again} */"));
-        }
+        self.section = self.graph.sections[node as usize];
     }
 
-    fn line(&mut self, line: &str) {
-        for _ in 0..self.indent {
-            self.text += "    ";
-        }
-        self.text += line;
-        self.text.push('\n');
+    /// A statement more.
+    pub fn put(&mut self, what: What) {
+        self.statements.push(Statement { section: self.section, what });
+    }
+
+    /// A node as a value of C.
+    fn value_of(&mut self, node: u32) -> Value {
+        Value { kind: self.kind(node), name: self.named(node), size: String::new() }
     }
 
     /// What an operation is in C; nothing of what needs none.
@@ -278,7 +272,8 @@ impl<'a> Body<'a> {
         if let Node::Input(place) | Node::Flag(place) | Node::Word(place) = graph.nodes[node as usize]
             && let Some(of_axis) = self.writer.of_axis(place)
         {
-            return Some(of_axis.to_owned());
+            let (pointer, member) = of_axis;
+            return Some(format!("{}->{member}", marked(pointer)));
         }
         let mut s = |node: u32| self.spelled(node);
         Some(match graph.nodes[node as usize] {
@@ -322,7 +317,7 @@ impl<'a> Body<'a> {
                 return None;
             }
             Node::Word(_) | Node::Whole(..) => return None,
-            Node::Gives(part, place) => format!("{}[{place}]", self.results(part)),
+            Node::Gives(part, place) => format!("{}[{place}]", marked(&self.results(part))),
         })
     }
 
@@ -359,9 +354,9 @@ impl<'a> Body<'a> {
         let real = self.writer.real();
         if self.graph.settings == 1 || product.rows.len() == 1 {
             for (k, &(_, node)) in product.rows.iter().enumerate() {
-                let name = self.named(node);
+                let of = self.value_of(node);
                 let sum = sum(&format!("{own_row}[{k}]"), &format!("{same_row}[{k}]"));
-                self.line(&format!("const {real} {name} = {sum};{of_data}"));
+                self.put(What::Makes(of, format!("{sum};{of_data}")));
             }
             self.operations.0 += terms;
             return;
@@ -369,23 +364,25 @@ impl<'a> Body<'a> {
         self.operations.1 += terms;
         let (first, count) = (product.rows[0].1, product.rows.len());
         let sums = self.free(&format!("{}_rows", self.graph.sections[first as usize]), false);
-        self.line(&format!("{real} {sums}[{count}];"));
-        self.line(&format!("for (unsigned int k = 0U; k < {count}U; ++k) {{"));
+        self.put(What::Declares(Value { kind: real.clone(), name: sums.clone(), size: format!("[{count}]") }));
+        let outer = core::mem::take(&mut self.statements);
         for (name, table, row) in [("m", &own, own_row), ("c", &same, same_row)] {
             if !table.columns.is_empty() {
-                self.line(&format!("    const {real} *const {name} = {row}[k];"));
+                self.put(What::Says(format!("const {real} *const {name} = {row}[k];")));
             }
         }
-        self.line(&format!("    {sums}[k] = {};{of_data}", sum("m", "c")));
-        self.line("}");
+        self.put(What::Fills(sums.clone(), format!("[k] = {};{of_data}", sum("m", "c"))));
+        let head = format!("for (unsigned int k = 0U; k < {count}U; ++k) {{");
+        let arm = core::mem::replace(&mut self.statements, outer);
+        self.put(What::Branches(vec![(head, arm)]));
         for (k, &(_, node)) in product.rows.iter().enumerate() {
-            let name = self.named(node);
-            self.line(&format!("const {real} {name} = {sums}[{k}];"));
+            let of = self.value_of(node);
+            self.put(What::Makes(of, format!("{}[{k}];", marked(&sums))));
         }
     }
 
     /// A part with what it is given: a call of the function that is written of it.
-    fn call(&mut self, node: u32, roots: &[u32], given: &[u32]) -> String {
+    fn call(&mut self, node: u32, roots: &[u32], given: &[u32]) {
         let held = held(self.graph, roots);
         let inside = self.graph.nodes.iter().enumerate().filter_map(|(place, node)| match node {
             Node::Given(k) => Some((u32::try_from(place).ok()?, format!("given_{k}"))),
@@ -402,9 +399,13 @@ impl<'a> Body<'a> {
         }
         for (k, &root) in roots.iter().enumerate() {
             let value = body.spelled(root);
-            body.line(&if roots.len() == 1 { format!("return {value};") } else { format!("r[{k}] = {value};") });
+            body.put(What::Says(if roots.len() == 1 {
+                format!("return {value};")
+            } else {
+                format!("r[{k}] = {value};")
+            }));
         }
-        let (banks, lines, operations) = (body.banks, body.text, body.operations);
+        let (banks, lines, operations) = (body.banks, text(&body.statements), body.operations);
         let real = self.writer.real();
         let pointers = (0..banks.len()).map(|k| format!("const {}_setting *s{k}", self.writer.name));
         let numbers = (0..given.len()).map(|k| format!("{real} given_{k}"));
@@ -418,15 +419,17 @@ impl<'a> Body<'a> {
             self.operations.0 += operations.0;
         }
         let settings: Vec<String> = banks.into_iter().map(|bank| self.setting(bank)).collect();
-        let results = if roots.len() == 1 { Vec::new() } else { vec![self.results(node)] };
+        let results = if roots.len() == 1 { Vec::new() } else { vec![marked(&self.results(node))] };
         let values: Vec<String> = given.iter().chain(&held).map(|&node| self.spelled(node)).collect();
         let call = format!("{name}({});", [settings, results, values].concat().join(", "));
         if roots.len() == 1 {
-            return format!("const {real} {} = {call}", self.named(node));
+            let of = self.value_of(node);
+            self.put(What::Makes(of, call));
+        } else {
+            let name = self.results(node);
+            self.put(What::Declares(Value { kind: real, name, size: format!("[{}]", roots.len()) }));
+            self.put(What::Says(call));
         }
-        let results = self.results(node);
-        self.line(&format!("{real} {results}[{}];", roots.len()));
-        call
     }
 
     /// The array of what a part gives.
@@ -442,7 +445,7 @@ impl<'a> Body<'a> {
     /// Where the numbers of a bank are.
     fn setting(&mut self, bank: Bank) -> String {
         if !self.is_part {
-            return if bank == Bank::To { "to" } else { "from" }.to_owned();
+            return marked(if bank == Bank::To { "to" } else { "from" });
         }
         let place = self.banks.iter().position(|&known| known == bank).unwrap_or_else(|| {
             self.banks.push(bank);
@@ -462,7 +465,7 @@ impl<'a> Body<'a> {
         };
         match self.writer.known(self.graph, node, |_| bank.clone()) {
             Some(known) => known,
-            None => self.named(node),
+            None => marked(&self.named(node)),
         }
     }
 
@@ -473,7 +476,8 @@ impl<'a> Body<'a> {
         let name = match (&self.graph.nodes[node as usize], self.graph.names.get(&node)) {
             (&Node::Input(place) | &Node::Flag(place) | &Node::Word(place), _) => {
                 let name = match self.writer.of_axis(place) {
-                    Some(name) => name.replace("in->", "input_").replace("state->", ""),
+                    Some(("in", name)) => format!("input_{name}"),
+                    Some((_, name)) => name.to_owned(),
                     None if place < INPUTS.len() => format!("input_{}", name_of(place)),
                     None => name_of(place).to_owned(),
                 };

@@ -4,9 +4,9 @@ use crate::blocks::{Blocks, Operands};
 use crate::body::Body;
 use crate::controller::{Job, Program, is_flag, name_of, place_of};
 use crate::operands::operands_of;
+use crate::statement::{Statement, Value, What, marked, text};
 use crate::trace::Node;
 use crate::writer::{Numbers, Writer};
-use core::fmt::Write;
 use std::collections::BTreeSet;
 
 /// A law as C: the parts of its files that follow from the trace.
@@ -52,8 +52,8 @@ impl Source {
             states: states.iter().map(name).collect(),
             inputs: writer.inputs.iter().map(|&place| (name_of(place).to_owned(), ranges[place])).collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
-            step: step_text,
-            reset: reset_text,
+            step: text(&step_text),
+            reset: text(&reset_text),
             hinge_moment,
             same,
             own,
@@ -64,7 +64,7 @@ impl Source {
 
 /// The lines of a program without states.
 pub fn body_of(writer: &mut Writer, of: &Program) -> String {
-    program(writer, of, &BTreeSet::new(), true).0
+    text(&program(writer, of, &BTreeSet::new(), true).0)
 }
 
 /// The states that are given out, and those that a program reads, directly or by others.
@@ -91,7 +91,7 @@ pub(crate) fn needed(program: &Program, given: BTreeSet<usize>) -> BTreeSet<usiz
 
 /// What a state is called.
 fn kept(writer: &Writer, place: usize) -> String {
-    writer.of_axis(place).map_or_else(|| name_of(place).to_owned(), str::to_owned)
+    writer.of_axis(place).map_or_else(|| name_of(place), |(_, name)| name).to_owned()
 }
 
 /// Outputs and next states.
@@ -100,42 +100,45 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     program.outputs.iter().map(|&(_, node)| node).chain(next).collect()
 }
 
-/// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
+/// The statements of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
 pub(crate) fn program(
     writer: &mut Writer,
     program: &Program,
     states: &BTreeSet<usize>,
     checked: bool,
-) -> (String, (usize, usize)) {
+) -> (Vec<Statement>, (usize, usize)) {
     let graph = &program.graph;
     let next = program.next.iter().filter(|(place, _)| states.contains(place));
-    let next: Vec<(u32, String, usize)> =
-        next.map(|&(place, node)| (node, kept(writer, place).replace("state->", ""), place)).collect();
+    let next: Vec<(u32, String, usize)> = next.map(|&(place, node)| (node, kept(writer, place), place)).collect();
     let called = next.iter().map(|(node, name, _)| (*node, format!("next_{name}")));
     let outputs = program.outputs.iter().map(|&(what, node)| (node, what.replace('[', "_").replace(']', "")));
     let mut body = Body::of(writer, graph, &wanted(program, states), &called.chain(outputs).collect::<Vec<_>>());
     body.write_all();
-    let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
-    let mut results: Vec<String> = results.collect();
+    let result = |pointer, name: &str, value: String| {
+        let what = What::Says(format!("{}->{name} = {value};", marked(pointer)));
+        Statement { section: RESULT, what }
+    };
+    let results = program.outputs.iter().map(|&(what, node)| result("out", what, body.spelled(node)));
+    let mut results: Vec<Statement> = results.collect();
     for (node, name, place) in next {
         let node_of = &graph.nodes[node as usize];
         if !matches!(node_of, &Node::Input(same) | &Node::Flag(same) | &Node::Word(same) if same == place) {
-            results.push(format!("state->{name} = {};", body.spelled(node)));
+            results.push(result("state", &name, body.spelled(node)));
         }
     }
     let sum: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
-    let sum = sum.join(" + ");
-    let (mut text, operations) = body.text();
-    text += "    /* section: result */\n";
+    let (mut statements, operations) = body.statements();
     if checked {
-        let _ = writeln!(text, "    const bool good = {}_is_number({sum});\n    if (good) {{", writer.name);
+        let good = Value { kind: "bool".to_owned(), name: "good".to_owned(), size: String::new() };
+        let is_number = What::Makes(good, format!("{}_is_number({});", writer.name, sum.join(" + ")));
+        let of_good = What::Branches(vec![("if (good) {".to_owned(), results)]);
+        let what = [is_number, of_good, What::Says("return good;".to_owned())];
+        statements.extend(what.map(|what| Statement { section: RESULT, what }));
+    } else {
+        statements.extend(results);
     }
-    let indent = if checked { "        " } else { "    " };
-    for line in results {
-        let _ = writeln!(text, "{indent}{line}");
-    }
-    if checked {
-        text += "    }\n    return good;\n";
-    }
-    (text, operations)
+    (statements, operations)
 }
+
+/// The section of what is given out and kept.
+const RESULT: &str = "result";

@@ -11,7 +11,9 @@
 //! | [`dots`] | rows of a matrix found again among the operations, so that they become a loop over data |
 //! | [`blocks`] | where each operation is done: always, or in a branch |
 //! | [`operands`] | what each is made of as C writes it |
-//! | [`body`] | the lines of a function of C |
+//! | [`body`] | the statements of a program |
+//! | [`statement`] | a statement of C, before it is known in which function it stands |
+//! | [`functions`] | a long period cut into functions |
 //! | [`writer`] | numbers, tables and functions that all of them share |
 //! | [`axis`] | law and feel under their supervisor, whose decisions are taken both ways |
 //! | [`pair`] | two controllers and the electronic link between them |
@@ -24,7 +26,9 @@ pub mod body;
 pub mod controller;
 pub mod dots;
 pub mod emit;
+pub mod functions;
 pub mod operands;
 pub mod pair;
+pub mod statement;
 pub mod trace;
 pub mod writer;

@@ -74,8 +74,8 @@ pub struct Writer {
     pub functions: Vec<Function>,
     /// The inputs that are read.
     pub inputs: BTreeSet<usize>,
-    /// Of an axis, what its inputs and states are called, in their order.
-    pub axis: Vec<String>,
+    /// Of an axis, its inputs and states in their order: the pointer through which each is read, and its name.
+    pub axis: Vec<(&'static str, String)>,
 }
 
 impl Writer {
@@ -84,9 +84,9 @@ impl Writer {
         Self { name: name.to_owned(), single, ..Self::default() }
     }
 
-    /// What an input or a state of an axis is called.
-    pub fn of_axis(&self, place: usize) -> Option<&str> {
-        place.checked_sub(FIRST_OF_AXIS).map(|k| self.axis[k].as_str())
+    /// The pointer through which an input or a state of an axis is read, and its name.
+    pub fn of_axis(&self, place: usize) -> Option<(&'static str, &str)> {
+        place.checked_sub(FIRST_OF_AXIS).map(|k| (self.axis[k].0, self.axis[k].1.as_str()))
     }
 
     /// The type of its numbers.

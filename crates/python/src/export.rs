@@ -39,7 +39,9 @@ pub struct AxisSource {
     /// Name of each state, its kind (number, flag, word), and what it is where the axis is off.
     states: Vec<(String, &'static str, f64)>,
     functions: Vec<String>,
-    step: String,
+    /// Type and name of each value that passes between the functions of a period, and these, the period itself last.
+    members: Vec<(String, String)>,
+    period: String,
     operations: usize,
 }
 
@@ -104,7 +106,8 @@ impl ExportedLaw {
         Ok(AxisSource {
             states: source.states.into_iter().map(|state| (state.name, kind(state.kind), state.first)).collect(),
             functions: source.functions,
-            step: source.step,
+            members: source.period.members,
+            period: source.period.code,
             operations: source.operations,
         })
     }

@@ -17,7 +17,6 @@ from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import board_axis
 from forcefeel.export.golden import spelled_rows
-from forcefeel.export.period_functions import in_functions
 from forcefeel.export.sections import STATES
 from forcefeel.export.trace_map import commented, trace_html, trace_json
 
@@ -56,8 +55,7 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
     answers, states = board_axis(exported).answers(inputs, words.tolist(), single=single)
-    code = "".join((*source.functions, source.step))
-    period = in_functions(source.step, name, len(source.functions) + 1)
+    code = "".join((*source.functions, source.period))
     fields: dict[str, object] = about(exported, numbers, single=single) | {
         "name": name,
         "states": [(state, _TYPES[kind].format(name)) for state, kind, _ in source.states],
@@ -65,8 +63,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
         "costs": (),
         "operations": source.operations,
         "functions": [commented(function).rstrip("\n") for function in source.functions],
-        "members": period.members,
-        "period": commented(period.code),
+        "members": source.members,
+        "period": commented(source.period),
         "code": code,
         "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
         "bits": "uint32_t" if single else "uint64_t",
