@@ -176,8 +176,8 @@ def several(tmp_path_factory):
 
 @pytest.mark.slow
 def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
-    """Several settings with every part, and a tuned and a supervised motor that are linked to one program with them: their names
-    must not meet.
+    """Several settings with every part, a tuned motor, and a supervised one of two settings, linked to one program: their names must
+    not meet.
 
     The checker takes a second for each part of a feel, so that the motor has only its own: its curve and its cogging.
     """
@@ -187,7 +187,8 @@ def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
     single = written(replace(plain, tunable=rows), tmp_path / "tuned", single=True)
     # As gcc for the board sees it: each configuration is checked anew, and takes as long.
     asked = ("--addon=misra", "--std=c99", "--enable=style,warning,performance,portability", "-D__GNUC__=12", "--quiet")
-    supervised = written(replace(plain, name="yaw", supervised=True), tmp_path / "supervised", single=True)
+    both = ff.export.Exported.of("robust", plain.loader, "yaw", plain.settings * [[1.0], [1.5]])
+    supervised = written(replace(both, supervised=True), tmp_path / "supervised", single=True)
     sources = [several / "pitch_law.c", single / "roll_law.c", supervised / "yaw_axis.c", several / "pitch_main.c"]
     text = run(single, "cppcheck", *asked, "--template={id}", *sources)
     found = set(re.findall(r"^\S+$", text, re.MULTILINE))

@@ -5,7 +5,7 @@ use crate::emit::{needed, program};
 use crate::functions::Period;
 use crate::trace::logic::{Kind, NodeVisitor, Visiting, Word};
 use crate::trace::{Bank, Mask, Node, Trace, traced};
-use crate::writer::{FIRST_OF_AXIS, Writer};
+use crate::writer::{FIRST_OF_AXIS, Numbers, Writer};
 use forcefeel_model::Scalar;
 use forcefeel_model::axis::{Axis, AxisInput};
 use forcefeel_model::drive::Kind as Drive;
@@ -19,7 +19,7 @@ use forcefeel_model::with_drive;
 use std::collections::BTreeSet;
 
 /// Inputs of an axis, in this order, by what each is.
-const AXIS_INPUTS: [(&str, Kind); 19] = [
+const AXIS_INPUTS: [(&str, Kind); 20] = [
     ("force", Kind::Number),
     ("position", Kind::Number),
     ("base", Kind::Number),
@@ -27,6 +27,7 @@ const AXIS_INPUTS: [(&str, Kind); 19] = [
     ("trim", Kind::Number),
     ("stiffness_factor", Kind::Number),
     ("shaker", Kind::Number),
+    (BLEND, Kind::Number),
     ("added_force", Kind::Number),
     ("added_stiffness", Kind::Number),
     ("added_damping", Kind::Number),
@@ -40,6 +41,9 @@ const AXIS_INPUTS: [(&str, Kind); 19] = [
     ("drive_fault", Kind::Flag),
     ("acknowledged", Kind::Flag),
 ];
+
+/// How far one setting of the feel has been changed into another.
+const BLEND: &str = "blend";
 
 /// A state of an axis in C.
 #[derive(Debug, Clone)]
@@ -61,12 +65,14 @@ pub struct AxisSource {
     pub functions: Vec<String>,
     /// A period.
     pub period: Period,
+    /// A setting's own numbers.
+    pub own: Numbers,
     /// Operations of a period.
     pub operations: usize,
 }
 
 impl AxisSource {
-    /// The axis of a job of one setting; the names of C begin with `name`.
+    /// The axis of a job; the names of C begin with `name`.
     ///
     /// # Errors
     /// If there are no limits that a supervisor could hold the loader to.
@@ -84,6 +90,7 @@ impl AxisSource {
             states: states.collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
             period: Period::of(statements, name, writer.functions.len() + 1),
+            own: writer.data(job.values.len()).1,
             operations,
         })
     }
@@ -101,15 +108,21 @@ impl TracedPeriod {
     fn of<K: Drive>(job: &Job, limits: (&Limits, &[BTreeSet<usize>]), constant: &BTreeSet<usize>) -> Self {
         let shared = job.shared();
         let at_rest = at_rest::<K>(job, &shared);
-        let ((outputs, next, states, first), graph) = traced(job.single, 1, None, || {
+        let settings = job.values.len();
+        // An axis that is off is in the first setting.
+        let off =
+            Job { values: vec![job.values[0]; settings], observers: vec![job.observers[0]; settings], ..job.clone() };
+        let share = (settings > 1).then(|| place_of_input(BLEND));
+        let ((outputs, next, states, first), graph) = traced(job.single, settings, share, || {
             // Where the law begins is a linear equation of its matrices: with numbers that are known, it is solved here.
             let control = job.tracing::<K>(&shared, false);
-            let known = |value: f64| Trace::known(&[value], Bank::All);
+            let off = off.tracing::<K>(&shared, false);
+            let known = |value: f64| Trace::known(&vec![value; settings], Bank::All);
             let mut rows = limits.1.iter();
             let limits = limits.0.made_by(|number| {
                 rows.next().into_iter().flatten().fold(known(number), |number, &row| number.of_row(row))
             });
-            let parameters = job.parameters(|row, of| Trace::known(&[of(0)], Bank::From).of_row(row));
+            let parameters = job.parameters(|row, of| known(of(0)).of_row(row));
             let feel = parameters.feel;
             let pace = ModifierRates {
                 trim_rate: feel.trim_rate,
@@ -117,9 +130,9 @@ impl TracedPeriod {
                 period: known(job.period_s),
             };
             let supervisor = Supervisor::within(limits, known(0.0));
-            let mut axis = Axis::new(&control, at_rest.map(|row| row.map(known)), supervisor);
+            let mut axis = Axis::new(&off, at_rest.map(|row| row.map(known)), supervisor);
             Trace::section("inputs");
-            let given = given(known(0.0));
+            let given = given(if share.is_some() { Trace::input(place_of_input(BLEND)) } else { known(0.0) });
             let mut states = Visiting(States { constant, parts: Vec::new(), noted: Vec::new(), first: Vec::new() });
             axis.visit(&mut states);
             let (command, allowed) =
@@ -171,6 +184,11 @@ impl TracedPeriod {
     }
 }
 
+fn place_of_input(name: &str) -> usize {
+    let known = AXIS_INPUTS.iter().position(|(known, _)| *known == name);
+    FIRST_OF_AXIS + known.expect("an input of the table")
+}
+
 fn place_of_state(k: usize) -> usize {
     FIRST_OF_AXIS + AXIS_INPUTS.len() + k
 }
@@ -208,14 +226,10 @@ const ASIDE: f64 = 1e-3;
 const LONGEST: usize = 26;
 
 /// The inputs of a period.
-fn given(zero: Trace) -> AxisInput<Trace> {
-    let place = |name: &str| {
-        let known = AXIS_INPUTS.iter().position(|(known, _)| *known == name);
-        FIRST_OF_AXIS + known.expect("an input of the table")
-    };
-    let number = |name: &str| Trace::input(place(name));
-    let word = |name: &str| Word::input(place(name));
-    let flag = |name: &str| Mask::flag(place(name));
+fn given(blend: Trace) -> AxisInput<Trace> {
+    let number = |name: &str| Trace::input(place_of_input(name));
+    let word = |name: &str| Word::input(place_of_input(name));
+    let flag = |name: &str| Mask::flag(place_of_input(name));
     AxisInput {
         sensors: ["force", "position", "base", "grip"].map(number),
         wanted: FeelModifiers {
@@ -223,7 +237,7 @@ fn given(zero: Trace) -> AxisInput<Trace> {
             stiffness_factor: number("stiffness_factor"),
             shaker: number("shaker"),
         },
-        blend: zero,
+        blend,
         added: ["added_force", "added_stiffness", "added_damping"].map(number),
         requested: word("request"),
         host: flag("host"),

@@ -11,8 +11,18 @@ const LONGEST: usize = 400;
 /// Lines after which a function ends where its section does.
 const ENOUGH: usize = 250;
 
-/// Pointers that functions are given, in their order: their types, and whether a function may write through them.
-const POINTERS: [(&str, &str); 4] = [("state", "state"), ("in", "input"), ("out", "output"), ("between", "values")];
+/// Pointers that functions are given, in their order, and their types.
+const POINTERS: [(&str, &str); 6] = [
+    ("state", "state"),
+    ("from", "setting"),
+    ("to", "setting"),
+    ("in", "input"),
+    ("out", "output"),
+    ("between", "values"),
+];
+/// Place of what passes between functions, and of what every period has, with whether it writes through them.
+const BETWEEN: usize = 5;
+const OF_PERIOD: [(usize, bool); 3] = [(0, true), (3, false), (4, true)];
 
 /// A period in functions.
 #[derive(Debug, Clone)]
@@ -147,7 +157,8 @@ impl<'a> Writer<'a> {
         }
         let is_period = *function == format!("{}_period", self.name);
         if is_period {
-            given = [(0, true), (1, false), (2, true)].into();
+            given.remove(&BETWEEN);
+            given.extend(OF_PERIOD);
         }
         let pointer = |(place, writes): (&usize, &bool)| {
             let (argument, of) = POINTERS[*place];
@@ -183,9 +194,9 @@ impl<'a> Writer<'a> {
                 (read.names().into_iter().find_map(place), false)
             } else if self.lines.members.contains(name) {
                 // A function that is given an array writes there.
-                (place("between"), statement.written() == Some(name) || self.arrays.contains(name))
+                (Some(BETWEEN), statement.written() == Some(name) || self.arrays.contains(name))
             } else {
-                (place(name), true)
+                (place(name), ["state", "out"].contains(&name))
             };
             if let Some(place) = place {
                 *given.entry(place).or_default() |= writes;

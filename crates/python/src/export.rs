@@ -42,6 +42,8 @@ pub struct AxisSource {
     /// Type and name of each value that passes between the functions of a period, and these, the period itself last.
     members: Vec<(String, String)>,
     period: String,
+    /// Members of a setting, and for each setting what they hold.
+    own: (String, Vec<String>),
     operations: usize,
 }
 
@@ -91,10 +93,10 @@ impl ExportedLaw {
         LawSource { states, inputs, functions, step, reset, hinge_moment, same, own, operations }
     }
 
-    /// Law, feel and supervisor of the one setting as C, whose names begin with `name`.
+    /// Law, feel and supervisor as C, whose names begin with `name`.
     fn axis_source(&self, py: Python<'_>, name: &str) -> PyResult<AxisSource> {
-        if self.0.values.len() > 1 || !self.0.tunable.is_empty() {
-            return Err(refused("axis: expected a law of one setting without tunable rows"));
+        if !self.0.tunable.is_empty() {
+            return Err(refused("axis: expected a law without tunable rows"));
         }
         let source = py.detach(|| forcefeel_export::axis::AxisSource::of(&self.0, name));
         let source = source.map_err(|refusal| refused(refusal.text()))?;
@@ -108,6 +110,7 @@ impl ExportedLaw {
             functions: source.functions,
             members: source.period.members,
             period: source.period.code,
+            own: (source.own.members, source.own.values),
             operations: source.operations,
         })
     }

@@ -58,7 +58,7 @@ class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     ] = False
     supervisor: Annotated[
         bool,
-        option("With --to c: also write law, feel and supervisor as one step, of a law of one setting.", ASKED),
+        option("With --to c: also write law, feel and supervisor as one step.", ASKED),
     ] = False
     tunable: Annotated[
         tuple[str, ...],

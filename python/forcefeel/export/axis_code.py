@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from forcefeel._core import safety_functions
 from forcefeel.errors import InputError
 from forcefeel.export.axis_golden import axis_inputs
-from forcefeel.export.c_code import about, rendered, spelled_bits, traced_law
+from forcefeel.export.c_code import about, range_check, rendered, spelled_bits, traced_law
 from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import board_axis
@@ -36,16 +36,12 @@ def axis_names(name: str) -> tuple[str, ...]:
 
 
 def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> dict[str, object]:
-    """Fields of the files for one setting of the feel; ``measure`` states the cost on installed targets.
+    """Fields of the files; ``measure`` states the cost on installed targets.
 
     Raises:
-        InputError: If the law is not a sampled one, has several settings or tunable rows, or the loader has no limits.
+        InputError: If the law is not a sampled one or has tunable rows, or the loader has no limits.
     """
     numbers = exported.sampled()
-    if numbers.settings > 1:
-        raise InputError(
-            f"supervisor: expected a law of one setting, got {numbers.settings}; leave --knots out, or use --to firmware"
-        )
     if exported.tunable:
         raise InputError("supervisor: the supervised law has a fixed feel; leave --tunable out")
     loader, name = exported.loader, f"{exported.name}_axis"
@@ -55,16 +51,22 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
     if single:
         inputs = inputs.astype(np.float32).astype(np.float64)
     answers, states = board_axis(exported).answers(inputs, words.tolist(), single=single)
-    code = "".join((*source.functions, source.period))
+    several = numbers.settings > 1
+    members, settings = source.own
+    code = "".join((*source.functions, source.period, *settings))
     fields: dict[str, object] = about(exported, numbers, single=single) | {
         "name": name,
         "states": [(state, _TYPES[kind].format(name)) for state, kind, _ in source.states],
         "first": [(state, _first(kind, value, single=single)) for state, kind, value in source.states],
         "costs": (),
         "operations": source.operations,
-        "functions": [commented(function).rstrip("\n") for function in source.functions],
+        "functions": [commented(text, settings=numbers.settings).rstrip("\n") for text in source.functions],
         "members": source.members,
-        "period": commented(source.period),
+        "period": commented(source.period, settings=numbers.settings),
+        "several": several,
+        "blend": range_check(name, "blend", (0.0, 1.0), single=single),
+        "numbers": (members, settings),
+        "pointers": [f"&settings[in->{of}]" for of in ("from", "to") if f"{name}_setting *{of}" in source.period],
         "code": code,
         "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
         "bits": "uint32_t" if single else "uint64_t",
@@ -74,8 +76,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
             for function, does, *_ in safety_functions(loader.si_values, loader.drive, numbers.period_s)
         ],
         "samples": len(inputs),
-        "given": spelled_rows(inputs[:, [*range(7), 8, 9, 10]], single=single),
-        "words": _words(words[:, 2:]),
+        "given": spelled_rows(inputs[:, [*range(7 + several), 8, 9, 10]], single=single),
+        "words": _words(words[:, 0 if several else 2 :]),
         "answers": spelled_rows(answers, single=single),
         "must": _words(states),
     }

@@ -228,14 +228,14 @@ def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, objec
         "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
         "bits": "uint32_t" if single else "uint64_t",
         "infinity": spelled_bits(math.inf, single=single, shifted=True),
-        "checks": [_check(name, *of, single=single) for of in source.inputs] + _of_settings(name, source),
+        "checks": [range_check(name, *of, single=single) for of in source.inputs] + _of_settings(name, source),
         "ranges": dict.fromkeys(INPUTS, "not read")
         | {name: f"{low:.6g} to {high:.6g}" for name, (low, high) in source.inputs},
         "operations": f"{plain} as written, {looped} in loops over data",
     }
 
 
-def _check(name: str, of: str, ends: tuple[float, float], *, single: bool) -> str:
+def range_check(name: str, of: str, ends: tuple[float, float], *, single: bool) -> str:
     """C condition that an input is within its range, which is symmetric or starts at zero."""
     low, high = ends
     if low < 0.0:

@@ -129,7 +129,7 @@ def _statements(lines: list[str]) -> Iterator[Statement]:
         bare = _bare(held)
         if bare in {"}", "} else {"}:
             held = ""
-        elif bare.endswith(";") or (bare.endswith("{") and not bare.endswith("= {")):
+        elif bare.endswith(";") or (bare.endswith("{") and "= {" not in bare):
             yield _statement(begin, function, section, held)
             held = ""
 
