@@ -176,8 +176,8 @@ def several(tmp_path_factory):
 
 @pytest.mark.slow
 def test_misra_rules_hold_except_for_documented_deviations(several, tmp_path):
-    """Several settings with every part, a tuned motor, and a supervised one of two settings, linked to one program: their names must
-    not meet.
+    """Several settings with every part, a tuned motor, and a supervised one of two settings, linked to one program: their names
+    must not meet.
 
     The checker takes a second for each part of a feel, so that the motor has only its own: its curve and its cogging.
     """
