@@ -172,7 +172,7 @@ def test_every_statement_is_mapped_to_its_line(folder, single, name):
         assert all(row in rows or row.startswith("law.") for row in statement["rows"])
     assert {"sensors", "plausibility", "grip", "sequence", "command"} <= set(document["sections"])
     safety = {row for statement in mapped for row in statement["rows"] if row.startswith("safety.")}
-    assert {"safety.absolute_force", "safety.speed_limit", "safety.energy_limit", "safety.command_rate"} <= safety
+    assert {"safety.absolute_force", "safety.speed_limit", "safety.stop_time", "safety.command_rate"} <= safety
     assert max(map(len, declared(code))) <= LONGEST_NAME
 
 

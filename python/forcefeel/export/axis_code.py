@@ -17,7 +17,7 @@ from forcefeel.export.cost import measured
 from forcefeel.export.exported import Exported
 from forcefeel.export.firmware_code import board_axis
 from forcefeel.export.golden import spelled_rows
-from forcefeel.export.sections import STATES
+from forcefeel.export.sections import SUPERVISED
 from forcefeel.export.trace_map import commented, trace_html, trace_json
 
 _FILES = {
@@ -60,9 +60,9 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
         "first": [(state, _first(kind, value, single=single)) for state, kind, value in source.states],
         "costs": (),
         "operations": source.operations,
-        "functions": [commented(text, settings=numbers.settings).rstrip("\n") for text in source.functions],
+        "functions": [commented(text, SUPERVISED, settings=numbers.settings).rstrip("\n") for text in source.functions],
         "members": source.members,
-        "period": commented(source.period, settings=numbers.settings),
+        "period": commented(source.period, SUPERVISED, settings=numbers.settings),
         "several": several,
         "blend": range_check(name, "blend", (0.0, 1.0), single=single),
         "numbers": (members, settings),
@@ -89,8 +89,8 @@ def axis_fields(exported: Exported, *, single: bool, measure: bool = False) -> d
 def axis_files(fields: Mapping[str, object]) -> dict[str, str | bytes]:
     """Files by name of :func:`axis_fields`."""
     files, source = rendered("c", _FILES, fields), f"{fields['name']}.c"
-    of = (source, str(files[source]), str(fields["name"]), STATES)
-    return files | dict(zip(_MAPS, (trace_json(*of), trace_html(*of)), strict=True))
+    of = (source, str(files[source]), str(fields["name"]), SUPERVISED)
+    return files | dict(zip(_MAPS, (trace_json(*of), trace_html(*of, document=_MAPS[0])), strict=True))
 
 
 def _first(kind: str, value: float, *, single: bool) -> str:

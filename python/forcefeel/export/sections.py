@@ -3,13 +3,14 @@
 The model names the sections where it computes them (``Scalar::section``); the C has a comment at the head of each.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 BITS = "The law gives the bits of the simulated controller."
 FEEL = "The control has the programmed feel: control feel tests of 14 CFR Part 60, judged by forcefeel qualify."
 STABLE = "The drive follows the feel with the parts off by their tolerances: forcefeel envelope."
 LIMIT = "The command stays within converter and amplifier."
 INPUT = "An input that is no number or out of its range gives the command 0 and leaves the state."
+CALLS = "Without initialization, and in settings that do not exist, the command is 0 and the drive has no power."
 START = "The law starts in the equilibrium of its sensors."
 
 VECTORS = "{name}_test.c: release, sweep, random input from beyond either stop"
@@ -224,3 +225,26 @@ SECTIONS = {
     "numbers": Section("Operations on numbers", "smaller, larger, within, with_sign, nearest, bits", "scalar.rs", BITS),
     "status": Section("Order of calls, range checks, status", "-", "law_inputs.rs", INPUT, STATUSES),
 }
+
+SUPERVISED = {
+    key: replace(section, test=STATES) if section.test == VECTORS else section for key, section in SECTIONS.items()
+} | {
+    "inputs": Section(
+        "Inputs and state",
+        "sensors, requests and counts of this sample; law, feel and supervisor",
+        "axis.rs",
+        BITS,
+        STATES,
+    ),
+    "rest": Section(
+        "Law that has seen these sensors for long",
+        "(1 - A) xi = B [y; 0]",
+        "supervised_law.rs, observer.rs",
+        START,
+        STATES,
+    ),
+    "result": Section("Outputs and next state", "-", "axis.rs", BITS, STATES),
+    "off": Section("State of an axis that is off", "-", "axis.rs", SAFE, STATES),
+    "status": Section("Order of calls, settings that exist, status", "-", "axis.rs", CALLS, STATES),
+}
+"""Those of a supervised law: it keeps its state whatever the numbers are, and starts by itself."""

@@ -6,10 +6,10 @@ statement names the rows from which its known numbers follow.
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 
-from forcefeel.export.sections import SECTIONS, VECTORS, Section
+from forcefeel.export.sections import SECTIONS, Section
 from forcefeel.page.render import render
 
 _MARK = re.compile(r"^( *)/\* section: (\w+)(, continued)? \*/$")
@@ -29,7 +29,6 @@ _STATUS = (
     "_rest",
     "_surface",
     "_sample",
-    "_init",
 )
 _COMMENT = re.compile(r" /\*.*?\*/")
 _WIDTH = 150
@@ -56,8 +55,8 @@ class Statement:
     setting: bool
 
 
-def commented(code: str, *, settings: int = 1) -> str:
-    """The lines of a function with the head of each section: equation, source, rows of the loader file, setting."""
+def commented(code: str, sections: Mapping[str, Section] = SECTIONS, *, settings: int = 1) -> str:
+    """The lines of a function with the head of each of its ``sections``: equation, source, rows of the loader file, setting."""
     lines = code.splitlines()
     rows: dict[str, dict[str, None]] = {}
     changing, section = set(), ""
@@ -69,7 +68,9 @@ def commented(code: str, *, settings: int = 1) -> str:
         if _SETTINGS.search(line):
             changing.add(section)
     heads = (
-        _section_head(mark, list(rows.get(mark[2], ())), changing=mark[2] in changing, settings=settings)
+        _section_head(
+            mark, sections[mark[2]], list(rows.get(mark[2], ())), changing=mark[2] in changing, settings=settings
+        )
         if (mark := _MARK.match(line))
         else line
         for line in lines
@@ -77,9 +78,8 @@ def commented(code: str, *, settings: int = 1) -> str:
     return "".join(f"{line}\n" for line in heads)
 
 
-def _section_head(mark: re.Match[str], rows: list[str], *, changing: bool, settings: int) -> str:
+def _section_head(mark: re.Match[str], section: Section, rows: list[str], *, changing: bool, settings: int) -> str:
     indent, key, again = mark.groups()
-    section = SECTIONS[key]
     if again:
         return f"{indent}/* [{key}], continued */"
     rows = list(dict.fromkeys((*rows, *section.rows)))
@@ -116,7 +116,7 @@ def _statements(lines: list[str]) -> Iterator[Statement]:
             continue
         if not inside:
             if (head := _FUNCTION.match(line)) and not line.endswith(";"):
-                function, section = head[1], "status" if head[1].endswith(_STATUS) else "numbers"
+                function, section = head[1], _first_section(head[1])
                 if head[2]:
                     yield _statement(number, function, section, head[2])
             inside = line == "{" and bool(function)
@@ -134,6 +134,11 @@ def _statements(lines: list[str]) -> Iterator[Statement]:
             held = ""
 
 
+def _first_section(function: str) -> str:
+    """The section of a function before it names one."""
+    return "off" if function.endswith("_init") else "status" if function.endswith(_STATUS) else "numbers"
+
+
 def _statement(line: int, function: str, section: str, code: str) -> Statement:
     listed = _ROWS.search(f" {code}")
     rows = tuple(listed[1].split(", ")) if listed else ()
@@ -145,45 +150,35 @@ def _bare(code: str) -> str:
     return _COMMENT.sub("", code)
 
 
-def trace_json(file: str, code: str, name: str, vectors: str = VECTORS) -> str:
-    """The map as JSON: sections with equation, source, requirement and test; statements with line and rows.
-
-    ``vectors`` is the test of the sections that the golden vectors of a law would run.
-    """
+def trace_json(file: str, code: str, name: str, sections: Mapping[str, Section] = SECTIONS) -> str:
+    """The map as JSON: sections with equation, source, requirement and test; statements with line and rows."""
     mapped = statements(code)
     used = {statement.section for statement in mapped}
-    sections = {
-        key: asdict(section) | {"source": _paths(section.source), "test": _test(section, name, vectors)}
-        for key, section in SECTIONS.items()
+    spelled = {
+        key: asdict(section) | {"source": _paths(section.source), "test": section.test.format(name=name)}
+        for key, section in sections.items()
         if key in used
     }
-    document = {"file": file, "sections": sections, "statements": [asdict(statement) for statement in mapped]}
+    document = {"file": file, "sections": spelled, "statements": [asdict(statement) for statement in mapped]}
     return json.dumps(document, indent=1) + "\n"
-
-
-def _test(section: Section, name: str, vectors: str) -> str:
-    return (vectors if section.test == VECTORS else section.test).format(name=name)
 
 
 def _paths(files: str) -> list[str]:
     return [f"crates/model/src/{file}" for file in files.split(", ")]
 
 
-def trace_html(file: str, code: str, name: str, vectors: str = VECTORS) -> str:
-    """The map as a page: a table of sections, then each function's statements; ``vectors`` as of ``trace_json``."""
+def trace_html(
+    file: str, code: str, name: str, sections: Mapping[str, Section] = SECTIONS, *, document: str = "trace.json"
+) -> str:
+    """The map as a page: a table of sections, then each function's statements; the JSON file is ``document``."""
     mapped = statements(code)
     functions = {
         function: [statement for statement in mapped if statement.function == function]
         for function in dict.fromkeys(statement.function for statement in mapped)
     }
     used = dict.fromkeys(statement.section for statement in mapped)
-    sections = [
-        (
-            key,
-            SECTIONS[key],
-            _test(SECTIONS[key], name, vectors),
-            sum(statement.section == key for statement in mapped),
-        )
+    counted = [
+        (key, sections[key], sections[key].test.format(name=name), sum(of.section == key for of in mapped))
         for key in used
     ]
     return render(
@@ -192,7 +187,8 @@ def trace_html(file: str, code: str, name: str, vectors: str = VECTORS) -> str:
         name=name,
         file=file,
         count=len(mapped),
-        sections=sections,
-        rare={key: SECTIONS[key].rare for key in used if SECTIONS[key].rare},
+        document=document,
+        sections=counted,
+        rare={key: sections[key].rare for key in used if sections[key].rare},
         functions=functions,
     )
