@@ -190,6 +190,7 @@ impl<'a> Body<'a> {
                 };
                 let rows = self.rows(&[&[group.mask], &*arms.into_iter().flatten().collect::<Vec<_>>()].concat());
                 let of = self.value_of(node);
+                self.enter(node);
                 self.put(What::Makes(of, format!("{chosen};{rows}")));
                 self.operations.0 += 1;
             }
@@ -197,6 +198,7 @@ impl<'a> Body<'a> {
         }
         for &(node, _) in &members {
             let of = self.value_of(node);
+            self.enter(node);
             self.put(What::Declares(of));
         }
         let (section, mut branches) = (self.section, Vec::new());
