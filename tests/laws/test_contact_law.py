@@ -172,12 +172,12 @@ def test_an_independent_integrator_finds_the_same_feel_that_is_kept_near_its_col
     farther_out = ((feel - column) * np.sign(feel)).max()
     assert np.abs(feel - column).max() > LEAD_RAD
     assert farther_out < LEAD_RAD + UNTIL_SAMPLE_RAD
-    found = witness.simulate(loader, law.sampled, lambda _: force_n, 0.5, rtol=1e-7)["column_angle_rad"]
+    found = witness.simulate(loader, law.sampled, lambda _: force_n, 0.5, rtol=WITNESS_RTOL)["column_angle_rad"]
     assert np.abs(column - found).max() < SAME_SHARE * np.ptp(column)
 
 
 SAME_SHARE = 1e-3
-"""Of a swing, from run to run: the engine at steps of 0.5 ms is 2.4e-3 away; one sample's difference in what is noticed is a tenth."""
+"""Of a swing, from run to run: the engine at steps of 0.5 ms is 2.4e-3 away, and a tenth if it notices a sample late."""
 
 LEAD_RAD, UNTIL_SAMPLE_RAD = 0.05, 0.005
 
