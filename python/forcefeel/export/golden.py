@@ -152,8 +152,9 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
 def _stirred(
     exported: Exported, size: NDArray[np.float64], side: int, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Random input that begins at rest beyond the stops of one side; on the low one the column swings apart from its feel, on the high
-    one a hand swings against a column that is held.
+    """Random input that begins at rest beyond the stops of one side.
+
+    On the low side the column swings apart from its feel, on the high one a hand swings against a column that is held.
     """
     loader = exported.loader
     force, sampled = loader["pilot.force"], exported.sampled()
