@@ -398,14 +398,19 @@ impl<S: Scalar> ContactLaw<S> {
         let (zero, one) = (h.zero(), h.constant(1.0));
         let (ahead, most) = (delta - column, one.times(LEAD_RAD));
         let apart = most.less(ahead.abs()) & zero.less(self.threshold);
+        let since = state.since_lead;
+        state.since_lead = (since + h).min(one);
+        if !S::any(apart) {
+            return [delta, rate];
+        }
         // A hand that is stronger than the drive holds the column farther out than the feel.
         let cut = apart & zero.less(ahead * (delta - neutral));
         let side = one.times_sign(ahead);
         let turned = apart & (side * state.lead_side).less(zero);
-        let touches = turned & state.since_lead.less(self.quick.times(SLOW));
+        let touches = turned & since.less(self.quick.times(SLOW));
         let begins = touches & state.share.less(one.times(0.5));
         let onward = cut & zero.less((rate - column_rate) * side);
-        state.since_lead = S::select(turned, zero, (state.since_lead + h).min(one));
+        state.since_lead = S::select(turned, zero, state.since_lead);
         state.lead_side = S::select(apart, side, state.lead_side);
         state.share = S::select(touches, one, state.share);
         state.place = S::select(touches, column, state.place);
