@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.bus.host import check_host
+from forcefeel.bus.load import bus_load
 from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
 from forcefeel.errors import InputError
+from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
-from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.bus import Bus
 from forcefeel.loader.consistency import MOST_UNDER_WAY
-from forcefeel.loader.loader import Loader, check_electric
+from forcefeel.loader.loader import Loader
 from forcefeel.units import to_text
 
 COMMANDS = 1000
@@ -64,7 +66,7 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
     delay = _delay(drive.round_trips(COMMANDS), loader)
     watchdog = _watchdog(drive, bus)
     directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
-    return BusCheck(nodes, delay, watchdog, directions, check_host())
+    return BusCheck(nodes, bus_load(loader), delay, watchdog, directions, check_host())
 
 
 def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
@@ -82,21 +84,6 @@ def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
 def with_delay(loader: Loader, delay: BusDelay) -> Loader:
     """The loader with the measured delay."""
     return loader.replace({"controller.delay": delay.delay_s}, si=True)
-
-
-def bus_of(loader: Loader) -> Bus:
-    """The bus of a loader's drive.
-
-    Raises:
-        InputError: If it has none.
-    """
-    bus = loader.bus
-    if bus is None or bus.kind == UDP:
-        raise InputError(
-            f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
-        )
-    check_electric(loader, "a drive on a bus", "a machine over the network states its delay in each sample")
-    return bus
 
 
 def whole_periods(time_s: float, loader: Loader) -> float:
@@ -127,7 +114,10 @@ def _delay(times: list[float], loader: Loader) -> BusDelay:
 def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
     """Powers the drive without torque, is silent for twice the watchdog, and looks whether the drive noticed."""
     name = "drive watchdog"
-    before = [drive.exchange(0.0, enable=True) for _ in range(3)][-1]
+    if why := drive.power_up():
+        _stop(drive)
+        return Finding(name, False, why, "clear the fault first, or set safety.power_time")
+    before = drive.exchange(0.0, enable=True)
     set_by_bus = not bus.kind.startswith("odrive")
     silence = 2 * bus.watchdog_s if set_by_bus else _ODRIVE_S
     time.sleep(silence)
@@ -174,6 +164,9 @@ class _Directions:
         """Change of the sensors under a current that rises until the column moves; whether all answers came."""
         start = self.drive.exchange(0.0, enable=False)
         if start is None:
+            return np.empty((0, 4)), False
+        if self.drive.power_up():
+            _stop(self.drive)
             return np.empty((0, 4)), False
         rows, begun = [start[0]], time.monotonic()
         most = _SHARE * self.loader["current_loop.current_limit"]
