@@ -46,6 +46,7 @@ __all__ = [
     "ValveStatics",
     "balanced",
     "board_sources",
+    "bus_frames",
     "bus_kinds",
     "bus_nodes",
     "channels",

@@ -86,6 +86,14 @@ fn open(port: &str, protocol: Protocol) -> io::Result<Box<dyn Fieldbus>> {
     Ok(Box::new(CanBus::new(Box::new(SerialAdapter::open(Path::new(port), adapter)?))))
 }
 
+/// Adds its functions to the module.
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(bus_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(drive_fault, module)?)?;
+    module.add_function(wrap_pyfunction!(bus_frames, module)?)?;
+    Ok(())
+}
+
 /// Name and remedy of a fault of drive or bus by its number; nothing of zero.
 #[pyfunction]
 pub fn drive_fault(number: u16) -> Option<(&'static str, &'static str)> {
