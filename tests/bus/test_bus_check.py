@@ -114,7 +114,7 @@ def test_watchdog_that_does_not_act_is_found(fault, part, monkeypatch):
             self.asked += 2
 
         def exchange(self, command, enable):
-            self.asked += 1
+            self.asked += enable
             assert command == 0.0
             return None if fault is None else ([0.0] * 4, fault if enable and self.asked > 3 else 0)
 

@@ -30,6 +30,8 @@ _TRAVEL_RAD = 0.02
 """Angle of the column at which a direction counts as found: 1 deg."""
 _STEP_S = 0.002
 _CLEARED_S = 0.5
+_WELL = 20
+"""Commands in a row without a fault after which a drive is ready: a slave of EtherCAT comes back to OP."""
 _TRIES = 3
 _ODRIVE_S = 0.25
 """By then the heartbeat of an ODrive has told that its watchdog, 0.1 s, has run out."""
@@ -114,6 +116,8 @@ def _delay(times: list[float], loader: Loader) -> BusDelay:
 def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
     """Powers the drive without torque, is silent for twice the watchdog, and looks whether the drive noticed."""
     name = "drive watchdog"
+    # Since the last command its watchdog may have run out.
+    _stop(drive)
     if why := drive.power_up():
         _stop(drive)
         return Finding(name, False, why, "clear the fault first, or set safety.power_time")
@@ -139,9 +143,10 @@ def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
 
 
 def _stop(drive: _core.BusDrive) -> None:
-    """Stops the drive, and waits until it has cleared its fault."""
-    until = time.monotonic() + _CLEARED_S
-    while (answer := drive.exchange(0.0, enable=False)) is not None and answer[1] and time.monotonic() < until:
+    """Stops the drive, and waits until it has cleared its fault and is ready: it states none for some commands in a row."""
+    until, well = time.monotonic() + _CLEARED_S, 0
+    while (answer := drive.exchange(0.0, enable=False)) is not None and well < _WELL and time.monotonic() < until:
+        well = 0 if answer[1] else well + 1
         time.sleep(_STEP_S)
 
 
@@ -162,6 +167,7 @@ class _Directions:
 
     def _moved(self) -> tuple[NDArray[np.float64], bool]:
         """Change of the sensors under a current that rises until the column moves; whether all answers came."""
+        _stop(self.drive)
         start = self.drive.exchange(0.0, enable=False)
         if start is None:
             return np.empty((0, 4)), False
