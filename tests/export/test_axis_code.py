@@ -34,6 +34,7 @@ from tests.parametrization import mostly_slow
 ACTED = {
     "emergency stop",
     "drive fault",
+    "drive stopped",
     "not a number",
     "out of range",
     "load cell implausible",
