@@ -190,6 +190,8 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
                 feels = touch.damp(period, feels, g("feel.inertia"))
             excess, way = (own - answered) / law.command[0, -2], g("controller.antiwindup")
             feels = feels - period * way * excess * np.array([2.0, way])
+            if touch is not None:
+                feels = touch.follow(period, feels, (sample[1], sample[2]))
             new += own + more
         for begin, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - begin > 1e-12:  # s, far below any delay
@@ -214,6 +216,7 @@ class Touch:
         self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
+        self.lead_side, self.since_lead, self.column_rate = 0.0, 1.0, 0.0
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
 
     def notice(self, h, torque, column):
@@ -235,18 +238,18 @@ class Touch:
         if swing:
             self.swings = self.swings + 1 if stiff or peak_before >= 1.2 * self.last else 0
         elif other:
-            self.swings = self.swings + 0.25 if slow and stiff and peak_before > 1.02 * self.last else 0
+            self.swings = self.swings + 0.125 if slow and stiff and peak_before > 0.97 * self.last else 0
         elif not slow:
             self.swings = 0
         back = (self.turn[1] - self.torque) * self.way
-        turned_back = back > 2 * self.least
+        turned_back = back > 1.3 * self.least
         if turned_back:
             hard_turn = back > self.environment * abs(self.angle - self.turn[0]) and self.since_turn < self.quick
             self.way, self.turns = -self.way, self.turns + 1 if hard_turn else 0
         self.since_turn = 0.0 if turned_back else min(self.since_turn + h, 1.0)
         if turned_back or back < 0:
             self.turn = (self.angle, self.torque)
-        pushed_on = turned_back and self.turns >= 8
+        pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
         struck = blow and quick and stiff and self.push > 0
@@ -268,6 +271,7 @@ class Touch:
         """The feel, the command and its torque at a sample, from those of free motion."""
         (force, position, column), drive_rate, (rests, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
+        self.column_rate = column_rate
         at_end = self.at_end(feels, column, own[1])
         noticed, was = self.notice(h, own[1], column) or at_end, self.share
         if noticed:
@@ -276,8 +280,8 @@ class Touch:
         held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
         if noticed or (was > 0 and abs(away) < self.near):
             self.share = 1.0
-        elif abs(away) > self.near and column_rate * away > 0 and not held and self.since >= 0.3:
-            self.share = max(was - abs(column_rate) * h / self.travel, 0.0)
+        elif abs(away) > self.near and self.rate * away > 0 and not held and self.since >= 0.3:
+            self.share = max(was - abs(self.rate) * h / self.travel, 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])
         rate = feels[1]
@@ -302,6 +306,26 @@ class Touch:
         if delta > high and column > high - self.near:
             return hand > stiffness * delta or rate > 0
         return delta < low and column < low + self.near and (hand < stiffness * delta or rate < 0)
+
+    def follow(self, h, feels, places):
+        """The feel no farther out than the column by 0.05 rad; its neutral is at zero."""
+        (delta, rate), (position, column) = feels, places
+        self.since_lead = min(self.since_lead + h, 1.0)
+        ahead = delta - column
+        if abs(ahead) <= 0.05:
+            return feels
+        side, before, since = math.copysign(1.0, ahead), self.lead_side, self.since_lead
+        self.lead_side = side
+        if side * before < 0:
+            self.since_lead = 0.0
+            if since < 2 * self.quick:
+                was, self.share, self.place = self.share, 1.0, (column, self.torque)
+                if was < 0.5:
+                    return np.array([position / self.per_angle, 0.0])
+        if ahead * delta <= 0:
+            return feels
+        runs_on = (rate - self.column_rate) * side > 0
+        return np.array([column + 0.05 * side, self.column_rate if runs_on else rate])
 
     def damp(self, h, feels, inertia):
         """The feel after a period."""

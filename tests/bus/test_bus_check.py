@@ -2,13 +2,14 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 import forcefeel as ff
 from forcefeel.bus import check, cockpit, host
 from tests.command_line import runs
-from tests.live.test_bus import KINDS, emulated, until, yoke
+from tests.live.test_bus import KINDS, UNSENSED, emulated, until, yoke
 from tests.parametrization import mostly_slow
 
 run = runs("bus")
@@ -109,8 +110,11 @@ def test_watchdog_that_does_not_act_is_found(fault, part, monkeypatch):
     class Drive:
         asked = 0
 
+        def power_up(self):
+            self.asked += 2
+
         def exchange(self, command, enable):
-            self.asked += 1
+            self.asked += enable
             assert command == 0.0
             return None if fault is None else ([0.0] * 4, fault if enable and self.asked > 3 else 0)
 
@@ -143,7 +147,8 @@ def project_of(folder, **buses):
 @pytest.mark.parametrize("kind", mostly_slow(["moteus", "odrive"]))
 def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_path, kind, answers_within):
     answers_within(0.7e-3)
-    loaders = {"pitch": yoke(kind, node=2), "roll": yoke(kind, node=7)}
+    slower = {"controller.period": "1 ms", "controller.delay": "1 ms"}
+    loaders = {"pitch": yoke(kind, node=2).replace(slower), "roll": yoke(kind, node=7).replace(slower)}
     with ff.live.BusEmulator([*loaders.values(), yoke(kind, node=9)]) as emulator:
         wired = {axis: replace(it, bus=replace(it.bus, port=emulator.port)) for axis, it in loaders.items()}
         path = project_of(tmp_path, **wired)
@@ -153,7 +158,8 @@ def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_pa
         assert list(axes) == ["pitch", "roll"]
         for axis, node in (("pitch", 2), ("roll", 7)):
             delay = axes[axis]["delay"]["delay_s"]
-            assert delay == pytest.approx(1.5e-3)  # 1.4 ms for both
+            assert delay == pytest.approx(2e-3)  # 1.4 ms for both
+            assert axes[axis]["load"]["period_s"] == pytest.approx(1e-3)
             measured = ff.load(tmp_path / f"measured-{axis}.toml")
             assert measured["controller.delay"] == pytest.approx(delay, rel=1e-9)  # written with digits
             assert measured.bus.node == node
@@ -163,6 +169,43 @@ def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_pa
             assert part in out
         assert out.count("real-time kernel") == 1
         assert run(path.name, "--out", "measured.toml")[0] == 2
+
+
+def test_cycle_that_the_bus_cannot_carry_is_found_and_no_file_is_written(run, tmp_path, answers_within):
+    answers_within(0.2e-3)
+    loaders = {"pitch": yoke(node=2), "roll": yoke(node=7)}
+    with ff.live.BusEmulator(list(loaders.values())) as emulator:
+        wired = {axis: replace(it, bus=replace(it.bus, port=emulator.port)) for axis, it in loaders.items()}
+        status, out, err = run(project_of(tmp_path, **wired).name, "--out", "measured.toml")
+    assert (status, err) == (1, "")
+    assert (
+        "roll: bus load: 661 us of 500 us a period, expected at most the period: set controller.period to"
+        in " ".join(out.split())
+    )
+    assert not list(tmp_path.glob("measured*"))
+
+
+# Bits before the data, of the check sum and behind it; the most that stuffing adds.
+CLASSIC = [("command", 4, 44 + 32 + 3 + 16), ("request", 0, 44 + 3 + 8), ("answer", 8, 44 + 64 + 3 + 24)]
+ETHERNET_BYTES = 8 + 14 + 2 + (12 + 5) + (12 + 21) + (12 + 6) + (12 + 8) + 4 + 12
+
+
+def test_load_of_a_cycle_by_hand():
+    frames = ff.bus.bus_load(yoke("odrive", **UNSENSED)).frames
+    assert [(frame.name, frame.bytes, frame.bits) for frame in frames] == [*CLASSIC, ("heartbeat", 8, 135)]
+    assert sum(frame.time_s for frame in frames[:3]) == pytest.approx(285e-6, rel=1e-12)  # at 1 Mbit/s
+    frame, slave = ff.bus.bus_load(yoke("ethercat")).frames
+    assert (frame.bits, slave.bits) == (8 * ETHERNET_BYTES, 0)
+    # 29 bits of identifier and 8 stuffed among 36 bits; then 64 bytes, each fifth bit stuffed, and the long check sum.
+    command = ff.bus.bus_load(yoke()).frames[0]
+    assert command.bits == 36 + 8 + 13 + (5 + 8 * 64 + (36 + 5 + 8 * 64 - 1) // 4 - 8 + 32)
+    guide = (Path(ff.__file__).parents[2] / "docs/how-to/bus.md").read_text(encoding="utf-8")
+    for kind, sensed in [("moteus", {}), ("moteus", UNSENSED), ("odrive", {}), ("odrive", UNSENSED), ("ethercat", {})]:
+        load = ff.bus.bus_load(yoke(kind, **sensed))
+        bits = sum(frame.bits for frame in load.frames if frame.every_s is None)
+        assert f" | {bits} | {1e6 * load.time_s:.0f} us" in guide, (kind, sensed)
+    with pytest.raises(ff.InputError, match="one port and one"):
+        ff.bus.bus_load(yoke(), yoke(port="other"))
 
 
 def test_two_axes_of_one_node_are_refused_before_anything_is_powered(run, tmp_path):

@@ -34,6 +34,7 @@ from tests.parametrization import mostly_slow
 ACTED = {
     "emergency stop",
     "drive fault",
+    "drive stopped",
     "not a number",
     "out of range",
     "load cell implausible",
@@ -153,9 +154,9 @@ def test_golden_vectors_run_the_statements_of_a_period(folder, tmp_path):
     missed = {int(line.split(":")[1]) for line in lines if line.split(":")[0].strip() in {"#####", "====="}}
     mapped = statements((folder / "pitch_axis.c").read_text(encoding="utf-8"))
     assert len(mapped) > 2000
-    rare = [statement for statement in mapped if statement.line in missed]
+    rare = [statement for statement in mapped if statement.line in missed and statement.section not in RUN_BY_THE_LAW]
     assert len(rare) < MISSED * len(mapped)
-    sections = {statement.section for statement in rare} - RUN_BY_THE_LAW
+    sections = {statement.section for statement in rare}
     assert all(SECTIONS[section].rare for section in sections), sections
 
 

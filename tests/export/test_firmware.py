@@ -14,7 +14,11 @@ from forcefeel.export import firmware_library
 from forcefeel.export.firmware_code import board_axis, golden_inputs
 from forcefeel.export.firmware_library import TARGETS, library_name, library_origin
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
+from tests.live.test_bus import running, yoke
 from tests.parametrization import mostly_slow
+
+DRIVE_ACTS = 16
+"""The bit of the flags."""
 
 TWO = """
 #include "roll_data.h"
@@ -23,7 +27,7 @@ TWO = """
 int main(void)
 {
     static forcefeel_axis axes[2];
-    forcefeel_input in = { .stiffness_factor = 1.0 };
+    forcefeel_input in = { .stiffness_factor = 1.0, .flags = FORCEFEEL_DRIVE_ACTS };
     forcefeel_output out[2];
     for (int k = 0; k < 2; ++k) {
         if (forcefeel_init(&axes[k], sizeof axes[k], &roll_loader, roll_settings, roll_SETTINGS) != FORCEFEEL_OK) {
@@ -223,27 +227,50 @@ def test_example_reaches_the_active_state(here):
 @pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("elevator-electric")], ids=str)
 def test_firmware_matches_the_live_loop(loader):
     loader = loader.replace({"feel.shaker_force": "2 lb"})
-    with ff.live.start(loader, "robust", real_time=False) as running:
-        running.off()
-        running.trim_rad, running.shaker = 0.02, 0.5
-        running.wait(1000)  # they are there before the feel comes
-        running.on()
-        running.wait(4000)
-        running.hand_force_n = 20.0
-        running.stiffness_factor = 1.3
-        running.wait(1000)
-        running.off()
-        running.wait(500)
-        rows = running.history(most=100_000)
-    seen = dict(zip(running.columns, rows.T, strict=True))
-    given = np.zeros((len(rows), 11))
-    given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
-    given[:, 4], given[:, 6] = 0.02, 0.5
-    given[:, 5] = np.where(np.maximum.accumulate(seen["spring_factor"]) > 1.0, 1.3, 1.0)
+    with ff.live.start(loader, "robust", real_time=False) as session:
+        session.off()
+        session.trim_rad, session.shaker = 0.02, 0.5
+        session.wait(1000)  # they are there before the feel comes
+        session.on()
+        session.wait(4000)
+        session.hand_force_n = 20.0
+        session.stiffness_factor = 1.3
+        session.wait(1000)
+        session.off()
+        session.wait(500)
+        seen = columns(session)
     assert np.count_nonzero(np.diff(seen["spring_factor"])) > 100  # it is led there
-    words = np.zeros((len(rows), 8), dtype=int)
+    factor = np.where(np.maximum.accumulate(seen["spring_factor"]) > 1.0, 1.3, 1.0)
+    expect_bits_of_the_board(loader, seen, (0.02, factor, 0.5))
+
+
+def test_firmware_matches_the_live_loop_of_a_drive_that_acts_late():
+    loader = yoke()
+    with running(loader, power_s=0.8) as (session, emulator):
+        emulator.hold(0.05)
+        session.wait(500)
+        session.on()
+        session.wait(6000)
+        seen = columns(session)
+    assert np.count_nonzero((seen["enable"] == 1) & (seen["drive_acts"] == 0)) > 1000
+    assert (seen["delay"] == 0).all()
+    expect_bits_of_the_board(loader, seen, (0.0, 1.0, 0.0))
+
+
+def columns(session):
+    rows = session.history(most=100_000)
+    return dict(zip(session.columns, rows.T, strict=True))
+
+
+def expect_bits_of_the_board(loader, seen, around):
+    """A board that is given a live run's samples, trim, factor and shaker does the same."""
+    given = np.zeros((len(seen["state"]), 11))
+    given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
+    given[:, 4], given[:, 5], given[:, 6] = around
+    words = np.zeros((len(given), 8), dtype=int)
     active = np.flatnonzero(seen["state"] == 3)
     words[np.argmax(seen["state"] == 1) : active[-1] + 1, 2] = 2
+    words[:, 6] = DRIVE_ACTS * seen["drive_acts"]
     numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
     assert len(active) > 2000
     for column, name in enumerate(("command", "feel_torque_n_m", "feel_angle_rad", "feel_rate_rad_per_s")):
@@ -259,7 +286,7 @@ def test_host_force_acts_like_hand_force():
     given[:, 5] = 1.0
     given[4000:, 8] = force = 0.5
     words = np.zeros((len(given), 8), dtype=int)
-    words[1:, 2] = 2
+    words[1:, 2], words[:, 6] = 2, DRIVE_ACTS
     numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
     assert states[-1, 1] == 3
     assert numbers[3999, 2] == 0.0

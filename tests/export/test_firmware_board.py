@@ -273,15 +273,15 @@ def test_inputs_scale_codes_and_wait_for_the_switch(inputs):
     values[1, :2] = np.nan  # at an end of the converter
     np.testing.assert_allclose(sensors, values, rtol=3e-7)  # two roundings of a float
     assert ranges[0] == pytest.approx(10.0 / with_grip_sensor()["load_cell.gain"], rel=1e-12)  # the file's own volts
-    stopped, faulty, acknowledged = 1, 2, 4
+    stopped, faulty, acknowledged, acts = 1, 2, 4, 16
     states = [list(map(int, row[4:])) for row in rows]
     assert states == [
-        [0, 0, 0],
-        [0, 0, 0],
-        [0, 2, 0],
-        [1, 2, stopped | faulty],
-        [2, 2, acknowledged],
-        [0, 0, acknowledged],
+        [0, 0, acts],
+        [0, 0, acts],
+        [0, 2, acts],
+        [1, 2, acts | stopped | faulty],
+        [2, 2, acts | acknowledged],
+        [0, 0, acts | acknowledged],
     ]
 
 

@@ -60,22 +60,22 @@ def activate(session):
 
 
 @contextmanager
-def emulated(loader, *, real_time=False):
+def emulated(loader, *, real_time=False, power_s=0.0):
     """A loader on the bus of its emulated machine, and the machine."""
     with ExitStack() as wires:
         master = None
         if loader.bus.kind == "ethercat":
             master, port = wires.enter_context(virtual_interfaces())
             loader = replace(loader, bus=replace(loader.bus, port=port))
-        emulator = wires.enter_context(ff.live.BusEmulator([loader], real_time=real_time))
+        emulator = wires.enter_context(ff.live.BusEmulator([loader], real_time=real_time, power_s=power_s))
         yield replace(loader, bus=replace(loader.bus, port=master or emulator.port)), emulator
 
 
 @contextmanager
-def running(loader, law="robust", *, real_time=False, **options):
+def running(loader, law="robust", *, real_time=False, power_s=0.0, **options):
     """A loop of a loader, and the machine at the other end of its bus."""
     with (
-        emulated(loader, real_time=real_time) as (wired, emulator),
+        emulated(loader, real_time=real_time, power_s=power_s) as (wired, emulator),
         ff.live.start(loader, law, endpoint=wired.bus, real_time=real_time, **options) as session,
     ):
         yield session, emulator
@@ -136,6 +136,66 @@ def test_torque_mode_runs_with_drive_encoder_alone(kind):
         assert emulator.angles_rad[0] == pytest.approx(torque / loader["feel.stiffness"], rel=0.02)
     with pytest.raises(ff.InputError, match="load_cell"), running(loader):
         pass
+
+
+HELD_RAD = 0.05
+
+
+def feel_comes(kind, power_s, record):
+    """States, and forces of a hand that holds the column, from the first sample with power on."""
+    loader = yoke(kind, quiet=True)
+    with running(loader, power_s=power_s, record=record) as (session, emulator):
+        emulator.hold(HELD_RAD)
+        session.wait(4000)
+        session.on()
+        until(lambda: session.state.name == "active")
+        session.wait(2000)
+        powered = np.argmax(column(session, "enable"))
+        return [column(session, name)[powered:] for name in ("state", "load_cell_force_n", "command")]
+
+
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
+def test_feel_comes_from_a_slow_drive_as_from_one_that_acts_at_once(kind, tmp_path):
+    loader = yoke(kind)
+    period, fade = loader["controller.period"], loader["safety.fade_time"]
+    fading = ff.live.STATES.index("fading")
+    curves, waits = [], []
+    for power_s in (0.0, 0.8):
+        record = tmp_path / f"{power_s}.mcap"
+        states, forces, commands = feel_comes(kind, power_s, record)
+        assert ff.live.replay(record).same
+        begins = int(np.argmax(states == fading))
+        assert (commands[:begins] == 0.0).all()
+        waits.append(begins * period)
+        curves.append(forces[begins - 1 : begins + 1500])
+    # An ODrive tells that it acts by its heartbeat, each 0.1 s.
+    assert waits[1] - waits[0] == pytest.approx(0.8, abs=0.11 if kind.startswith("odrive") else 0.002)
+    lever = loader["linkage.ratio"] * loader["column.base_arm"]
+    whole = loader["feel.stiffness"] * HELD_RAD / lever
+    assert np.abs(curves[1]).max() == pytest.approx(whole, rel=0.02)  # the hand gives a little
+    ramp = whole * period / fade
+    # The hand is a spring with a damper, and the link swings; all of it at once would be a hundred times the ramp and more.
+    assert np.abs(np.diff(curves[1], prepend=0.0)).max() < 10 * ramp
+    assert np.abs(curves[1] - curves[0]).max() < 0.01 * whole
+
+
+def test_a_drive_that_never_acts_is_named_and_nothing_moves():
+    loader = yoke().replace({"safety.power_time": "300 ms"})
+    with running(loader, power_s=10.0) as (session, emulator):
+        emulator.hold(HELD_RAD)
+        session.wait(2000)
+        session.on()
+        until(lambda: session.state.name == "tripped")
+        assert session.state.trips == ("drive not ready",)
+        assert (column(session, "command") == 0.0).all()
+        session.wait(100)
+        assert emulator.commands == [0.0]
+        with ff.live.BusEmulator([loader], power_s=10.0) as slow:
+            found = ff.bus.check_bus(replace(loader, bus=replace(loader.bus, port=slow.port)), move=True)
+        assert (found.watchdog.ok, found.directions) == (False, ())
+        assert "did not act within 300ms" in found.watchdog.stated
+    with pytest.raises(ff.InputError, match="power_s: expected a time of 0 s or more"):
+        ff.live.BusEmulator([loader], power_s=-1.0)
 
 
 BAD_ANSWERS = [("lost", 7), ("corrupt", 7), ("repeated", 3), ("late", 5)]
@@ -310,16 +370,20 @@ def test_bad_node_is_refused_by_name():
 
 
 @pytest.mark.parametrize(
-    ("kind", "serials"), [("moteus", "000003ec.* and 000007d4"), ("odrive", "000003ec.* and 000007d4")]
+    ("kind", "states"),
+    [
+        ("moteus", "with the serial numbers 000003ec.* and 000007d4"),
+        ("odrive", "with the serial numbers 000003ec.* and 000007d4"),
+        ("odrive-0.5", "which state no serial number"),
+    ],
 )
-def test_two_drives_of_one_number_are_refused_by_name_and_nothing_moves(kind, serials):
-    """Both answer; firmware 0.5 of an ODrive states no serial number, so there the two cannot be told apart."""
+def test_two_drives_of_one_number_are_refused_by_name_and_nothing_moves(kind, states):
     loader = yoke(kind, node=4)
     with ff.live.BusEmulator([loader]) as emulator:
         emulator.add_twin()
         wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
         for start in (lambda: ff.live.start(loader, endpoint=wired.bus), lambda: ff.bus.check_bus(wired, move=True)):
-            with pytest.raises(ff.InputError, match=f"expected one node 4, got 2, with the serial numbers {serials}"):
+            with pytest.raises(ff.InputError, match=f"expected one node 4, got 2, {states}"):
                 start()
         assert emulator.commands == [0.0]
         assert emulator.angles_rad[0] == pytest.approx(0.0, abs=1e-9)  # rad; at rest

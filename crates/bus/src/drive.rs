@@ -34,7 +34,7 @@ pub struct State {
     pub torque: f64,
     /// Whether it is powered, or on its way there.
     pub powered: bool,
-    /// Whether a torque acts by now.
+    /// Whether it carries out its torque by now.
     pub acts: bool,
     /// What it complains of.
     pub fault: Fault,
@@ -94,6 +94,10 @@ pub trait Codec {
     fn who(&self, node: u8, send: Send);
     /// A node's answer to that.
     fn identity(&self, frame: &Frame) -> Option<Identity>;
+    /// Whether a frame is one by which a node that states no serial number answers once to be asked what it is: two of them are two nodes.
+    fn answers_once(&self, _frame: &Frame) -> bool {
+        false
+    }
     /// Whether a node can be driven.
     ///
     /// # Errors
@@ -141,4 +145,6 @@ pub trait Node {
     fn action(&mut self, now_s: f64) -> Action;
     /// Has the drive fail, with the maker's code.
     fn fail(&mut self, code: u16);
+    /// Has the drive take so long in s to act once it is enabled.
+    fn delay_power(&mut self, power_s: f64);
 }

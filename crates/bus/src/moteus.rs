@@ -129,7 +129,8 @@ impl Codec for Moteus {
         }
         self.answered = self.answered.max(state.answers);
         state.powered = !matches!(mode, Mode::Stopped | Mode::Fault | Mode::Timeout);
-        state.acts = state.powered;
+        // On the way there it measures its currents, and calibrates.
+        state.acts = mode == Mode::Position;
         state.fault = match mode {
             Mode::Fault => Fault::of(MOTEUS + code),
             Mode::Timeout => Fault::WATCHDOG,

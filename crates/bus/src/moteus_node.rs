@@ -25,6 +25,8 @@ pub struct MoteusNode {
     timeout_s: f64,
     commanded_s: f64,
     started_s: Option<f64>,
+    power_s: f64,
+    enabled_s: f64,
 }
 
 impl MoteusNode {
@@ -39,12 +41,14 @@ impl MoteusNode {
             timeout_s: TIMEOUT_S,
             commanded_s: 0.0,
             started_s: None,
+            power_s: 0.0,
+            enabled_s: 0.0,
         }
     }
 
-    fn write(&mut self, register: u16, value: Value) {
+    fn write(&mut self, register: u16, value: Value, now_s: f64) {
         match Register::from_address(register) {
-            Some(Register::Mode) => self.enter(value.to_i32()),
+            Some(Register::Mode) => self.enter(value.to_i32(), now_s),
             Some(Register::CommandFeedforwardTorque) => self.torque = f64::from(value.to_f32(&scaling::TORQUE)),
             Some(Register::CommandTimeout) => {
                 let timeout = f64::from(value.to_f32(&scaling::TIME));
@@ -55,12 +59,16 @@ impl MoteusNode {
     }
 
     /// Enters a mode: out of a fault or a timeout only by a stop.
-    fn enter(&mut self, mode: i32) {
+    fn enter(&mut self, mode: i32, now_s: f64) {
         let Some(mode) = u8::try_from(mode).ok().and_then(|mode| Mode::try_from(mode).ok()) else { return };
         // What a command leaves out has its default.
         (self.torque, self.timeout_s) = (0.0, TIMEOUT_S);
         match mode {
             Mode::Stopped => (self.mode, self.fault) = (mode, 0),
+            Mode::Position if self.mode == Mode::Stopped && self.power_s > 0.0 => {
+                (self.mode, self.enabled_s) = (Mode::Enabling, now_s);
+            }
+            Mode::Position if self.mode == Mode::Enabling => {}
             Mode::Position | Mode::Brake if !self.mode.is_error() => self.mode = mode,
             _ => {}
         }
@@ -110,7 +118,7 @@ impl Node for MoteusNode {
             let Subframe::Register { register, resolution, value, .. } = subframe else { continue };
             match value {
                 Some(value) => {
-                    self.write(register, value);
+                    self.write(register, value, now_s);
                     (self.commanded_s, commanded) = (now_s, true);
                 }
                 None => run.answer(&mut answer, register, resolution, self.read(register, shown, now_s)),
@@ -126,6 +134,9 @@ impl Node for MoteusNode {
     }
 
     fn action(&mut self, now_s: f64) -> Action {
+        if self.mode == Mode::Enabling && now_s - self.enabled_s >= self.power_s {
+            self.mode = Mode::Position;
+        }
         if self.mode == Mode::Position && now_s - self.commanded_s > self.timeout_s {
             self.mode = Mode::Timeout;
         }
@@ -138,6 +149,10 @@ impl Node for MoteusNode {
 
     fn fail(&mut self, code: u16) {
         (self.mode, self.fault) = if code == 0 { (Mode::Stopped, 0) } else { (Mode::Fault, code) };
+    }
+
+    fn delay_power(&mut self, power_s: f64) {
+        self.power_s = power_s;
     }
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | 0x00, on request | protocol, hardware 3 bytes, firmware 3 bytes | 0.6 alone |
 //! | 0x06, on request | node u8, serial number 6 bytes, connection u8 | 0.6 alone |
+//! | 0x03, on request | errors | asked for once, it tells how many drives have a number |
 //! | 0x01, by itself | error u32, state u8 | state 1 idle, 8 closed loop |
 //! | 0x07 | state u32 | |
 //! | 0x09, on request | position f32 in turns, velocity f32 | |
@@ -27,6 +28,7 @@ pub const MOST_NODE: u8 = 55;
 
 pub(crate) const VERSION: u32 = 0x00;
 pub(crate) const HEARTBEAT: u32 = 0x01;
+pub(crate) const ERRORS: u32 = 0x03;
 pub(crate) const ADDRESS: u32 = 0x06;
 pub(crate) const SET_STATE: u32 = 0x07;
 pub(crate) const ESTIMATES: u32 = 0x09;
@@ -73,9 +75,9 @@ pub struct Odrive {
     wired: [bool; 3],
     enabled: bool,
     torque: f64,
-    /// State by the last heartbeat, and how many came since it was asked for.
+    /// State by the last heartbeat, and whether it was in closed loop since it was asked for.
     state: u8,
-    heartbeats: u32,
+    acted: bool,
     error: u32,
     sensors: Option<[f64; 3]>,
 }
@@ -84,14 +86,12 @@ impl Odrive {
     /// That of a node, with the sensors that its board has: load cell, column's encoder, force sensor at the grip.
     pub fn new(node: u8, firmware: Firmware, wired: [bool; 3]) -> Self {
         let (state, sensors) = (IDLE, None);
-        Self { node, firmware, wired, enabled: false, torque: 0.0, state, heartbeats: 0, error: 0, sensors }
+        Self { node, firmware, wired, enabled: false, torque: 0.0, state, acted: false, error: 0, sensors }
     }
 
     fn fault(&self, position: f64) -> Fault {
-        // A drive that was asked for takes a heartbeat to say so.
-        let asked_for = self.enabled && self.heartbeats > 1;
         match self.error {
-            0 if asked_for && self.state != CLOSED_LOOP => Fault::RESTARTED,
+            0 if self.acted && self.state != CLOSED_LOOP => Fault::RESTARTED,
             0 if position.is_nan() => Fault::NO_POSITION,
             0 => Fault::NONE,
             error if error & self.firmware.watchdog() != 0 => Fault::WATCHDOG,
@@ -102,13 +102,15 @@ impl Odrive {
     /// What has come, once all of it has.
     fn whole(&mut self, position: f64, velocity: f64) -> Option<State> {
         let sensors = if self.wired.contains(&true) { self.sensors.take()? } else { [f64::NAN; 3] };
+        // It takes a heartbeat to say so.
+        let acts = self.acted && self.state == CLOSED_LOOP;
         Some(State {
             answers: None,
             position,
             velocity,
-            torque: self.torque,
-            powered: self.state == CLOSED_LOOP || self.heartbeats < 2,
-            acts: self.state == CLOSED_LOOP || self.heartbeats < 2,
+            torque: if acts { self.torque } else { 0.0 },
+            powered: acts || !self.acted,
+            acts,
             fault: self.fault(position),
             sensors,
         })
@@ -123,7 +125,7 @@ impl Codec for Odrive {
     fn ask(&mut self, ask: &Ask, send: Send) {
         let node = self.node;
         if ask.enable != self.enabled || ask.cycle == 0 {
-            (self.enabled, self.heartbeats) = (ask.enable, 0);
+            (self.enabled, self.acted) = (ask.enable, false);
             if ask.enable {
                 send(&frame(node, SET_MODE, &TORQUE_MODE));
                 send(&frame(node, SET_STATE, &[CLOSED_LOOP, 0, 0, 0]));
@@ -159,7 +161,7 @@ impl Codec for Odrive {
         match frame.id & 0x1f {
             HEARTBEAT => {
                 (self.error, self.state) = (u32::from_le_bytes(of(0)?), *data.get(4)?);
-                self.heartbeats = self.heartbeats.saturating_add(1);
+                self.acted |= self.enabled && self.state == CLOSED_LOOP;
                 None
             }
             ESTIMATES => {
@@ -174,8 +176,9 @@ impl Codec for Odrive {
         // Without a request to all nodes, each is heard by its heartbeat.
         if node != ALL_NODES {
             send(&request(node, VERSION));
-            if self.firmware == Firmware::Six {
-                send(&request(node, ADDRESS));
+            match self.firmware {
+                Firmware::Five => send(&request(node, ERRORS)),
+                Firmware::Six => send(&request(node, ADDRESS)),
             }
         }
     }
@@ -197,6 +200,10 @@ impl Codec for Odrive {
             (HEARTBEAT, &[_, _, _, _, _, ..]) => Some(Identity { registers: 5, ..known }),
             _ => None,
         }
+    }
+
+    fn answers_once(&self, frame: &Frame) -> bool {
+        self.firmware == Firmware::Five && !frame.remote && frame.id == u32::from(self.node) << 5 | ERRORS
     }
 
     fn accepts(&self, identity: &Identity) -> Result<(), &'static str> {

@@ -5,8 +5,8 @@
 use crate::drive::{Action, Node, Send, Shown};
 use crate::frame::Frame;
 use crate::odrive::{
-    ADDRESS, CLEAR, CLOSED_LOOP, ESTIMATES, Firmware, HEARTBEAT, IDLE, SENSORS, SET_MODE, SET_STATE, SET_TORQUE,
-    TORQUE_MODE, TURN, VERSION, frame,
+    ADDRESS, CLEAR, CLOSED_LOOP, ERRORS, ESTIMATES, Firmware, HEARTBEAT, IDLE, SENSORS, SET_MODE, SET_STATE,
+    SET_TORQUE, TORQUE_MODE, TURN, VERSION, frame,
 };
 
 /// `axis.config.watchdog_timeout`.
@@ -26,6 +26,9 @@ pub struct OdriveNode {
     torque: f64,
     commanded_s: f64,
     beaten_s: f64,
+    power_s: f64,
+    /// When it is to be in closed loop, if it is on its way there.
+    ready_s: Option<f64>,
 }
 
 impl OdriveNode {
@@ -41,12 +44,14 @@ impl OdriveNode {
             torque: 0.0,
             commanded_s: 0.0,
             beaten_s: f64::NEG_INFINITY,
+            power_s: 0.0,
+            ready_s: None,
         }
     }
 
     fn disarm(&mut self, error: u32) {
         self.error |= error;
-        self.state = IDLE;
+        (self.state, self.ready_s) = (IDLE, None);
     }
 
     #[expect(
@@ -62,6 +67,7 @@ impl OdriveNode {
                 let [a, b, c, d] = self.serial.to_le_bytes();
                 Some(frame(self.number, ADDRESS, &[self.number, a, b, c, d, 0, 0, 0]))
             }
+            ERRORS => Some(frame(self.number, ERRORS, self.error.to_le_bytes().as_slice())),
             ESTIMATES => {
                 let [position, velocity] = [shown.position as f32, shown.velocity as f32].map(f32::to_le_bytes);
                 Some(frame(self.number, ESTIMATES, [position, velocity].as_flattened()))
@@ -94,7 +100,9 @@ impl Node for OdriveNode {
         }
         match (command, came.data()) {
             (SET_STATE, &[state, 0, 0, 0]) if state == IDLE || (state == CLOSED_LOOP && self.error == 0) => {
-                (self.state, self.commanded_s) = (state, now_s);
+                self.ready_s = (state == CLOSED_LOOP && self.power_s > 0.0).then_some(now_s + self.power_s);
+                self.state = if self.ready_s.is_some() { IDLE } else { state };
+                self.commanded_s = now_s;
             }
             (SET_STATE, _) => self.error |= 1,
             (SET_MODE, data) => self.torque_mode = data == TORQUE_MODE,
@@ -108,7 +116,8 @@ impl Node for OdriveNode {
     }
 
     fn tick(&mut self, now_s: f64, send: Send) {
-        if now_s - self.beaten_s >= HEARTBEAT_S {
+        // The time of a machine without a clock of its own falls back once commands come.
+        if (now_s - self.beaten_s).abs() >= HEARTBEAT_S {
             self.beaten_s = now_s;
             let [a, b, c, d] = self.error.to_le_bytes();
             send(&frame(self.number, HEARTBEAT, &[a, b, c, d, self.state, 0, 0, 0]));
@@ -116,6 +125,9 @@ impl Node for OdriveNode {
     }
 
     fn action(&mut self, now_s: f64) -> Action {
+        if self.ready_s.is_some_and(|ready_s| ready_s <= now_s) {
+            (self.state, self.ready_s) = (CLOSED_LOOP, None);
+        }
         if self.state == CLOSED_LOOP && now_s - self.commanded_s > TIMEOUT_S {
             self.disarm(self.firmware.watchdog());
         }
@@ -128,5 +140,9 @@ impl Node for OdriveNode {
         } else {
             self.disarm(1 << (code % 32));
         }
+    }
+
+    fn delay_power(&mut self, power_s: f64) {
+        self.power_s = power_s;
     }
 }

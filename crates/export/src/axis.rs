@@ -19,7 +19,7 @@ use forcefeel_model::with_drive;
 use std::collections::BTreeSet;
 
 /// Inputs of an axis, in this order, by what each is.
-const AXIS_INPUTS: [(&str, Kind); 20] = [
+const AXIS_INPUTS: [(&str, Kind); 21] = [
     ("force", Kind::Number),
     ("position", Kind::Number),
     ("base", Kind::Number),
@@ -39,6 +39,7 @@ const AXIS_INPUTS: [(&str, Kind); 20] = [
     ("host", Kind::Flag),
     ("emergency_stop", Kind::Flag),
     ("drive_fault", Kind::Flag),
+    ("drive_acts", Kind::Flag),
     ("acknowledged", Kind::Flag),
 ];
 
@@ -249,6 +250,7 @@ fn given(blend: Trace) -> AxisInput<Trace> {
         late: word("late"),
         emergency_stop: flag("emergency_stop"),
         drive_fault: flag("drive_fault"),
+        drive_acts: flag("drive_acts"),
         acknowledge: flag("acknowledged"),
     }
 }

@@ -78,6 +78,7 @@ impl Case {
         (safety.stuck_time, safety.fade_time, safety.silence_time) = (time(STUCK), time(FADE), time(SILENCE));
         (safety.stop_time, safety.overrun_time, safety.agreement_time) = (time(STOP), time(SILENCE), time(SILENCE));
         (safety.force_time, safety.saturation_time) = (time(LONG), time(LONG));
+        safety.power_time = time(LONG);
         (safety.host_time, safety.host_fade) = (time(SILENCE), time(FADE));
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
         let faults = kinds.map(|kind| Fault {

@@ -12,6 +12,8 @@ pub enum Kind {
     EmergencyStop,
     /// The drive reports a fault.
     DriveFault,
+    /// The drive does not act, and does not say why.
+    DriveStopped,
     /// A sensor gives no number.
     SensorNotANumber,
     /// The law gives no number.
@@ -68,6 +70,7 @@ impl Kind {
         Self::None,
         Self::EmergencyStop,
         Self::DriveFault,
+        Self::DriveStopped,
         Self::SensorNotANumber,
         Self::LawNotANumber,
         Self::FeelNotANumber,
@@ -185,6 +188,7 @@ impl Fault {
         match self.kind {
             Kind::EmergencyStop => input.emergency_stop = true,
             Kind::DriveFault => input.drive_fault = true,
+            Kind::DriveStopped => input.drive_acts = false,
             Kind::SensorNotANumber => input.sensed[k] = [f64::NAN, f64::INFINITY][usize::from(self.size > 0.5)],
             Kind::FeelNotANumber => input.feel_acceleration = f64::NAN,
             Kind::OutOfRange => {

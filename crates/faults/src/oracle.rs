@@ -205,6 +205,11 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].input.emergency_stop));
     see(Function::OtherAxis, run_of(Function::OtherAxis, &|k| rows[k].input.other_axis));
     see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].input.drive_fault));
+    // It is enabled before it is initialized, and no further unless it acts.
+    let waits = |k: usize| matches!(rows[k].allowed.state, SupervisorState::Initializing);
+    let idle = |k: usize| k > 0 && rows[k - 1].allowed.enable && !rows[k].input.drive_acts;
+    see(Function::DriveNotReady, run_of(Function::DriveNotReady, &|k| idle(k) && waits(k - 1)));
+    see(Function::DriveStopped, run_of(Function::DriveStopped, &|k| idle(k) && received(k) && !waits(k - 1)));
     see(
         Function::NotANumber,
         run_of(Function::NotANumber, &|k| {

@@ -239,6 +239,7 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
             emergency_stop: false,
             other_axis: self.other_axis,
             drive_fault: false,
+            drive_acts: true,
             requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
             acknowledge: false,
         };

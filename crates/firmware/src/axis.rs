@@ -47,7 +47,7 @@ pub struct Input<S> {
     pub delay: u32,
     /// Periods in a row that were late.
     pub late: u32,
-    /// Bits: emergency stop, fault of the drive, acknowledged, host.
+    /// Bits: emergency stop, fault of the drive, acknowledged, host, the drive acts.
     pub flags: u32,
     /// With a host, periods since it gave trim, factor, shaker and what is added.
     pub host_age: u32,
@@ -61,6 +61,8 @@ pub const DRIVE_FAULT: u32 = 2;
 pub const ACKNOWLEDGED: u32 = 4;
 /// See [`EMERGENCY_STOP`].
 pub const HOST: u32 = 8;
+/// See [`EMERGENCY_STOP`].
+pub const DRIVE_ACTS: u32 = 16;
 
 /// What an axis answers.
 #[derive(Debug, Clone, Copy)]
@@ -132,6 +134,7 @@ impl<S: Number> Axis<S> {
             late,
             emergency_stop: flags & EMERGENCY_STOP != 0,
             drive_fault: flags & DRIVE_FAULT != 0,
+            drive_acts: flags & DRIVE_ACTS != 0,
             acknowledge: flags & ACKNOWLEDGED != 0,
         };
         let (command, allowed) = self.supervised.step((&self.shared, &self.control), &self.pace, &input)?;

@@ -27,8 +27,6 @@ const REMEMBERED: usize = 16;
 const SILENT: u32 = 16;
 /// How long its first state is waited for.
 const FIRST_ANSWER: Duration = Duration::from_secs(1);
-/// How long a drive may take until its torque acts.
-const POWERED: Duration = Duration::from_secs(3);
 /// How long an answer is waited for in virtual time.
 const VIRTUAL_PATIENCE: Duration = Duration::from_millis(250);
 
@@ -94,6 +92,8 @@ pub struct OnBus {
     place: usize,
     scale: Scale,
     watchdog_s: f64,
+    /// Time in which the drive must act once it is enabled.
+    power_time: Duration,
     /// Period of a loop by the clock in s.
     period_s: Option<f64>,
     /// Whether an answer is waited for.
@@ -130,6 +130,7 @@ impl OnBus {
             place,
             scale: Scale::new(parameters, settings.wiring),
             watchdog_s: settings.watchdog_s,
+            power_time: Duration::from_secs_f64(parameters.safety.power_time),
             period_s,
             waits: period_s.is_none(),
             asked: 0,
@@ -215,10 +216,10 @@ impl OnBus {
         (rows, ended)
     }
 
-    /// Powers the drive without a current; why not, if it is not.
-    fn power_up(&mut self) -> Option<String> {
+    /// Powers the drive without a current, until it acts; why not, if it does not.
+    pub fn power_up(&mut self) -> Option<String> {
         let begun = Instant::now();
-        while begun.elapsed() < POWERED {
+        while begun.elapsed() < self.power_time {
             match self.exchange(0.0, true) {
                 None => return Some("the drive did not answer; check cable and supply".to_string()),
                 Some((_, fault, _)) if fault.is_some() => return Some(fault.to_string()),
@@ -226,7 +227,8 @@ impl OnBus {
                 Some(_) => thread::sleep(self.period_s.map_or(Duration::ZERO, Duration::from_secs_f64)),
             }
         }
-        Some(format!("the drive was not powered within {POWERED:?}; check its supply"))
+        let time = self.power_time;
+        Some(format!("the drive was enabled and did not act within {time:?}; check its supply and enable input"))
     }
 
     /// So many exchanges with the drive off, one a period: the time that each answer took in s, infinite where none came.
@@ -300,6 +302,7 @@ impl InputOutput for OnBus {
             delay: u32::try_from(newest - answered).unwrap_or(u32::MAX),
             emergency_stop: false,
             drive_fault: self.fault.0,
+            drive_acts: state.acts,
         })
     }
 

@@ -39,18 +39,26 @@ impl CanBus {
 
     /// Asks a node what it is, or all where the number is that of all; what answers within a time.
     fn who(&mut self, codec: &dyn Codec, node: u8, patience: Duration) -> Vec<Identity> {
+        self.count(codec, node, patience).0
+    }
+
+    /// The same, and how many answered that state no serial number.
+    fn count(&mut self, codec: &dyn Codec, node: u8, patience: Duration) -> (Vec<Identity>, usize) {
         let Self { carrier, error, .. } = self;
         codec.who(node, &mut |frame| carrier.send(frame));
-        let (begun, mut answers) = (Instant::now(), vec![]);
+        let (begun, mut answers, mut once) = (Instant::now(), vec![], 0);
         while let Some(left) = patience.checked_sub(begun.elapsed()) {
             match carrier.next() {
-                Some(Line::Frame(frame)) => answers.extend(codec.identity(&frame)),
+                Some(Line::Frame(frame)) => {
+                    once += usize::from(codec.answers_once(&frame));
+                    answers.extend(codec.identity(&frame));
+                }
                 Some(Line::Error) => *error = true,
                 Some(Line::Other) => {}
                 None => carrier.wait(left),
             }
         }
-        apart(answers)
+        (apart(answers), once)
     }
 
     /// Finds a node that can be driven.
@@ -64,10 +72,10 @@ impl CanBus {
             let (first, last) = (numbers.start(), numbers.end());
             return Err(format!("node: expected {first} to {last}, each for one axis, got {node}; change [bus] node"));
         }
-        let mut answers = vec![];
+        let (mut answers, mut once) = (vec![], 0);
         for tried in 0..TRIES {
             self.error = false;
-            answers = self.who(codec, node, PATIENCE);
+            (answers, once) = self.count(codec, node, PATIENCE);
             // Others are heard by what they send by themselves.
             answers.retain(|it| it.node == node);
             if !answers.is_empty() {
@@ -88,6 +96,9 @@ impl CanBus {
                     "expected node {node}, got {why} from it and {there}; check power, cable, adapter and [bus] node"
                 ))
             }
+            [_] if once > 1 => Err(format!(
+                "expected one node {node}, got {once}, which state no serial number; give each a number of its own with the maker's tool"
+            )),
             [identity] => codec.accepts(identity).map_err(|expected| {
                 format!("node {node}: expected {expected}, got register map {}", identity.registers)
             }),

@@ -20,8 +20,8 @@ pub(crate) struct Axis {
     pub node: Box<dyn Node + Send>,
     /// A second drive with the same number, whose motor moves nothing here.
     pub twin: Option<Box<dyn Node + Send>>,
-    /// To make it anew; whether it is the last of its line.
-    settings: (NodeSettings, bool),
+    /// To make it anew; whether it is the last of its line, and the time in s that the drive takes to act.
+    settings: (NodeSettings, bool, f64),
     scale: Scale,
     pub shown: Shown,
     position: f64,
@@ -35,8 +35,8 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// A machine at rest with its drive; the last of its line or not.
-    pub fn new((setup, settings, script): Place, last: bool) -> Self {
+    /// A machine at rest with its drive; the last of its line or not, and the time in s that the drive takes to act once it is enabled.
+    pub fn new((setup, settings, script): Place, last: bool, power_s: f64) -> Self {
         let parameters = setup.parameters();
         let period = setup.timing.period;
         // The bus itself is the delay; a step is a sample.
@@ -47,9 +47,9 @@ impl Axis {
         let sensors = machine.read().map_or([0.0; 4], |sampled| sampled.sample.sensors);
         Self {
             machine,
-            node: node(&settings, last),
+            node: node(&settings, last, power_s),
             twin: None,
-            settings: (settings, last),
+            settings: (settings, last, power_s),
             scale,
             shown: scale.shown(sensors, 0.0, 0.0),
             position: sensors[1],
@@ -63,13 +63,13 @@ impl Axis {
 
     /// Has the drive start anew.
     pub fn restart(&mut self) {
-        let (settings, last) = &self.settings;
-        self.node = node(settings, *last);
+        let (settings, last, power_s) = &self.settings;
+        self.node = node(settings, *last, *power_s);
     }
 
     /// Adds a second drive with the same number.
     pub fn add_twin(&mut self) {
-        let (settings, _) = &self.settings;
+        let (settings, ..) = &self.settings;
         self.twin = Some(settings.protocol.twin(settings.node));
     }
 
@@ -95,6 +95,8 @@ impl Axis {
     }
 }
 
-fn node(settings: &NodeSettings, last: bool) -> Box<dyn Node + Send> {
-    settings.protocol.node(settings.node, settings.units, last)
+fn node(settings: &NodeSettings, last: bool, power_s: f64) -> Box<dyn Node + Send> {
+    let mut made = settings.protocol.node(settings.node, settings.units, last);
+    made.delay_power(power_s);
+    made
 }

@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Longest rest between two looks at the port.
 const NAP: Duration = Duration::from_micros(250);
+/// Time without a frame after which machines without a clock send by themselves.
+const IDLE: Duration = Duration::from_millis(200);
 /// Most that the machines catch up at once, in s.
 const MOST_BEHIND_S: f64 = 0.1;
 
@@ -118,12 +120,14 @@ pub(crate) struct Wire {
     fault: Option<(WireFault, u32)>,
     answers: u32,
     held: VecDeque<(usize, Vec<u8>)>,
+    /// When the last frame came.
+    came: Instant,
 }
 
 impl Wire {
     /// A wire without a fault.
     pub fn new(terminals: Terminals, axes: Vec<Axis>, shared: Arc<Shared>) -> Self {
-        Self { terminals, axes, shared, fault: None, answers: 0, held: VecDeque::new() }
+        Self { terminals, axes, shared, fault: None, answers: 0, held: VecDeque::new(), came: Instant::now() }
     }
 
     /// Runs until the end is asked for.
@@ -144,8 +148,11 @@ impl Wire {
                     }
                 }
             }
-            // Where machines wait for commands, what they send by themselves is still of the clock.
-            self.tick(if by_clock { 0.0 } else { begun.elapsed().as_secs_f64() });
+            // Where machines wait for commands, what they send by themselves goes with those, or by the clock while none comes.
+            let idle = self.came.elapsed();
+            if by_clock || idle > IDLE {
+                self.tick(if by_clock { 0.0 } else { idle.as_secs_f64() });
+            }
             *locked(&self.shared.seen) = self.axes.iter().map(|axis| [axis.command, axis.machine.angle()]).collect();
             let count = self.terminals.read(&mut bytes);
             if count == 0 {
@@ -184,6 +191,7 @@ impl Wire {
     }
 
     fn came(&mut self, bytes: &mut [u8], by_clock: bool) {
+        self.came = Instant::now();
         let Terminals::Serial(_, lines) = &mut self.terminals else { return self.packet(bytes, by_clock) };
         let frames: Vec<_> = bytes.iter().filter_map(|&byte| lines.take(byte)).collect();
         for line in frames {
@@ -225,7 +233,7 @@ impl Wire {
         let sent = !self.is(WireFault::BusOff);
         let (bytes, count) = lines.acknowledge(sent);
         serial.write(&bytes[..count]);
-        let mut answers = vec![];
+        let (mut answers, mut advanced) = (vec![], false);
         if sent && !self.is(WireFault::Gone) {
             for axis in &mut self.axes {
                 let shown = axis.shown;
@@ -239,8 +247,12 @@ impl Wire {
                 }
                 if commanded && !by_clock {
                     axis.advance(axis.period);
+                    advanced = true;
                 }
             }
+        }
+        if advanced {
+            self.tick(0.0);
         }
         for answer in &mut answers {
             self.answer(answer);

@@ -20,11 +20,11 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Begins; on EtherCAT at an interface, otherwise at a terminal that the system names.
+    /// Begins; on EtherCAT at an interface, otherwise at a terminal that the system names. The drives take `power_s` to act.
     ///
     /// # Errors
     /// If the system gives no terminal, interface or thread.
-    pub fn start(places: Vec<Place>, interface: &str, by_clock: bool) -> io::Result<Self> {
+    pub fn start(places: Vec<Place>, interface: &str, by_clock: bool, power_s: f64) -> io::Result<Self> {
         let adapter = places.first().and_then(|(_, node, _)| node.protocol.adapter());
         let (terminals, port) = Terminals::open(adapter, interface)?;
         let shared = Arc::new(Shared::default());
@@ -33,7 +33,8 @@ impl Emulator {
             // By the clock a machine is not held up by others.
             let _held = by_clock.then(ask);
             let count = places.len();
-            let axes = places.into_iter().zip(1..).map(|(place, number)| Axis::new(place, number == count)).collect();
+            let axes = places.into_iter().zip(1..);
+            let axes = axes.map(|(place, number)| Axis::new(place, number == count, power_s)).collect();
             Wire::new(terminals, axes, sees).run(by_clock);
         })?;
         Ok(Self { port, shared, thread: Mutex::new(Some(thread)) })

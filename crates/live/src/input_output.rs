@@ -37,6 +37,8 @@ pub struct Sampled {
     pub emergency_stop: bool,
     /// Number of what the drive complains of, in the table of faults; zero where all is well.
     pub drive_fault: u16,
+    /// Whether the drive carries out its commands; so where it does not tell.
+    pub drive_acts: bool,
 }
 
 /// What goes out.

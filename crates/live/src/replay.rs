@@ -206,7 +206,8 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers")]
         let (delay, drive_fault) = (row.delay as u32, row.drive_fault as u16);
         let emergency_stop = row.emergency_stop != 0.0;
-        let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop, drive_fault };
+        let drive_acts = row.drive_acts != 0.0;
+        let sampled = Sampled { sample, periods: row.periods, delay, emergency_stop, drive_fault, drive_acts };
         controller.link([row.link_torque_n_m, row.link_damping_n_m_s_per_rad]);
         let (_, again) = controller.step((row.sampled != 0.0).then_some(&sampled), missed);
         replayed.cycles += 1;

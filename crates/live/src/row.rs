@@ -95,6 +95,8 @@ columns! {
     emergency_stop;
     /// Number of what the drive complained of, in the table of faults; zero where all was well.
     drive_fault;
+    /// Whether the drive carried out its commands; so where it does not tell.
+    drive_acts;
     /// Beats that were missed before this cycle.
     missed;
     /// How late the thread woke.

@@ -252,6 +252,7 @@ where
             delay,
             emergency_stop: false,
             drive_fault: 0,
+            drive_acts: true,
         })
     }
 

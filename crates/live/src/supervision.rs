@@ -49,6 +49,8 @@ pub struct CycleStatus {
     pub emergency_stop: bool,
     /// Whether the drive complains.
     pub drive_fault: bool,
+    /// Whether it carries out its commands.
+    pub drive_acts: bool,
     /// Beats that were missed before.
     pub missed: u64,
     /// Samples since the host's last packet; nothing where there is no host.
@@ -154,6 +156,7 @@ impl Supervision {
             emergency_stop: seen.emergency_stop || stop,
             other_axis,
             drive_fault: seen.drive_fault,
+            drive_acts: seen.drive_acts,
             requested: request,
             acknowledge,
         };

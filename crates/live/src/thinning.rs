@@ -36,8 +36,9 @@ impl Thinning {
             kept.extend(self.left_out.drain(..));
             self.all_until_s = row.time_s + AROUND_S;
         }
-        let discrete =
-            |row: &Row| [row.state, row.enable, row.emergency_stop, row.drive_fault, row.sampled].map(f64::to_bits);
+        let discrete = |row: &Row| {
+            [row.state, row.enable, row.emergency_stop, row.drive_fault, row.drive_acts, row.sampled].map(f64::to_bits)
+        };
         let event = discrete(&row) != discrete(&before) || row.missed > 0.0;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number")]
         let regular = (row.cycle as u64).is_multiple_of(self.every);

@@ -286,7 +286,14 @@ impl InputOutput for Udp {
         }
         let Stamped { answers, clock_ns, sample, emergency_stop, .. } = newest?;
         let delay = self.delay(answers)?;
-        Some(Sampled { sample, periods: self.periods(before, clock_ns), delay, emergency_stop, drive_fault: 0 })
+        Some(Sampled {
+            sample,
+            periods: self.periods(before, clock_ns),
+            delay,
+            emergency_stop,
+            drive_fault: 0,
+            drive_acts: true,
+        })
     }
 
     fn write(&mut self, command: &Command) {

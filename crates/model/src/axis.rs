@@ -38,6 +38,8 @@ pub struct AxisInput<S: Logic> {
     pub emergency_stop: S::Mask,
     /// The drive reports a fault.
     pub drive_fault: S::Mask,
+    /// The drive carries out its commands; holds, too, of one that does not tell.
+    pub drive_acts: S::Mask,
     /// The message of a trip is acknowledged.
     pub acknowledge: S::Mask,
 }
@@ -108,6 +110,7 @@ impl<S: Logic + Into<f64>> Axis<S> {
             emergency_stop: given.emergency_stop,
             other_axis: S::mask(false),
             drive_fault: given.drive_fault,
+            drive_acts: given.drive_acts,
             requested: given.requested,
             acknowledge: given.acknowledge,
         };

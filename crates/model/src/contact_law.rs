@@ -20,9 +20,11 @@
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
-//! - eight turns of the torque in a row by more than `2 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a stop
-//!   keeps the torque on one side;
-//! - eight slower swings in a row, up to `2 t_q`, as stiff, each harder than the last: a heavy feel on a stiff spring;
+//! - sixteen turns of the torque in a row by more than `1.3 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`;
+//! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
+//! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
+//!   limit, as against a soft stop, which the torque does not tell from an arm;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
 //!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
@@ -31,6 +33,9 @@
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by
 //! `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or swings, has all of it.
+//!
+//! The feel is farther out than the column by `theta_l` at most, in contact or not: a column that follows is nearer, and a feel that runs on while
+//! the drive is at its limit would come back with all the force of its spring.
 //!
 //! `T_p` peak of the torque of late: a side counts from `max(T_min, r T_p)` on, so that what the estimate swings beyond after a blow is
 //! none.
@@ -58,14 +63,20 @@ const GROWTH: f64 = 1.2;
 /// Swings in a row.
 const SWINGS: f64 = 2.0;
 
-/// Longest time between two sides of a slow swing, in `t_q`, and its share of a quick one: eight in a row, each harder than the last by more
+/// Longest time between two sides of a slow swing, in `t_q`, and its share of a quick one: sixteen in a row, none weaker than the last by more
 /// than noise makes it.
 const SLOW: f64 = 2.0;
-const SLOW_SWING: f64 = 0.25;
-const SLOW_GROWTH: f64 = 1.02;
+const SLOW_SWING: f64 = 0.125;
+const SLOW_GROWTH: f64 = 0.97;
 
-/// Turns in a row of a torque that stays on one side: what decays has fewer.
-const TURNS: f64 = 8.0;
+/// Turns in a row of a torque that stays on one side: what decays has fewer; and how much of `T_min` is one, at half of which the noise
+/// of a column at rest turns too.
+const TURNS: f64 = 16.0;
+const TURN: f64 = 1.3;
+
+/// `theta_l` in rad. In releases from the rule's angle the feel is ahead by 0.03 rad at most (`desktop-yoke`, its motor at its limit), of
+/// the other loaders by 0.01; at 0.1 rad a third of the swings on soft stops stay.
+pub const LEAD_RAD: f64 = 0.05;
 
 /// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
 const MOVES_RAD_PER_S: f64 = 0.05;
@@ -157,6 +168,9 @@ pub struct ContactState<S> {
     turns: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
+    /// Side of the column on which the feel was too far away last, -1, 0 or 1, and the time since it came there from the other, in s.
+    lead_side: S,
+    since_lead: S,
 }
 
 /// What the law is told at a sample.
@@ -201,6 +215,8 @@ impl<S: Scalar> ContactState<S> {
             since_turn: one,
             turns: zero,
             offset: zero,
+            lead_side: zero,
+            since_lead: one,
         }
     }
 
@@ -229,6 +245,8 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_since_turn", &mut self.since_turn);
         visitor.nonlinear("contact_turns", &mut self.turns);
         visitor.nonlinear("contact_offset", &mut self.offset);
+        visitor.nonlinear("contact_lead_side", &mut self.lead_side);
+        visitor.nonlinear("contact_since_lead", &mut self.since_lead);
     }
 }
 
@@ -254,7 +272,7 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn noticed(
         &self,
         torque: S,
-        ([column, column_rate], at_end): ([S; 2], Option<S::Mask>),
+        (column, at_end): (S, Option<S::Mask>),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
@@ -302,7 +320,7 @@ impl<S: Scalar> ContactLaw<S> {
             & moves.less(now_rate * was.side);
         let touches = zero.less(was.share);
         let back = (was.turn - torque) * was.direction;
-        let turns_back = self.threshold.times(2.0).less(back) & zero.less(self.threshold);
+        let turns_back = self.threshold.times(TURN).less(back) & zero.less(self.threshold);
         let counts_turn =
             (self.environment * (angle - was.turn_angle).abs()).less(back) & was.since_turn.less(self.quick);
         let turns = S::select(turns_back, S::select(counts_turn, was.turns + one, zero), was.turns);
@@ -326,9 +344,10 @@ impl<S: Scalar> ContactLaw<S> {
         let from = column - place;
         let gone = if S::any(touches) {
             let held = ((torque - place_torque + self.environment.times(HELD) * from) * from).less(zero);
-            let away = self.near.less(from.abs()) & zero.less(column_rate * from);
+            let away = self.near.less(from.abs()) & zero.less(rate * from);
             let leaves = away & !held & !since.less(one.times(SETTLED_S));
-            S::select(leaves, column_rate.abs() * quotient(h, self.travel), zero)
+            // A rate without its noise, which would give the contact of a column at rest back.
+            S::select(leaves, rate.abs() * quotient(h, self.travel), zero)
         } else {
             zero
         };
@@ -355,7 +374,7 @@ impl<S: Scalar> ContactLaw<S> {
             turn_angle: S::select(onward, angle, was.turn_angle),
             since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
             turns,
-            offset: was.offset,
+            ..was
         };
         (state, noticed & was.share.less(one.times(0.5)))
     }
@@ -364,6 +383,40 @@ impl<S: Scalar> ContactLaw<S> {
     #[inline(always)]
     pub fn where_drive_stands(&self, position: S) -> S {
         quotient(position, self.per_angle)
+    }
+
+    /// The feel no farther out than the column by `theta_l`. Apart on one side, the other, and soon the first again, it is in contact and stands where
+    /// the drive does.
+    #[inline(always)]
+    pub fn follow(
+        &self,
+        state: &mut ContactState<S>,
+        [delta, rate]: [S; 2],
+        ([column, column_rate], neutral, stands): ([S; 2], S, S),
+        h: S,
+    ) -> [S; 2] {
+        let (zero, one) = (h.zero(), h.constant(1.0));
+        let (ahead, most) = (delta - column, one.times(LEAD_RAD));
+        let apart = most.less(ahead.abs()) & zero.less(self.threshold);
+        let since = state.since_lead;
+        state.since_lead = (since + h).min(one);
+        if !S::any(apart) {
+            return [delta, rate];
+        }
+        // A hand that is stronger than the drive holds the column farther out than the feel.
+        let cut = apart & zero.less(ahead * (delta - neutral));
+        let side = one.times_sign(ahead);
+        let turned = apart & (side * state.lead_side).less(zero);
+        let touches = turned & since.less(self.quick.times(SLOW));
+        let begins = touches & state.share.less(one.times(0.5));
+        let onward = cut & zero.less((rate - column_rate) * side);
+        state.since_lead = S::select(turned, zero, state.since_lead);
+        state.lead_side = S::select(apart, side, state.lead_side);
+        state.share = S::select(touches, one, state.share);
+        state.place = S::select(touches, column, state.place);
+        state.place_torque = S::select(touches, state.torque, state.place_torque);
+        let delta = S::select(begins, stands, S::select(cut, column + most * side, delta));
+        [delta, S::select(begins, zero, S::select(onward, column_rate, rate))]
     }
 
     /// What the command allows for after a sample at which the feel stands at an angle and the column at another, the command `beyond` what the

@@ -227,6 +227,14 @@ impl<S: Scalar> Control<S> {
         };
         let beyond = (e - self.converters.within_range(e)).named("beyond_range");
         self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| requested - e + beyond)), period);
+        if shared.effects.contact_law {
+            S::section("contact");
+            let law = &self.observer.contact;
+            let column = [base, base_rate].map(|number| number * self.per_base);
+            let state = &mut remembered.contact_state;
+            feeling.motion.at =
+                law.follow(state, feeling.motion.at, (column, feeling.neutral, law.where_drive_stands(piston)), period);
+        }
         S::section("conversion");
         self.converters.write(e)
     }
@@ -242,7 +250,7 @@ impl<S: Scalar> Control<S> {
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
-        let (now, begins) = law.noticed(output.torque, (inputs.angle, at_end), *state, period);
+        let (now, begins) = law.noticed(output.torque, (inputs.angle[0], at_end), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;

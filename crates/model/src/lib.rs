@@ -5,9 +5,9 @@
 //!
 //! | part | file | equations |
 //! |---|---|---|
-//! | servo amplifier | [`amplifier`] | (13), right-hand factor |
-//! | control valve | [`valve`] | (1)-(4) |
-//! | actuator | [`actuator`] | (5) |
+//! | servo amplifier | [`drive::hydraulic`] | (13), right-hand factor |
+//! | control valve | [`drive::hydraulic`] | (1)-(4) |
+//! | actuator | [`drive::hydraulic`] | (5) |
 //! | linkage, rigid and compliant | [`linkage`] | (8)-(10) |
 //! | load cell | [`load_cell`] | (12), right-hand side |
 //! | control column | [`column`] | (6), (7), (16), (18) |
@@ -21,8 +21,8 @@
 //! | part | file |
 //! |---|---|
 //! | one step of the whole | [`machine`] |
-//! | load pressure, slaved | [`pressure`] |
-//! | valve with its limits | [`valve`] |
+//! | load pressure, slaved | [`drive::hydraulic`] |
+//! | valve with its limits | [`drive::hydraulic`] |
 //! | column with friction, gravity, stops, arm | [`column`] |
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
@@ -31,11 +31,11 @@
 //! | its law with an observer, the friction that it knows, and contact | [`observer`], [`known_friction`], [`contact_law`] |
 //! | between which values a law takes its inputs | [`law_inputs`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
-//! | what a person sets around the feel, and how evenly it comes | [`around`] |
+//! | what a person sets around the feel, and how evenly it comes | [`modifiers`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
 //! | a hand at the grip of a simulated loader | [`hand`] |
-//! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
+//! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`supervised_law`] |
 //! | counts, states and decisions of a number type, for it; one axis in a period | [`logic`], [`axis`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //! | hinge moment of a reversible control | [`surface`] |

@@ -516,6 +516,7 @@ parameter_table! {
         travel_search: "search", "whether the column is led to both end stops before it is used", SWITCH, 1.0, 0.0..1.0, off 0.0;
         search_speed: "theta'_s", "angular velocity of that", ANGULAR_VELOCITY, 5.0, 0.1..90.0, off 5.0;
         search_force: "F_s0", "force at the grip at which an end stop is found", FORCE, 20.0, 0.1..1e3, off 20.0;
+        power_time: "t_on", "how long the drive may take to act once it is enabled", TIME, 3000.0, 1.0..1e5, off 3000.0;
     }
 }
 

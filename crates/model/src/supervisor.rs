@@ -12,6 +12,7 @@
 //! | whether it follows the hand | `grip_reading` |
 //! | limits of the command, its way to zero | `command` |
 //! | off, initializing, passive, active, fading, tripped | [`sequence`] |
+//! | whether the drive acts | `power` |
 //! | finding the travel | `search` |
 //!
 //! A loop calls [`Supervisor::admit`] in each period for the readings that the law is given, then [`Supervisor::step`] with the law's command, and
@@ -41,6 +42,7 @@ mod input;
 pub mod limits;
 mod numbers;
 mod plausibility;
+mod power;
 mod search;
 mod sensors;
 pub mod sequence;

@@ -4,6 +4,7 @@ use crate::errors::refused;
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::fault::Fault;
+use forcefeel_bus::load::of_cycle;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::Wiring;
 use forcefeel_live::bus::{Fieldbus, NodeSettings, OnBus, Port};
@@ -85,10 +86,30 @@ fn open(port: &str, protocol: Protocol) -> io::Result<Box<dyn Fieldbus>> {
     Ok(Box::new(CanBus::new(Box::new(SerialAdapter::open(Path::new(port), adapter)?))))
 }
 
+/// Adds its functions to the module.
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(bus_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(drive_fault, module)?)?;
+    module.add_function(wrap_pyfunction!(bus_frames, module)?)?;
+    Ok(())
+}
+
 /// Name and remedy of a fault of drive or bus by its number; nothing of zero.
 #[pyfunction]
 pub fn drive_fault(number: u16) -> Option<(&'static str, &'static str)> {
     Fault::of(number).text()
+}
+
+/// Name, bytes, bits and time in s of a frame, and its period in s; nothing of one that comes in each cycle.
+type Loaded = (&'static str, usize, u32, f64, Option<f64>);
+
+/// The frames that a cycle of a node has on its bus.
+#[pyfunction]
+pub fn bus_frames(node: NodeOf) -> PyResult<Vec<Loaded>> {
+    let NodeSettings { protocol, node, wiring, units, .. } = node.settings()?;
+    let sensors = [wiring.load_cell.is_some(), wiring.column.is_some(), wiring.grip.is_some()];
+    let frames = of_cycle(protocol, node, sensors, &units);
+    Ok(frames.iter().map(|frame| (frame.name, frame.bytes, frame.bits, frame.time_s, frame.every_s)).collect())
 }
 
 /// Kinds of drives with the numbers that a node may have.

@@ -32,6 +32,11 @@ impl BusDrive {
         py.detach(|| locked(&self.drive).play(&currents, most))
     }
 
+    /// Powers the drive without a current, until it acts; why not, if it does not.
+    fn power_up(&self, py: Python<'_>) -> Option<String> {
+        py.detach(|| locked(&self.drive).power_up())
+    }
+
     /// Sends a command in A, and waits for its answer: sensors of a sample, number of the drive's fault; nothing if none comes.
     fn exchange(&self, py: Python<'_>, command: f64, enable: bool) -> Option<([f64; SENSORS], u16)> {
         let answer = py.detach(|| locked(&self.drive).exchange(command, enable));

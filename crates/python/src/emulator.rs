@@ -19,10 +19,15 @@ pub struct BusEmulator {
 
 #[pymethods]
 impl BusEmulator {
-    /// `by_clock`: whether the machines go on by themselves; else each takes a period at a command for its node.
+    /// `by_clock`: whether the machines go on by themselves; else each takes a period at a command for its node. `power_s`: time that a
+    /// drive takes to act once it is enabled.
     #[new]
-    #[pyo3(signature = (nodes, *, by_clock = true))]
-    fn new(nodes: Vec<(PyRef<'_, LiveSetup>, NodeOf, Option<ScriptOf<'_>>)>, by_clock: bool) -> PyResult<Self> {
+    #[pyo3(signature = (nodes, *, by_clock = true, power_s = 0.0))]
+    fn new(
+        nodes: Vec<(PyRef<'_, LiveSetup>, NodeOf, Option<ScriptOf<'_>>)>,
+        by_clock: bool,
+        power_s: f64,
+    ) -> PyResult<Self> {
         let axes = nodes.len();
         let interface = nodes.first().map_or_else(String::new, |(_, node, _)| node.1.clone());
         let places = nodes.into_iter().map(|(setup, node, script)| {
@@ -30,7 +35,7 @@ impl BusEmulator {
             Ok((setup.setup().clone(), node.settings()?, script))
         });
         let places = places.collect::<PyResult<Vec<_>>>()?;
-        let emulator = Emulator::start(places, &interface, by_clock);
+        let emulator = Emulator::start(places, &interface, by_clock, power_s);
         let emulator = emulator.map_err(|error| PyOSError::new_err(error.to_string()))?;
         Ok(Self { emulator, axes })
     }

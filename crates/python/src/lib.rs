@@ -118,8 +118,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<emulator::BusEmulator>()?;
     module.add_class::<bus_drive::BusDrive>()?;
     module.add_function(wrap_pyfunction!(bus_drive::bus_nodes, module)?)?;
-    module.add_function(wrap_pyfunction!(bus::bus_kinds, module)?)?;
-    module.add_function(wrap_pyfunction!(bus::drive_fault, module)?)?;
+    bus::fill(module)?;
     module.add_class::<lockstep::LockStep>()?;
     module.add_function(wrap_pyfunction!(host::host_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(host::host_packet, module)?)?;

@@ -12,9 +12,9 @@ from forcefeel.bench.excitation import Excitation
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.records import BenchRecord
-from forcefeel.bus.check import bus_of
 from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
+from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.starting import Axis, launch
 from forcefeel.live.state import COLUMNS, STATES

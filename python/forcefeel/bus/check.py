@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.bus.host import check_host
+from forcefeel.bus.load import bus_load
 from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
 from forcefeel.errors import InputError
+from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
-from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.bus import Bus
 from forcefeel.loader.consistency import MOST_UNDER_WAY
-from forcefeel.loader.loader import Loader, check_electric
+from forcefeel.loader.loader import Loader
 from forcefeel.units import to_text
 
 COMMANDS = 1000
@@ -28,6 +30,8 @@ _TRAVEL_RAD = 0.02
 """Angle of the column at which a direction counts as found: 1 deg."""
 _STEP_S = 0.002
 _CLEARED_S = 0.5
+_WELL = 20
+"""Commands in a row without a fault after which a drive is ready: a slave of EtherCAT comes back to OP."""
 _TRIES = 3
 _ODRIVE_S = 0.25
 """By then the heartbeat of an ODrive has told that its watchdog, 0.1 s, has run out."""
@@ -64,7 +68,7 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
     delay = _delay(drive.round_trips(COMMANDS), loader)
     watchdog = _watchdog(drive, bus)
     directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
-    return BusCheck(nodes, delay, watchdog, directions, check_host())
+    return BusCheck(nodes, bus_load(loader), delay, watchdog, directions, check_host())
 
 
 def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
@@ -82,21 +86,6 @@ def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
 def with_delay(loader: Loader, delay: BusDelay) -> Loader:
     """The loader with the measured delay."""
     return loader.replace({"controller.delay": delay.delay_s}, si=True)
-
-
-def bus_of(loader: Loader) -> Bus:
-    """The bus of a loader's drive.
-
-    Raises:
-        InputError: If it has none.
-    """
-    bus = loader.bus
-    if bus is None or bus.kind == UDP:
-        raise InputError(
-            f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
-        )
-    check_electric(loader, "a drive on a bus", "a machine over the network states its delay in each sample")
-    return bus
 
 
 def whole_periods(time_s: float, loader: Loader) -> float:
@@ -127,7 +116,12 @@ def _delay(times: list[float], loader: Loader) -> BusDelay:
 def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
     """Powers the drive without torque, is silent for twice the watchdog, and looks whether the drive noticed."""
     name = "drive watchdog"
-    before = [drive.exchange(0.0, enable=True) for _ in range(3)][-1]
+    # Since the last command its watchdog may have run out.
+    _stop(drive)
+    if why := drive.power_up():
+        _stop(drive)
+        return Finding(name, False, why, "clear the fault first, or set safety.power_time")
+    before = drive.exchange(0.0, enable=True)
     set_by_bus = not bus.kind.startswith("odrive")
     silence = 2 * bus.watchdog_s if set_by_bus else _ODRIVE_S
     time.sleep(silence)
@@ -149,9 +143,10 @@ def _watchdog(drive: _core.BusDrive, bus: Bus) -> Finding:
 
 
 def _stop(drive: _core.BusDrive) -> None:
-    """Stops the drive, and waits until it has cleared its fault."""
-    until = time.monotonic() + _CLEARED_S
-    while (answer := drive.exchange(0.0, enable=False)) is not None and answer[1] and time.monotonic() < until:
+    """Stops the drive, and waits until it has cleared its fault and is ready: it states none for some commands in a row."""
+    until, well = time.monotonic() + _CLEARED_S, 0
+    while (answer := drive.exchange(0.0, enable=False)) is not None and well < _WELL and time.monotonic() < until:
+        well = 0 if answer[1] else well + 1
         time.sleep(_STEP_S)
 
 
@@ -172,8 +167,12 @@ class _Directions:
 
     def _moved(self) -> tuple[NDArray[np.float64], bool]:
         """Change of the sensors under a current that rises until the column moves; whether all answers came."""
+        _stop(self.drive)
         start = self.drive.exchange(0.0, enable=False)
         if start is None:
+            return np.empty((0, 4)), False
+        if self.drive.power_up():
+            _stop(self.drive)
             return np.empty((0, 4)), False
         rows, begun = [start[0]], time.monotonic()
         most = _SHARE * self.loader["current_loop.current_limit"]

@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from forcefeel.bus.check import bus_of, check_bus, nodes_of, whole_periods
+from forcefeel.bus.check import check_bus, nodes_of, whole_periods
+from forcefeel.bus.load import bus_load
 from forcefeel.bus.result import BusCheck, BusNode, Finding
 from forcefeel.errors import InputError
+from forcefeel.live.bus import bus_of
 from forcefeel.loader.bus import Bus
 from forcefeel.loader.project import Project
 
@@ -16,7 +18,7 @@ class CockpitBusCheck:
     """Checks of a project's axes.
 
     Attributes:
-        axes: The check of each axis; axes of one port have a delay in which all of them answer.
+        axes: The check of each axis; axes of one port have one load, and a delay in which all of them answer.
         others: By port, the nodes that belong to no axis.
         host: Properties of this computer.
     """
@@ -66,8 +68,16 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
         axis: sum(checks[other].delay.p99_s for other in buses if buses[other].port == bus.port)
         for axis, bus in buses.items()
     }
+    loads = {
+        port: bus_load(*(project.loaders[axis] for axis, bus in buses.items() if bus.port == port))
+        for port in {bus.port for bus in buses.values()}
+    }
     axes = {
-        axis: replace(check, delay=replace(check.delay, delay_s=whole_periods(together[axis], project.loaders[axis])))
+        axis: replace(
+            check,
+            load=loads[buses[axis].port],
+            delay=replace(check.delay, delay_s=whole_periods(together[axis], project.loaders[axis])),
+        )
         for axis, check in checks.items()
     }
     others = {

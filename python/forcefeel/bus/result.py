@@ -76,11 +76,71 @@ class BusDelay:
 
 
 @dataclass(frozen=True)
+class BusFrame:
+    """A frame on a bus.
+
+    Attributes:
+        name: ``command``, ``request``, ``answer`` or ``heartbeat``; of EtherCAT ``frame``, and ``slave``, which it passes.
+        bytes: Its data; of EtherCAT the whole Ethernet frame.
+        bits: Bits on the wire, the most that stuffing may add included.
+        time_s: Their time.
+        every_s: Period in which it comes; ``None`` for each cycle.
+
+    Example:
+        >>> ff.bus.BusFrame("command", 4, 95, 95e-6, None).time_s
+        9.5e-05
+    """
+
+    name: str
+    bytes: int
+    bits: int
+    time_s: float
+    every_s: float | None
+
+
+@dataclass(frozen=True)
+class BusLoad:
+    """The time that a cycle takes of a bus.
+
+    Attributes:
+        frames: Frames of all axes.
+        period_s: Period of the loop.
+
+    Example:
+        >>> frames = (ff.bus.BusFrame("command", 4, 95, 95e-6, None), ff.bus.BusFrame("heartbeat", 8, 135, 135e-6, 1e-2))
+        >>> load = ff.bus.BusLoad(frames, 1e-3)
+        >>> f"{load.time_s:.4g} s", f"{load.share:.4g}", load.ok
+        ('0.0001085 s', '0.1085', True)
+    """
+
+    frames: tuple[BusFrame, ...]
+    period_s: float
+
+    @property
+    def time_s(self) -> float:
+        """Time of a cycle; a frame that comes less often with its share."""
+        return sum(
+            frame.time_s * (1.0 if frame.every_s is None else self.period_s / frame.every_s) for frame in self.frames
+        )
+
+    @property
+    def share(self) -> float:
+        """Share of the period."""
+        return self.time_s / self.period_s
+
+    @property
+    def ok(self) -> bool:
+        """Whether the bus carries the cycle."""
+        return self.share <= 1
+
+
+@dataclass(frozen=True)
 class BusCheck:
     """A check of a loader's bus.
 
     Attributes:
         nodes: The nodes that answered.
+        load: Time that a cycle takes of the bus, reckoned.
         delay: Delay and jitter.
         watchdog: Whether the drive stops by itself when its commands stop.
         directions: Whether motor and sensors count in one direction; empty if nothing was moved.
@@ -97,6 +157,7 @@ class BusCheck:
     """
 
     nodes: tuple[BusNode, ...]
+    load: BusLoad
     delay: BusDelay
     watchdog: Finding
     directions: tuple[Finding, ...]
@@ -105,4 +166,4 @@ class BusCheck:
     @property
     def ok(self) -> bool:
         """Whether bus and drive are well; the host is not counted."""
-        return self.delay.ok and self.watchdog.ok and all(finding.ok for finding in self.directions)
+        return self.load.ok and self.delay.ok and self.watchdog.ok and all(finding.ok for finding in self.directions)

@@ -13,7 +13,7 @@ from forcefeel.cli.terminal import Terminal, answer, titled
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from forcefeel.bus import BusCheck, BusDelay, CockpitBusCheck, Finding
+    from forcefeel.bus import BusCheck, CockpitBusCheck, Finding
     from forcefeel.loader.loader import Loader
     from forcefeel.loader.project import Project
 
@@ -72,7 +72,7 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
         files = options.files(project.loaders)
         cockpit = check_cockpit(project, move=options.move)
         axes = cockpit.axes
-        written = _written(files, project.loaders, {axis: check.delay for axis, check in axes.items()}, options)
+        written = _written(files, project.loaders, axes, options)
         answer(
             written,
             lambda: {"axes": {axis: asdict(check) for axis, check in axes.items()}, "ok": cockpit.ok},
@@ -84,7 +84,7 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
         loader = options.loader(path)
         files = options.files([""])
         check = check_bus(loader, move=options.move)
-        written = _written(files, {"": loader}, {"": check.delay}, options)
+        written = _written(files, {"": loader}, {"": check}, options)
         answer(
             {"loader": written.get("")} if written else {},
             lambda: {**asdict(check), "ok": check.ok},
@@ -97,15 +97,15 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
 
 
 def _written(
-    files: "dict[str, Path]", loaders: "Mapping[str, Loader]", delays: "dict[str, BusDelay]", options: BusOptions
+    files: "dict[str, Path]", loaders: "Mapping[str, Loader]", checks: "Mapping[str, BusCheck]", options: BusOptions
 ) -> "dict[str, Path]":
-    """Writes the loader of each axis with its measured delay; one that answers too late or not at all has none."""
+    """Writes the loader of each axis with its measured delay; one that answers too late, or whose bus is too slow, has none."""
     from forcefeel.bus.check import with_delay
     from forcefeel.files import write_whole
 
-    measured = {axis: file for axis, file in files.items() if delays[axis].ok}
+    measured = {axis: file for axis, file in files.items() if checks[axis].load.ok and checks[axis].delay.ok}
     for axis, file in measured.items():
-        write_whole(file, with_delay(loaders[axis], delays[axis]).to_toml(options.units))
+        write_whole(file, with_delay(loaders[axis], checks[axis].delay).to_toml(options.units))
     return measured
 
 
@@ -118,7 +118,7 @@ def _show(terminal: Terminal, check: "BusCheck", *, moved: bool) -> None:
         f"- answers: {check.delay.answers:,} of {check.delay.commands:,}; median, 99 %, worst: {_times(check)}",
         highlight=False,
     )
-    _findings(terminal, (_delay_finding(check), check.watchdog, *check.directions))
+    _findings(terminal, (_load_finding(check), _delay_finding(check), check.watchdog, *check.directions))
     _advice(terminal, check.host, moved=moved)
 
 
@@ -139,11 +139,24 @@ def _show_cockpit(terminal: Terminal, project: "Project", cockpit: "CockpitBusCh
         table.add_row(axis, bus.port, str(bus.node), serials, _times(check))
     terminal.show(table, ["serial"])
     for axis, check in cockpit.axes.items():
-        _findings(terminal, (_delay_finding(check), check.watchdog, *check.directions), f"{axis}: ")
+        findings = (_load_finding(check), _delay_finding(check), check.watchdog, *check.directions)
+        _findings(terminal, findings, f"{axis}: ")
     for port, nodes in cockpit.others.items():
         for node in nodes:
             terminal.print(f"- {port}: node {node.node} belongs to no axis", highlight=False)
     _advice(terminal, cockpit.host, moved=moved)
+
+
+def _load_finding(check: "BusCheck") -> "Finding":
+    from forcefeel.bus import Finding
+
+    load = check.load
+    time_us, period_us = 1e6 * load.time_s, 1e6 * load.period_s
+    stated, remedy = f"{time_us:.0f} us of {period_us:.0f} us a period", ""
+    if not load.ok:
+        stated += ", expected at most the period"
+        remedy = f"set controller.period to {time_us / 1e3:.3g} ms or more, or give axes a port of their own"
+    return Finding("bus load", load.ok, stated, remedy)
 
 
 def _delay_finding(check: "BusCheck") -> "Finding":

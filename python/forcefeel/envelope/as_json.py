@@ -35,6 +35,7 @@ def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
         "draws": json_value(plan.draws, units),
         "releases": releases(envelope),
         "inferred": envelope.inferred,
+        "contacts_inferred": envelope.contacts_inferred,
         "omitted": list(plan.omitted),
         "conclusions": json_value(envelope_conclusions(envelope, units), units),
         "laws": {name: _law(envelope, name, units) for name in envelope.laws},

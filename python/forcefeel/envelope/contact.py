@@ -111,6 +111,7 @@ _DAMPED = (
     Contact(False, 1e5, _SOME, 3.0),
     Contact(False, 3e4, _MUCH),
     Contact(True, 3e4, _SOME),
+    Contact(True, 1e3, _SOME),
     Contact(True, 1e3, _MUCH),
     Contact(True, 1e6, _MUCH),
 )
@@ -169,25 +170,47 @@ def swings_on(
         >>> [bool(ff.envelope.swings_on(loader, one, feel, clamp)[0][0]) for one in (law, law.without_contact())]
         [False, True]
     """
+    touched = touch(loader, law, feel, contact, threads)
+    return touched.swings_on, touched.largest_force_n
+
+
+@dataclass(frozen=True)
+class Touched:
+    """Settings in one contact.
+
+    Attributes:
+        swings_on: Whether each swings on.
+        largest_force_n: Largest force of the contact.
+        margin: How far the swing of its force in the end is below ``QUIET_N``, as a share of that.
+    """
+
+    swings_on: NDArray[np.bool_]
+    largest_force_n: NDArray[np.float64]
+    margin: NDArray[np.float64]
+
+
+def touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, threads: int | None) -> Touched:
+    """What ``swings_on`` tells, and by how much; the same arguments."""
     duration = _STOP_S if contact.stop else _CLAMP_S
-    swings, forces = _run(loader, law, feel, contact, duration, threads)
+    touched = _run(loader, law, feel, contact, duration, threads)
     # A damped column may come to its stop as late as in the last quarter, and strike it once.
-    still = np.flatnonzero(swings)
+    still = np.flatnonzero(touched.swings_on)
     if still.size:
-        swings[still], later = _run(loader, law.some(still), feel[still], contact, 2 * duration, threads)
-        forces[still] = np.maximum(forces[still], later)
-    return swings, forces
+        later = _run(loader, law.some(still), feel[still], contact, 2 * duration, threads)
+        touched.swings_on[still], touched.margin[still] = later.swings_on, later.margin
+        touched.largest_force_n[still] = np.maximum(touched.largest_force_n[still], later.largest_force_n)
+    return touched
 
 
 def _run(
     loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, duration_s: float, threads: int | None
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """``swings_on`` by runs of one duration."""
+) -> Touched:
+    """``touch`` by runs of one duration."""
     there = contact.on(loader)
     force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=TAP_S)
     scenario = Scenario(force, duration_s=duration_s)
     rows = there.rows(FEEL_SETTING, feel)
-    swings, forces = np.zeros(len(feel), dtype=bool), np.zeros(len(feel))
+    swings, forces, margins = np.zeros(len(feel), dtype=bool), np.zeros(len(feel)), np.zeros(len(feel))
     for first in range(0, len(feel), _BATCH):
         which = np.arange(first, min(first + _BATCH, len(feel)))
         runs = batch_outputs(
@@ -206,7 +229,8 @@ def _run(
         before, after = (highest - lowest)[2:4]
         swings[which] = diverged | ((after >= QUIET_N) & (after > DECAYED * before))
         forces[which] = np.maximum(np.abs(lowest), np.abs(highest)).max(axis=0)
-    return swings, forces
+        margins[which] = 1 - after / QUIET_N
+    return Touched(swings, forces, margins)
 
 
 def _force(contact: Contact, loader: Loader, angle: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -30,6 +30,9 @@ SMALLER = tuple(map(radians, (10.0, 5.0, 2.0, 1.0, 0.5)))
 _USUAL_SHARES = {Kind.PLANT: 0.25, Kind.DRAWN: 0.4}
 """Usual share of the settings that are run in an inferred case; machines with all tolerances at once fail at more of them."""
 
+_USUAL_CONTACT_SHARE = 0.2
+"""The same in a contact."""
+
 _BELOW = 0.99
 """Share of the release angle; larger angles count as the same."""
 
@@ -49,7 +52,8 @@ class Plan:
         draws: Machines drawn with all tolerances at once; default: none.
         smaller_rad: Further release angles for the nominal plant, hands off; default: none.
         contacts: What the column touches, with the nominal plant; default: nothing.
-        full: Whether to run every setting of every case, instead of inferring most from their neighbors (``refinement``).
+        full: Whether to run every setting of every case and contact, instead of inferring most from their neighbors:
+            ``refinement``.
         soften: Whether to soften settings that the drive forbids, and to release them with the nominal plant (``softening``).
         axis: Control axis of the rule; default: that of a built-in loader with the same name, else pitch.
         loader: The loader with only I, B and G as its feel.
@@ -156,8 +160,8 @@ class Plan:
 
     @property
     def contact_releases(self) -> int:
-        """Number of releases that take as long as all settings in one contact."""
-        return round(self.settings.count * CONTACT_TIME)
+        """Usual number of releases that take as long as the settings that are run in one contact."""
+        return round(self.settings.count * CONTACT_TIME * (_USUAL_CONTACT_SHARE if self.inferring else 1.0))
 
     @cached_property
     def linear(self) -> bool:

@@ -16,8 +16,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-STRIDES = (4, 8), (2, 4), (1, 2)
+Strides = tuple[tuple[int, int], ...]
+
+STRIDES: Strides = ((4, 8), (2, 4), (1, 2))
 """Sides of the cells in grid steps along frequency and stiffness."""
+
+SMALL_STRIDES: Strides = STRIDES[1:]
+"""Where single settings fail among others that pass."""
 
 PACE = 0.17, 0.31, 0.61, 0.87, 1.0
 """Usual share of the runs by the end of each round, for progress."""
@@ -36,7 +41,9 @@ _FAR = -1e3
 _Indices = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
-def rounds(outcome: NDArray[np.int8], margin: NDArray[np.float32], unstable: int) -> Iterator[NDArray[np.bool_]]:
+def rounds(
+    outcome: NDArray[np.int8], margin: NDArray[np.float32], unstable: int, strides: Strides = STRIDES
+) -> Iterator[NDArray[np.bool_]]:
     """Yield the settings to run next, round by round; fill in all others at the end.
 
     Args:
@@ -44,11 +51,12 @@ def rounds(outcome: NDArray[np.int8], margin: NDArray[np.float32], unstable: int
             settings of each round before the next.
         margin: Margins of the same shape, written likewise.
         unstable: Code of an unstable setting.
+        strides: Sides of the cells, halved from each to the next.
     """
     guess, guessed_margin = outcome.copy(), margin.copy()
     active = outcome == UNKNOWN
-    for strides in STRIDES:
-        ends = [_ends(size, stride) for size, stride in zip(outcome.shape[2:], strides, strict=True)]
+    for sides in strides:
+        ends = [_ends(size, side) for size, side in zip(outcome.shape[2:], sides, strict=True)]
         corners = [(frequency, stiffness) for frequency, stiffness in product(*ends)]
         yield _at_corners(active, corners) & (outcome == UNKNOWN)
         codes = np.stack([outcome[:, :, f[:, np.newaxis], s] for f, s in corners])

@@ -224,7 +224,8 @@ class Envelope:
         arrays: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
             margin as a share of its tolerance: 1 exact, 0 at the limit, NaN if not measurable. With drawn machines also
             ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
-            parameter as a share of its value. With contacts also ``swings_on`` and ``largest_force_n`` (law, contact, ..).
+            parameter as a share of its value. With contacts also ``swings_on``, ``contact_inferred`` and ``largest_force_n`` (law,
+            contact, ..), the last NaN where inferred.
             ``data`` is the same as a data set of xarray.
         outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
         passivity: Passivity of the grip, by law.
@@ -350,7 +351,7 @@ class Envelope:
         quiet = ~self.arrays["swings_on"][row].reshape(len(self.plan.contacts), -1)
         names = [contact.name for contact in self.plan.contacts]
         by_contact = dict(zip(names, quiet.mean(axis=1).tolist(), strict=True))
-        largest = float(self.arrays["largest_force_n"][row].max())
+        largest = float(np.nanmax(self.arrays["largest_force_n"][row]))
         return ContactShares(law, float(quiet.all(axis=0).mean()), largest, by_contact)
 
     def shares(self, law: str) -> Shares:
@@ -371,6 +372,11 @@ class Envelope:
         """Number of outcomes, of cases and drawn machines, that are inferred from neighboring settings."""
         names = ("inferred", "drawn_inferred")
         return sum(int(self.arrays[name].sum()) for name in names if name in self.arrays)
+
+    @property
+    def contacts_inferred(self) -> int:
+        """Number of outcomes in contact that are inferred likewise."""
+        return int(self.arrays["contact_inferred"].sum()) if self.plan.contacts else 0
 
     @property
     def by_angle(self) -> tuple[AngleShares, ...]:

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, Case
-from forcefeel.envelope.contact import swings_on
+from forcefeel.envelope.contact import touch
 from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.outcomes import FIGURES, PASSED, find_outcomes
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
+from forcefeel.envelope.refinement import SMALL_STRIDES, UNKNOWN, rounds
 from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES, ListedSettings
 from forcefeel.envelope.softening import SoftenedShares, softened_rows, softening
@@ -136,6 +137,10 @@ def _softened(plan: Plan, as_programmed: NDArray[np.bool_], threads: int) -> tup
     return tuple(SoftenedShares.of(*row, limits.share) for row in zip(plan.laws, as_programmed, passes, strict=True))
 
 
+_NEVER = -2
+"""Code of a setting that is unstable beforehand, which in contact none is."""
+
+
 def _touch(
     plan: Plan,
     feel: NDArray[np.float64],
@@ -146,13 +151,21 @@ def _touch(
 ) -> None:
     """Add to the arrays which settings swing on in which contact, and the largest forces."""
     over = ("law", "contact", *AXES)
-    swings = np.zeros((len(laws), len(plan.contacts), len(feel)), dtype=bool)
-    forces = np.zeros(swings.shape)
-    for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
-        swings[k, j], forces[k, j] = swings_on(plan.loader, law, feel, contact, threads=threads)
-        advance(plan.contact_releases)
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
-    data["swings_on"] = over, swings.reshape(shape)
+    swings = np.full((len(laws), len(plan.contacts), len(feel)), UNKNOWN, dtype=np.int8)
+    forces, margins = np.full(swings.shape, np.nan), np.full(swings.shape, np.nan, dtype=np.float32)
+    for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
+        # Of views, which share their memory.
+        outcome, margin = (array[k, j].reshape(1, *plan.settings.shape) for array in (swings, margins))
+        wanted = rounds(outcome, margin, _NEVER, SMALL_STRIDES) if plan.inferring else [np.ones(outcome.shape, bool)]
+        for each in wanted:
+            which = np.flatnonzero(each)
+            touched = touch(plan.loader, law.some(which), feel[which], contact, threads)
+            swings[k, j, which], forces[k, j, which] = touched.swings_on, touched.largest_force_n
+            margins[k, j, which] = touched.margin
+        advance(plan.contact_releases)
+    data["swings_on"] = over, swings.astype(bool).reshape(shape)
+    data["contact_inferred"] = over, np.isnan(forces).reshape(shape)
     data["largest_force_n"] = over, forces.reshape(shape)
 
 

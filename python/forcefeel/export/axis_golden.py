@@ -11,10 +11,12 @@ _Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 _FORCE, _POSITION, _BASE, _TRIM, _SHAKER, _ADDED = 0, 1, 2, slice(4, 7), 6, (8, 9, 10)
 _REQUEST, _MISSED, _DELAY, _LATE, _FLAGS, _HOST_AGE = range(2, 8)
 _OFF, _PASSIVE, _ACTIVE = 0, 1, 2
-_DRIVE_FAULT, _ACKNOWLEDGED, _HOST = 2, 4, 8
+_DRIVE_FAULT, _ACKNOWLEDGED, _HOST, _DRIVE_ACTS = 2, 4, 8, 16
 _ANGLE_RAD = 0.3
 """Jump of the column's angle: no reading that a prediction explains."""
 _LATE_PERIODS = 9
+_POWERED = 30
+"""Samples that a drive takes to act."""
 _THROWN = 220
 """Samples in which the column comes to one and a half times its speed limit, slowly enough for its observer."""
 
@@ -48,7 +50,7 @@ class _Script:
     def part(self, length: int, request: int = _ACTIVE) -> _Part:
         """So many samples more."""
         numbers, asked = np.repeat(self.rest, length, axis=0), np.zeros((length, 8), dtype=np.int64)
-        asked[:, _REQUEST] = request
+        asked[:, _REQUEST], asked[:, _FLAGS] = request, _DRIVE_ACTS
         self.parts.append((numbers, asked))
         return numbers, asked
 
@@ -56,7 +58,7 @@ class _Script:
         """So many samples from a new start, after a stop, an acknowledgment and off."""
         self.part(self.samples("safety.stop_time") + 20)
         _, asked = self.part(10, _OFF)
-        asked[0, _FLAGS] = _ACKNOWLEDGED
+        asked[0, _FLAGS] |= _ACKNOWLEDGED
         return self.part(length)
 
 
@@ -70,11 +72,11 @@ def _requests(script: _Script) -> None:
     asked[check + 50 : check + 90, _REQUEST] = _PASSIVE
     script.part(on, _PASSIVE)
     _, asked = script.part(5, _OFF)
-    asked[1:3, _FLAGS] = _DRIVE_FAULT
+    asked[1:3, _FLAGS] |= _DRIVE_FAULT
     script.part(check // 2, _PASSIVE)
     script.part(5, _OFF)
     _, asked = script.part(check + 20, _PASSIVE)
-    asked[-2:, _FLAGS] = _DRIVE_FAULT
+    asked[-2:, _FLAGS] |= _DRIVE_FAULT
     # No number beside the hand's force while the feel comes.
     for added in _ADDED:
         numbers, _ = script.restart(check + 120)
@@ -82,10 +84,10 @@ def _requests(script: _Script) -> None:
     # A host that falls silent, then goes on; without a host its age counts for nothing.
     silent = script.samples("safety.host_time")
     _, asked = script.restart(check + silent + 200)
-    asked[check:, _FLAGS] = _HOST
+    asked[check:, _FLAGS] |= _HOST
     asked[check + 20 : check + silent + 120, _HOST_AGE] = range(silent + 100)
     asked[-20:, _HOST_AGE] = silent
-    asked[-20:, _FLAGS] = 0
+    asked[-20:, _FLAGS] = _DRIVE_ACTS
 
 
 def _faults(script: _Script) -> None:
@@ -104,15 +106,21 @@ def _faults(script: _Script) -> None:
     asked[on:, _LATE] = range(1, overrun + 1)
     numbers, _ = script.restart(on + 200)
     numbers[on : on + 100, _FORCE] += np.linspace(0.0, 2.0, 100) * loader["safety.absolute_force"]
+    # A drive fault while the feel is there, and while it comes.
+    for begins in (on, check + 100):
+        numbers, asked = script.restart(begins + 5)
+        numbers[begins - 90 :, _FORCE] += 0.2 * loader["pilot.force"]
+        asked[begins:, _FLAGS] |= _DRIVE_FAULT
+    # A drive that fails before it acts; one that takes its time to act, then stops by itself.
+    _, asked = script.restart(check + _POWERED)
+    asked[:, _FLAGS] = 0
+    asked[-3:, _FLAGS] = _DRIVE_FAULT
+    _, asked = script.restart(on + _POWERED)
+    asked[: check + _POWERED, _FLAGS] = asked[-3:, _FLAGS] = 0
     # A column that is thrown, its link following.
     numbers, _ = script.restart(on + _THROWN)
     thrown = 0.75 * loader["safety.speed_limit"] * script.period / _THROWN * np.arange(_THROWN) ** 2
     numbers[on:, _BASE] += thrown * arm
     numbers[on:, _POSITION] += thrown * arm * loader["linkage.ratio"]
-    # A drive fault while the feel is there, and while it comes.
-    for begins in (on, check + 100):
-        numbers, asked = script.restart(begins + 5)
-        numbers[begins - 90 :, _FORCE] += 0.2 * loader["pilot.force"]
-        asked[begins:, _FLAGS] = _DRIVE_FAULT
     numbers, _ = script.restart(20)
     numbers[10:, _FORCE] = 1.5 * loader["safety.force_range"]

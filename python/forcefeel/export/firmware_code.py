@@ -25,7 +25,7 @@ BOARDS = {"thumbv7em-none-eabihf": "hard -mfpu=auto", "thumbv7em-none-eabi": "so
 """Targets with an example for a bare board, and how floating-point numbers are passed there."""
 
 _OFF, _ACTIVE = 0, 2
-_EMERGENCY_STOP, _ACKNOWLEDGED = 1, 4
+_EMERGENCY_STOP, _ACKNOWLEDGED, _DRIVE_ACTS = 1, 4, 16
 _SEED = 21
 _PART = 3334
 _HERE = Path(__file__).parent
@@ -148,11 +148,11 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     inputs = np.vstack([still, sweep, stopped, still, stirred])
     words = np.zeros((len(inputs), 8), dtype=np.int64)
     begins = rest + _PART + settled
-    words[:, 2] = _ACTIVE
+    words[:, 2], words[:, 6] = _ACTIVE, _DRIVE_ACTS
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF
-    words[begins - 10, 6] = _ACKNOWLEDGED
+    words[begins - 10, 6] |= _ACKNOWLEDGED
     words[begins - 20 : begins - 15, 3] = range(1, 6)  # missing samples
-    words[-100:, 6] = _EMERGENCY_STOP
+    words[-100:, 6] |= _EMERGENCY_STOP
     last = begins + rest
     for k in range(_PART):
         block, within = divmod(k, 200)

@@ -29,6 +29,8 @@ _SEED = 20
 RELEASED_RAD = 0.1
 """Where a release begins, of a feel that the drive can hold there."""
 _SWINGING = 1400
+_APART_RAD = 0.2
+"""How far a column swings to either side, farther than its feel follows."""
 """Samples of swings against a column that is held: slower than those that the law takes for contact at once, and growing."""
 _QUICK = 7
 """Place of ``t_q`` among the numbers of the part for contact."""
@@ -150,7 +152,10 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
 def _stirred(
     exported: Exported, size: NDArray[np.float64], side: int, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Random input that begins at rest beyond the stops of one side, where a hand swings against a column that is held."""
+    """Random input that begins at rest beyond the stops of one side.
+
+    On the low side the column swings apart from its feel, on the high one a hand swings against a column that is held.
+    """
     loader = exported.loader
     force, sampled = loader["pilot.force"], exported.sampled()
     inputs = np.zeros((PART, len(INPUTS)))
@@ -163,11 +168,23 @@ def _stirred(
     base = _beyond(loader, side) * loader["column.base_arm"]
     inputs[:, 1:3] += base * np.array([loader["linkage.ratio"], 1.0])
     if sampled.knows_contact:
-        quick = sampled.contact[0, _QUICK] / sampled.period_s
-        swings = np.arange(_SWINGING) / (1.5 * quick)
-        inputs[:_SWINGING, 0] = size[0] * 1.6 ** np.minimum(swings, 8.0) * np.sin(np.pi * swings)
         inputs[:_SWINGING, 1:3] = inputs[0, 1:3]
+        if side < 0:
+            inputs[:_SWINGING, 0] = 0.0
+            inputs[:_SWINGING, :3] += _swinging_apart(exported, _SWINGING)
+        else:
+            swings = np.arange(_SWINGING) * sampled.period_s / (1.5 * sampled.contact[0, _QUICK])
+            inputs[:_SWINGING, 0] = size[0] * 1.6 ** np.minimum(swings, 8.0) * np.sin(np.pi * swings)
     return inputs
+
+
+def _swinging_apart(exported: Exported, count: int) -> NDArray[np.float64]:
+    """Load cell, position and base (count, 3) of a column that swings farther than its feel follows."""
+    loader, swing_s = exported.loader, 1.5 * float(exported.sampled().contact[0, _QUICK])
+    angle = _APART_RAD * np.sin(np.pi * np.arange(count) * exported.sampled().period_s / swing_s)
+    arm = loader["column.base_arm"]
+    force = -loader["column.inertia"] * (np.pi / swing_s) ** 2 * angle / (arm * loader["linkage.ratio"])
+    return np.column_stack([force, angle * arm * loader["linkage.ratio"], angle * arm])
 
 
 def _beyond(loader: Loader, side: int) -> float:

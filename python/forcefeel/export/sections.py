@@ -203,12 +203,12 @@ SECTIONS = {
         rows=("safety.stuck_time", "grip_sensor.noise", "grip_sensor.resolution", "safety.hand_force"),
     ),
     "sequence": Section(
-        "State: off, initializing, passive, active, fading, tripped; search of the travel",
+        "State: off, initializing, passive, active, fading, tripped; power of the drive; search of the travel",
         "off -> initializing -> passive <-> fading <-> active; any -> tripped -> off",
-        "supervisor/sequence.rs, supervisor/search.rs",
+        "supervisor/sequence.rs, supervisor/power.rs, supervisor/search.rs",
         SAFE,
         STATES,
-        rows=("safety.stuck_time", "safety.travel_search"),
+        rows=("safety.stuck_time", "safety.power_time", "safety.travel_search"),
     ),
     "command": Section(
         "Command within its limits, or led to zero",

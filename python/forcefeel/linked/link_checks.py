@@ -48,6 +48,9 @@ _RAMP_S, _BEYOND = 8.0, 1.4
 _LOW, _HIGH = 0.3, 0.8
 """Part of the way to the breakout over which the stiffness is measured, from the force at which the feel lets the column go."""
 
+_FEWEST = 8
+"""Points of a line through a stiffness."""
+
 _RELEASE_RAD, _RELEASE_S = radians(5.0), 2.0
 
 _LETS_GO_S, _LET_GO_S = 3.0, 7.0
@@ -194,6 +197,8 @@ def _slope(angle: _Array, torque: _Array, force: _Array, loader: Loader, out: in
     lets_go = float(_feel_force(loader, np.array([0.0]), 1.0)[0])
     share = (force[:out] - lets_go) / (force[out] - lets_go)
     part = (share > _LOW) & (share < _HIGH)
+    if np.count_nonzero(part) < _FEWEST:  # a swing goes past it
+        return nan
     return float(np.polyfit(angle[:out][part], torque[:out][part], 1)[0])
 
 

@@ -1,6 +1,7 @@
 """Drives on a bus: what a loop needs of them, and machines emulated behind one."""
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -17,6 +18,21 @@ from forcefeel.units import show
 
 WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off", "miscounted"]
 WIRE_FAULTS = get_args(WireFault)
+
+
+def bus_of(loader: Loader) -> Bus:
+    """The bus of a loader's drive.
+
+    Raises:
+        InputError: If it has none.
+    """
+    bus = loader.bus
+    if bus is None or bus.kind == UDP:
+        raise InputError(
+            f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
+        )
+    check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
+    return bus
 
 
 def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
@@ -50,10 +66,11 @@ class BusEmulator(EndsWithBlock):
         scenario: Inputs of their machines, as in a simulation.
         real_time: Whether the machines go on by the clock. Otherwise each takes a period at a command for its node, for a loop in
             virtual time.
+        power_s: Time that each drive takes to act once it is enabled, s.
 
     Raises:
-        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; if the pseudo terminal or the
-            interface cannot be opened.
+        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; if ``power_s`` is no time; if
+            the pseudo terminal or the interface cannot be opened.
 
     Example:
         >>> from dataclasses import replace
@@ -68,15 +85,19 @@ class BusEmulator(EndsWithBlock):
         'active'
     """
 
-    def __init__(self, loaders: Sequence[Loader], *, scenario: Scenario | None = None, real_time: bool = True) -> None:
+    def __init__(
+        self,
+        loaders: Sequence[Loader],
+        *,
+        scenario: Scenario | None = None,
+        real_time: bool = True,
+        power_s: float = 0.0,
+    ) -> None:
+        if not (power_s >= 0 and isfinite(power_s)):
+            raise InputError(f"power_s: expected a time of 0 s or more, got {show(power_s)}")
         nodes = []
         for loader in loaders:
-            bus = loader.bus
-            if bus is None or bus.kind == UDP:
-                raise InputError(
-                    f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
-                )
-            check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
+            bus = bus_of(loader)
             setup, steps = made_of(loader, live_law(None, loader), supervised=False, scenario=scenario)
             nodes.append((setup, bus.engine, script_of(steps, scenario) if scenario else None))
         kinds, numbers = ([node[1][place] for node in nodes] for place in (0, 2))
@@ -84,7 +105,7 @@ class BusEmulator(EndsWithBlock):
             raise InputError("loaders: expected one or more of one kind of bus, each with a node of its own")
         self._kind = kinds[0]
         try:
-            self._emulator = _core.BusEmulator(nodes, by_clock=real_time)
+            self._emulator = _core.BusEmulator(nodes, by_clock=real_time, power_s=power_s)
         except OSError as error:
             raise InputError(f"cannot emulate a bus at {nodes[0][1][1]}: {error}") from error
 
@@ -140,6 +161,10 @@ class BusEmulator(EndsWithBlock):
         if self._kind == "ethercat":
             raise InputError("add_twin: is for drives on CAN; on EtherCAT the place on the wire is the number")
         self._emulator.add_twin(axis)
+
+    def hold(self, angle_rad: float | None, axis: int = 0) -> None:
+        """Have a hand move the grip to an angle and hold it there, rad; ``None``: it lets go."""
+        self._emulator.disturb(axis, "hold_at", number=angle_rad)
 
     def push(self, force_n: float, axis: int = 0) -> None:
         """Set the force of a hand at the grip, N."""

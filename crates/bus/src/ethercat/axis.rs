@@ -15,8 +15,7 @@ use super::{Units, nearest};
 use crate::drive::{Ask, State};
 use crate::fault::Fault;
 
-/// Cycles that a drive may take to be powered, and to clear its fault once it is stopped.
-const POWERING: u32 = 1000;
+/// Cycles that a drive may take to clear its fault once it is stopped.
 const CLEARING: u32 = 500;
 /// Bytes of outputs, and of the inputs that all drives have.
 const OUTPUTS: u16 = 5;
@@ -89,6 +88,10 @@ impl Axis {
         self.al == OP && !matches!(self.power, Power::Fault | Power::NotReady)
     }
 
+    fn acts(&self) -> bool {
+        self.power == Power::Enabled && self.mode == TORQUE_MODE
+    }
+
     /// The frame of a cycle.
     pub fn ask(&mut self, ask: &Ask) -> Packet {
         if ask.enable != self.enable {
@@ -98,8 +101,11 @@ impl Axis {
         self.since = self.since.saturating_add(1);
         let index = ask.cycle.to_le_bytes()[0];
         let control = self.power.control(ask.enable, self.since % 2 == 1);
-        let acts = ask.enable && self.power == Power::Enabled && self.mode == TORQUE_MODE;
-        let torque = if acts { nearest(ask.torque / self.units.rated_torque * RATED).clamp(-32767, 32767) } else { 0 };
+        let torque = if ask.enable && self.acts() {
+            nearest(ask.torque / self.units.rated_torque * RATED).clamp(-32767, 32767)
+        } else {
+            0
+        };
         let ([a, b], [c, d, ..]) = (control.to_le_bytes(), torque.to_le_bytes());
         let mut packet = Packet::of(command::LWR, index, self.base, &[a, b, c, d, TORQUE_MODE]);
         let [written, read] = self.layout.sizes();
@@ -161,8 +167,8 @@ impl Axis {
             position: counted([p, q, r, o]),
             velocity: counted([v, w, x, y]),
             torque: f64::from(i16::from_le_bytes([a, b])) / RATED * self.units.rated_torque,
-            acts: self.power == Power::Enabled,
-            powered: self.power == Power::Enabled || (self.enable && !self.powered && self.since < POWERING),
+            acts: self.acts(),
+            powered: self.power == Power::Enabled || (self.enable && !self.powered),
             fault: self.fault(code, error),
             sensors,
         })

@@ -38,6 +38,9 @@ pub struct Slave {
     written_s: f64,
     /// Its local time at the start, in ns.
     started_ns: u64,
+    power_s: f64,
+    /// When it was switched on.
+    switched_s: f64,
 }
 
 impl Slave {
@@ -55,6 +58,8 @@ impl Slave {
             before: 0,
             written_s: 0.0,
             started_ns: APART_NS * u64::from(node),
+            power_s: 0.0,
+            switched_s: 0.0,
         }
     }
 
@@ -140,7 +145,10 @@ impl Slave {
         }
         let manager = self.controller.manager(2);
         self.dictionary.take(self.controller.at(manager));
-        self.power = self.power.next(self.dictionary.control, self.before);
+        let (was, next) = (self.power, self.power.next(self.dictionary.control, self.before));
+        self.switched_s = if was == Power::SwitchedOn { self.switched_s } else { now_s };
+        let waits = next == Power::Enabled && was == Power::SwitchedOn && now_s - self.switched_s < self.power_s;
+        self.power = if waits { was } else { next };
         self.before = self.dictionary.control;
         if self.power != Power::Fault {
             self.dictionary.error = 0;
@@ -199,5 +207,9 @@ impl Node for Slave {
 
     fn fail(&mut self, code: u16) {
         if code == 0 { (self.power, self.dictionary.error) = (Power::Disabled, 0) } else { self.trip(code) }
+    }
+
+    fn delay_power(&mut self, power_s: f64) {
+        self.power_s = power_s;
     }
 }

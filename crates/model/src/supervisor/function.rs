@@ -76,6 +76,12 @@ functions! {
     /// The drive reports a fault of its own.
     DriveFault: "drive fault", Stop, |_| 1,
         "The drive reports a fault. Read its own display or log, then acknowledge.";
+    /// The drive is enabled and does not act.
+    DriveNotReady: "drive not ready", Cut, |limits| limits.power,
+        "The drive was enabled and did not act. Look at its supply, its enable input and its display, then acknowledge.";
+    /// The drive acted, and stopped by itself without a fault.
+    DriveStopped: "drive stopped", Cut, |_| 1,
+        "The drive stopped acting by itself. Look at its supply, its enable input and its display, then acknowledge.";
     /// A sensor's value, the feel's torque or the law's command is no finite number.
     NotANumber: "not a number", Stop, |_| 1,
         "A sensor, the feel or the law gave no finite number. Look at the last record, then at that sensor's wiring.";

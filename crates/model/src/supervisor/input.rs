@@ -36,6 +36,8 @@ pub struct SupervisorInput<S: Logic> {
     pub other_axis: S::Mask,
     /// The drive reports a fault.
     pub drive_fault: S::Mask,
+    /// The drive carries out its commands; holds, too, of one that does not tell.
+    pub drive_acts: S::Mask,
     /// The requested mode.
     pub requested: S::Code<RequestedMode>,
     /// The message of a trip is acknowledged.

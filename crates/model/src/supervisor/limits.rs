@@ -142,6 +142,8 @@ limits! {
     saturation: u32,
     /// See [`agreement`](Self::agreement).
     force: u32,
+    /// See [`agreement`](Self::agreement).
+    power: u32,
     /// Samples of the condition and of the filter before it.
     runaway: u32,
     /// Samples of the condition alone.
@@ -283,6 +285,7 @@ impl Limits {
             overrun: within(safety.overrun_time),
             saturation: within(safety.saturation_time),
             force: within(safety.force_time),
+            power: within(safety.power_time),
             runaway: runaway_condition + settles,
             runaway_condition,
             friction: column.coulomb_friction * column.grip_arm,

@@ -12,6 +12,7 @@ use super::function::{Action, Function};
 use super::input::{RequestedMode, SupervisorInput};
 use super::limits::Limits;
 use super::numbers::below;
+use super::power::Power;
 use super::search::Search;
 use crate::Logic;
 use crate::logic::{Count, FunctionSet};
@@ -22,7 +23,7 @@ use crate::named::Named;
 pub enum SupervisorState {
     /// Without power.
     Off,
-    /// Sensors are watched before there is power; then the travel is found, if that is asked for.
+    /// Sensors are watched before there is power; then the drive is waited for, and the travel found, if that is asked for.
     Initializing,
     /// Power, and a command of zero.
     Passive,
@@ -60,6 +61,7 @@ pub(super) struct Sequence<S: Logic> {
     pub(super) anchor: S,
     comes: S::Mask,
     pub(super) enable: S::Mask,
+    power: Power<S>,
     pub(super) tripped: S::Set,
     pub(super) cause: S::Code<Option<Function>>,
     pub(super) cut: S::Mask,
@@ -82,6 +84,7 @@ crate::logic::memory! {
         code state;
         number share, anchor;
         flag comes, enable;
+        part power;
         set tripped;
         code cause;
         flag cut, armed, at_zero, acknowledged;
@@ -102,6 +105,7 @@ impl<S: Logic> Sequence<S> {
             anchor: zero,
             comes: no,
             enable: no,
+            power: Power::new(),
             tripped: S::Set::none(),
             cause: S::code(None),
             cut: no,
@@ -157,6 +161,7 @@ impl<S: Logic> Sequence<S> {
         let newly = input.acknowledge & !self.acknowledged;
         self.acknowledged = input.acknowledge;
         let was_off = self.is(SupervisorState::Off);
+        self.power.watch(limits, input, self.enable, functions);
         if limits.travel_search {
             S::paths(&mut self.search, |search| search.step(limits, angle, grip_force));
             *functions = functions.with(Function::TravelSearch, self.search.blocked);
@@ -238,7 +243,7 @@ impl<S: Logic> Sequence<S> {
         self.state = S::code(SupervisorState::Tripped);
     }
 
-    /// Sensors are watched for as long as one may be stuck, without power; then there is power.
+    /// Sensors are watched for as long as one may be stuck, without power; then there is power, and once the drive acts it goes on.
     #[inline(always)]
     fn initialize(&mut self, limits: &Limits<S>, angle: S) {
         if S::holds(self.search.is_under_way()) {
@@ -249,6 +254,9 @@ impl<S: Logic> Sequence<S> {
             return;
         }
         self.enable = S::mask(true);
+        if S::holds(!self.power.acts) {
+            return;
+        }
         if limits.travel_search {
             (self.search, self.at_zero) = (Search::from(angle), S::mask(false));
         } else {

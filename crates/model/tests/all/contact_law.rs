@@ -2,7 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "a share at its end is exact")]
 
-use forcefeel_model::contact_law::{ContactLaw, ContactState};
+use forcefeel_model::contact_law::{ContactLaw, ContactState, LEAD_RAD};
 
 const H: f64 = 5e-4;
 
@@ -21,7 +21,7 @@ fn after(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed(torque(time), (column(time), None), state, [H, 1.0 / H]).0;
+        state = law().noticed(torque(time), (column(time)[0], None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -46,11 +46,12 @@ fn a_quick_swing_against_something_stiff_is_contact_and_a_hand_is_none() {
 }
 
 #[test]
-fn slow_swings_against_something_stiff_are_contact_where_they_grow_on_and_none_where_they_do_not() {
+fn slow_swings_against_something_stiff_are_contact_where_they_go_on_and_none_where_they_decay() {
     let torque = |growth: f64| move |time: f64| (growth * time).exp() * swing(3.0)(time);
     assert_eq!(after(1.0, torque(0.5), still, free()).share, 0.0, "a hand may grow for a second");
     assert_eq!(after(3.0, torque(0.5), still, free()).share, 1.0);
-    assert_eq!(after(6.0, torque(0.0), still, free()).share, 0.0);
+    assert_eq!(after(3.0, torque(0.0), still, free()).share, 1.0);
+    assert_eq!(after(6.0, torque(-0.4), still, free()).share, 0.0);
     let soft = |time: f64| [-torque(0.5)(time) / 500.0, 0.0];
     assert_eq!(after(3.0, torque(0.5), soft, free()).share, 0.0, "an arm");
 }
@@ -86,6 +87,54 @@ fn a_column_that_stays_keeps_it_and_one_that_goes_away_gives_it_back() {
     let gone = after(1.0, |_| 10.0, |time| [0.1 * time, 0.1], touched);
     assert!((0.3..0.9).contains(&half.share), "{}", half.share);
     assert_eq!(gone.share, 0.0);
+}
+
+#[test]
+fn the_noise_of_a_column_at_rest_beside_the_place_gives_nothing_back() {
+    let touched = after(1.0, swing(12.0), still, free());
+    let step = |time: f64| f64::from((time / H).round() as i32 % 2);
+    let beside = |time: f64| [0.015 + 1e-5 * step(time), 0.0];
+    let later = after(5.0, |_| 10.0, beside, touched);
+    assert!(later.share > 0.99, "{}", later.share);
+}
+
+/// The feel at an angle and a rate beside a column that stands, after a period.
+fn beside(feel: [f64; 2], state: &mut ContactState<f64>) -> [f64; 2] {
+    law().follow(state, feel, ([0.0; 2], 0.0, 0.004), H)
+}
+
+#[test]
+fn a_feel_that_runs_ahead_is_held_at_its_lead() {
+    let mut state = free();
+    assert_eq!(beside([0.04, 3.0], &mut state), [0.04, 3.0]);
+    assert_eq!(beside([0.3, 3.0], &mut state), [LEAD_RAD, 0.0]);
+    assert_eq!(beside([0.3, -3.0], &mut state), [LEAD_RAD, -3.0], "on its way back");
+    assert_eq!(state.share, 0.0);
+    assert_eq!(
+        ContactLaw::none(0.0).follow(&mut state, [9.0, 3.0], ([0.0; 2], 0.0, 0.0), H),
+        [9.0, 3.0],
+        "of no contact"
+    );
+    let held_out = law().follow(&mut state, [0.2, 0.0], ([0.4, 0.0], 0.0, 0.004), H);
+    assert_eq!(held_out, [0.2, 0.0], "by a hand that is stronger than the drive");
+}
+
+#[test]
+fn a_feel_that_is_ahead_on_the_one_side_and_on_the_other_and_soon_on_the_one_again_is_in_contact() {
+    let after_pause = |pause: f64| {
+        let mut state = free();
+        beside([-0.3, -3.0], &mut state);
+        beside([0.3, 3.0], &mut state);
+        assert_eq!(state.share, 0.0);
+        let mut time = 0.0;
+        while time < pause {
+            beside([0.0; 2], &mut state);
+            time += H;
+        }
+        (beside([-0.3, -3.0], &mut state), state.share)
+    };
+    assert_eq!(after_pause(0.1), ([0.004, 0.0], 1.0), "it stands where the drive stands");
+    assert_eq!(after_pause(0.5), ([-LEAD_RAD, 0.0], 0.0));
 }
 
 #[test]

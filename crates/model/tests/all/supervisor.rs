@@ -29,6 +29,7 @@ fn still(requested: RequestedMode) -> SupervisorInput<f64> {
         emergency_stop: false,
         other_axis: false,
         drive_fault: false,
+        drive_acts: true,
         requested,
         acknowledge: false,
     }
@@ -72,9 +73,10 @@ type Spoil = Box<dyn Fn(u32, &mut SupervisorInput<f64>)>;
 fn each_function_acts_in_its_stated_sample_and_is_latched() {
     let of = limits();
     let (grip, base) = (of.grip_arm / of.lever, of.base_arm);
-    let cases: [(Function, Spoil); 11] = [
+    let cases: [(Function, Spoil); 12] = [
         (Function::EmergencyStop, Box::new(|_, input| input.emergency_stop = true)),
         (Function::DriveFault, Box::new(|_, input| input.drive_fault = true)),
+        (Function::DriveStopped, Box::new(|_, input| input.drive_acts = false)),
         (Function::NotANumber, Box::new(|_, input| input.sensed[1] = f64::NAN)),
         (Function::NotANumber, Box::new(|_, input| input.command = f64::INFINITY)),
         (Function::OutOfRange, Box::new(move |_, input| input.sensed[0] = -of.range[0] * 1.01)),
@@ -105,6 +107,47 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
         assert!(safe < stopped + of.stop, "{function:?}");
         assert_eq!(supervisor.step(&input).state, SupervisorState::Tripped, "latched: {function:?}");
     }
+}
+
+#[test]
+fn nothing_begins_before_the_drive_acts_and_then_it_is_as_of_one_that_acts_at_once() {
+    let of = limits();
+    let rows = |acts_from: u32| {
+        let mut supervisor = Supervisor::new(of, 0.0);
+        supervisor.step(&still(RequestedMode::Off));
+        // A law that asks for much from the first sample on.
+        let input = |k: u32| SupervisorInput {
+            command: of.command,
+            drive_acts: k >= acts_from,
+            ..still(RequestedMode::Active)
+        };
+        (0..2000).map(|k| supervisor.step(&input(k))).collect::<Vec<_>>()
+    };
+    let (at_once, waited) = (rows(0), rows(800));
+    let powered = at_once.iter().position(|row| row.enable).expect("power");
+    let waits = &waited[powered..800];
+    assert!(waits.iter().all(|row| row.enable && row.state == SupervisorState::Initializing && row.command == 0.0));
+    for (row, later) in at_once[powered..].iter().zip(&waited[800..]) {
+        assert_eq!((row.state, row.command, row.share), (later.state, later.command, later.share));
+    }
+}
+
+#[test]
+fn a_drive_that_does_not_act_in_time_is_named_and_an_off_forgets_it() {
+    let of = limits();
+    let (mut supervisor, idle) =
+        (Supervisor::new(of, 0.0), SupervisorInput { drive_acts: false, ..still(RequestedMode::Active) });
+    let off = SupervisorInput { requested: RequestedMode::Off, ..idle };
+    supervisor.step(&off);
+    // Off in between, it is waited for anew; what a lost sample says counts for nothing.
+    for k in 0..of.stuck + of.power {
+        let output = supervisor.step(&SupervisorInput { missed: k % 2, drive_acts: k % 2 == 1, ..idle });
+        assert_eq!((output.state, output.command), (SupervisorState::Initializing, 0.0));
+    }
+    assert!(!supervisor.step(&off).enable);
+    let last = (0..=of.stuck + of.power).map(|_| supervisor.step(&idle)).last().expect("samples");
+    assert_eq!((last.state, last.cause), (SupervisorState::Tripped, Some(Function::DriveNotReady)));
+    assert_eq!((last.command, last.enable), (0.0, false));
 }
 
 #[test]
@@ -424,6 +467,7 @@ fn single_precision_does_the_same() {
         emergency_stop: false,
         other_axis: false,
         drive_fault: false,
+        drive_acts: true,
         requested: RequestedMode::Off,
         acknowledge: false,
     };

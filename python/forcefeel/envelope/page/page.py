@@ -98,6 +98,7 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
         arms=envelope_tables.arms(envelope),
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
         releases=f"{releases(envelope):,}",
+        contacts_inferred=f"{envelope.contacts_inferred:,}" if envelope.contacts_inferred else "",
         envelope_inferred=f"{envelope.inferred:,} of {releases(envelope) + envelope.inferred:,}"
         if envelope.inferred
         else "",

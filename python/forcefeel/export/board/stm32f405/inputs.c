@@ -71,7 +71,8 @@ void read_inputs(forcefeel_input *in)
     in->request = ((was_off != 0U) && ((pins & REQUEST_OPEN) == 0U)) ? FORCEFEEL_ACTIVE : FORCEFEEL_OFF;
     in->flags = (((pins & EMERGENCY_STOP_OPEN) != 0U) ? FORCEFEEL_EMERGENCY_STOP : 0U)
         | (((pins & DRIVE_FAULT_OPEN) != 0U) ? FORCEFEEL_DRIVE_FAULT : 0U)
-        | (((pins & ACKNOWLEDGE_OPEN) == 0U) ? FORCEFEEL_ACKNOWLEDGED : 0U);
+        | (((pins & ACKNOWLEDGE_OPEN) == 0U) ? FORCEFEEL_ACKNOWLEDGED : 0U)
+        | FORCEFEEL_DRIVE_ACTS; /* for a drive that tells, give it a pin */
 }
 
 void stopped(void)
