@@ -246,6 +246,13 @@ impl<S: Logic> Supervisor<S> {
                 this.grip_reading = GripReading::new(this.angle.zero());
             }
         });
+        // Where the drive has no power a column may lie anywhere: readings that no prediction explains would bar the acknowledgment for good.
+        let lost = implausible.into_iter().fold(S::mask(false), |any, sensor| any | sensor);
+        S::paths(self, |this| {
+            if S::holds(lost & !this.sequence.enable) {
+                this.plausibility = Plausibility::new(this.angle);
+            }
+        });
         self.act(&limits, input)
     }
 

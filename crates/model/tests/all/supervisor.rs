@@ -363,6 +363,22 @@ fn a_silent_host_fades_and_comes_back_without_a_stop() {
 }
 
 #[test]
+fn a_column_that_was_thrown_and_lies_elsewhere_can_be_acknowledged() {
+    let of = limits();
+    let (mut supervisor, mut input) = active();
+    for k in 0..220 {
+        moved(&of, 0.75 * of.speed_step * f64::from(k * k) / 220.0, &mut input);
+        supervisor.step(&input);
+    }
+    let mut elsewhere = still(RequestedMode::Off);
+    moved(&of, -0.1, &mut elsewhere);
+    let rested = (0..1000).map(|_| supervisor.step(&elsewhere)).last().expect("samples");
+    assert_eq!((rested.state, rested.enable), (SupervisorState::Tripped, false));
+    elsewhere.acknowledge = true;
+    assert_eq!((0..5).map(|_| supervisor.step(&elsewhere)).last().map(|it| it.state), Some(SupervisorState::Off));
+}
+
+#[test]
 fn to_acknowledge_starts_nothing() {
     let (mut supervisor, mut input) = active();
     input.emergency_stop = true;
