@@ -15,6 +15,8 @@ _DRIVE_FAULT, _ACKNOWLEDGED, _HOST, _DRIVE_ACTS = 2, 4, 8, 16
 _ANGLE_RAD = 0.3
 """Jump of the column's angle: no reading that a prediction explains."""
 _LATE_PERIODS = 9
+_BEYOND_BRIDGE = 40
+"""Samples of a wrong reading, more than are bridged."""
 _POWERED = 30
 """Samples that a drive takes to act."""
 _THROWN = 220
@@ -101,6 +103,9 @@ def _faults(script: _Script) -> None:
     numbers[on + 101 :, _BASE] += 0.01 * arm
     _, asked = script.restart(on + silent + 100)
     asked[on : on + 5, _DELAY] = asked[on + 50 : on + 50 + silent, _DELAY] = _LATE_PERIODS
+    # A drive position that jumps and stays.
+    numbers, _ = script.restart(on + _BEYOND_BRIDGE)
+    numbers[on:, _POSITION] += _ANGLE_RAD * arm * loader["linkage.ratio"]
     overrun = script.samples("safety.overrun_time") + 3
     _, asked = script.restart(on + overrun)
     asked[on:, _LATE] = range(1, overrun + 1)
