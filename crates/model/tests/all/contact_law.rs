@@ -92,7 +92,7 @@ fn a_column_that_stays_keeps_it_and_one_that_goes_away_gives_it_back() {
 #[test]
 fn the_noise_of_a_column_at_rest_beside_the_place_gives_nothing_back() {
     let touched = after(1.0, swing(12.0), still, free());
-    let step = |time: f64| f64::from((time / H).round() as i32 % 2);
+    let step = |time: f64| (time / H).round() % 2.0;
     let beside = |time: f64| [0.015 + 1e-5 * step(time), 0.0];
     let later = after(5.0, |_| 10.0, beside, touched);
     assert!(later.share > 0.99, "{}", later.share);
