@@ -97,7 +97,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let stopped = rows.iter().position(|row| row.allowed.state == SupervisorState::Tripped);
     let safe = stopped.and_then(|from| safe_from(rows, from));
     let mut wrong = Violation::default();
-    let cuts = |k: usize| rows[k].input.emergency_stop;
+    // A drive that has stopped carries out no command.
+    let cuts = |k: usize| rows[k].input.emergency_stop || rows[k].allowed.acting.has(Function::DriveStopped);
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);
         let stopping = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };
