@@ -14,9 +14,9 @@ use crate::logic::{Count, FunctionSet};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Power<S: Logic> {
     /// Whether the drive carries out its commands, by the last sample that came.
-    pub(super) acts: S::Mask,
+    acts: S::Mask,
     /// Whether it has, since it was enabled.
-    acted: S::Mask,
+    pub(super) acted: S::Mask,
     waits: Debounce<S>,
 }
 

@@ -254,7 +254,7 @@ impl<S: Logic> Sequence<S> {
             return;
         }
         self.enable = S::mask(true);
-        if S::holds(!self.power.acts) {
+        if S::holds(!self.power.acted) {
             return;
         }
         if limits.travel_search {
