@@ -162,6 +162,7 @@ def of_firmware(exported: ff.export.Exported, folder: Path) -> tuple[float, int,
     begin = (
         "static forcefeel_axis axis; forcefeel_input in = { 0 }; forcefeel_output out; in.stiffness_factor = 1.0F; "
         f"(void)forcefeel_init(&axis, sizeof axis, &law_loader, law_settings, 1U); {call} in.request = 2U; "
+        "in.flags = FORCEFEEL_DRIVE_ACTS; "
         f"for (int k = 0; k < 3000; ++k) {call}"
     )
     before = '#define FORCEFEEL_SINGLE\n#include "law_data.h"'

@@ -22,7 +22,7 @@ typedef struct {
     uint16_t version, kind; /* 2; 1 */
     uint64_t sequence, session, answers, clock_ns; /* session key of the loop; cycle of its newest command */
     double force_n, position_m, base_m, pilot_force_n, grip_force_n;
-    uint32_t flags, crc; /* bit 0: emergency stop; CRC-32 of all before it */
+    uint32_t flags, crc; /* bit 0: emergency stop, bit 1: the drive carries out no commands; CRC-32 of all before it */
 } sample_packet;
 
 typedef struct {
@@ -118,6 +118,7 @@ int main(int argc, char **argv) {
             .position_m = m.drive,
             .base_m = m.base,
             .pilot_force_n = 0.0 / 0.0, /* nothing measures it */
+            .flags = powered ? 0 : 2,
         };
         out.crc = crc32(&out, sizeof out - 4);
         sendto(link, &out, sizeof out, 0, (struct sockaddr *)&loop, length);

@@ -19,16 +19,26 @@ from forcefeel.loader.built_in import BUILT_IN
 MAGIC, VERSION = b"FFLV", 2
 SAMPLE, COMMAND, ASK = 1, 2, 3
 NO_CYCLE = 2**64 - 1  # what a sample answers before the first command
+IDLE = 2  # flag of a sample: the drive carries out no commands
 GONE_S = 1.0  # silence of a loop that powers the drive after which another one may ask
 
 
 def sample_packet(
-    sequence: int, session: int, answers: int, sensors: tuple[float, float, float, float, float]
+    sequence: int, session: int, answers: int, sensors: tuple[float, float, float, float, float], *, acts: bool
 ) -> bytes:
     """A sample: head, sequence number, session key, cycle that it answers, clock, load cell, drive, column's base,
     pilot's force, force at the grip, flags, check sum."""
     packet = struct.pack(
-        "<4sHHQQQQ5dI", MAGIC, VERSION, SAMPLE, sequence, session, answers, time.monotonic_ns(), *sensors, 0
+        "<4sHHQQQQ5dI",
+        MAGIC,
+        VERSION,
+        SAMPLE,
+        sequence,
+        session,
+        answers,
+        time.monotonic_ns(),
+        *sensors,
+        0 if acts else IDLE,
     )
     return packet + struct.pack("<I", zlib.crc32(packet))
 
@@ -68,7 +78,8 @@ def serve(port: int, loader_name: str = "elevator-2khz") -> None:
                 newest, powered = cycle, enable
                 machine.write(command, enable)
                 sequence, sensors = sequence + 1, machine.read()
-            link.sendto(sample_packet(sequence, session, newest if newest >= 0 else NO_CYCLE, sensors), loop)
+            answers = newest if newest >= 0 else NO_CYCLE
+            link.sendto(sample_packet(sequence, session, answers, sensors, acts=powered), loop)
 
 
 if __name__ == "__main__":

@@ -472,6 +472,8 @@ LIMITS_LB = {
 @pytest.mark.parametrize("name", LIMITS_LB)
 def test_supervisor_forces_match_axis_limits(name):
     loader = ff.loader.electric(name)
+    at_cell = loader["safety.absolute_force"] * loader["column.grip_arm"] / loader["column.base_arm"]
+    assert at_cell < loader["safety.force_range"]  # or the load cell would not show it
     found = loader["safety.force_limit"] / LB_N, loader["safety.absolute_force"] / LB_N
     assert found == pytest.approx(LIMITS_LB[name], rel=1e-9)  # rounding of the units
 

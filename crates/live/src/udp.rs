@@ -14,7 +14,7 @@
 //! | 56 | displacement of the column's base in m, f64 | 48 | zero, u32 |
 //! | 64 | pilot's force in N or not a number, f64 | 52 | CRC-32 of bytes 0 to 51, u32 |
 //! | 72 | force sensor at the grip in N, zero where there is none, f64 | | |
-//! | 80 | bit 0: emergency stop, u32 | | |
+//! | 80 | bit 0: emergency stop; bit 1: the drive carries out no commands, u32 | | |
 //! | 84 | CRC-32 of bytes 0 to 83, u32 | | |
 //!
 //! A packet with another session key, or one that answers a cycle that was never sent, is dropped: a forged packet or one of a loop that has
@@ -49,6 +49,10 @@ const SAMPLE: u16 = 1;
 const COMMAND: u16 = 2;
 const ASK: u16 = 3;
 
+/// Flags of a sample. A machine that does not know whether its drive acts leaves the second at zero.
+const STOPPED: u32 = 1;
+const IDLE: u32 = 2;
+
 /// How long a sample is waited for in virtual time.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -75,6 +79,8 @@ pub struct Stamped {
     pub sample: Sample<f64>,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
+    /// Whether the drive carries out its commands.
+    pub drive_acts: bool,
 }
 
 /// What came from a loop.
@@ -88,7 +94,7 @@ pub enum Request {
 
 /// The bytes of a sample.
 pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
-    let Stamped { sequence, session, answers, clock_ns, sample, emergency_stop } = stamped;
+    let Stamped { sequence, session, answers, clock_ns, sample, emergency_stop, drive_acts } = stamped;
     let [force, position, base, grip] = sample.sensors;
     let mut bytes = headed(SAMPLE, *sequence, *session);
     bytes[24..32].copy_from_slice(&answers.to_le_bytes());
@@ -96,7 +102,8 @@ pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
     for (k, number) in [force, position, base, sample.pilot_force, grip].into_iter().enumerate() {
         bytes[40 + 8 * k..48 + 8 * k].copy_from_slice(&number.to_le_bytes());
     }
-    bytes[80..84].copy_from_slice(&u32::from(*emergency_stop).to_le_bytes());
+    let flags = [*emergency_stop, !drive_acts].map(u32::from);
+    bytes[80..84].copy_from_slice(&((flags[0] * STOPPED) | (flags[1] * IDLE)).to_le_bytes());
     summed(bytes)
 }
 
@@ -105,14 +112,15 @@ pub fn sample_of(bytes: &[u8]) -> Option<Stamped> {
     let bytes = checked::<SAMPLE_BYTES>(bytes, &[SAMPLE])?;
     let number = |at: usize| f64::from_le_bytes(part(bytes, at));
     let sample = Sample { sensors: [number(40), number(48), number(56), number(72)], pilot_force: number(64) };
-    let emergency_stop = u32::from_le_bytes(part(bytes, 80)) & 1 != 0;
+    let flags = u32::from_le_bytes(part(bytes, 80));
     Some(Stamped {
         sequence: u64::from_le_bytes(part(bytes, 8)),
         session: u64::from_le_bytes(part(bytes, 16)),
         answers: u64::from_le_bytes(part(bytes, 24)),
         clock_ns: u64::from_le_bytes(part(bytes, 32)),
         sample,
-        emergency_stop,
+        emergency_stop: flags & STOPPED != 0,
+        drive_acts: flags & IDLE == 0,
     })
 }
 
@@ -284,7 +292,7 @@ impl InputOutput for Udp {
         if self.silent > 0 && self.silent.is_multiple_of(ASK_AGAIN) {
             let _ = self.socket.send(&ask_bytes(self.session));
         }
-        let Stamped { answers, clock_ns, sample, emergency_stop, .. } = newest?;
+        let Stamped { answers, clock_ns, sample, emergency_stop, drive_acts, .. } = newest?;
         let delay = self.delay(answers)?;
         Some(Sampled {
             sample,
@@ -292,7 +300,7 @@ impl InputOutput for Udp {
             delay,
             emergency_stop,
             drive_fault: 0,
-            drive_acts: true,
+            drive_acts,
         })
     }
 

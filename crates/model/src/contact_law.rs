@@ -168,8 +168,9 @@ pub struct ContactState<S> {
     turns: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
-    /// Side of the column on which the feel was too far away last, -1, 0 or 1, and the time since it came there from the other, in s.
-    lead_side: S,
+    /// `theta_l` on the side of the column on which the feel was too far away last, in rad, 0 so far, and the time since it came there from the
+    /// other, in s.
+    lead: S,
     since_lead: S,
 }
 
@@ -215,7 +216,7 @@ impl<S: Scalar> ContactState<S> {
             since_turn: one,
             turns: zero,
             offset: zero,
-            lead_side: zero,
+            lead: zero,
             since_lead: one,
         }
     }
@@ -245,7 +246,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_since_turn", &mut self.since_turn);
         visitor.nonlinear("contact_turns", &mut self.turns);
         visitor.nonlinear("contact_offset", &mut self.offset);
-        visitor.nonlinear("contact_lead_side", &mut self.lead_side);
+        visitor.nonlinear("contact_lead", &mut self.lead);
         visitor.nonlinear("contact_since_lead", &mut self.since_lead);
     }
 }
@@ -332,9 +333,10 @@ impl<S: Scalar> ContactLaw<S> {
             | (swing & touches);
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
-        let side = S::select(begins, one.times_sign(torque), was.side);
+        let pushed = one.times_sign(torque);
+        let side = S::select(begins, pushed, was.side);
         let larger = begins | (was.extreme * side).less(torque * side);
-        let against = S::select((rate * side).less(-moves), one, -one);
+        let against = S::select((rate * pushed).less(-moves), one, -one);
         // Where the push was largest: a column that is thrown back has left the place before the push is over.
         let place = S::select(noticed, was.extreme_angle, was.place);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
@@ -398,25 +400,27 @@ impl<S: Scalar> ContactLaw<S> {
         let (zero, one) = (h.zero(), h.constant(1.0));
         let (ahead, most) = (delta - column, one.times(LEAD_RAD));
         let apart = most.less(ahead.abs()) & zero.less(self.threshold);
-        let since = state.since_lead;
-        state.since_lead = (since + h).min(one);
+        let (since, was) = ((state.since_lead + h).min(one), *state);
+        state.since_lead = since;
         if !S::any(apart) {
             return [delta, rate];
         }
+        // All of it is chosen by `apart` first: exported C then skips it as a whole in a period in which nothing is apart.
+        let if_apart = |then, or| S::select(apart, then, or);
+        let lead = most.times_sign(ahead);
+        let turned = (lead * was.lead).less(zero);
+        let touches = turned & was.since_lead.less(self.quick.times(SLOW));
+        state.since_lead = if_apart(S::select(turned, zero, since), since);
+        state.lead = if_apart(lead, was.lead);
+        state.share = if_apart(S::select(touches, one, was.share), was.share);
+        state.place = if_apart(S::select(touches, column, was.place), was.place);
+        state.place_torque = if_apart(S::select(touches, was.torque, was.place_torque), was.place_torque);
+        let begins = touches & was.share.less(one.times(0.5));
         // A hand that is stronger than the drive holds the column farther out than the feel.
-        let cut = apart & zero.less(ahead * (delta - neutral));
-        let side = one.times_sign(ahead);
-        let turned = apart & (side * state.lead_side).less(zero);
-        let touches = turned & since.less(self.quick.times(SLOW));
-        let begins = touches & state.share.less(one.times(0.5));
-        let onward = cut & zero.less((rate - column_rate) * side);
-        state.since_lead = S::select(turned, zero, state.since_lead);
-        state.lead_side = S::select(apart, side, state.lead_side);
-        state.share = S::select(touches, one, state.share);
-        state.place = S::select(touches, column, state.place);
-        state.place_torque = S::select(touches, state.torque, state.place_torque);
-        let delta = S::select(begins, stands, S::select(cut, column + most * side, delta));
-        [delta, S::select(begins, zero, S::select(onward, column_rate, rate))]
+        let cut = zero.less(ahead * (delta - neutral));
+        let onward = zero.less((rate - column_rate) * lead);
+        let [behind, slower] = [S::select(cut, column + lead, delta), S::select(cut & onward, column_rate, rate)];
+        [if_apart(S::select(begins, stands, behind), delta), if_apart(S::select(begins, zero, slower), rate)]
     }
 
     /// What the command allows for after a sample at which the feel stands at an angle and the column at another, the command `beyond` what the

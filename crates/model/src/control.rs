@@ -176,8 +176,8 @@ impl<S: Scalar> Control<S> {
             (output, feeling.neutral)
         };
         S::section("contact");
+        let column = [base, base_rate].map(|number| number * self.per_base);
         let (output, contact) = if shared.effects.contact_law {
-            let column = [base, base_rate].map(|number| number * self.per_base);
             let inputs =
                 ContactInputs { force, position: [piston, piston_rate], angle: column, feel: feeling.motion.at };
             let at_end = shared.effects.grip_sensor & shared.effects.column_stops;
@@ -230,7 +230,6 @@ impl<S: Scalar> Control<S> {
         if shared.effects.contact_law {
             S::section("contact");
             let law = &self.observer.contact;
-            let column = [base, base_rate].map(|number| number * self.per_base);
             let state = &mut remembered.contact_state;
             feeling.motion.at =
                 law.follow(state, feeling.motion.at, (column, feeling.neutral, law.where_drive_stands(piston)), period);

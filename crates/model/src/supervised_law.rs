@@ -178,6 +178,8 @@ impl<S: Logic> SupervisedLaw<S> {
         let share = (sensors[2] - zero[2]) / (there[2] - zero[2]);
         let sensors_there = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
         let remembered = control.initial_estimate(sensors_there);
+        // The law's observer has had sections of its own.
+        S::section("rest");
         S::paths(self, |this| {
             if S::holds(!placed) {
                 this.remembered = remembered;

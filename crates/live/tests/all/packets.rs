@@ -10,7 +10,15 @@ use std::net::{SocketAddr, UdpSocket};
 
 fn stamped() -> Stamped {
     let sample = Sample { sensors: [1.5, -0.25, 1e-300, 7.0], pilot_force: f64::NAN };
-    Stamped { sequence: 7, session: 77, answers: 6, clock_ns: 123_456_789, sample, emergency_stop: true }
+    Stamped {
+        sequence: 7,
+        session: 77,
+        answers: 6,
+        clock_ns: 123_456_789,
+        sample,
+        emergency_stop: true,
+        drive_acts: false,
+    }
 }
 
 #[test]
@@ -18,7 +26,12 @@ fn a_sample_comes_back_as_it_was() {
     let record = sample_of(&sample_bytes(&stamped())).expect("a sample");
     assert_eq!((record.sequence, record.session, record.answers, record.clock_ns), (7, 77, 6, 123_456_789));
     assert_eq!(record.sample.sensors.map(f64::to_bits), stamped().sample.sensors.map(f64::to_bits));
-    assert!(record.sample.pilot_force.is_nan() && record.emergency_stop);
+    assert!(record.sample.pilot_force.is_nan());
+    for (emergency_stop, drive_acts) in [(false, false), (false, true), (true, false), (true, true)] {
+        let bytes = sample_bytes(&Stamped { emergency_stop, drive_acts, ..stamped() });
+        let record = sample_of(&bytes).expect("a sample");
+        assert_eq!((record.emergency_stop, record.drive_acts), (emergency_stop, drive_acts));
+    }
 }
 
 #[test]
@@ -69,7 +82,7 @@ fn a_forged_packet_is_refused_and_a_late_one_says_how_late_it_is() {
     send(session, 0);
     silent(&mut loop_, 1);
     send(session, NO_CYCLE);
-    assert_eq!(loop_.read().map(|sampled| sampled.delay), Some(0));
+    assert_eq!(loop_.read().map(|sampled| (sampled.delay, sampled.drive_acts)), Some((0, false)));
     for cycle in 0..8 {
         loop_.write(&Command { cycle, command: 0.0, enable: false, state: 0 });
     }

@@ -61,7 +61,8 @@ fn machine(socket: &UdpSocket, samples: Samples, speed: f64, ended: &AtomicBool)
             let sensors = [0.0, base * of.linkage.ratio, base, 0.0];
             let sample = Sample { sensors, pilot_force: 0.0 };
             let clock_ns = u64::try_from(time.as_nanos()).expect("less than 500 years");
-            let stamped = Stamped { sequence, session, answers, clock_ns, sample, emergency_stop: false };
+            let stamped =
+                Stamped { sequence, session, answers, clock_ns, sample, emergency_stop: false, drive_acts: true };
             socket.send_to(&sample_bytes(&stamped), to).expect("sent");
         }
     }
