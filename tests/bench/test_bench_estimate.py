@@ -189,6 +189,7 @@ def test_intervals_from_hann_segments_have_stated_coverage():
     assert abs(share - 0.95) < 4 * spread + 0.005
 
 
+@pytest.mark.slow
 def test_coherence_matches_theory():
     rng = np.random.default_rng(SEED)
     drive = rng.standard_normal(600_000)

@@ -110,6 +110,7 @@ def test_signal_under_the_law_ends_with_the_supervisor():
         until(lambda: emulator.commands == [0.0])  # the last telegram may be under way
 
 
+@pytest.mark.slow
 def test_signal_that_cannot_be_played_is_refused(excite, tmp_path):
     loader = yoke()
     with pytest.raises(ff.InputError, match="use --rate 2000"):

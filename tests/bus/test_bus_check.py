@@ -144,6 +144,7 @@ def project_of(folder, **buses):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", mostly_slow(["moteus", "odrive"]))
 def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_path, kind, answers_within):
     answers_within(0.7e-3)

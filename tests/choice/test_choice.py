@@ -33,6 +33,7 @@ def scored():
     return score_laws(DIGITAL, ("published", "observer", "robust"), GRID, **FEW)
 
 
+@pytest.mark.slow
 def test_shares_match_the_envelope(scored):
     names = [score.name for score in scored.scores]
     found = ff.find_envelope(DIGITAL, names, GRID, **FEW)

@@ -133,6 +133,7 @@ def test_law_prints_converged_gains_and_takes_options(run):
     assert abs(smaller) < 4.9
 
 
+@pytest.mark.slow
 def test_gains_that_do_not_converge_exit_1(run, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)
     status, out, _ = run("law", "--converge", "--r2", "1e4")

@@ -32,6 +32,7 @@ def test_each_axis_has_its_folder_and_names(forcefeel, cockpit, tmp_path):
         assert (tmp_path / "code" / axis / f"loader_{axis}_law.c").is_file()
 
 
+@pytest.mark.slow
 def test_law_files_are_named_after_the_axes(forcefeel, cockpit, tmp_path):
     status, *_ = forcefeel("law", "cockpit.toml", "--save-law", "law.json")
     assert status == 0

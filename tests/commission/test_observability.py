@@ -26,6 +26,7 @@ def records():
     return simulated_records(FILE, FILE.replace({"column.inertia": "41 lb in s^2/rad", **RUBS}), TIME)
 
 
+@pytest.mark.slow
 def test_multisine_with_pressure_and_current_determines_all_but_products(records):
     begun = with_friction(FILE)
     seen = seen_by(begun, records, candidates(begun))

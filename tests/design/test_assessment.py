@@ -161,6 +161,7 @@ def test_deviation_out_of_range_is_not_evaluated(loader, gains):
     assert worst(rows).assessment is not None
 
 
+@pytest.mark.slow
 def test_design_uses_a_single_cost_index(loader):
     found = ff.design_loader(loader, ff.laws.DesignSettings(horizon_s=0.05, r2=10.0))
     law = found.compensation.law(loader)
@@ -187,6 +188,7 @@ def test_gains_that_are_not_finite_raise_input_error(loader):
         ff.linear.state_feedback(loader, np.full(6, np.nan))
 
 
+@pytest.mark.slow
 def test_design_can_be_pickled(loader):
     law = ff.laws.GainLaw.original(loader.si_values)
     assert pickle.loads(pickle.dumps(law)) == law

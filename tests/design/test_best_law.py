@@ -65,6 +65,7 @@ def test_printed_commands_can_be_run():
     assert TRIED.commands(REPORT)[1].endswith("--law published --out map-published")
 
 
+@pytest.mark.slow
 def test_analog_loader_finding_states_how_to_try_laws(designed):
     told = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
     assert any("forcefeel design elevator-2khz" in finding for finding in told.findings)

@@ -97,6 +97,7 @@ def test_column_and_piston_match_at_low_frequency_in_figures_8_and_9(found):
         assert column == pytest.approx(piston, abs=LINK_DB)
 
 
+@pytest.mark.slow
 def test_effects_omitted_by_linear_models_are_reported(loader):
     assert not any("models neglect" in finding for finding in said(ff.design_loader(loader)).findings)
     curve = ff.loader.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))

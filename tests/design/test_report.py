@@ -179,6 +179,7 @@ def test_report_is_reproducible(out, designed, tmp_path):
     assert _files(tmp_path) == _files(out)
 
 
+@pytest.mark.slow
 def test_names_are_escaped(tmp_path):
     loader = replace(elevator(), name="<script>alert(1)</script>", source="a & b < c")
     text = write_report(design_loader(loader), tmp_path, UnitSystem.US).read_text(encoding="utf-8")

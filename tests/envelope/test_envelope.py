@@ -145,6 +145,7 @@ def test_passivity_matches_the_frequency_response(found, name_of_law):
     )
 
 
+@pytest.mark.slow
 def test_batched_passivity_matches_single_settings(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
@@ -170,6 +171,7 @@ def test_ideal_response_matches_the_closed_form(damping):
     np.testing.assert_allclose(ideal_releases(feel, 1.0, 1e-3, 1500)[0], closed, atol=1e-8)  # 1e-9 off critical
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_threads_or_chunks(found, monkeypatch):
     monkeypatch.setattr(releases, "_CHUNK_BYTES", 2**18)
     again = ff.find_envelope(ff.elevator(), grid=GRID, threads=1)

@@ -39,6 +39,7 @@ def test_built_in_loader_is_compared(run, tmp_path):
     assert {row[6] for row in rows[1:]} >= {"passes", "unstable", "P0"}
 
 
+@pytest.mark.slow
 def test_results_match_the_maps(run, tmp_path):
     status, out, _ = run("--law", "published", *SMALL, "--json", "--units", "si")
     assert status == 0
@@ -59,12 +60,14 @@ def test_results_match_the_maps(run, tmp_path):
     assert not next(case for case in found["cases"] if case["name"] == "firm arm")["arm"]["verified"]
 
 
+@pytest.mark.slow
 def test_other_rule_states_unverified_requirements(run):
     status, out, _ = run(*SMALL, "--rule", "cs-fstd-a")
     assert status == 0
     assert "Not verified" in out
 
 
+@pytest.mark.slow
 def test_existing_envelope_is_not_overwritten(run, tmp_path):
     assert run(*SMALL)[0] == 0
     before = (tmp_path / "forcefeel-envelope" / RESULTS).read_bytes()
@@ -89,6 +92,7 @@ def test_interrupted_run_writes_nothing(run, tmp_path, monkeypatch):
     assert not (tmp_path / "forcefeel-envelope").exists()
 
 
+@pytest.mark.slow
 def test_deviation_option_sets_the_cases(run):
     status, out, _ = run(*SMALL, "--deviation", "column.inertia=2 %", "--deviation", "linkage.damping=none", "--json")
     assert status == 0
@@ -158,6 +162,7 @@ def test_file_in_place_of_a_folder_is_refused(run, tmp_path):
     assert "is a file" in err
 
 
+@pytest.mark.slow
 def test_page_has_rounded_numbers_and_names_unverified_items(run, tmp_path):
     run("--compare", *SMALL)
     page = (tmp_path / "forcefeel-envelope" / PAGE).read_text(encoding="utf-8")

@@ -113,6 +113,7 @@ LOADERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_slow(LOADERS))
 def test_other_loaders_match_bitwise(name, tmp_path):
     needs("gcc")
@@ -191,6 +192,7 @@ def test_functions_are_short_and_each_value_that_passes_between_them_is_used(fol
         assert len(used) > 1, value
 
 
+@pytest.mark.slow
 def test_limits_are_those_of_the_loader_file(tmp_path):
     """Another speed limit changes the C where the row is named, and nowhere else."""
     codes = []

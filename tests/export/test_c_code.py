@@ -67,6 +67,7 @@ def test_law_with_a_sensor_at_the_grip_begins_a_contact_as_the_simulation(tmp_pa
     assert run(tmp_path, "./program") == "pitch: 10000 samples, 0 differ\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", mostly_slow([0, 3]))
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_single_precision_motor_matches_bitwise(single, compiler, level):

@@ -88,6 +88,7 @@ def test_law_of_another_loader_or_rate_is_refused(export, tmp_path):
     assert export(*given, "law.json")[0] == 0
 
 
+@pytest.mark.slow
 def test_fmus_of_loader_law_and_machine_are_written(export, tmp_path):
     status, out, _ = export("elevator-2khz", "--law", "robust", "--to", "fmu", "--name", "pitch", "--out", "fmus")
     assert status == 0

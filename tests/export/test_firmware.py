@@ -96,6 +96,7 @@ def test_emulated_board_matches_bitwise(board, core):
     assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_host_matches_bitwise(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 

@@ -226,6 +226,7 @@ def test_feel_change_is_smooth_and_matches_simulation(fmus):
     assert np.array_equal(found, history.column_angle_rad.values)
 
 
+@pytest.mark.slow
 def test_setting_selects_its_feel_and_law(tmp_path):
     feel = ff.flight_schedule.read_knots(KNOTS).feel[:2]
     exported = export(tmp_path, plain(), feel)
@@ -407,6 +408,7 @@ def test_corrupted_resources_are_refused(fmus, tmp_path):
             Imported(folder)
 
 
+@pytest.mark.slow
 def test_export_is_reproducible(fmus, tmp_path):
     out, exported = fmus["plain"]
     ff.export.write_export(exported, ff.export.Target.FMU, tmp_path)

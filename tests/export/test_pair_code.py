@@ -101,6 +101,7 @@ int main(void) {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("delay", "after", "middle"),
     mostly_slow([(2, "uncouple", {}), (7, "override", {}), (1, "uncouple", BODY)]),
@@ -183,6 +184,7 @@ def test_project_exports_its_links(forcefeel, tmp_path):
     assert "6000 samples, 0 differ" in run(tmp_path / "code" / "stick-pitch-link", "make", "test", "CC=gcc")
 
 
+@pytest.mark.slow
 def test_shaft_is_noted_as_in_the_machine(forcefeel, tmp_path):
     column = f"{ff.__path__[0]}/../../examples/cockpit/transport-column.toml"
     status, *_ = forcefeel("export", column, "--to", "c", "--law", "robust", "--out", "code")

@@ -96,6 +96,7 @@ def test_tuned_law_matches_bitwise_while_it_is_tuned(folders, name):
     assert run(folders[name], "./program") == f"{name}: 15000 samples, 0 differ\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "loader", "ranges", "share"),
     mostly_slow(

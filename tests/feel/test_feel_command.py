@@ -76,6 +76,7 @@ def test_loader_qualifies_against_the_ten_points(run, ten, tmp_path, tests, pass
     assert '"mode":"markers"' in (tmp_path / "tests" / "qualification.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_release_gives_frequency_and_damping(run, ten, tmp_path):
     record = Control(damping=14.0).released(8.0, noise_deg=0.02)
     write(tmp_path, "release.csv", "time (s),position (rad)", zip(record.time_s, record.position, strict=True))

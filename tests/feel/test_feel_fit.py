@@ -63,6 +63,7 @@ def test_loop_of_points_gives_curve_breakout_and_friction(spring):
         assert row.value_si == pytest.approx(true, abs=NEAR_N)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spring", mostly_slow(SHAPES))
 def test_ten_outward_points_with_stated_friction_give_curve_and_breakout(spring):
     control = Control(spring)
@@ -183,6 +184,7 @@ def test_points_on_one_side_are_mirrored_and_said():
     assert fit.loader["feel.breakout"] == pytest.approx(8.0, abs=EXACT)
 
 
+@pytest.mark.slow
 def test_positions_as_lengths_are_angles_of_the_grip():
     points = Control().points(*LOOP)
     length = ff.qualification.ForcePoints(

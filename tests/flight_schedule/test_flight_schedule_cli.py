@@ -62,6 +62,7 @@ def test_gains_file_contains_every_law_number(run, tmp_path):
         assert numbers["torque[delta']"] == laws.torque[k, -1]
 
 
+@pytest.mark.slow
 def test_results_match_the_printed_output(run, tmp_path):
     status, out, _ = run(*GOOD, "--json", "--units", "si")
     found = json.loads(out)
@@ -86,6 +87,7 @@ def test_unstable_schedule_exits_1(run, tmp_path):
     assert not results["conclusions"]["ok"]
 
 
+@pytest.mark.slow
 def test_existing_schedule_is_not_overwritten(run, tmp_path):
     run(*GOOD)
     before = (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes()
@@ -130,6 +132,7 @@ def test_invalid_input_exits_2_with_remedy(run, tmp_path, words, message):
     assert not (tmp_path / "forcefeel-schedule").exists()
 
 
+@pytest.mark.slow
 def test_page_has_rounded_numbers(run, tmp_path):
     run(*GOOD)
     page = (tmp_path / "forcefeel-schedule" / PAGE).read_text(encoding="utf-8")

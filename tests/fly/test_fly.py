@@ -33,6 +33,7 @@ def balance(loader, state, trimmed, angle):
     return (30.0 * angle - moment) / loader["column.grip_arm"]
 
 
+@pytest.mark.slow
 def test_hand_carries_the_hinge_moment_of_the_flight(flown):
     trimmed = ff.fly.Aircraft("c172p", SPEED, ALTITUDE).state()
     # From 3 s on the short period has died; what is left is the slow loss of speed.

@@ -17,6 +17,7 @@ def case(request):
     return ff.fly.FlightCase(ff.digital_elevator(), request.param, CASES[request.param][0] * KNOT, 900.0, "robust")
 
 
+@pytest.mark.slow
 def test_force_per_g_flown_is_that_of_trims_at_the_speed_and_load_factor_flown(case):
     points = []
     for load_factor in CASES[case.aircraft][1]:

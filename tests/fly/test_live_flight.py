@@ -76,6 +76,7 @@ def test_hand_carries_the_hinge_moment_of_the_flight(flown):
     assert flight.readings()["refused"] == 0
 
 
+@pytest.mark.slow
 def test_trim_tab_moves_the_free_control_where_it_has_no_moment(flown):
     """``G theta = q S c (C_alpha (alpha_s - alpha_s0) + C_delta theta + C_tau tau)``: the tab carries what a hand would."""
     session, flight, _ = flown
@@ -151,6 +152,7 @@ def test_console_in_another_process_reaches_the_flight(flown):
     theirs.close()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_page_flies_at_both_widths(flown, browser):
     _, flight, console = flown
@@ -167,6 +169,7 @@ def test_page_flies_at_both_widths(flown, browser):
     page.close()
 
 
+@pytest.mark.slow
 def test_command_flies_beside_the_loop(run):
     status, out, err = run(
         "elevator-2khz",

@@ -50,6 +50,7 @@ def stick_free(name, loader):
     return sorted(values[values.imag > 0], key=abs)
 
 
+@pytest.mark.slow
 def test_free_modes_are_those_of_the_linear_model():
     name, frame = "737", ff.fly.FRAME_S
     speed, hand = CASES[name][0] * KNOT, np.zeros(round(FLOWN_S / frame))

@@ -21,6 +21,7 @@ def plan_of(name: str) -> Plan:
     return make_plan(loader, ("robust",), GRID, changes=CHANGES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_slow(["elevator-2khz", "desktop-yoke"]))
 def test_bisected_levels_match_envelopes_at_each_tolerance(name: str) -> None:
     plan = plan_of(name)

@@ -45,6 +45,7 @@ def test_built_in_loader_has_a_frontier(run, tmp_path):
     assert "not verified" in text.lower()
 
 
+@pytest.mark.slow
 def test_results_are_consistent(run, tmp_path):
     status, out, _ = run(*SMALL, "--json", "--units", "si")
     assert status == 0

@@ -39,6 +39,7 @@ def test_no_friction_leaves_only_rounding():
     assert found.noise_n < 1e-4 * found.force_n
 
 
+@pytest.mark.slow
 def test_sensor_noise_is_felt():
     loader = ff.digital_elevator()
     quiet, loud = (

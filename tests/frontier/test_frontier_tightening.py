@@ -111,6 +111,7 @@ def test_several_laws_or_non_decreasing_levels_raise_input_error(levels):
             run_levels(levels.full.plan, factors)
 
 
+@pytest.mark.slow
 def test_hardware_gains_are_those_of_the_changed_loader(levels):
     before = levels.full.shares(LAW)
     gains = {gain.name: gain for gain in hardware(levels, threads=1)}

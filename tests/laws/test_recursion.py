@@ -203,6 +203,7 @@ def test_invalid_settings_are_refused_by_name(name, value):
         DesignSettings(**{name: value})
 
 
+@pytest.mark.slow
 def test_diverging_recursion_is_reported(loader, monkeypatch):
     # The weight is so small beside R_2 that ten million steps are not enough; a million tell it as well.
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)

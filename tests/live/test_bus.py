@@ -64,7 +64,7 @@ def emulated(loader, *, real_time=False, power_s=0.0):
     """A loader on the bus of its emulated machine, and the machine."""
     with ExitStack() as wires:
         master = None
-        if loader.bus.kind == "ethercat":
+        if loader.bus.kind.startswith("ethercat"):
             master, port = wires.enter_context(virtual_interfaces())
             loader = replace(loader, bus=replace(loader.bus, port=port))
         emulator = wires.enter_context(ff.live.BusEmulator([loader], real_time=real_time, power_s=power_s))
@@ -422,7 +422,7 @@ def test_bad_bus_of_a_file_exits_with_status_2(run, tmp_path, lines, part):
 
 
 @pytest.mark.parametrize(("kind", "more"), [("moteus", {}), ("ethercat", ETHERCAT | {"grip_object": "0x2100:2"})])
-def test_bus_of_a_file_comes_back_and_a_valve_has_none(run, tmp_path, kind, more):
+def test_bus_of_a_file_comes_back_and_a_valve_has_another(run, tmp_path, kind, more):
     loader = yoke(kind, gear=-2.0, zero_rad=0.1, watchdog_s=0.05, grip_sensor_n=50.0, **more)
     path = tmp_path / "yoke.toml"
     path.write_text(loader.to_toml(), encoding="utf-8")
@@ -434,7 +434,7 @@ def test_bus_of_a_file_comes_back_and_a_valve_has_none(run, tmp_path, kind, more
             pytest.approx(value, rel=1e-11) if isinstance(value, float) else value
         )  # 12 digits
     assert ff.load(path).replace({"feel.stiffness": "5 N m/rad"}).bus == bus
-    with pytest.raises(ff.InputError, match="electric"):
+    with pytest.raises(ff.InputError, match="expected a kind for hydraulic drives"):
         replace(ff.digital_elevator(), bus=ff.loader.Bus("moteus", "a"))
     status, _, err = run("desktop-yoke", "--machine", "bus", "--headless")
     assert status == 2

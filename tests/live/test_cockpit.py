@@ -155,6 +155,7 @@ def test_electronic_link_comes_and_goes_without_a_step():
         assert force[-1] == 0
 
 
+@pytest.mark.slow
 def test_priority_leaves_a_side_its_own_feel_and_the_other_follows(tmp_path):
     """By the button, then by force: the link gives nothing to who has priority, and all to the other."""
     text = (COCKPITS / "linked-sticks.toml").read_text(encoding="utf-8")

@@ -120,6 +120,7 @@ def release(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_live_release_qualifies_like_simulated_release(release, tmp_path, forcefeel):
     record = ff.qualification.read_record(release)
     assert record.position_unit == "rad"

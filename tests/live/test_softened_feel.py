@@ -28,6 +28,7 @@ def test_feel_is_softened_at_the_start_and_at_each_change():
         assert running.feel["feel.stiffness"] == pytest.approx(most, rel=0.01)  # two bisections of 0.3 %
 
 
+@pytest.mark.slow
 def test_refused_change_leaves_what_is_stated_of_the_feel(monkeypatch):
     def refuse(*_):
         raise ff.InputError("law: none for this feel")

@@ -94,6 +94,7 @@ def test_test_program_matches_rule():
     assert [trial.key for trial in nosewheel] == ["static", "surface"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", mostly_slow(["original", "published", "converged"]))
 def test_periods_match_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
@@ -152,6 +153,7 @@ def test_the_reference_of_a_sweep_is_the_programmed_spring(elevator):
     assert swept.stops[1] == pytest.approx(0.97 * THROW, rel=10 * ROUNDING)
 
 
+@pytest.mark.slow
 def test_nonlinear_feel_is_judged():
     loader = ff.elevator().replace({"feel.breakout": "3 lb", "feel.coulomb_friction": "1 lb"})
     found = qualify_loader(loader)
@@ -296,6 +298,7 @@ def test_a_recorded_aircraft_is_the_reference():
     assert found.reference == "recorded aircraft"
 
 
+@pytest.mark.slow
 def test_recorded_aircraft_sweep_is_reference():
     """The loader is swept to the aircraft's stops in its time, and moved by its force; the published gains hold the spring."""
     swept = {key: record for key, record in _ideal_records().items() if not key.startswith("release")}
@@ -328,6 +331,7 @@ def test_small_release_angle_gives_remark():
 # What is wrong.
 
 
+@pytest.mark.slow
 def test_unstable_loop_fails_and_states_time():
     loader = ff.elevator()
     soft = loader.replace(
@@ -351,6 +355,7 @@ def test_sweep_brings_a_control_that_friction_holds_back_to_neutral():
     assert results["static"].outcome is Outcome.PASSED
 
 
+@pytest.mark.slow
 def test_freeplay_of_a_feel_with_breakout_is_certain():
     """1 lb of breakout over 0.12 deg, then 1 lb/in: no line fits both, and 0.1 in are allowed."""
     loader = ff.load(Path(__file__).parents[2] / "examples/cockpit/cyclic-pitch.toml")

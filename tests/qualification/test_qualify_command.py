@@ -84,6 +84,7 @@ def test_the_elevator_fails_with_words_and_files(run, tmp_path):
     assert _files(tmp_path / "forcefeel-qualification") == WRITTEN
 
 
+@pytest.mark.slow
 def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
     named = ("--test", "static", "--test", "release-25-positive")  # all of them take their time
     status, out, _ = run("--compare", *named, "--json", "--units", "si")
@@ -256,6 +257,7 @@ def test_an_aircraft_at_60_hz_and_a_simulator_at_100_hz(run, tmp_path, slower, e
     assert cycle["measured"]["value"] * slower == pytest.approx(cycle["reference"]["value"], rel=1e-4)  # of six samples
 
 
+@pytest.mark.slow
 def test_the_history_of_a_simulated_release_is_a_record(run, forcefeel):
     words = ("--input", "release", "--angle", f"{ANGLE_DEG} deg", "--start", "0.2", "--duration", "6")
     forcefeel("simulate", "elevator-1974", *words, "--law", "published", "--out", "run")

@@ -70,6 +70,7 @@ def test_column_with_a_surface_follows_hinge_moment_in_flight(name):
     assert np.abs(still.to_numpy() - alone(loader, 0.08)).max() > 9 * FOLLOWS_RAD, "the flight matters"
 
 
+@pytest.mark.slow
 def test_coefficients_follow_the_table_over_mach():
     rows = {"mach_1": 0.4, "flow_factor_1": 0.5, "deflection_factor_1": 1.5, "tab_factor_1": 3.0}
     rows |= {"mach_2": 0.8, "flow_factor_2": 4.0, "deflection_factor_2": 2.5, "tab_factor_2": -2.0}

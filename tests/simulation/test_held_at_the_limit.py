@@ -61,6 +61,7 @@ def held(loader, law, angle):
     return witness.Start(y, np.array([delta, rate]), xi, current + excess * asks_by[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("limit", "antiwindup"), mostly_slow([(14.5, 0.0), (10.0, 100.0)]))
 def test_release_beyond_holding_torque_matches_witness(limit, antiwindup):
     loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup}, si=True)

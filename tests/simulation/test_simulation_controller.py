@@ -20,6 +20,7 @@ FLOOR = 1.5e-5
 """The slaving, and what the feel computer's one step per period leaves."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "gains"), mostly_slow([(0.0, None), (0.3, GAINS), (1.0, None), (2.5, GAINS)]))
 def test_delay_matches_witness(share, gains):
     case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
@@ -34,6 +35,7 @@ def test_period_matches_witness(period):
     assert max(case.errors(case.witness(), 1e-3)) < FLOOR
 
 
+@pytest.mark.slow
 def test_converters_and_limits_match_witness():
     machine = Machine(
         period=1e-3, orifice=True, input_range=10.0, input_bits=14, output_range=1.0, output_bits=12, current_limit=1.2

@@ -121,6 +121,7 @@ def test_runs_are_repeated_at_each_grid_point(run):
     assert json.loads(out)["runs"] == 48
 
 
+@pytest.mark.slow
 def test_diverging_loader_exits_with_status_1(run):
     words = ("--set", "feel.inertia=2 lb in s^2/rad", "--runs", "16")
     status, out, _ = run(*words)  # the built-in loader, which is linear
@@ -173,6 +174,7 @@ def test_loader_file_without_tolerances_gives_remedy(run, tmp_path):
     assert not (tmp_path / "forcefeel-sweep").exists()
 
 
+@pytest.mark.slow
 def test_a_folder_with_a_sweep_is_refused_and_kept(run, tmp_path):
     assert run(*small())[0] == 0
     before = (tmp_path / "forcefeel-sweep" / "runs.nc").read_bytes()

@@ -70,6 +70,7 @@ def begun(made, tmp_path):
     return shutil.copytree(made / "begun", tmp_path, dirs_exist_ok=True)
 
 
+@pytest.mark.slow
 def test_a_finished_sweep_leaves_plan_and_runs(tmp_path, whole):
     progress = Interrupted()
     found = run_sweep(small(), tmp_path / "new" / "sweep", progress=progress)
@@ -114,6 +115,7 @@ def test_an_interrupted_replacement_leaves_no_script_without_a_page(finished, ot
     assert names(finished) == {"plan.json", "chunks", *(["plotly.min.js"] if other else []), *other}
 
 
+@pytest.mark.slow
 def test_repeated_resume_gives_same_result(tmp_path, whole):
     for _ in range(3):
         interrupt(small(), tmp_path, after=2)
@@ -276,6 +278,7 @@ def test_partial_files_of_killed_run_are_removed(tmp_path):
     assert names(tmp_path) == {"plan.json", "runs.nc", ".bashrc", ".runs.nc.mine"}
 
 
+@pytest.mark.slow
 def test_a_seed_of_any_size_is_kept(tmp_path):
     sweep = small(8, seed=2**63 - 1)
     found = run_sweep(sweep, tmp_path)
@@ -369,6 +372,7 @@ def test_memory_stays_flat(tmp_path, monkeypatch):
     assert (peak(many) - peak(few)) / (many - few) < 40
 
 
+@pytest.mark.slow
 def test_results_that_miss_runs_are_refused(finished):
     run_sweep(small(8), finished / "other")
     (finished / "runs.nc").write_bytes((finished / "other" / "runs.nc").read_bytes())

@@ -132,6 +132,7 @@ def test_too_many_columns_and_rows_are_refused(tmp_path, kind, monkeypatch):
         read_recorded(written(tmp_path, kind))
 
 
+@pytest.mark.slow
 def test_reading_large_file_needs_little_more_memory_than_its_size(tmp_path):
     path = tmp_path / "run.csv"
     rows = "".join(f"{t / 1000:.3f},{t % 7},some words,-0.123456789,0.987654321,-17.5\n" for t in range(20_000))

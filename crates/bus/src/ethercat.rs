@@ -1,14 +1,18 @@
-//! Drives of CiA 402 over EtherCAT, in cyclic synchronous torque: the loop's side as a master, and a slave that answers as a drive.
+//! Drives of CiA 402 over EtherCAT, in cyclic synchronous torque, and valves at analog terminals: the loop's side as a master, and slaves
+//! that answer as these.
 //!
 //! | question | file |
 //! |---|---|
 //! | frames, registers and states, the mailbox, the EEPROM | [`datagram`], [`registers`], [`mailbox`], [`sii`] |
 //! | the drive profile | [`cia402`] |
-//! | the master: what it asks of a slave, a drive's start, its cycle | [`station`], `start`, [`axis`] |
-//! | the slave: its controller, its dictionary, the drive | `controller`, `dictionary`, [`slave`] |
+//! | the master: what it asks of a slave, its start, an axis in the cycle | [`station`], [`start`], [`axis`] |
+//! | process data of a drive, of terminals | [`servo`], [`analog`] |
+//! | the slave: its controller, its states | `controller`, [`slave`] |
+//! | the emulated drive and its dictionary, the emulated terminals | [`servo_slave`], `dictionary`, [`terminal`] |
 //!
 //! Each axis has a frame of its own, so a slave that is gone silences its own axis alone.
 
+pub mod analog;
 pub mod axis;
 pub mod cia402;
 mod controller;
@@ -16,10 +20,13 @@ pub mod datagram;
 mod dictionary;
 pub mod mailbox;
 pub mod registers;
+pub mod servo;
+pub mod servo_slave;
 pub mod sii;
 pub mod slave;
-mod start;
+pub mod start;
 pub mod station;
+pub mod terminal;
 
 use mailbox::Object;
 

@@ -12,9 +12,12 @@
 
 use crate::drive::{Ask, Shown};
 use crate::ethercat::Units;
-use crate::ethercat::axis::{Axis, Layout};
+use crate::ethercat::analog::{Analog, Terminals};
+use crate::ethercat::axis::{Axis, ProcessData};
+use crate::ethercat::servo::{Layout, Servo};
 use crate::frame::Frame;
 use crate::protocol::Protocol;
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -49,17 +52,23 @@ pub struct FrameLoad {
 }
 
 /// The frames of a cycle of a node with these sensors: load cell, column's encoder, force sensor at the grip.
-pub fn of_cycle(protocol: Protocol, node: u8, sensors: [bool; 3], units: &Units) -> Vec<FrameLoad> {
+pub fn of_cycle(
+    protocol: Protocol,
+    node: u8,
+    sensors: [bool; 3],
+    units: &Units,
+    analog: Option<&Analog>,
+) -> Vec<FrameLoad> {
     let ask = |cycle| Ask { cycle, torque: 1.0, enable: true, watchdog_s: 0.1 };
     let Some(mut codec) = protocol.codec(node, sensors) else {
-        let sizes = [0, 1, 2].map(|place| if sensors[place] { SENSORS[place] } else { 0 });
-        let layout = Layout { sensors: sizes, error_code: true };
-        let bytes = Axis::new(1, 0, *units, layout, Some(1)).ask(&ask(1)).sent().len();
+        let mut axis = axis(sensors, units, analog);
+        let bytes = axis.ask(&ask(1)).sent().len();
         let bits = bits(8 * (bytes + AROUND));
         let frame = FrameLoad { name: "frame", bytes, bits, time_s: f64::from(bits) / ETHERNET, every_s: None };
-        return vec![frame, FrameLoad { name: "slave", bytes: 0, bits: 0, time_s: SLAVE_S, every_s: None }];
+        let slaves = f64::from(axis.count());
+        return vec![frame, FrameLoad { name: "slave", bytes: 0, bits: 0, time_s: SLAVE_S * slaves, every_s: None }];
     };
-    let mut other = protocol.node(node, *units, true);
+    let mut other = protocol.node(node, *units, analog.copied(), true);
     // What enables comes once.
     codec.ask(&ask(0), &mut |_| ());
     let mut frames = vec![];
@@ -69,6 +78,17 @@ pub fn of_cycle(protocol: Protocol, node: u8, sensors: [bool; 3], units: &Units)
     });
     other.tick(0.0, &mut |beat| frames.push(FrameLoad { every_s: Some(HEARTBEAT_S), ..of_can("heartbeat", beat) }));
     frames
+}
+
+/// An axis on EtherCAT; of a valve with terminals of four channels, whose inputs have a status each.
+fn axis(sensors: [bool; 3], units: &Units, analog: Option<&Analog>) -> Axis {
+    let sizes = [0, 1, 2].map(|place| if sensors[place] { SENSORS[place] } else { 0 });
+    let data: Box<dyn ProcessData> = match analog {
+        Some(_) => Box::new(Terminals::with_sizes([8, 16])),
+        None => Box::new(Servo::new(*units, Layout { sensors: sizes, error_code: true })),
+    };
+    let (second, clock) = if analog.is_some() { (Some(2), None) } else { (None, Some(1)) };
+    Axis::new([Some(1), second], 0, data, clock)
 }
 
 fn of_can(name: &'static str, frame: &Frame) -> FrameLoad {

@@ -2,7 +2,9 @@
 
 use crate::drive::{Codec, Node};
 use crate::ethercat::Units;
-use crate::ethercat::slave::Slave;
+use crate::ethercat::analog::Analog;
+use crate::ethercat::servo_slave::ServoSlave;
+use crate::ethercat::terminal::TerminalPair;
 use crate::line::Adapter;
 use crate::moteus::{self, Moteus};
 use crate::moteus_node::MoteusNode;
@@ -20,15 +22,18 @@ pub enum Protocol {
     Odrive(Firmware),
     /// CiA 402 over EtherCAT.
     EtherCat,
+    /// A valve's amplifier and sensors at analog terminals on EtherCAT.
+    Analog,
 }
 
 impl Protocol {
     /// All kinds by name.
-    pub const ALL: [(&str, Self); 4] = [
+    pub const ALL: [(&str, Self); 5] = [
         ("moteus", Self::Moteus),
         ("odrive", Self::Odrive(Firmware::Six)),
         ("odrive-0.5", Self::Odrive(Firmware::Five)),
         ("ethercat", Self::EtherCat),
+        ("ethercat-analog", Self::Analog),
     ];
 
     /// Adapter at whose serial port it is; nothing of EtherCAT, which has a network interface.
@@ -36,7 +41,7 @@ impl Protocol {
         match self {
             Self::Moteus => Some(Adapter::Fdcanusb),
             Self::Odrive(_) => Some(Adapter::Slcan),
-            Self::EtherCat => None,
+            Self::EtherCat | Self::Analog => None,
         }
     }
 
@@ -45,7 +50,7 @@ impl Protocol {
         match self {
             Self::Moteus => 1..=moteus::MOST_NODE,
             Self::Odrive(_) => 0..=odrive::MOST_NODE,
-            Self::EtherCat => 1..=u8::MAX,
+            Self::EtherCat | Self::Analog => 1..=u8::MAX,
         }
     }
 
@@ -54,14 +59,15 @@ impl Protocol {
         match self {
             Self::Moteus => Some(Box::new(Moteus::new(node, sensors))),
             Self::Odrive(firmware) => Some(Box::new(Odrive::new(node, firmware, sensors))),
-            Self::EtherCat => None,
+            Self::EtherCat | Self::Analog => None,
         }
     }
 
-    /// A node that answers as the drive would; of EtherCAT with its units, the last of its line or not.
-    pub fn node(self, number: u8, units: Units, last: bool) -> Box<dyn Node + Send> {
-        match self {
-            Self::EtherCat => Box::new(Slave::new(units, number, last)),
+    /// A node that answers as the drive would; of EtherCAT with its units or terminals, the last of its line or not.
+    pub fn node(self, number: u8, units: Units, analog: Option<Analog>, last: bool) -> Box<dyn Node + Send> {
+        match (self, analog) {
+            (Self::Analog, Some(analog)) => Box::new(TerminalPair::new(analog, number, last)),
+            (Self::EtherCat, _) => Box::new(ServoSlave::new(units, number, last)),
             _ => self.on_can(number, SERIAL + i32::from(number)),
         }
     }
@@ -74,7 +80,7 @@ impl Protocol {
     fn on_can(self, number: u8, serial: i32) -> Box<dyn Node + Send> {
         match self {
             Self::Odrive(firmware) => Box::new(OdriveNode::new(number, firmware, serial)),
-            Self::Moteus | Self::EtherCat => Box::new(MoteusNode::new(number, serial)),
+            Self::Moteus | Self::EtherCat | Self::Analog => Box::new(MoteusNode::new(number, serial)),
         }
     }
 }

@@ -10,8 +10,12 @@
 //! | `T = G K_t e` | torque of a command |
 //! | `x_b = 2 pi R_b g (q_c - q_c0)`, or `(x - F / k) / alpha` without an encoder at the column | its base |
 //! | `F = F_r (2 v - 1)`, or `T / (G r)` without a load cell | load cell whose amplifier gives the share `v` of the input's range |
+//!
+//! A valve's amplifier is at an analog output, and its sensors at analog inputs: `T` is the share of the output's range, `q` that of the
+//! input of the drive's end, and `2 pi r G` the position at the end of that.
 
 use crate::drive::{Shown, State};
+use crate::ethercat::analog::Analog;
 use core::f64::consts::TAU;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
@@ -62,12 +66,27 @@ impl Scale {
         }
     }
 
-    /// Torque of a command in A.
+    /// That of a loader with a valve at terminals: `gear` counts for nothing.
+    pub fn of_valve(parameters: &Parameters<f64>, wiring: Wiring, analog: &Analog) -> Self {
+        let Parameters { linkage, column, .. } = parameters;
+        Self {
+            wiring,
+            travel: analog.position_range,
+            torque: 1.0 / analog.output_range,
+            base: TAU * column.base_arm,
+            // What has no load cell has no force here.
+            per_force: f64::NAN,
+            stiffness: linkage.stiffness,
+            ratio: linkage.ratio,
+        }
+    }
+
+    /// Torque of a command in A, or the share of an output's range of one in V.
     pub fn torque(&self, command: f64) -> f64 {
         self.torque * command
     }
 
-    /// Command in A of a torque.
+    /// Command in A of a torque, or in V of a share.
     pub fn command(&self, torque: f64) -> f64 {
         torque / self.torque
     }

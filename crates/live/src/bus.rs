@@ -10,6 +10,7 @@ use crate::input_output::{Command, InputOutput, Sampled};
 use crate::priority::ask;
 use forcefeel_bus::drive::{Ask, Identity, State};
 use forcefeel_bus::ethercat::Units;
+use forcefeel_bus::ethercat::analog::Analog;
 use forcefeel_bus::fault::Fault;
 use forcefeel_bus::protocol::Protocol;
 use forcefeel_bus::scale::{Scale, Wiring};
@@ -43,6 +44,18 @@ pub struct NodeSettings {
     pub watchdog_s: f64,
     /// Units that a drive on EtherCAT does not state.
     pub units: Units,
+    /// Terminals of a valve on EtherCAT.
+    pub analog: Option<Analog>,
+}
+
+impl NodeSettings {
+    /// The conversion of a loader there.
+    pub fn scale(&self, parameters: &Parameters<f64>) -> Scale {
+        match &self.analog {
+            Some(analog) => Scale::of_valve(parameters, self.wiring, analog),
+            None => Scale::new(parameters, self.wiring),
+        }
+    }
 }
 
 /// What carries the commands of all axes at a port, and their states.
@@ -104,7 +117,7 @@ pub struct OnBus {
     written: [(Instant, bool); REMEMBERED],
     /// Command that the last sample answered.
     answered: u64,
-    /// Current of the motor in A, as the drive states it.
+    /// Current of the motor in A, as the drive states it; command of a valve in V.
     current: f64,
     /// Whether a torque acts.
     acts: bool,
@@ -128,7 +141,7 @@ impl OnBus {
         let mut made = Self {
             bus: Arc::clone(bus),
             place,
-            scale: Scale::new(parameters, settings.wiring),
+            scale: settings.scale(parameters),
             watchdog_s: settings.watchdog_s,
             power_time: Duration::from_secs_f64(parameters.safety.power_time),
             period_s,

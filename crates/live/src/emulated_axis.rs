@@ -41,7 +41,7 @@ impl Axis {
         let period = setup.timing.period;
         // The bus itself is the delay; a step is a sample.
         let (mut machine, _) = simulated(&Setup { timing: Timing { period: 1, delay: 0 }, ..setup }, script);
-        let scale = Scale::new(&parameters, settings.wiring);
+        let scale = settings.scale(&parameters);
         let motor = &parameters.motor;
         let damping = DAMPS_PER_S * motor.inertia / motor.torque_constant;
         let sensors = machine.read().map_or([0.0; 4], |sampled| sampled.sample.sensors);
@@ -96,7 +96,7 @@ impl Axis {
 }
 
 fn node(settings: &NodeSettings, last: bool, power_s: f64) -> Box<dyn Node + Send> {
-    let mut made = settings.protocol.node(settings.node, settings.units, last);
+    let mut made = settings.protocol.node(settings.node, settings.units, settings.analog, last);
     made.delay_power(power_s);
     made
 }

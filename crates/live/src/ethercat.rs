@@ -1,4 +1,4 @@
-//! Drives on EtherCAT: one interface, a frame for each axis and cycle.
+//! Drives and valves' terminals on EtherCAT: one interface, a frame for each axis and cycle.
 
 use crate::bus::{Answer, Fieldbus, NodeSettings};
 use crate::raw_socket::RawSocket;
@@ -6,6 +6,7 @@ use forcefeel_bus::drive::{Ask, Identity};
 use forcefeel_bus::ethercat::MOST_POSITION;
 use forcefeel_bus::ethercat::axis::Axis;
 use forcefeel_bus::ethercat::datagram::{MOST, Packet, datagrams};
+use forcefeel_bus::ethercat::start::start_terminals;
 use forcefeel_bus::ethercat::station::{Segment, Station, scan, stop_all};
 use forcefeel_bus::fault::Fault;
 use std::io;
@@ -34,7 +35,8 @@ pub struct EtherCat {
 /// An axis with its answer.
 struct Tap {
     axis: Axis,
-    position: usize,
+    /// Of its slaves, the second the same where there is one.
+    positions: [u16; 2],
     answer: Answer,
     /// What its last frame said, if that was no state.
     complaint: Option<Fault>,
@@ -56,17 +58,17 @@ impl EtherCat {
     }
 
     /// Position of a node, from one.
-    fn position(&self, node: u8) -> Result<usize, String> {
-        let (count, aliases) = (self.aliases.len(), &self.aliases);
+    fn position(&self, node: u8) -> Result<u16, String> {
+        let (count, aliases) = (u16::try_from(self.aliases.len()).unwrap_or(u16::MAX), &self.aliases);
         if node <= MOST_POSITION {
-            let position = usize::from(node);
+            let position = u16::from(node);
             return if (1..=count).contains(&position) {
                 Ok(position)
             } else {
                 Err(format!("expected a slave at position {node}, got {count} on the wire; check power and [bus] node"))
             };
         }
-        let mut places = (1..=count).filter(|position| aliases[position - 1] == u16::from(node));
+        let mut places = (1..=count).filter(|position| aliases[usize::from(position - 1)] == u16::from(node));
         match (places.next(), places.next()) {
             (Some(position), None) => Ok(position),
             (Some(_), Some(_)) => Err(format!("expected one slave with alias {node}, got more; give each its own")),
@@ -158,19 +160,24 @@ impl Segment for EtherCat {
 
 impl Fieldbus for EtherCat {
     fn connect(&mut self, settings: &NodeSettings, period_s: Option<f64>) -> Result<usize, String> {
-        let NodeSettings { node, units, watchdog_s, .. } = settings;
-        let position = self.position(*node)?;
-        if self.axes.iter().any(|tap| tap.position == position) {
+        let NodeSettings { node, units, analog, watchdog_s, .. } = settings;
+        let output = self.position(*node)?;
+        let input = analog.map_or(Ok(output), |analog| self.position(analog.input_node))?;
+        let positions = [output, input];
+        if self.axes.iter().any(|tap| tap.positions.iter().any(|taken| positions.contains(taken))) {
             return Err(format!("node: expected one for each axis, got {node} twice; change [bus] node"));
         }
         let place = self.axes.len();
         let reference = self.axes.iter().find_map(|tap| tap.axis.clock());
         let base = SHARE * u32::try_from(place + 1).unwrap_or(1);
-        let station = Station::new(self, u16::try_from(position).unwrap_or(0));
         let named = |why| format!("node {node}: {why}");
-        let axis = station.start(units, *watchdog_s, period_s, base, reference).map_err(named)?;
+        let axis = match analog {
+            Some(analog) => start_terminals(self, positions, analog, *watchdog_s, base),
+            None => Station::new(self, output).start(units, *watchdog_s, period_s, base, reference),
+        };
+        let axis = axis.map_err(named)?;
         let answer = Answer::NONE;
-        self.axes.push(Tap { axis, position, answer, complaint: None, cycle: 0, watchdog_s: *watchdog_s });
+        self.axes.push(Tap { axis, positions, answer, complaint: None, cycle: 0, watchdog_s: *watchdog_s });
         self.ready(place).map_err(named)?;
         self.axes[place].answer = Answer::NONE;
         Ok(place)

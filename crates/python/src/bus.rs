@@ -2,6 +2,7 @@
 
 use crate::errors::refused;
 use forcefeel_bus::ethercat::Units;
+use forcefeel_bus::ethercat::analog::Analog;
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::fault::Fault;
 use forcefeel_bus::load::of_cycle;
@@ -15,6 +16,7 @@ use forcefeel_live::ethercat::EtherCat;
 use forcefeel_live::setup::Setup;
 #[cfg(target_os = "linux")]
 use forcefeel_live::socket_can::SocketCan;
+use forcefeel_model::transducers::SENSORS;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -23,17 +25,19 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 /// A node: kind, port, number; gear, zero, range of the load cell, turns and zero of the column's encoder, range of the grip's sensor;
-/// watchdog in s; rated torque in N m, counts of both encoders, objects of the sensors, where the drive states none.
+/// watchdog in s; rated torque in N m, counts of both encoders, objects of the sensors, where the drive states none; of a valve's terminals
+/// node of the inputs, objects of output and inputs, ranges of the command in V, of the drive's end in m, of the column in turns.
 #[derive(FromPyObject)]
-pub struct NodeOf(String, pub String, u8, WiringOf, f64, Option<UnitsOf>);
+pub struct NodeOf(String, pub String, u8, WiringOf, f64, Option<UnitsOf>, Option<AnalogOf>);
 
 type WiringOf = (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>);
 type UnitsOf = (f64, f64, f64, [Option<(u16, u8)>; 3]);
+type AnalogOf = (u8, (u16, u8), [Option<(u16, u8)>; SENSORS], [f64; 3]);
 
 impl NodeOf {
     /// The node in the engine's form.
     pub fn settings(&self) -> PyResult<NodeSettings> {
-        let Self(kind, _, node, (gear, zero, load_cell, column, grip), watchdog_s, units) = self;
+        let Self(kind, _, node, (gear, zero, load_cell, column, grip), watchdog_s, units, analog) = self;
         let protocol = Protocol::ALL.iter().find(|(name, _)| name == kind).map(|&(_, protocol)| protocol);
         let protocol = protocol.ok_or_else(|| refused(format!("kind: {kind:?} is none")))?;
         let wiring = Wiring { gear: *gear, zero: *zero, load_cell: *load_cell, column: *column, grip: *grip };
@@ -41,10 +45,22 @@ impl NodeOf {
             rated_torque,
             counts,
             column_counts,
-            sensors: sensors.map(|sensor| sensor.map(|(index, sub)| Object::new(index, sub))),
+            sensors: sensors.map(|sensor| sensor.map(object)),
         });
-        Ok(NodeSettings { protocol, node: *node, wiring, watchdog_s: *watchdog_s, units })
+        let analog = analog.map(|(input_node, output, inputs, ranges)| Analog {
+            input_node,
+            output: object(output),
+            inputs: inputs.map(|input| input.map(object)),
+            output_range: ranges[0],
+            position_range: ranges[1],
+            column_range: ranges[2],
+        });
+        Ok(NodeSettings { protocol, node: *node, wiring, watchdog_s: *watchdog_s, units, analog })
     }
+}
+
+fn object((index, sub): (u16, u8)) -> Object {
+    Object::new(index, sub)
 }
 
 /// The ports that are open, by their path.
@@ -106,9 +122,9 @@ type Loaded = (&'static str, usize, u32, f64, Option<f64>);
 /// The frames that a cycle of a node has on its bus.
 #[pyfunction]
 pub fn bus_frames(node: NodeOf) -> PyResult<Vec<Loaded>> {
-    let NodeSettings { protocol, node, wiring, units, .. } = node.settings()?;
+    let NodeSettings { protocol, node, wiring, units, analog, .. } = node.settings()?;
     let sensors = [wiring.load_cell.is_some(), wiring.column.is_some(), wiring.grip.is_some()];
-    let frames = of_cycle(protocol, node, sensors, &units);
+    let frames = of_cycle(protocol, node, sensors, &units, analog.as_ref());
     Ok(frames.iter().map(|frame| (frame.name, frame.bytes, frame.bits, frame.time_s, frame.every_s)).collect())
 }
 

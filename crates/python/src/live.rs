@@ -166,6 +166,7 @@ pub struct LinkOf([usize; 2], [f64; LINK_ROWS], Option<usize>, bool, bool);
 
 /// A machine that is not in this process.
 #[derive(FromPyObject)]
+#[expect(clippy::large_enum_variant, reason = "one for each axis, read once")]
 pub enum RealMachine {
     /// On a bus.
     Node(NodeOf),

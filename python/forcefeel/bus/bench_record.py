@@ -18,6 +18,7 @@ from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.starting import Axis, launch
 from forcefeel.live.state import COLUMNS, STATES
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import to_text
 
@@ -30,7 +31,12 @@ _GAP = 5.0
 _MOST_RAD = radians(15.0)
 """Angle of the column at which a signal without a law is stopped."""
 
-_PLAYS = (Experiment(Loop.MOTOR_OPEN, Drive.TEST_CURRENT), Experiment(Loop.LOADER, Drive.COMMAND_CURRENT))
+_PLAYS = {
+    ELECTRIC: (Experiment(Loop.MOTOR_OPEN, Drive.TEST_CURRENT), Experiment(Loop.LOADER, Drive.COMMAND_CURRENT)),
+    HYDRAULIC: (Experiment(Loop.LOADER, Drive.COMMAND_SIGNAL),),
+}
+_END = {ELECTRIC: "drive_position", HYDRAULIC: "piston_position"}
+"""Channel of the drive's end."""
 
 _SETTLES_S, _FADES_S = 1.0, 5.0
 """Rest with the feel there before a signal, and the longest time in which the feel comes."""
@@ -43,10 +49,10 @@ _LOST = 0.01
 
 
 def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True) -> BenchRecord:
-    """Give the motor of a loader a bench signal over its bus, and record its sensors.
+    """Give the drive of a loader a bench signal over its bus, and record its sensors.
 
-    ``loader command_current``: the loop runs under the law and the supervisor. A second after the feel has come, the signal is
-    added to the law's command. The feel holds the column at its neutral.
+    ``loader command_current``, of a valve ``loader command_signal``: the loop runs under the law and the supervisor. A second after
+    the feel has come, the signal is added to the law's command. The feel holds the column at its neutral.
 
     ``motor-open``: the motor alone moves the column, without a law, so free its travel. With dry friction the column wanders, and
     the drive stops at 15 deg from where it began.
@@ -81,8 +87,8 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
     """
     loader, experiment = excitation.loader, excitation.experiment
     bus = bus_of(loader)
-    if experiment not in _PLAYS:
-        known = " or ".join(map(str, _PLAYS))
+    if experiment not in (plays := _PLAYS[loader.drive]):
+        known = " or ".join(map(str, plays))
         raise InputError(f"experiment: a bus plays {known}, got {experiment}; choose one with --experiment")
     if not bus.senses:
         raise InputError(
@@ -168,7 +174,7 @@ def _under_law(excitation: Excitation, law: LawLike, *, real_time: bool) -> tupl
         # What the supervisor cuts off beyond the current's limit, the model's current loop does.
         str(excitation.experiment.drive): excitation.signal,
         "column_angle": sensed("column_angle_rad"),
-        "drive_position": sensed("drive_position_m"),
+        _END[loader.drive]: sensed("drive_position_m"),
         "load_cell_force": sensed("load_cell_force_n"),
         "grip_force": sensed("grip_force_n"),
     }

@@ -14,9 +14,10 @@ from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
 from forcefeel.errors import InputError
 from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
-from forcefeel.loader.bus import Bus
+from forcefeel.loader.bus import ANALOG, Bus
 from forcefeel.loader.consistency import MOST_UNDER_WAY
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import to_text
 
 COMMANDS = 1000
@@ -24,7 +25,7 @@ COMMANDS = 1000
 
 _QUANTILE = 0.99
 _SHARE = 0.1
-"""Of the motor's largest current, the most by which a direction is tested."""
+"""Of the drive's largest command, the most by which a direction is tested."""
 _RAMP_S = 1.0
 _TRAVEL_RAD = 0.02
 """Angle of the column at which a direction counts as found: 1 deg."""
@@ -86,6 +87,13 @@ def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
 def with_delay(loader: Loader, delay: BusDelay) -> Loader:
     """The loader with the measured delay."""
     return loader.replace({"controller.delay": delay.delay_s}, si=True)
+
+
+def largest_command(loader: Loader) -> float:
+    """Largest command of a loader's drive, A of a motor, V of a valve's amplifier."""
+    if loader.drive == ELECTRIC:
+        return loader["current_loop.current_limit"]
+    return loader["amplifier.current_limit"] / loader["amplifier.admittance"]
 
 
 def whole_periods(time_s: float, loader: Loader) -> float:
@@ -175,7 +183,7 @@ class _Directions:
             _stop(self.drive)
             return np.empty((0, 4)), False
         rows, begun = [start[0]], time.monotonic()
-        most = _SHARE * self.loader["current_loop.current_limit"]
+        most = _SHARE * largest_command(self.loader)
         try:
             while (share := (time.monotonic() - begun) / _RAMP_S) < 1:
                 answer = self.drive.exchange(share * most, enable=True)
@@ -196,24 +204,25 @@ class _Directions:
     def _judged(self, moved: NDArray[np.float64]) -> tuple[Finding, ...]:
         force, position, base, _ = moved[-1]
         angle = float(self._angle(position))
+        valve = self.bus.kind == ANALOG
+        drive, column = ("valve", "column_range") if valve else ("motor", "column_gear")
         if abs(angle) < _TRAVEL_RAD:
-            stated = f"moved by {to_text(np.degrees(angle), 3)} deg at {_SHARE:.0%} of its current"
-            return (Finding("motor", False, stated, "free the column; check gear and motor.torque_constant"),)
-        findings = [
-            Finding(
-                "motor",
-                angle > 0,
-                f"{to_text(np.degrees(angle), 3)} deg",
-                "" if angle > 0 else "calibrate the drive: its torque and its position have opposite signs",
-            )
-        ]
-        if self.bus.column_gear is not None:
+            stated = f"moved by {to_text(np.degrees(angle), 3)} deg at {_SHARE:.0%} of its largest command"
+            check = "output_object and the supply's pressure" if valve else "gear and motor.torque_constant"
+            return (Finding(drive, False, stated, f"free the column; check {check}"),)
+        opposite = (
+            "negate output in [bus]"
+            if valve
+            else "calibrate the drive: its torque and its position have opposite signs"
+        )
+        findings = [Finding(drive, angle > 0, f"{to_text(np.degrees(angle), 3)} deg", "" if angle > 0 else opposite)]
+        if self.bus.senses:
             ratio = base / (position / self.loader["linkage.ratio"])
             ok = bool(0.5 < ratio < 2)  # the link's stretch is small; another gear is not
-            remedy = "negate column_gear, or gear, in [bus]" if ratio < 0 else "check column_gear in [bus]"
-            findings.append(
-                Finding("column encoder", ok, f"{to_text(ratio, 3)} of the motor's angle", "" if ok else remedy)
-            )
+            other = "position" if valve else "gear"
+            remedy = f"negate {column}, or {other}, in [bus]" if ratio < 0 else f"check {column} in [bus]"
+            name = "column sensor" if valve else "column encoder"
+            findings.append(Finding(name, ok, f"{to_text(ratio, 3)} of the {drive}'s angle", "" if ok else remedy))
         if self.bus.load_cell_n is not None:
             # The motor pushes the column: of the greatest push, whatever the link swings.
             force = float(moved[np.argmax(np.abs(moved[:, 0])), 0])

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass, replace
+from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -25,13 +26,24 @@ EMULATED: dict[str, Any] = {
 }
 """Encoders and objects of a drive on EtherCAT that no file states."""
 
+COLUMN_RANGE_RAD = radians(40.0)
+"""Angle of a column at the end of its sensor's range."""
+
+TERMINALS: dict[str, Any] = {
+    "output_object": "0x7000:1",
+    "load_cell_object": "0x6000:17",
+    "position_object": "0x6010:17",
+    "column_object": "0x6020:17",
+}
+"""Objects of a valve's terminals that no file states."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EmulateOptions(LoaderOptions, OutputOptions):
     """The options of ``forcefeel emulate``."""
 
     bus: Annotated[
-        Literal["moteus", "odrive", "odrive-0.5", "ethercat"] | None,
+        Literal["moteus", "odrive", "odrive-0.5", "ethercat", "ethercat-analog"] | None,
         option(
             "Kind of drive, for a loader without the table [bus]: with load cell and column encoder at the drive.",
             BUS,
@@ -41,7 +53,7 @@ class EmulateOptions(LoaderOptions, OutputOptions):
     port: Annotated[
         Path | None,
         option(
-            "Path of a link to the port, for the loader file. Of ethercat: network interface on which the drive answers.",
+            "Path of a link to the port, for the loader file. On EtherCAT: network interface on which the drive answers.",
             BUS,
             default="a pseudo terminal of the system's name",
         ),
@@ -99,9 +111,9 @@ def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
 
 
 def _on_ethercat(loaders: "list[Loader]") -> bool:
-    from forcefeel.loader.bus import ETHERCAT
+    from forcefeel.loader.bus import ANALOG, ETHERCAT
 
-    return any(loader.bus is not None and loader.bus.kind == ETHERCAT for loader in loaders)
+    return any(loader.bus is not None and loader.bus.kind in {ETHERCAT, ANALOG} for loader in loaders)
 
 
 def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
@@ -110,16 +122,25 @@ def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
     Raises:
         InputError: If EtherCAT has no interface.
     """
-    from forcefeel.loader.bus import ETHERCAT, Bus
+    from forcefeel.loader.bus import ANALOG, ETHERCAT, Bus, check_drive
 
     bus = loader.bus
     if options.bus is not None and bus is None:
-        units = {}
+        check_drive(options.bus, loader.drive)
+        wiring: dict[str, Any] = {"column_gear": 1.0}
         if options.bus == ETHERCAT:
             largest = loader["motor.torque_constant"] * loader["current_loop.current_limit"]
-            units = {"rated_torque_n_m": largest, **EMULATED}
-        bus = Bus(options.bus, "pty", node, load_cell_n=loader["safety.force_range"], column_gear=1.0, **units)
-    if bus is not None and bus.kind == ETHERCAT:
+            wiring |= {"rated_torque_n_m": largest, **EMULATED}
+        if options.bus == ANALOG:
+            ranges = {
+                "output_v": 10.0,
+                "position_m": loader["safety.position_range"],
+                "column_range_rad": COLUMN_RANGE_RAD,
+            }
+            # Two terminals a loader.
+            node, wiring = 2 * node - 1, {"input_node": 2 * node, **ranges, **TERMINALS}
+        bus = Bus(options.bus, "pty", node, load_cell_n=loader["safety.force_range"], **wiring)
+    if bus is not None and bus.kind in {ETHERCAT, ANALOG}:
         if options.port is None:
             raise InputError("--port: required for EtherCAT; add the network interface on which the drive answers")
         bus = replace(bus, port=str(options.port))

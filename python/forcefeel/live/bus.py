@@ -7,17 +7,22 @@ from typing import Literal, get_args
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.laws.analog.gains import FixedGains
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.torque_mode import TORQUE_MODE
 from forcefeel.live.ending import EndsWithBlock
 from forcefeel.live.setup import live_law, made_of, script_of
-from forcefeel.loader.bus import UDP, Bus
-from forcefeel.loader.loader import Loader, check_electric
+from forcefeel.loader.bus import ANALOG, ETHERCAT, UDP, Bus, check_drive
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import show
+from forcefeel.units import show, to_text
 
 WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off", "miscounted"]
 WIRE_FAULTS = get_args(WireFault)
+
+_ALMOST = 0.99
+"""Share of an input's step that a file must state: of numbers with a few digits."""
 
 
 def bus_of(loader: Loader) -> Bus:
@@ -31,7 +36,6 @@ def bus_of(loader: Loader) -> Bus:
         raise InputError(
             f"{loader.name}: expected a drive on a bus; add the table [bus] with kind, port and node to its file"
         )
-    check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
     return bus
 
 
@@ -39,16 +43,23 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
     """Check that a law can run with the sensors of a bus, and the loader with its delay.
 
     Raises:
-        InputError: If the law needs sensors that the drive lacks, or the delay is shorter than a period.
+        InputError: If the law needs what the bus does not sense, the bus is for another drive or coarser than the loader states, or
+            the delay is shorter than a period.
     """
     if bus.kind == UDP:
         return
-    check_electric(loader, "a drive on a bus", 'to run a valve, say kind = "udp" in its table [bus]')
+    check_drive(bus.kind, loader.drive)
+    if isinstance(law.numbers, FixedGains):
+        raise InputError(f"law: {law.name} requires the pilot's force, which a bus does not sense; use robust")
     if not bus.senses and law.name != TORQUE_MODE:
         raise InputError(
             f"law: {law.name} requires a load cell and an encoder at the column, and [bus] has none; use {TORQUE_MODE}, or add "
             "load_cell and column_gear"
         )
+    coarser = {row: step for row, step in bus.resolution.items() if loader[row] < _ALMOST * step}
+    if coarser:
+        rows = ", ".join(f"{row} = {to_text(step, 4)} {TABLE[row].unit_si}" for row, step in coarser.items())
+        raise InputError(f"the inputs of [bus] are coarser than the loader's sensors, and a law must know; set {rows}")
     period, delay = loader["controller.period"], loader["controller.delay"]
     if delay < period * (1 - 1e-9):
         raise InputError(
@@ -61,16 +72,16 @@ class BusEmulator(EndsWithBlock):
     """Machines of loaders as nodes of one bus, behind a pseudo terminal that any client opens, or on a network interface.
 
     Args:
-        loaders: The loaders, each with a ``bus`` whose node is its own. Its port is used with ``ethercat`` only: the interface on
-            which the slaves answer, in this order.
+        loaders: The loaders, each with a ``bus`` whose node is its own. Its port is used on EtherCAT only: the interface on which
+            the slaves answer, in this order; of ``ethercat-analog`` output and inputs of each loader.
         scenario: Inputs of their machines, as in a simulation.
         real_time: Whether the machines go on by the clock. Otherwise each takes a period at a command for its node, for a loop in
             virtual time.
-        power_s: Time that each drive takes to act once it is enabled, s.
+        power_s: Time that each drive takes to act once it is enabled, s; a valve's amplifier acts at once.
 
     Raises:
-        InputError: If a loader has no bus, no motor or no digital controller; if two have one node; if ``power_s`` is no time; if
-            the pseudo terminal or the interface cannot be opened.
+        InputError: If a loader has no bus for its drive or no digital controller; if two have one node; if ``power_s`` is no
+            time; if the pseudo terminal or the interface cannot be opened.
 
     Example:
         >>> from dataclasses import replace
@@ -120,7 +131,7 @@ class BusEmulator(EndsWithBlock):
 
     @property
     def commands(self) -> list[float]:
-        """Command of each machine's drive, A."""
+        """Command of each machine's drive, A, of a valve V."""
         return [command for command, _ in self._emulator.seen()]
 
     @property
@@ -145,7 +156,13 @@ class BusEmulator(EndsWithBlock):
         self._emulator.break_wire(fault or "", every, by)
 
     def fail(self, code: int, axis: int = 0) -> None:
-        """Have a drive fail: with a code of a moteus, such as 40, under voltage; a bit of an ODrive's error; a code of 0x603F."""
+        """Have a drive fail with a code of its own.
+
+        Args:
+            code: Of a moteus, such as 40, under voltage; a bit of an ODrive's error; a code of 0x603F; of terminals one of the
+                application layer.
+            axis: Whose drive.
+        """
         self._emulator.fail(axis, code)
 
     def restart(self, axis: int = 0) -> None:
@@ -158,7 +175,7 @@ class BusEmulator(EndsWithBlock):
         Raises:
             InputError: On EtherCAT, where the place on the wire is the number.
         """
-        if self._kind == "ethercat":
+        if self._kind in {ETHERCAT, ANALOG}:
             raise InputError("add_twin: is for drives on CAN; on EtherCAT the place on the wire is the number")
         self._emulator.add_twin(axis)
 

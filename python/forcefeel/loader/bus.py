@@ -8,13 +8,15 @@ from typing import Any
 
 from forcefeel import _core
 from forcefeel.errors import InputError, suggestion
+from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.units import UnitSystem, parse, show, to_text
 
 UDP = "udp"
 KINDS = (*(kind for kind, _, _ in _core.bus_kinds()), UDP)
 """Kinds of drives, and a machine that answers the packets of ``docs/reference/live.md``."""
 
-_Objects = tuple[tuple[int, int] | None, tuple[int, int] | None, tuple[int, int] | None]
+_Object = tuple[int, int] | None
+_Objects = tuple[_Object, _Object, _Object]
 Engine = tuple[
     str,
     str,
@@ -22,17 +24,53 @@ Engine = tuple[
     tuple[float, float, float | None, tuple[float, float] | None, float | None],
     float,
     tuple[float, float, float, _Objects] | None,
+    tuple[int, tuple[int, int], tuple[_Object, _Object, _Object, _Object], tuple[float, float, float]] | None,
 ]
 """Kind, port, node; gear, zero, load cell, gear and zero of the column's encoder, grip sensor; watchdog; of EtherCAT rated torque,
-counts of both encoders, objects of the sensors."""
+counts of both encoders, objects of the sensors; of a valve's terminals node of the inputs, objects of output and inputs, ranges of
+command, drive's end and column."""
 
-ETHERCAT = "ethercat"
-_UNITS = ("rated_torque_n_m", "encoder_counts")
+ETHERCAT, ANALOG = "ethercat", "ethercat-analog"
+_ONLY: Mapping[str, tuple[str, ...]] = {
+    ETHERCAT: ("rated_torque_n_m", "encoder_counts", "column_counts"),
+    ANALOG: (
+        "input_node",
+        "output_v",
+        "output_object",
+        "position_m",
+        "position_zero_m",
+        "position_object",
+        "column_range_rad",
+    ),
+}
+"""What one kind alone has."""
+
 _SENSORS = {
     "load_cell_n": "load_cell_object",
     "column_gear": "column_object",
     "grip_sensor_n": "grip_object",
 }
+_REQUIRED_OF: Mapping[str, tuple[str, ...]] = {
+    ETHERCAT: ("rated_torque_n_m", "encoder_counts"),
+    ANALOG: (
+        "input_node",
+        "output_v",
+        "output_object",
+        "load_cell_n",
+        "load_cell_object",
+        "position_m",
+        "position_object",
+        "column_range_rad",
+        "column_object",
+    ),
+}
+_OF_A_MOTOR = {"gear": 1.0, "zero_rad": 0.0, "column_gear": None}
+"""What a valve's terminals lack, as it is where it is not stated."""
+
+_OBJECTS = (*_SENSORS.values(), "output_object", "position_object")
+
+_END = 32767
+"""Number at the end of an analog input's range."""
 
 _NODES = {kind: (first, last) for kind, first, last in _core.bus_kinds()}
 _LONGEST_WATCHDOG_S = 1.0
@@ -43,8 +81,8 @@ class Bus:
     """Where a loader's drive is, and what is wired to it.
 
     Attributes:
-        kind: ``moteus``; ``odrive`` with firmware 0.6 or ``odrive-0.5``; ``ethercat`` for a drive of CiA 402; ``udp`` for a machine
-            over the network.
+        kind: ``moteus``; ``odrive`` with firmware 0.6 or ``odrive-0.5``; ``ethercat`` for a drive of CiA 402; ``ethercat-analog``
+            for a valve and its sensors at analog terminals; ``udp`` for a machine over the network.
         port: Serial port of the adapter, such as ``/dev/ttyACM0``; of ``ethercat`` the network interface, such as ``eth0``; of
             ``udp`` its address, ``host:port``.
         node: Number of the drive on the bus; of ``ethercat`` its position on the wire from 1, or from 128 on its alias.
@@ -58,8 +96,14 @@ class Bus:
         rated_torque_n_m: Rated torque of a drive on EtherCAT, whose unit of torque is a thousandth of it.
         encoder_counts: Counts of that drive per revolution.
         column_counts: The same of the encoder at the column.
-        load_cell_object, column_object, grip_object: Objects of that drive with the sensors, such as ``0x2100:1``; an analog input
-            has 16 bits, with its sign.
+        load_cell_object, column_object, grip_object: Objects of that drive, or of the input terminal, with the sensors, such as
+            ``0x2100:1``; an analog input has 16 bits, with its sign.
+        input_node: Of ``ethercat-analog`` the terminal with the inputs, as ``node``; ``node`` is that with the output.
+        output_v: Command at the end of the output's range, V; negative if the valve moves the other way.
+        output_object: Object of the output.
+        position_m, column_range_rad: Position of the drive's end and angle of the column at the end of their inputs' ranges.
+        position_zero_m: Position that the input shows with the drive's end at neutral; ``column_zero_rad`` likewise.
+        position_object: Object of that input.
 
     Without load cell and column encoder the loop works them out from the motor's torque and angle: for the law ``torque-mode``.
 
@@ -87,6 +131,13 @@ class Bus:
     load_cell_object: str | None = None
     column_object: str | None = None
     grip_object: str | None = None
+    input_node: int | None = None
+    output_v: float | None = None
+    output_object: str | None = None
+    position_m: float | None = None
+    position_zero_m: float | None = None
+    position_object: str | None = None
+    column_range_rad: float | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -96,8 +147,11 @@ class Bus:
         if not isinstance(self.port, str) or not self.port:
             raise InputError(f"port: expected a serial port such as /dev/ttyACM0, got {show(self.port)}")
         first, last = _NODES.get(self.kind, (0, 255))
-        if isinstance(self.node, bool) or not isinstance(self.node, int) or not first <= self.node <= last:
-            raise InputError(f"node: expected {first} to {last}, got {show(self.node)}")
+        for name in ("node", "input_node"):
+            number = getattr(self, name)
+            whole = isinstance(number, int) and not isinstance(number, bool)
+            if number is not None and not (whole and first <= number <= last):
+                raise InputError(f"{name}: expected {first} to {last}, got {show(number)}")
         for name in (
             "gear",
             "zero_rad",
@@ -109,55 +163,100 @@ class Bus:
             "rated_torque_n_m",
             "encoder_counts",
             "column_counts",
+            "output_v",
+            "position_m",
+            "position_zero_m",
+            "column_range_rad",
         ):
             value = getattr(self, name)
             if value is not None and not (isinstance(value, int | float) and isfinite(value)):
                 raise InputError(f"{name}: expected a finite number, got {show(value)}")
-            if value == 0 and name not in {"zero_rad", "column_zero_rad"}:
+            if value == 0 and name not in {"zero_rad", "column_zero_rad", "position_zero_m"}:
                 raise InputError(f"{name}: expected a number other than zero")
         if not 0 < self.watchdog_s <= _LONGEST_WATCHDOG_S:
             raise InputError(f"watchdog: expected up to {_LONGEST_WATCHDOG_S:g} s, got {self.watchdog_s:g} s")
-        self._check_ethercat()
+        self._check_kind()
 
-    def _check_ethercat(self) -> None:
-        """Check that units and objects are stated for a drive on EtherCAT, and for no other."""
-        stated = (*_UNITS, "column_counts", *_SENSORS.values())
-        required = [*_UNITS, *(of for sensor, of in _SENSORS.items() if getattr(self, sensor) is not None)]
-        if self.column_gear is not None:
-            required.append("column_counts")
-        for name in stated:
-            key = _KEYS[name]
-            value = getattr(self, name)
-            if self.kind != ETHERCAT and value is not None:
+    def _check_kind(self) -> None:
+        """Check that what a kind requires is stated, and nothing of another kind."""
+        required = set(_REQUIRED_OF.get(self.kind, ()))
+        if self.kind in _ONLY:
+            required |= {of for sensor, of in _SENSORS.items() if getattr(self, sensor) is not None}
+        if self.kind == ETHERCAT and self.column_gear is not None:
+            required.add("column_counts")
+        kinds: dict[str, tuple[str, ...]] = {name: (kind,) for kind, names in _ONLY.items() for name in names}
+        kinds |= dict.fromkeys(_SENSORS.values(), tuple(_ONLY))
+        for name, of in kinds.items():
+            if self.kind not in of and getattr(self, name) is not None:
+                stated = " or ".join(f'"{kind}"' for kind in of)
                 raise InputError(
-                    f'{key}: expected it with kind = "{ETHERCAT}" only, got kind {show(self.kind)}; leave it out'
+                    f"{_KEYS[name]}: expected it with kind = {stated} only, got kind {show(self.kind)}; leave it out"
                 )
-            if self.kind == ETHERCAT and value is None and name in required:
-                raise InputError(f"{key}: missing value; add {key} = {_example(key)}, from the drive's manual")
-            if value is not None and name not in _SENSORS.values() and value <= 0:
-                raise InputError(f"{key}: expected a positive number, got {value:g}")
-        for name in _SENSORS.values():
+        for key, (name, *_) in _FILE.items():
+            if name in required and getattr(self, name) is None:
+                source = "from the drive's manual" if self.kind == ETHERCAT else "as it is wired"
+                raise InputError(f"{key}: missing value; add {key} = {_example(key, self.kind)}, {source}")
+        for name in _ONLY[ETHERCAT]:
+            if (value := getattr(self, name)) is not None and value <= 0:
+                raise InputError(f"{_KEYS[name]}: expected a positive number, got {value:g}")
+        if self.kind == ANALOG:
+            for name, unstated in _OF_A_MOTOR.items():
+                if getattr(self, name) != unstated:
+                    raise InputError(f'{_KEYS[name]}: not with kind = "{ANALOG}"; change position and column instead')
+        for name in _OBJECTS:
             _object(name, getattr(self, name))
 
     @property
     def senses(self) -> bool:
         """Whether load cell and column encoder are on the bus."""
-        return self.load_cell_n is not None and self.column_gear is not None
+        return self.load_cell_n is not None and (self.column_gear or self.column_range_rad) is not None
+
+    @property
+    def resolution(self) -> Mapping[str, float]:
+        """Steps of analog inputs by the row of the loader that states them, SI; of other kinds none."""
+        if self.kind != ANALOG:
+            return {}
+        ranges = {
+            "load_cell.resolution": self.load_cell_n,
+            "potentiometer.resolution": self.position_m,
+            "column_sensor.resolution": self.column_range_rad,
+            "grip_sensor.resolution": self.grip_sensor_n,
+        }
+        return {row: abs(end) / _END for row, end in ranges.items() if end is not None}
 
     @property
     def engine(self) -> Engine:
         """Kind, port, node, wiring and watchdog in the engine's form."""
         column = None if self.column_gear is None else (self.column_gear, self.column_zero_rad / tau)
-        wiring = (self.gear, self.zero_rad / tau, self.load_cell_n, column, self.grip_sensor_n)
-        units = None
+        gear, zero, units, analog = self.gear, self.zero_rad / tau, None, None
+        objects = {name: _object(name, getattr(self, name)) for name in _OBJECTS}
+        of_sensors = (objects["load_cell_object"], objects["column_object"], objects["grip_object"])
         if self.kind == ETHERCAT:
-            load_cell, column_encoder, grip = (
-                None if getattr(self, sensor) is None else _object(name, getattr(self, name))
-                for sensor, name in _SENSORS.items()
-            )
             rated, counts, column_counts = self.rated_torque_n_m, self.encoder_counts, self.column_counts
-            units = (rated or 1.0, counts or 1.0, column_counts or 1.0, (load_cell, column_encoder, grip))
-        return self.kind, self.port, self.node, wiring, self.watchdog_s, units
+            units = (rated or 1.0, counts or 1.0, column_counts or 1.0, of_sensors)
+        if self.kind == ANALOG:
+            position, output = self.position_m or 1.0, objects["output_object"] or (0, 0)
+            zero, column = (self.position_zero_m or 0.0) / position, (1.0, self.column_zero_rad / tau)
+            load_cell, angle, grip = of_sensors
+            inputs = (load_cell, objects["position_object"], angle, grip)
+            ranges = (self.output_v or 1.0, position, (self.column_range_rad or 1.0) / tau)
+            analog = (self.input_node or 0, output, inputs, ranges)
+        wiring = (gear, zero, self.load_cell_n, column, self.grip_sensor_n)
+        return self.kind, self.port, self.node, wiring, self.watchdog_s, units, analog
+
+
+def check_drive(kind: str, drive: str) -> None:
+    """Check that a kind of bus is for a loader's drive.
+
+    Raises:
+        InputError: If a motor is at analog terminals, or a valve elsewhere.
+    """
+    if kind == UDP or (drive == HYDRAULIC) == (kind == ANALOG):
+        return
+    others = f"{ANALOG} or {UDP}" if drive == HYDRAULIC else ", ".join(name for name in KINDS if name != ANALOG)
+    raise InputError(
+        f'kind: expected a kind for {drive} drives, {others}, got "{kind}"; change kind, or the loader\'s drive'
+    )
 
 
 def _object(name: str, text: str | None) -> tuple[int, int] | None:
@@ -177,7 +276,12 @@ def _object(name: str, text: str | None) -> tuple[int, int] | None:
 
 
 _FILE: Mapping[str, tuple[str, str, str, str]] = {
-    "kind": ("kind", "", "moteus", "moteus, odrive, odrive-0.5, ethercat, or udp for a machine over the network"),
+    "kind": (
+        "kind",
+        "",
+        "moteus",
+        "moteus, odrive, odrive-0.5, ethercat, ethercat-analog, or udp for a machine over the network",
+    ),
     "port": ("port", "", "/dev/ttyACM0", "serial port of the adapter; of ethercat the interface; of udp host:port"),
     "node": ("node", "", "1", "number of the drive on the bus; of ethercat its position, or from 128 on its alias"),
     "gear": (
@@ -198,16 +302,28 @@ _FILE: Mapping[str, tuple[str, str, str, str]] = {
     "load_cell_object": ("load_cell_object", "", "0x2100:1", "ethercat: object of the load cell's input of 16 bits"),
     "column_object": ("column_object", "", "0x60E4:1", "ethercat: object of the encoder at the column"),
     "grip_object": ("grip_object", "", "0x2100:2", "ethercat: object of the grip sensor's input of 16 bits"),
+    "input_node": ("input_node", "", "2", "ethercat-analog: terminal with the inputs; node is that with the output"),
+    "output": ("output_v", "V", "10 V", "ethercat-analog: command at the end of the output's range"),
+    "output_object": ("output_object", "", "0x7000:1", "ethercat-analog: object of the output of 16 bits"),
+    "position": ("position_m", "m", "4 in", "ethercat-analog: drive's end at the end of its input's range"),
+    "position_zero": ("position_zero_m", "m", "0 in", "ethercat-analog: what it shows with the column at neutral"),
+    "position_object": ("position_object", "", "0x6010:17", "ethercat-analog: object of that input"),
+    "column_range": ("column_range_rad", "rad", "30 deg", "ethercat-analog: column at the end of its input's range"),
 }
 """Key of the file: attribute, unit, example, meaning."""
 
 _KEYS = {name: key for key, (name, *_) in _FILE.items()}
 _REQUIRED = ("kind", "port")
-_TEXT, _WHOLE = (*_REQUIRED, *_SENSORS.values()), "node"
+_TEXT, _WHOLE = (*_REQUIRED, *_OBJECTS), ("node", "input_node")
 
 
-def _example(key: str) -> str:
+_OF_TERMINALS = {"load_cell_object": "0x6000:17", "column_object": "0x6020:17", "grip_object": "0x6030:17"}
+
+
+def _example(key: str, kind: str) -> str:
     _, unit, example, _ = _FILE[key]
+    if kind == ANALOG:
+        example = _OF_TERMINALS.get(key, example)
     return f'"{example}"' if unit or key in _TEXT else example
 
 
@@ -230,7 +346,7 @@ def read(given: object) -> Bus:
     for key, value in given.items():
         name, unit, example, _ = _FILE[key]
         try:
-            stated[name] = value if key in (*_TEXT, _WHOLE) else parse(value, unit, example)
+            stated[name] = value if key in (*_TEXT, *_WHOLE) else parse(value, unit, example)
         except InputError as error:
             raise InputError(f"{key}: {error}") from error
     return Bus(**stated)
@@ -251,8 +367,8 @@ def write(bus: Bus | None, units: UnitSystem) -> list[str]:
 
 
 def _stated(value: Any, unit: str, units: UnitSystem) -> str:
-    from forcefeel.units import ANGLE, FORCE, TORQUE  # noqa: PLC0415  beside what is written
+    from forcefeel.units import ANGLE, FORCE, LENGTH, TORQUE, VOLTAGE  # noqa: PLC0415  beside what is written
 
-    if of := {"rad": ANGLE, "N": FORCE, "N m": TORQUE}.get(unit):
+    if of := {"rad": ANGLE, "N": FORCE, "N m": TORQUE, "m": LENGTH, "V": VOLTAGE}.get(unit):
         return f"{of.from_si(value, units):.12g} {of.shown(units)}"
     return f"{1e3 * value:.12g} ms" if unit else (to_text(value, 12) if isinstance(value, float) else str(value))

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from forcefeel.errors import InputError
 from forcefeel.loader import consistency
-from forcefeel.loader.bus import UDP, Bus
+from forcefeel.loader.bus import Bus, check_drive
 from forcefeel.loader.curves import Curve
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.loader.tolerances import Tolerance
@@ -43,16 +44,18 @@ def misfits(contents: Contents) -> list[str]:
         *_unprintable(contents),
         *consistency.complaints(contents.values),
         *check_tolerances(contents.tolerances, contents.values),
-        *_without_motor(contents),
+        *_for_another_drive(contents),
     ]
 
 
-def _without_motor(contents: Contents) -> list[str]:
-    """A line where a valve would be on a bus of motors."""
-    bus = contents.bus
-    if bus is None or bus.kind == UDP or contents.drive == ELECTRIC:
-        return []
-    return [f'bus: expected drive = "{ELECTRIC}" for kind = "{bus.kind}", got "{contents.drive}"; say kind = "{UDP}"']
+def _for_another_drive(contents: Contents) -> list[str]:
+    """A line where the bus is for another drive."""
+    try:
+        if contents.bus is not None:
+            check_drive(contents.bus.kind, contents.drive)
+    except InputError as error:
+        return [f"bus: {error}"]
+    return []
 
 
 def _unprintable(contents: Contents) -> list[str]:

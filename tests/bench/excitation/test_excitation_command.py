@@ -49,6 +49,7 @@ def test_command_prints_the_expected_summary(run, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["excite.csv"]
 
 
+@pytest.mark.slow
 def test_json_matches_the_library_result(run, tmp_path):
     status, out, _ = run("elevator-1974", "--fit", "k,c,J,C_i", *SHORT, "--json", "--units", "si")
     found, told = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN), json.loads(out)
@@ -64,6 +65,7 @@ def test_json_matches_the_library_result(run, tmp_path):
     assert (tmp_path / "forcefeel-excite.csv").exists()
 
 
+@pytest.mark.slow
 def test_csv_contains_signal_and_description(tmp_path):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
     about, header, numbers = rows(write_excitation(found, tmp_path / "e.csv"))
@@ -84,6 +86,7 @@ def test_force_column_has_its_unit(tmp_path, units, header):
     np.testing.assert_allclose(read_recorded(path).force_n, found.signal, atol=DIGITS * found.peak)
 
 
+@pytest.mark.slow
 def test_file_with_measured_columns_is_a_bench_record(tmp_path):
     found = excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
     lines = write_excitation(found, tmp_path / "e.csv").read_text().splitlines()
@@ -131,6 +134,7 @@ def test_options_reach_the_design(run, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_existing_file_is_replaced_only_with_replace(run, tmp_path):
     (tmp_path / "e.csv").write_text("mine")
     status, _, err = run("elevator-1974", "--fit", "J", *SHORT, "--out", "e.csv")

@@ -164,6 +164,7 @@ def test_least_squares_scatter_matches_the_prediction(short):
     assert chi2.ppf(1e-4, 4 * runs) < distance < chi2.ppf(1 - 1e-4, 4 * runs)
 
 
+@pytest.mark.slow
 def test_doubled_noise_doubles_the_error(short):
     noisy = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=0.02))
     assert noisy.standard_errors == pytest.approx(
@@ -171,6 +172,7 @@ def test_doubled_noise_doubles_the_error(short):
     )
 
 
+@pytest.mark.slow
 def test_channel_noise_can_be_specified(short):
     named = ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise=dict(short.noise))
     assert excite(ff.elevator(), FIT, plan=named).standard_errors == pytest.approx(short.standard_errors, rel=ENOUGH)
@@ -179,6 +181,7 @@ def test_channel_noise_can_be_specified(short):
 # What cannot be determined
 
 
+@pytest.mark.slow
 def test_inseparable_parameters_are_named():
     # e -> K_2 e -> C_i K_2 e: neither the column nor the oil knows them apart. The current does.
     fit = ("amplifier.admittance", "valve.current_gain", "column.inertia")

@@ -162,6 +162,7 @@ def test_limited_quantities_have_low_crest_factors(multisine):
         assert np.abs(steady).max() / np.sqrt(np.mean(steady**2)) < 1.1 * CREST
 
 
+@pytest.mark.slow
 def test_open_servo_stays_near_its_position_and_returns():
     # It integrates and keeps what the ramp gathers: 20 to 40 % of the peak for a signal that begins anywhere.
     found = excite(ff.elevator(), "k,c,J,C_i", "servo-open", PLAN)
@@ -171,6 +172,7 @@ def test_open_servo_stays_near_its_position_and_returns():
     assert abs(angle[-1]) < 0.01 * np.abs(angle).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("experiment", mostly_slow(["servo-open", "servo-closed", "loader"]))
 def test_signal_is_more_informative_than_uniform_and_random_spectra(experiment):
     loader = ff.elevator()
@@ -191,6 +193,7 @@ def test_signal_is_more_informative_than_uniform_and_random_spectra(experiment):
     assert found.even_efficiency < found.efficiency
 
 
+@pytest.mark.slow
 def test_signal_is_reproducible(multisine):
     np.testing.assert_array_equal(excite(ff.elevator(), "k,c,J,C_i", plan=PLAN).signal, multisine.signal)
 

@@ -88,6 +88,7 @@ def test_hands_off_record_identifies_mass_and_offset(loader, shaken):
     assert "weight or a spring balance" in found.advice[0]  # which tells the gain
 
 
+@pytest.mark.slow
 def test_measured_hand_force_identifies_the_gain(loader):
     pulled = recorded("loader pilot_force", 6.0, pilot_force="force")
     found = find_grip_sensor(loader, [pulled], None)

@@ -89,6 +89,7 @@ def test_load_cell_determines_the_scale(yoke, truth, by_current_alone):
     assert all(abs(one.value - truth[one.unknown.key]) < 4 * one.deviation for one in found.estimates)
 
 
+@pytest.mark.slow
 def test_motor_frequency_responses_are_fitted(yoke, truth, law):
     experiment, lines = Experiment.read("loader test_current"), np.geomspace(0.5, 200, 60)
     noise = 0.003 * np.random.default_rng(8).standard_normal((2, 3, 60))

@@ -151,6 +151,7 @@ def test_run_without_sensitivities_matches_run_with_them():
     np.testing.assert_allclose(alone, sloped, rtol=1e-12)  # rounding: the same operations, with and without slopes
 
 
+@pytest.mark.slow
 def test_push_record_identifies_link_column_valve_and_friction(loader):
     found = identify(loader, [push_record(noise=0.01)], "k,c,J,C_i,F_c", starts=2)
     assert found.determined
@@ -171,6 +172,7 @@ def test_release_record_identifies_link_without_release_time(loader):
     assert errors(found)["c"] < RELEASED
 
 
+@pytest.mark.slow
 def test_records_and_responses_are_fitted_together(loader):
     from tests.bench_witness import servo_response  # noqa: PLC0415  only here
 
@@ -182,6 +184,7 @@ def test_records_and_responses_are_fitted_together(loader):
     assert found.rigid is not None
 
 
+@pytest.mark.slow
 def test_whole_loader_sweep_identifies_feel_and_friction(loader):
     """Under the original law at rest the angle per force is the feel's, and the loop of force over angle the friction's."""
     time_s, run, force = pushed(TRUTH)
@@ -193,6 +196,7 @@ def test_whole_loader_sweep_identifies_feel_and_friction(loader):
     assert found["F_c"].value == pytest.approx(FRICTION_LB * witness.LBF, rel=NOISY_FRICTION)
 
 
+@pytest.mark.slow
 def test_constant_sensor_offset_is_estimated(loader):
     data = push_record(noise=0.01)
     moved = {**data.channels, "column_angle": data.channels["column_angle"] + 0.01}
@@ -202,6 +206,7 @@ def test_constant_sensor_offset_is_estimated(loader):
         assert one.value == pytest.approx(other.value, rel=SEARCHED)
 
 
+@pytest.mark.slow
 def test_unevenly_sampled_record_is_compared_at_its_own_times(loader):
     data = push_record(noise=0.01)
     kept = np.arange(len(data.time_s)) % 3 != 1

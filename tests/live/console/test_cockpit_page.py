@@ -82,6 +82,7 @@ def test_drag_in_a_panel_moves_both_linked_controls(page, cockpit):
     until(page, lambda: cockpit[FIRST].hand_force_n == 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_link_is_opened_and_closed(page, cockpit):
     button = page.locator("#links button").first

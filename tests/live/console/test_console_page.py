@@ -101,6 +101,7 @@ def push(page, axis):
     until(page, lambda: page.evaluate("window.looks") > 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", WIDTHS[:1], indirect=True, scope="module")  # its script knows no width
 def test_game_pad_pulls_after_centering_and_only_with_control(page, running):
     """No push is as strong as the grip's limit: a slow browser may hold it for longer than the 5 s that the limit allows."""

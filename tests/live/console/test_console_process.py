@@ -117,6 +117,7 @@ def test_a_server_that_is_killed_is_replaced_at_the_same_address(running, consol
     assert "same address" in console.told[0]
 
 
+@pytest.mark.slow
 def test_server_that_ends_at_once_is_not_restarted(running, console):
     while (server := console.process.process_id) is not None:
         told = len(console.told)

@@ -2,7 +2,6 @@
 
 use super::cia402::{RATED, TORQUE_MODE, TORQUE_MODE_BIT, object};
 use super::mailbox::{Abort, Object};
-use super::sii::NAME;
 use super::{Units, nearest};
 use crate::drive::Shown;
 use alloc::vec;
@@ -13,6 +12,9 @@ pub const OUTPUTS: u16 = 0x1600;
 pub const INPUTS: u16 = 0x1a00;
 pub const ASSIGNED: [u16; 2] = [0x1c12, 0x1c13];
 const MANAGER_KINDS: u16 = 0x1c00;
+/// Name and product code of the emulated drive.
+pub const NAME: &str = "forcefeel emulated drive";
+pub const PRODUCT: u32 = 402;
 /// Most objects of a map.
 const MOST: usize = 12;
 
@@ -88,7 +90,7 @@ impl Dictionary {
             Object { index: 0x1018, sub } => match sub {
                 0 => fixed(&[4]),
                 1 => fixed(&0_u32.to_le_bytes()),
-                2 => fixed(&402_u32.to_le_bytes()),
+                2 => fixed(&PRODUCT.to_le_bytes()),
                 3 => fixed(&1_u32.to_le_bytes()),
                 4 => fixed(&self.serial.to_le_bytes()),
                 _ => None,

@@ -24,21 +24,30 @@ const FMMUS: u16 = 40;
 /// No more of them.
 pub const END: u16 = 0xffff;
 
-/// Start, size and control of the emulated slave's sync managers: mailbox out and in, outputs, inputs; the last two of three buffers.
+/// Start, size and control of the emulated slave's sync managers: mailbox out and in, outputs, inputs; the last two of three buffers, whose
+/// sizes are the product's.
 pub const MANAGERS: [(u16, u16, u8); 4] =
-    [(0x1000, 128, 0x26), (0x1080, 128, 0x22), (0x1100, 5, 0x20 | MASTER_WRITES | TRIGGERS), (0x1180, 13, 0x20)];
+    [(0x1000, 128, 0x26), (0x1080, 128, 0x22), (0x1100, 0, 0x20 | MASTER_WRITES | TRIGGERS), (0x1180, 0, 0x20)];
 
-/// Name of the emulated drive.
-pub const NAME: &str = "forcefeel emulated drive";
+/// An emulated product.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Product {
+    /// Its name.
+    pub name: &'static str,
+    /// Its number.
+    pub code: u32,
+    /// Bytes of outputs and inputs by default.
+    pub sizes: [u16; 2],
+}
 
-/// The EEPROM of an emulated drive: product code, serial number and alias, no maker.
-pub fn image(serial: u32, alias: u8) -> Vec<u8> {
+/// The EEPROM of an emulated slave: product code, serial number and alias, no maker.
+pub fn image(product: &Product, serial: u32, alias: u8) -> Vec<u8> {
     let mut words = vec![0_u16; usize::from(word::CATEGORIES)];
     // Process data interface of 16 bits to a processor, and SYNC0.
     words[..2].copy_from_slice(&[0x0c08, 0x0000]);
     words[usize::from(word::ALIAS)] = alias.into();
     words[7] = u16::from(checksum(&bytes_of(&words[..7])));
-    for (place, number) in [(0x0a, 402), (0x0c, 1), (0x0e, serial)] {
+    for (place, number) in [(0x0a, product.code), (0x0c, 1), (0x0e, serial)] {
         words[place..place + 2].copy_from_slice(&halves(number));
     }
     let [(out, out_size, _), (answers, answers_size, _), ..] = MANAGERS;
@@ -51,7 +60,7 @@ pub fn image(serial: u32, alias: u8) -> Vec<u8> {
         bytes.extend([kind.to_le_bytes(), size.to_le_bytes()].as_flattened());
         bytes.extend(data);
     };
-    let name = NAME.as_bytes();
+    let name = product.name.as_bytes();
     let count = u8::try_from(name.len()).unwrap_or(0);
     category(STRINGS, [&[1, count], name].concat());
     // The name's place among the strings, and service data objects.
@@ -59,9 +68,11 @@ pub fn image(serial: u32, alias: u8) -> Vec<u8> {
     (general[3], general[5]) = (1, 1);
     category(GENERAL, general);
     category(FMMUS, vec![1, 2, 0, 0]);
-    let managers = MANAGERS.iter().zip(1..).flat_map(|(&(start, size, control), kind)| {
+    let [outputs, inputs] = product.sizes;
+    let sizes = [out_size, answers_size, outputs, inputs];
+    let managers = MANAGERS.iter().zip(sizes).zip(1..).flat_map(|((&(start, _, control), size), kind)| {
         let ([a, b], [c, d]) = (start.to_le_bytes(), size.to_le_bytes());
-        [a, b, c, d, control, 0, 1, kind]
+        [a, b, c, d, control, 0, u8::from(size > 0), kind]
     });
     category(SYNC_MANAGERS, managers.collect());
     bytes.extend(END.to_le_bytes());

@@ -1,17 +1,13 @@
-//! A slave that answers as a drive of CiA 402: its states, its mailbox, its watchdog, the reaction to a fault.
-//!
-//! After a fault of the communication its motor is braked, unless the object 0x605E says 0; after one of the drive it turns freely. It
-//! stays there until the fault is cleared.
+//! An emulated slave: its states, its mailbox, its watchdog, and the device behind them.
 
-use super::cia402::{COMMUNICATION, Power, RATED, TORQUE_MODE};
+use super::MOST_POSITION;
 use super::controller::Controller;
 use super::datagram::datagrams;
-use super::dictionary::Dictionary;
-use super::mailbox::{Request, answer};
+use super::mailbox::{Abort, Object, Request, answer};
 use super::registers::{ERROR, INIT, OP, PRE_OP, SAFE_OP, TRIGGERS, WATCHDOG_CODE};
-use super::sii;
-use super::{MOST_POSITION, Units};
-use crate::drive::{Action, Node, Shown};
+use super::sii::{self, Product};
+use crate::drive::Shown;
+use alloc::vec::Vec;
 
 /// Codes of the application layer for a state that cannot be entered.
 const NO_SUCH_CHANGE: u16 = 0x0011;
@@ -24,58 +20,74 @@ const BAD_INPUTS: u16 = 0x001e;
 const FIRST_SERIAL: u32 = 1000;
 const APART_NS: u64 = 123_456_789;
 
-/// A slave.
+/// Serial number of a node.
+pub(crate) fn serial(node: u8) -> u32 {
+    FIRST_SERIAL + u32::from(node)
+}
+
+/// What is behind a slave's controller.
+pub trait Device {
+    /// What it is.
+    fn product(&self) -> Product;
+    /// Bytes of outputs and inputs, as they are mapped.
+    fn sizes(&self) -> [usize; 2];
+    /// Value of an object.
+    ///
+    /// # Errors
+    /// If it has no such object.
+    fn upload(&self, object: Object, shown: &Shown) -> Result<Vec<u8>, Abort>;
+    /// Writes a value; `mapping`: before process data begin.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    fn download(&mut self, object: Object, value: &[u8], mapping: bool) -> Result<(), Abort>;
+    /// Takes outputs in OP.
+    fn take(&mut self, outputs: &[u8], now_s: f64);
+    /// Gives inputs.
+    fn give(&self, inputs: &mut [u8], shown: &Shown);
+    /// The slave is in another state than OP, by an error or not.
+    fn stopped(&mut self, by_error: bool);
+}
+
+/// A slave with its device.
 #[derive(Debug, Clone)]
-pub struct Slave {
+pub struct Slave<D> {
     controller: Controller,
-    dictionary: Dictionary,
+    pub(crate) device: D,
     state: u8,
     /// Whether the state came of an error that is not acknowledged.
     error: bool,
-    power: Power,
-    /// Control word before the last one.
-    before: u16,
     written_s: f64,
     /// Its local time at the start, in ns.
     started_ns: u64,
-    power_s: f64,
-    /// When it was switched on.
-    switched_s: f64,
 }
 
-impl Slave {
+impl<D: Device> Slave<D> {
     /// A slave in INIT, whose alias is its node's number where that is none of a position; the last of a line, or not.
-    pub fn new(units: Units, node: u8, last: bool) -> Self {
-        let serial = FIRST_SERIAL + u32::from(node);
+    pub(crate) fn with(device: D, node: u8, last: bool) -> Self {
         let alias = if node > MOST_POSITION { node } else { 0 };
-        let dictionary = Dictionary::new(units, serial);
         Self {
-            controller: Controller::new(sii::image(serial, alias), last),
-            dictionary,
+            controller: Controller::new(sii::image(&device.product(), serial(node), alias), last),
+            device,
             state: INIT,
             error: false,
-            power: Power::Disabled,
-            before: 0,
             written_s: 0.0,
             started_ns: APART_NS * u64::from(node),
-            power_s: 0.0,
-            switched_s: 0.0,
         }
     }
 
-    fn enter(&mut self, state: u8, code: u16) {
+    /// Whether process data are exchanged.
+    pub(crate) fn operational(&self) -> bool {
+        self.state == OP
+    }
+
+    /// Enters a state; with a code by an error.
+    pub(crate) fn enter(&mut self, state: u8, code: u16) {
         (self.state, self.error) = (state, code != 0);
         self.controller.set_state(state, code);
-        match self.power {
-            Power::Enabled | Power::QuickStop if state != OP && code != 0 => self.trip(COMMUNICATION),
-            Power::Fault => {}
-            _ if state != OP => self.power = Power::Disabled,
-            _ => {}
+        if state != OP {
+            self.device.stopped(code != 0);
         }
-    }
-
-    fn trip(&mut self, error: u16) {
-        (self.power, self.dictionary.error) = (Power::Fault, error);
     }
 
     fn al_control(&mut self, now_s: f64) {
@@ -112,9 +124,9 @@ impl Slave {
             let manager = self.controller.manager(number);
             let (start, _, control) = sii::MANAGERS[usize::from(number)];
             let its = (manager.active, manager.start, usize::from(manager.size), manager.control & 0x0f);
-            its == (true, start, size, control & 0x0f)
+            its == (true, start, size, control & 0x0f) || (size == 0 && !manager.active)
         };
-        let [outputs, inputs] = self.dictionary.sizes();
+        let [outputs, inputs] = self.device.sizes();
         match (fits(2, outputs), fits(3, inputs)) {
             (false, _) => BAD_OUTPUTS,
             (_, false) => BAD_INPUTS,
@@ -131,8 +143,8 @@ impl Slave {
         let size = self.controller.message_size();
         let mapping = self.state == PRE_OP;
         let outcome = request.and_then(|request| match request {
-            Request::Upload(object) => self.dictionary.upload(object, shown).map(Some),
-            Request::Download(object, value) => self.dictionary.download(object, &value, mapping).map(|()| None),
+            Request::Upload(object) => self.device.upload(object, shown).map(Some),
+            Request::Download(object, value) => self.device.download(object, &value, mapping).map(|()| None),
         });
         let outcome = outcome.as_ref().map(Option::as_deref).map_err(|abort| *abort);
         self.controller.put_message(&answer(counter, object, outcome, size));
@@ -140,48 +152,38 @@ impl Slave {
 
     fn outputs(&mut self, now_s: f64) {
         self.written_s = now_s;
-        if self.state != OP {
-            return;
-        }
-        let manager = self.controller.manager(2);
-        self.dictionary.take(self.controller.at(manager));
-        let (was, next) = (self.power, self.power.next(self.dictionary.control, self.before));
-        self.switched_s = if was == Power::SwitchedOn { self.switched_s } else { now_s };
-        let waits = next == Power::Enabled && was == Power::SwitchedOn && now_s - self.switched_s < self.power_s;
-        self.power = if waits { was } else { next };
-        self.before = self.dictionary.control;
-        if self.power != Power::Fault {
-            self.dictionary.error = 0;
+        if self.state == OP {
+            let manager = self.controller.manager(2);
+            self.device.take(self.controller.at(manager), now_s);
         }
     }
 
-    fn watch(&mut self, now_s: f64) {
-        let triggers = self.controller.manager(2).control & TRIGGERS != 0;
+    /// Leaves OP where outputs are late.
+    pub(crate) fn watch(&mut self, now_s: f64) {
+        let manager = self.controller.manager(2);
+        let triggers = manager.active && manager.control & TRIGGERS != 0;
         let late = self.controller.watchdog_s().is_some_and(|watchdog_s| now_s - self.written_s > watchdog_s);
         if self.state == OP && triggers && late {
             self.enter(SAFE_OP, WATCHDOG_CODE);
         }
     }
-}
 
-impl Node for Slave {
-    fn pass(&mut self, frame: &mut [u8], shown: &Shown, now_s: f64) -> bool {
+    /// Lets a frame through at a time in s, with its share changed; whether it had outputs for it.
+    pub fn let_through(&mut self, frame: &mut [u8], shown: &Shown, now_s: f64) -> bool {
         self.watch(now_s);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time since the start")]
         let time_ns = self.started_ns + (1e9 * now_s) as u64;
         let mut commanded = false;
         for mut datagram in datagrams(frame) {
             if self.state >= SAFE_OP {
-                self.dictionary.status = self.power.status();
                 let manager = self.controller.manager(3);
-                self.dictionary.give(self.controller.at(manager), shown);
+                self.device.give(self.controller.at(manager), shown);
             }
             let events = self.controller.pass(&mut datagram, time_ns);
             if events.al_control {
                 self.al_control(now_s);
             }
             if events.mailbox {
-                self.dictionary.status = self.power.status();
                 self.message(shown);
             }
             if events.outputs {
@@ -190,26 +192,5 @@ impl Node for Slave {
             }
         }
         commanded
-    }
-
-    fn action(&mut self, now_s: f64) -> Action {
-        self.watch(now_s);
-        let braked = self.dictionary.error == COMMUNICATION && self.dictionary.reaction != 0;
-        match self.power {
-            Power::Enabled if self.dictionary.mode == TORQUE_MODE => {
-                Action::Torque(f64::from(self.dictionary.target) / RATED * self.dictionary.units.rated_torque)
-            }
-            Power::QuickStop => Action::Damp,
-            Power::Fault if braked => Action::Damp,
-            _ => Action::Free,
-        }
-    }
-
-    fn fail(&mut self, code: u16) {
-        if code == 0 { (self.power, self.dictionary.error) = (Power::Disabled, 0) } else { self.trip(code) }
-    }
-
-    fn delay_power(&mut self, power_s: f64) {
-        self.power_s = power_s;
     }
 }

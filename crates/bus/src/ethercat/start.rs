@@ -1,7 +1,8 @@
-//! A drive from INIT to SAFE-OP: what it can do, its maps, its watchdog, its clock.
+//! A slave from INIT to SAFE-OP: of a drive what it can do, its maps, its watchdog, its clock; of a terminal the maps that it has.
 
 use super::Units;
-use super::axis::{Axis, Layout};
+use super::analog::{Analog, Mapped, Terminals};
+use super::axis::{Axis, INPUTS_AT, ProcessData};
 use super::cia402::{TORQUE_MODE, TORQUE_MODE_BIT, object};
 use super::datagram::command;
 use super::dictionary::{ASSIGNED, INPUTS, OUTPUTS, mapped};
@@ -11,13 +12,17 @@ use super::registers::{
     SYNC_ACTIVATION, SYNC_MANAGER, SYNC_START, SYNC0_CYCLE, SYSTEM_TIME, SYSTEM_TIME_OFFSET, TRIGGERS,
     WATCHDOG_DIVIDER, WATCHDOG_TIME,
 };
+use super::servo::{Layout, Servo};
 use super::sii::{HAS_COE, word};
-use super::station::{Station, broadcast};
+use super::station::{Segment, Station, broadcast};
+use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// Most entries of a map.
+const MOST_ENTRIES: u8 = 64;
 /// Share by which the stated torque may be off the drive's.
 const SAME: f64 = 0.01;
 
@@ -132,6 +137,45 @@ impl Station<'_> {
         Ok(true)
     }
 
+    /// Brings a slave from anywhere to PRE-OP, with its mailboxes: start and control of its outputs' and inputs' sync managers.
+    fn begin(&mut self) -> Result<[(u16, u8); 2], String> {
+        self.enter(INIT, "INIT")?;
+        // Of an earlier master nothing is left, no message either.
+        let [fmmus, managers] = self.read(COUNTS)?;
+        self.write(FMMU, &vec![0; 16 * usize::from(fmmus)])?;
+        self.write(SYNC_MANAGER, &vec![0; 8 * usize::from(managers)])?;
+        let protocols = self.rom(word::PROTOCOLS)?[0];
+        if protocols & HAS_COE == 0 {
+            return Err(format!("expected a mailbox with CoE, got protocols 0x{protocols:04x}; use another slave"));
+        }
+        self.mailbox = [self.rom(word::MAILBOX)?, self.rom(word::MAILBOX + 2)?];
+        let managers = self.managers()?;
+        let &[(_, _, out), (_, _, into), (outputs, _, writes), (inputs, _, reads), ..] = managers.as_slice() else {
+            return Err(format!("expected 4 sync managers, got {}; use another slave", managers.len()));
+        };
+        for (number, [start, size], control) in [(0, self.mailbox[0], out), (1, self.mailbox[1], into)] {
+            self.manager(number, start, size, control)?;
+        }
+        self.enter(PRE_OP, "PRE-OP")?;
+        Ok([(outputs, writes), (inputs, reads)])
+    }
+
+    /// Gives its process data to their sync managers, and to logical addresses where there is one.
+    fn process_data(&mut self, managers: [(u16, u8); 2], sizes: [u16; 2], at: [Option<u32>; 2]) -> Result<(), String> {
+        for (place, number, triggers, kind) in [(0, 2, TRIGGERS, 2), (1, 3, 0, 1)] {
+            let ((start, control), size) = (managers[place], sizes[place]);
+            if size == 0 {
+                continue;
+            }
+            // Outputs that nobody writes have no watchdog.
+            self.manager(number, start, size, control & !TRIGGERS | if at[place].is_some() { triggers } else { 0 })?;
+            if let Some(logical) = at[place] {
+                self.fmmu(number - 2, logical, start, size, kind)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Brings a drive to SAFE-OP, with its process data at logical addresses from `base`; `reference` is the station whose clock counts.
     ///
     /// # Errors
@@ -144,37 +188,78 @@ impl Station<'_> {
         base: u32,
         reference: Option<u16>,
     ) -> Result<Axis, String> {
-        self.enter(INIT, "INIT")?;
-        // Of an earlier master nothing is left, no message either.
-        let [fmmus, managers] = self.read(COUNTS)?;
-        self.write(FMMU, &vec![0; 16 * usize::from(fmmus)])?;
-        self.write(SYNC_MANAGER, &vec![0; 8 * usize::from(managers)])?;
-        let protocols = self.rom(word::PROTOCOLS)?[0];
-        if protocols & HAS_COE == 0 {
-            return Err(format!("expected a mailbox with CoE, got protocols 0x{protocols:04x}; use another drive"));
-        }
-        self.mailbox = [self.rom(word::MAILBOX)?, self.rom(word::MAILBOX + 2)?];
-        let managers = self.managers()?;
-        let &[(_, _, out), (_, _, into), (outputs, _, writes), (inputs, _, reads), ..] = managers.as_slice() else {
-            return Err(format!("expected 4 sync managers, got {}; use another drive", managers.len()));
-        };
-        for (number, [start, size], control) in [(0, self.mailbox[0], out), (1, self.mailbox[1], into)] {
-            self.manager(number, start, size, control)?;
-        }
-        self.enter(PRE_OP, "PRE-OP")?;
+        let managers = self.begin()?;
         self.check(units)?;
-        let layout = self.layout(units)?;
+        let servo = Servo::new(*units, self.layout(units)?);
         self.download(object::MODE, &[TORQUE_MODE])?;
         self.watchdog(watchdog_s)?;
-        let [written, read] = layout.sizes();
-        self.manager(2, outputs, written, writes | TRIGGERS)?;
-        self.manager(3, inputs, read, reads)?;
-        self.fmmu(0, base, outputs, written, 2)?;
-        self.fmmu(1, base + u32::from(written), inputs, read, 1)?;
+        self.process_data(managers, servo.sizes(), [Some(base), Some(base + INPUTS_AT)])?;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period of milliseconds")]
         let period_ns = period_s.map(|period_s| (1e9 * period_s) as u32).filter(|period| *period > 0);
         let clock = self.clock(reference, period_ns)?;
         self.enter(SAFE_OP, "SAFE-OP")?;
-        Ok(Axis::new(self.address, base, *units, layout, clock.then_some(reference.unwrap_or(self.address))))
+        let clock = clock.then_some(reference.unwrap_or(self.address));
+        Ok(Axis::new([Some(self.address), None], base, Box::new(servo), clock))
     }
+
+    /// The map of a terminal's outputs or inputs, as it has it.
+    fn mapped(&mut self, place: usize) -> Result<Mapped, String> {
+        let assigned = ASSIGNED[place];
+        let (mut map, mut bits) = (Mapped::default(), 0);
+        for part in 1..=self.count(assigned)? {
+            let part = self.number(Object::new(assigned, part))?.and_then(|part| u16::try_from(part).ok()).unwrap_or(0);
+            for entry in 1..=self.count(part)? {
+                let [size, sub, low, high] = self.number(Object::new(part, entry))?.unwrap_or(0).to_le_bytes();
+                map.objects.push((Object::new(u16::from_le_bytes([low, high]), sub), bits, size.into()));
+                bits += usize::from(size);
+            }
+        }
+        map.bytes = u16::try_from(bits.div_ceil(8)).unwrap_or(u16::MAX);
+        Ok(map)
+    }
+
+    /// Number of entries of an object.
+    fn count(&mut self, index: u16) -> Result<u8, String> {
+        let count = self.number(Object::new(index, 0))?.unwrap_or(0);
+        u8::try_from(count).ok().filter(|count| *count <= MOST_ENTRIES).ok_or_else(|| {
+            format!("0x{index:04X}: expected at most {MOST_ENTRIES} entries, got {count}; use another terminal")
+        })
+    }
+
+    /// Brings a terminal to SAFE-OP, with outputs and inputs at logical addresses where there is one: their maps.
+    fn start_terminal(&mut self, watchdog_s: f64, at: [Option<u32>; 2]) -> Result<[Mapped; 2], String> {
+        let managers = self.begin()?;
+        let maps = [self.mapped(0)?, self.mapped(1)?];
+        if at[0].is_some() {
+            self.watchdog(watchdog_s)?;
+        }
+        self.process_data(managers, [maps[0].bytes, maps[1].bytes], at)?;
+        self.enter(SAFE_OP, "SAFE-OP")?;
+        Ok(maps)
+    }
+}
+
+/// Brings the terminals of a valve at two positions, which may be one, to SAFE-OP, with process data at logical addresses from `base`.
+///
+/// # Errors
+/// What was expected of them.
+pub fn start_terminals(
+    segment: &mut dyn Segment,
+    positions: [u16; 2],
+    analog: &Analog,
+    watchdog_s: f64,
+    base: u32,
+) -> Result<Axis, String> {
+    let [output, input] = positions;
+    let both = output == input;
+    let mut station = Station::new(segment, output);
+    let mut stations = [Some(station.address), None];
+    let [outputs, mut inputs] = station.start_terminal(watchdog_s, [Some(base), both.then_some(base + INPUTS_AT)])?;
+    if !both {
+        let mut station = Station::new(segment, input);
+        stations[1] = Some(station.address);
+        let started = station.start_terminal(watchdog_s, [None, Some(base + INPUTS_AT)]);
+        [_, inputs] = started.map_err(|why| format!("input_node {}: {why}", analog.input_node))?;
+    }
+    Ok(Axis::new(stations, base, Box::new(Terminals::new(analog, [&outputs, &inputs])?), None))
 }

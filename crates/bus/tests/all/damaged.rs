@@ -2,11 +2,13 @@
 
 use forcefeel_bus::drive::{Action, Ask, Codec, Node, Shown};
 use forcefeel_bus::ethercat::Units;
+use forcefeel_bus::ethercat::datagram::Packet;
+use forcefeel_bus::ethercat::station::Segment;
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::{Adapter, Line, Lines};
 use forcefeel_bus::protocol::Protocol;
 
-const FRAMES: u32 = 1_000_000;
+pub const FRAMES: u32 = 1_000_000;
 
 /// Numbers of a xorshift generator, from a fixed seed.
 pub struct Numbers(pub u64);
@@ -39,6 +41,35 @@ impl Numbers {
     }
 }
 
+/// A frame of EtherCAT with some bytes of it changed, or cut off.
+pub fn damaged(numbers: &mut Numbers, frame: &[u8]) -> Vec<u8> {
+    let mut bytes = frame.to_vec();
+    for _ in 0..=numbers.next(4) {
+        let place = numbers.next(bytes.len());
+        bytes[place] = u8::try_from(numbers.next(256)).expect("a byte");
+    }
+    bytes.truncate(if numbers.next(8) == 0 { numbers.next(bytes.len()) + 1 } else { bytes.len() });
+    bytes
+}
+
+/// A wire on which one of 64 answers is damaged, and one lost; how many there were.
+pub struct Damaging<W>(pub W, pub Numbers, pub u32);
+
+impl<W: Segment> Segment for Damaging<W> {
+    fn exchange(&mut self, packet: &mut Packet) -> bool {
+        self.2 += 1;
+        self.0.exchange(packet);
+        if self.1.next(64) == 0 {
+            let size = packet.sent().len();
+            let bytes = damaged(&mut self.1, packet.sent());
+            packet.bytes[..size].fill(0);
+            packet.bytes[..bytes.len()].copy_from_slice(&bytes);
+        }
+        self.1.next(64) > 0
+    }
+    fn rest(&mut self) {}
+}
+
 /// Kinds on CAN, with the adapter of each.
 fn kinds() -> impl Iterator<Item = (&'static str, Protocol, Adapter)> {
     Protocol::ALL.into_iter().filter_map(|(name, protocol)| Some((name, protocol, protocol.adapter()?)))
@@ -46,7 +77,7 @@ fn kinds() -> impl Iterator<Item = (&'static str, Protocol, Adapter)> {
 
 /// Both sides of a kind.
 fn sides(protocol: Protocol) -> (Box<dyn Codec + Send>, Box<dyn Node + Send>) {
-    (protocol.codec(1, [true; 3]).expect("a kind on CAN"), protocol.node(1, Units::ONE, true))
+    (protocol.codec(1, [true; 3]).expect("a kind on CAN"), protocol.node(1, Units::ONE, None, true))
 }
 
 /// Frames of a cycle and their answers.

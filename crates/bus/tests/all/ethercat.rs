@@ -1,13 +1,13 @@
 //! EtherCAT: a master and an emulated drive on one wire, in memory.
 
-use crate::damaged::Numbers;
+use crate::damaged::{Damaging, FRAMES, Numbers, damaged};
 use forcefeel_bus::drive::{Action, Ask, Node, Shown, State};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::axis::Axis;
 use forcefeel_bus::ethercat::datagram::{Packet, at, command, datagrams};
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::ethercat::registers::{AL_STATUS, INIT, OP, SAFE_OP};
-use forcefeel_bus::ethercat::slave::Slave;
+use forcefeel_bus::ethercat::servo_slave::ServoSlave;
 use forcefeel_bus::ethercat::station::{Segment, Station, scan};
 use forcefeel_bus::fault::Fault;
 
@@ -24,7 +24,7 @@ const PERIOD_S: f64 = 0.001;
 
 /// Slaves on a wire, and what time it is.
 struct Wire {
-    slaves: Vec<Slave>,
+    slaves: Vec<ServoSlave>,
     now_s: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct Line {
 
 impl Line {
     fn new(count: u8) -> Self {
-        let slaves = (1..=count).map(|place| Slave::new(UNITS, place, place == count)).collect();
+        let slaves = (1..=count).map(|place| ServoSlave::new(UNITS, place, place == count)).collect();
         let mut wire = Wire { slaves, now_s: 0.0 };
         assert_eq!(scan(&mut wire), Ok(vec![0; usize::from(count)]));
         let mut reference = None;
@@ -186,7 +186,7 @@ fn a_slave_that_is_gone_or_restarted_does_not_count_and_leaves_the_other_axis() 
         (0..3).for_each(|_| assert!(line.cycle(place, 0.0, false).is_ok()));
         (0..5).for_each(|_| assert!(line.cycle(place, 0.5, true).is_ok()));
     }
-    line.wire.slaves[1] = Slave::new(UNITS, 2, false);
+    line.wire.slaves[1] = ServoSlave::new(UNITS, 2, false);
     assert_eq!(line.cycle(1, 0.5, true), Err(Fault::COUNTER));
     assert_eq!(line.action(1), Action::Free);
     assert!(line.cycle(2, 0.5, true).is_ok_and(|state| state.powered && state.fault == Fault::NONE));
@@ -211,7 +211,8 @@ fn an_answer_tells_its_cycle_up_to_255_late_and_a_damaged_one_is_none() {
 
 #[test]
 fn a_slave_states_who_it_is_and_its_alias() {
-    let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, false), Slave::new(UNITS, 200, true)], now_s: 0.0 };
+    let mut wire =
+        Wire { slaves: vec![ServoSlave::new(UNITS, 1, false), ServoSlave::new(UNITS, 200, true)], now_s: 0.0 };
     assert_eq!(scan(&mut wire), Ok(vec![0, 200]));
     // The other way round each has an address that the other had.
     wire.slaves.reverse();
@@ -237,7 +238,7 @@ fn clocks_of_a_line_run_by_the_first() {
 
 /// What a start complains of where the slave's side is another.
 fn refusal(units: &Units) -> String {
-    let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 };
+    let mut wire = Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 };
     scan(&mut wire).expect("a slave");
     let refused = Station::new(&mut wire, 1).start(units, WATCHDOG_S, None, 0, None);
     assert_eq!(wire.slaves[0].action(wire.now_s), Action::Free);
@@ -266,7 +267,7 @@ fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
         }
         fn rest(&mut self) {}
     }
-    let mut wire = Lacking(Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 });
+    let mut wire = Lacking(Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 });
     scan(&mut wire).expect("a slave");
     let refused = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
     assert!(refused.is_err_and(|why| why.contains("bit 9 of 0x6502, got 0x00000100")));
@@ -274,7 +275,7 @@ fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
 
 #[test]
 fn a_slave_refuses_a_state_out_of_turn_by_its_code() {
-    let mut wire = Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 };
+    let mut wire = Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 };
     scan(&mut wire).expect("a slave");
     for (asked, status, code) in
         [(OP, INIT | 0x10, 0x11), (0x13, INIT | 0x10, 0x12), (0x12, INIT | 0x10, 0x16), (0x11, INIT, 0)]
@@ -288,19 +289,6 @@ fn a_slave_refuses_a_state_out_of_turn_by_its_code() {
     }
 }
 
-/// A frame with some bytes of it changed, or cut off.
-fn damaged(numbers: &mut Numbers, frame: &[u8]) -> Vec<u8> {
-    let mut bytes = frame.to_vec();
-    for _ in 0..=numbers.next(4) {
-        let place = numbers.next(bytes.len());
-        bytes[place] = u8::try_from(numbers.next(256)).expect("a byte");
-    }
-    bytes.truncate(if numbers.next(8) == 0 { numbers.next(bytes.len()) + 1 } else { bytes.len() });
-    bytes
-}
-
-const FRAMES: u32 = 1_000_000;
-
 #[test]
 fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
     // Frames of a start and of a cycle with the drive stopped.
@@ -312,7 +300,7 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
         }
         fn rest(&mut self) {}
     }
-    let mut tap = Tap(Wire { slaves: vec![Slave::new(UNITS, 1, true)], now_s: 0.0 }, vec![]);
+    let mut tap = Tap(Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 }, vec![]);
     scan(&mut tap).expect("a slave");
     let mut axis = Station::new(&mut tap, 1).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).expect("a start");
     for cycle in 0..8 {
@@ -356,25 +344,10 @@ fn a_million_damaged_answers_do_not_panic_the_master() {
 
 #[test]
 fn a_million_damaged_answers_do_not_panic_a_start() {
-    struct Damaging(Wire, Numbers, u32);
-    impl Segment for Damaging {
-        fn exchange(&mut self, packet: &mut Packet) -> bool {
-            self.2 += 1;
-            self.0.exchange(packet);
-            if self.1.next(64) == 0 {
-                let size = packet.sent().len();
-                let bytes = damaged(&mut self.1, packet.sent());
-                packet.bytes[..size].fill(0);
-                packet.bytes[..bytes.len()].copy_from_slice(&bytes);
-            }
-            self.1.next(64) > 0
-        }
-        fn rest(&mut self) {}
-    }
     let mut wire = Damaging(Wire { slaves: vec![], now_s: 0.0 }, Numbers(6), 0);
     let mut outcomes = [0_u32; 2];
     while wire.2 < FRAMES {
-        wire.0.slaves = vec![Slave::new(UNITS, 1, true)];
+        wire.0.slaves = vec![ServoSlave::new(UNITS, 1, true)];
         let started = scan(&mut wire)
             .and_then(|_| Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).map(|_| ()));
         outcomes[usize::from(started.is_ok())] += 1;

@@ -4,3 +4,4 @@ mod damaged;
 mod ethercat;
 mod moteus;
 mod scale;
+mod terminals;

@@ -16,7 +16,7 @@ struct Pair {
 impl Pair {
     fn new() -> Self {
         let codec = Protocol::Moteus.codec(5, [true; 3]).expect("a kind on CAN");
-        Self { codec, node: Protocol::Moteus.node(5, Units::ONE, true) }
+        Self { codec, node: Protocol::Moteus.node(5, Units::ONE, None, true) }
     }
 
     fn asked(&mut self, cycle: u64, enable: bool) -> Vec<Frame> {

@@ -5,7 +5,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use forcefeel_bus::drive::{Ask, Node, Shown};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::datagram::Packet;
-use forcefeel_bus::ethercat::slave::Slave;
+use forcefeel_bus::ethercat::servo_slave::ServoSlave;
 use forcefeel_bus::ethercat::station::{Segment, Station, scan};
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::Line;
@@ -143,12 +143,12 @@ impl Carrier for Answering {
 fn a_cycle_on_a_bus_allocates_nothing() {
     let (setup, mut connected) = (setup(), 0);
     for (name, protocol) in Protocol::ALL {
-        let node = protocol.node(1, Units::ONE, true);
+        let node = protocol.node(1, Units::ONE, None, true);
         let carrier = Answering { node, answers: [None; 4], fails_after: 1000 };
         let bus: Box<dyn Fieldbus> = Box::new(CanBus::new(Box::new(carrier)));
         let bus = Arc::new(Mutex::new(bus));
         let wiring = Wiring { gear: 1.0, zero: 0.0, load_cell: Some(400.0), column: Some([1.0, 0.0]), grip: None };
-        let settings = NodeSettings { protocol, node: 1, wiring, watchdog_s: 0.1, units: Units::ONE };
+        let settings = NodeSettings { protocol, node: 1, wiring, watchdog_s: 0.1, units: Units::ONE, analog: None };
         let machine = OnBus::connect(&bus, &setup.parameters(), &settings, Some(setup.period_s()));
         // A heartbeat tells the older ODrive, and this bus has no time.
         let Ok(machine) = machine else { continue };
@@ -163,7 +163,7 @@ fn a_cycle_on_a_bus_allocates_nothing() {
 
 #[test]
 fn a_frame_of_ethercat_allocates_nothing_on_its_way_out_and_back() {
-    struct Wire(Slave);
+    struct Wire(ServoSlave);
     impl Segment for Wire {
         fn exchange(&mut self, packet: &mut Packet) -> bool {
             self.0.pass(&mut packet.bytes, &Shown::default(), 0.0);
@@ -171,7 +171,7 @@ fn a_frame_of_ethercat_allocates_nothing_on_its_way_out_and_back() {
         }
         fn rest(&mut self) {}
     }
-    let mut wire = Wire(Slave::new(Units::ONE, 1, true));
+    let mut wire = Wire(ServoSlave::new(Units::ONE, 1, true));
     scan(&mut wire).expect("a slave");
     let mut axis = Station::new(&mut wire, 1).start(&Units::ONE, 0.1, Some(1e-3), 0, None).expect("a start");
     for cycle in 0..100 {

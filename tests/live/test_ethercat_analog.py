@@ -1,0 +1,252 @@
+"""A valve and its sensors at analog terminals on EtherCAT: runs, foreign master, faults, bad input."""
+
+import json
+import struct
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runs
+from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
+from tests.live.test_bus import QUIET, activate, column, running, until
+
+run = runs("run")
+bus_command = runs("bus")
+emulate = runs("emulate")
+
+VALVE = ff.digital_elevator()
+WIRED = {
+    "input_node": 2,
+    "output_v": 10.0,
+    "output_object": "0x7000:1",
+    "load_cell_n": 11_000.0,
+    "load_cell_object": "0x6000:17",
+    "position_m": 0.3,
+    "position_object": "0x6010:17",
+    "column_range_rad": 0.7,
+    "column_object": "0x6020:17",
+}
+END = 32767
+"""Number at the end of a range."""
+
+OF_A_STEP = 0.01
+"""Share by which an overshoot and a speed may be off their closed forms: steps of 16 bits, a push that rises within 50 ms."""
+
+
+NUMBERS = {
+    "load_cell.resolution": WIRED["load_cell_n"] / END,
+    "potentiometer.resolution": WIRED["position_m"] / END,
+    "column_sensor.resolution": WIRED["column_range_rad"] / END,
+}
+"""Steps of the terminals' inputs."""
+
+
+def valve(port="pty", loader=VALVE, **bus):
+    return replace(loader.replace(NUMBERS, si=True), bus=ff.loader.Bus("ethercat-analog", port, **WIRED | bus))
+
+
+@NEEDS_ROOT
+@pytest.mark.parametrize("wiring", [{"position_zero_m": -0.05, "column_zero_rad": 0.1, "output_v": -8.0}])
+def test_valve_at_terminals_follows_its_feel_as_in_process(wiring):
+    loader = valve(loader=VALVE.replace(QUIET), **wiring | {"position_m": -0.3, "column_range_rad": -0.7})
+    push_n, angles = 60.0, []
+    with running(loader) as (session, emulator):
+        session.on()
+        session.wait(3000)
+        emulator.push(push_n)
+        session.wait(9000)
+        angles.append(column(session, "column_angle_rad"))
+        assert session.state.name == "active"
+        assert not session.state.drive_fault
+    with ff.live.start(replace(loader, bus=None), "robust", real_time=False) as session:
+        session.on()
+        session.wait(3000)
+        session.hand_force_n = push_n
+        session.wait(9000)
+        angles.append(column(session, "column_angle_rad"))
+    rest = push_n * loader["column.grip_arm"] / loader["feel.stiffness"]
+    # The push comes anywhere within a period: the curves are laid over each other where they cross half of it.
+    over, inside = (it[np.argmax(it > 0.5 * rest) - 200 :][:8000] for it in angles)
+    assert np.abs(over - inside).max() < 0.03 * rest
+    # The feel's own step: rest, and exp(-pi zeta / sqrt(1 - zeta^2)) beyond it.
+    assert over[-500:].mean() == pytest.approx(rest, rel=0.005)
+    assert over.max() == pytest.approx(1.527 * rest, rel=OF_A_STEP)
+
+
+@NEEDS_ROOT
+def test_soem_moves_the_valve_by_the_closed_form():
+    pysoem = pytest.importorskip("pysoem")
+    loader = VALVE.replace(QUIET | {"valve.orifice": False})
+    volts, cycles = 0.5, 600
+    with virtual_interfaces() as ends, ff.live.BusEmulator([valve(ends[1], loader)], real_time=False):
+        master = pysoem.Master()
+        master.open(ends[0])
+        try:
+            until(lambda: master.config_init() == 2)
+            master.config_map()
+            outputs, inputs = master.slaves
+            # Four channels of 16 bits; four of a status and a number.
+            assert [len(outputs.output), len(inputs.input)] == [8, 16]
+            assert struct.unpack("<H", outputs.sdo_read(0x1C12, 2)) == (0x1601,)
+            assert struct.unpack("<I", inputs.sdo_read(0x1A02, 11)) == (0x60101110,)
+            assert master.state_check(pysoem.SAFEOP_STATE, 5_000_000) == pysoem.SAFEOP_STATE
+            outputs.output = bytes(8)
+            master.send_processdata()
+            master.receive_processdata(1_000_000)
+            master.state = pysoem.OP_STATE
+            master.write_state()
+            positions = []
+            for _ in range(cycles):
+                outputs.output = struct.pack("<4h", round(volts / 10 * END), 0, 0, 0)
+                master.send_processdata()
+                assert master.receive_processdata(1_000_000) == master.expected_wkc
+                positions.append(struct.unpack("<8h", inputs.input)[3] / END * WIRED["position_m"])
+            master.read_state()
+            assert [slave.state for slave in master.slaves] == [pysoem.OP_STATE] * 2
+            master.state = pysoem.INIT_STATE
+            master.write_state()
+        finally:
+            master.close()
+    # Once it runs evenly no pressure is needed: A x' = K_2 C_i e, eqs. (2), (5), (9).
+    speed = (positions[-1] - positions[-201]) / (200 * loader["controller.period"])
+    flow = loader["valve.current_gain"] * loader["amplifier.admittance"] * volts
+    assert speed == pytest.approx(flow / loader["actuator.area"], rel=OF_A_STEP)
+
+
+@NEEDS_ROOT
+@pytest.mark.parametrize(
+    ("fault", "name"),
+    [("gone", "node silent"), ("miscounted", "wrong working counter"), (None, "EtherCAT: no valid inputs")],
+)
+def test_silent_or_failed_terminal_gives_no_command_and_nothing_re_engages_by_itself(fault, name):
+    slower = {"controller.period": "1 ms", "controller.delay": "1 ms", "safety.overrun_time": "1 s"}
+    loader = valve(loader=VALVE.replace(slower))
+    with running(loader, real_time=True) as (session, emulator):
+        activate(session)
+        emulator.push(50.0)
+        session.wait(100)
+        if fault is None:
+            emulator.fail(0x18)
+        else:
+            emulator.break_wire(fault)
+        until(lambda: session.state.name == "tripped" and session.state.drive_fault.startswith(name))
+        time.sleep(2 * loader.bus.watchdog_s)
+        assert emulator.commands == [0.0]
+        emulator.break_wire(None)
+        session.wait(400)
+        assert session.state.name == "tripped"
+        assert emulator.commands == [0.0]
+
+
+@NEEDS_ROOT
+@pytest.mark.parametrize(
+    ("wiring", "says"),
+    [
+        ({"output_object": "0x7040:1"}, "mapped, which are 0x7000:1, 0x7010:1, 0x7020:1, 0x7030:1; change [bus]"),
+        ({"column_object": "0x6020:16"}, "0x6020:16: expected an object of 16 bits"),
+        ({"input_node": 3}, "expected a slave at position 3, got 2 on the wire"),
+    ],
+)
+def test_terminal_that_lacks_what_the_file_names_is_refused(wiring, says):
+    with virtual_interfaces() as ends, ff.live.BusEmulator([valve(ends[1])], real_time=False):
+        loader = valve(ends[0], **wiring)
+        with pytest.raises(ff.InputError) as refused:
+            ff.live.start(loader, "robust", endpoint=loader.bus, real_time=False)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("wiring", "says"),
+    [
+        ({"input_node": None}, "input_node: missing value; add input_node = 2"),
+        ({"column_object": None}, 'column_object: missing value; add column_object = "0x6020:17"'),
+        ({"gear": 2.0}, "gear: not with kind"),
+        ({"rated_torque_n_m": 2.0}, 'rated_torque: expected it with kind = "ethercat" only'),
+        ({"output_v": 0.0}, "output_v: expected a number other than zero"),
+    ],
+)
+def test_bad_table_of_terminals_is_refused(wiring, says):
+    with pytest.raises(ff.InputError) as refused:
+        valve(**wiring)
+    assert says in str(refused.value)
+
+
+@NEEDS_ROOT
+def test_file_that_states_finer_sensors_than_the_terminals_have_is_refused():
+    # A law takes the coarser numbers for contact, and damps a feel of 0.2 like one of 0.7.
+    loader = valve().replace({"column_sensor.resolution": "1e-5 deg"})
+    with pytest.raises(ff.InputError, match=r"set column_sensor\.resolution = 2\.136e-5 rad"):
+        ff.live.start(loader, "robust", endpoint=loader.bus, real_time=False)
+
+
+def test_terminals_are_for_valves_and_drives_for_motors():
+    yoke = ff.loader.electric("desktop-yoke")
+    with pytest.raises(ff.InputError, match="expected a kind for electric drives"):
+        valve(loader=yoke)
+    with pytest.raises(ff.InputError, match="ethercat-analog or udp"):
+        replace(VALVE, bus=ff.loader.Bus("moteus", "/dev/ttyACM0"))
+
+
+def test_table_of_terminals_round_trips_through_the_file(tmp_path):
+    stated = valve("eth0", position_zero_m=0.01, grip_sensor_n=500.0, grip_object="0x6030:17")
+    path = tmp_path / "valve.toml"
+    path.write_text(stated.to_toml(), encoding="utf-8")
+    again = ff.load(path)
+    assert again.to_toml() == stated.to_toml()
+    assert again.bus.resolution == pytest.approx(stated.bus.resolution)
+
+
+@NEEDS_ROOT
+def test_record_of_a_valve_over_the_terminals_lies_on_the_simulation():
+    channels = ("column_angle", "piston_position", "load_cell_force")
+    with virtual_interfaces() as ends, ff.live.BusEmulator([valve(ends[1], VALVE.replace(QUIET))], real_time=False):
+        loader = valve(ends[0], VALVE.replace(QUIET))
+        law = ff.Law.of("robust", loader)
+        plan = ff.bench.ExcitationPlan(time_s=2.0, rate_hz=2000.0, measured=channels)
+        signal = ff.bench.excite(loader, "J,k", "loader command_signal", plan, law)
+        record = ff.bus.play(signal, law, real_time=False)
+        with pytest.raises(ff.InputError, match="original requires the pilot's force"):
+            ff.bus.play(signal, real_time=False)
+    scenario = ff.Scenario(
+        command_signal_v=ff.Recorded(signal.time_s, signal.signal), duration_s=1.9, step_s=5e-4, sample_s=5e-4
+    )
+    expected = ff.simulate(loader, scenario, law).history["column_angle_rad"].to_numpy()
+    off = record.channels["column_angle"][: len(expected)] - expected
+    # A recording is a straight line from sample to sample, and the law holds each for a period.
+    assert np.std(off) < 0.03 * np.std(expected)
+
+
+@NEEDS_ROOT
+def test_commands_emulate_check_and_run_a_valve(run, bus_command, tmp_path):
+    with virtual_interfaces() as ends:
+        command = "from forcefeel.cli import main; main()"
+        slower = ["--set", "controller.period=1 ms", "--set", "controller.delay=1 ms"]
+        words = ["emulate", "elevator-2khz", "--bus", "ethercat-analog", "--port", ends[1], "--json", *slower]
+        with subprocess.Popen(
+            [sys.executable, "-P", "-c", command, *words], stdout=subprocess.PIPE, text=True
+        ) as emulator:
+            try:
+                table = json.loads(emulator.stdout.readline())["buses"]["elevator-2khz"]
+                table = "\n".join(table).replace(ends[1], ends[0])
+                path = tmp_path / "valve.toml"
+                coarse = {
+                    "load_cell.resolution": "0.1 lb",
+                    "potentiometer.resolution": "4e-4 in",
+                    "column_sensor.resolution": "1.3e-3 deg",
+                }
+                times = {"controller.period": "1 ms", "controller.delay": "1 ms", "safety.overrun_time": "1 s"}
+                text = VALVE.replace(coarse | times).to_toml().split("# [bus]")[0]
+                path.write_text(f"{text}\n{table}\n", encoding="utf-8")
+                status, out, err = bus_command(str(path), "--move")
+                assert (status, err) == (0, ""), out
+                status, out, err = run(
+                    str(path), "--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s"
+                )
+                assert (status, err) == (0, ""), out
+            finally:
+                emulator.terminate()
