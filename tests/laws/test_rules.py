@@ -43,9 +43,6 @@ AS_QUIET = 0.2
 RENDERED = 0.8
 """Of eight settings, at most."""
 
-HALF_AS_LOUD = 0.5
-"""A decade of the angle's noise slows the filter of the rate."""
-
 CLOSE = 0.1
 """Decades; the declared ones are rounded to what a data sheet says."""
 
@@ -247,15 +244,3 @@ def test_slower_rate_estimate_renders_feels_lost_to_noise(loader: ff.Loader) -> 
 
 def test_friction_does_not_change_tuning_with_a_fine_encoder(loader: ff.Loader) -> None:
     assert robust_tuning(loader.replace({FRICTION: "2 lb"})) == robust_tuning(loader)
-
-
-def test_calmer_rate_estimate_of_a_rubbing_motor_renders_feels_lost_to_noise(motor: ff.Loader) -> None:
-    smooth = with_encoder(motor, 20)
-    rubbing = smooth.replace({FRICTION: "0.3 lb"})
-    laws = {"calmer": robust_tuning(rubbing), "as without friction": robust_tuning(smooth)}
-    assert rate_noise(rubbing, laws["calmer"]) < HALF_AS_LOUD * rate_noise(rubbing, laws["as without friction"])
-    tuned = {name: ff.laws.tuned(name, "", one) for name, one in laws.items()}
-    grid = {"stiffness": "1, 5 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
-    found = compute(make_plan(rubbing, tuned, grid, changes={}, arms=()))
-    calmer, other = (found.shares(name).nominal_share for name in laws)
-    assert calmer >= 2 * other > 0

@@ -181,7 +181,7 @@ def agile_tuning(loader: Loader) -> Tuning:
         True
     """
     if loader.drive == ELECTRIC:
-        return _of_friction(_in_units(loader, _bearing_arms(_NUMBERS[ELECTRIC], loader, 1.0)), loader)
+        return _in_units(loader, _bearing_arms(_NUMBERS[ELECTRIC], loader, 1.0))
     return _in_units(loader, _AGILE)
 
 
@@ -202,7 +202,8 @@ def robust_tuning(loader: Loader) -> Tuning:
     numbers = _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], knowledge)
     if not has_grip_sensor(loader):
         numbers = _bearing_arms(numbers, loader, 1 - knowledge)
-    return _of_friction(_in_units(loader, numbers), loader)
+    tuning = _in_units(loader, numbers)
+    return replace(tuning, torque_walk=tuning.torque_walk.times(_slower(loader)))
 
 
 def _bearing_arms(numbers: Tuning, loader: Loader, share: float) -> Tuning:
@@ -214,26 +215,17 @@ QUIET = 1e-6
 """Noise of the column's angle, in rad by root of the loader's unit of time, to which the filter's estimate of the rate still tells
 which way dry friction acts: that of an encoder of 21 bits on ``elevator-2khz``."""
 
-CALMER = 1.0
-"""Decades by which the angle of a motor's column counts as noisier where its law gives known dry friction back. On average of
-three loaders with 17 to 23 bits the best is one to one and a half, so no power of the noise is in it: the filter has its root.
-Found on three machines of ``benchmarks/bus_commission.py`` and three other built-in motors, judged on five and two more."""
 
+def _slower(loader: Loader) -> float:
+    """Decades by which the pilot's torque is believed to change slower where a valve's law gives known dry friction back.
 
-def _of_friction(tuning: Tuning, loader: Loader) -> Tuning:
-    """The tuning where the law gives known dry friction back, whose sign is that of the estimated rate.
-
-    The rate's noise goes as ``s w^(3/2)`` with the angle's noise s and the filter's rate ``w = (W / s_f)^(1/3)``. Of a valve, whose
-    filter is told of ``s_f ~ s^(1/2)``, a walk ``W ~ s^(-3/2)`` keeps it as it is. Of a motor a larger ``s_f`` renders more than a
-    slower walk.
+    The sign of the friction is that of the estimated rate, whose noise goes as ``s w^(3/2)`` with the angle's noise s and the
+    filter's rate ``w = (W / s_f)^(1/3)``. Since the filter is told of ``s_f ~ s^(1/2)``, a walk ``W ~ s^(-3/2)`` keeps it as it is.
     """
-    if has_grip_sensor(loader) or not loader["column.coulomb_friction"]:
-        return tuning
-    if loader.drive == ELECTRIC:
-        return replace(tuning, angle_noise=tuning.angle_noise.times(CALMER))
+    if loader.drive == ELECTRIC or has_grip_sensor(loader) or not loader["column.coulomb_friction"]:
+        return 0.0
     _, angle = _declared(loader)
-    slower = -1.5 * max(log10(angle / sqrt(Units.of(loader).time) / QUIET), 0.0)
-    return replace(tuning, torque_walk=tuning.torque_walk.times(slower))
+    return -1.5 * max(log10(angle / sqrt(Units.of(loader).time) / QUIET), 0.0)
 
 
 def _knowledge(loader: Loader) -> float:
