@@ -9,6 +9,7 @@ import forcefeel as ff
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.record_run import driven
+from forcefeel.bus import bench_record
 from forcefeel.simulation.inputs import Schedule
 from tests.command_line import runs
 from tests.live.test_bus import KINDS, NEEDS_ROOT, emulated, until, yoke
@@ -152,3 +153,24 @@ def test_drive_that_leaves_its_limits_is_stopped(harm, part, monkeypatch):
             ff.bus.play(signal(wired), real_time=False)
         emulator.break_wire(None)
     assert abs(emulator.commands[0]) < 1.0  # A; the last of a signal that nobody could stop
+
+
+@pytest.mark.parametrize("late", [2, 3])
+def test_record_with_a_late_command_is_made_anew_twice_at_most(monkeypatch, late):
+    loader = yoke()
+    signal, made = under_law(loader, travel=0.01), []
+
+    def recorded(excitation, law, *, real_time):
+        time_s = excitation.time_s + (0.01 if len(made) < late else 0.0) * (excitation.time_s > 1.0)
+        made.append(time_s)
+        return time_s, dict.fromkeys(
+            ("command_current", "column_angle", "drive_position", "load_cell_force", "grip_force"), excitation.signal
+        )
+
+    monkeypatch.setattr(bench_record, "_under_law", recorded)
+    if late < 3:
+        assert len(ff.bus.play(signal).time_s) == len(signal.time_s)
+    else:
+        with pytest.raises(ff.InputError, match=r"in 3 records a command came late, in the last 10\.5 ms after"):
+            ff.bus.play(signal)
+    assert len(made) == 3
