@@ -10,6 +10,7 @@ import forcefeel as ff
 from forcefeel.bus import check, cockpit, host
 from tests.command_line import runs
 from tests.live.test_bus import KINDS, UNSENSED, emulated, until, yoke
+from tests.live.test_ethercat_analog import valve
 from tests.parametrization import mostly_slow
 
 run = runs("bus")
@@ -238,3 +239,31 @@ def test_missing_or_double_node_of_one_axis_stops_the_check_before_any_axis_is_p
         pair["roll"] = yoke(kind, node=7, port=emulator.port)
         with pytest.raises(ff.InputError, match=r"axes\.roll: bus: .* expected one node 7, got 2"):
             ff.bus.check_cockpit(ff.loader.read_project(project_of(tmp_path, **pair)), move=True)
+
+
+class Stuck:
+    """A drive that does not move, and the commands that it got."""
+
+    def __init__(self):
+        self.commands = []
+
+    def power_up(self):
+        return None
+
+    def exchange(self, command, *, enable):
+        self.commands.append(command)
+        return (0.0,) * 4, 0
+
+
+def test_direction_of_a_drive_without_a_limit_is_tested_by_the_output_or_not_at_all(monkeypatch):
+    monkeypatch.setattr(check, "_RAMP_S", 0.05)
+    loader = valve(loader=ff.digital_elevator().replace({"amplifier.current_limit": None}))
+    drive = Stuck()
+    (finding,) = check._Directions(loader, loader.bus, drive).found()
+    assert not finding.ok
+    assert 0.5 < max(drive.commands) <= 1.0  # V, a tenth of the output's range
+    motor = yoke().replace({"current_loop.current_limit": None})
+    drive = Stuck()
+    (finding,) = check._Directions(motor, motor.bus, drive).found()
+    assert finding.remedy == "add current_loop.current_limit to the loader file"
+    assert not drive.commands

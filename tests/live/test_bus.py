@@ -444,3 +444,8 @@ def test_bus_of_a_file_comes_back_and_a_valve_has_another(run, tmp_path, kind, m
 def test_missing_can_interface_is_refused_by_name():
     with pytest.raises(ff.InputError, match="cannot start: can9: "):
         ff.live.start(yoke(), endpoint=replace(yoke().bus, port="can9"))
+
+
+def test_object_of_a_sensor_that_is_not_wired_is_left_out():
+    units = yoke("ethercat", **UNSENSED).bus.engine[5]
+    assert units[3] == (None, None, None)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.live.bus import check_bus
 from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
 from tests.live.test_bus import QUIET, activate, column, running, until
@@ -182,6 +183,14 @@ def test_file_that_states_finer_sensors_than_the_terminals_have_is_refused():
     loader = valve().replace({"column_sensor.resolution": "1e-5 deg"})
     with pytest.raises(ff.InputError, match=r"set column_sensor\.resolution = 2\.136e-5 rad"):
         ff.live.start(loader, "robust", endpoint=loader.bus, real_time=False)
+
+
+def test_grip_sensor_that_the_loader_does_not_have_needs_no_resolution():
+    loader = valve(grip_sensor_n=500.0, grip_object="0x6030:17")
+    check_bus(loader.bus, loader, ff.Law.of("robust", loader))
+    trusted = loader.replace({"grip_sensor.gain": 1.0, "grip_sensor.resolution": "0.001 N"})
+    with pytest.raises(ff.InputError, match="set grip_sensor"):
+        check_bus(trusted.bus, trusted, ff.Law.of("robust", trusted))
 
 
 def test_terminals_are_for_valves_and_drives_for_motors():

@@ -89,13 +89,6 @@ def with_delay(loader: Loader, delay: BusDelay) -> Loader:
     return loader.replace({"controller.delay": delay.delay_s}, si=True)
 
 
-def largest_command(loader: Loader) -> float:
-    """Largest command of a loader's drive, A of a motor, V of a valve's amplifier."""
-    if loader.drive == ELECTRIC:
-        return loader["current_loop.current_limit"]
-    return loader["amplifier.current_limit"] / loader["amplifier.admittance"]
-
-
 def whole_periods(time_s: float, loader: Loader) -> float:
     """The least whole number of periods of a loader's controller in which an answer comes, in s."""
     period = loader["controller.period"]
@@ -167,6 +160,9 @@ class _Directions:
     drive: _core.BusDrive
 
     def found(self) -> tuple[Finding, ...]:
+        if not isfinite(self._largest()):
+            remedy = "add current_loop.current_limit to the loader file"
+            return (Finding("motor", False, "not moved: its largest current is unknown", remedy),)
         for _ in range(_TRIES):
             moved, whole = self._moved()
             if whole:
@@ -183,7 +179,7 @@ class _Directions:
             _stop(self.drive)
             return np.empty((0, 4)), False
         rows, begun = [start[0]], time.monotonic()
-        most = _SHARE * largest_command(self.loader)
+        most = _SHARE * self._largest()
         try:
             while (share := (time.monotonic() - begun) / _RAMP_S) < 1:
                 answer = self.drive.exchange(share * most, enable=True)
@@ -196,6 +192,13 @@ class _Directions:
         finally:
             _stop(self.drive)
         return np.array(rows) - np.array(start[0]), True
+
+    def _largest(self) -> float:
+        """Largest command, A of a motor, V of a valve: an amplifier without a limit has that of the output."""
+        if self.loader.drive == ELECTRIC:
+            return self.loader["current_loop.current_limit"]
+        limit = self.loader["amplifier.current_limit"] / self.loader["amplifier.admittance"]
+        return min(limit, abs(self.bus.output_v or 0.0))
 
     def _angle(self, position: float) -> float:
         """Angle of the column where the drive's end is, with a stiff link."""

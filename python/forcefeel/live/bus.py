@@ -15,6 +15,7 @@ from forcefeel.live.setup import live_law, made_of, script_of
 from forcefeel.loader.bus import ANALOG, ETHERCAT, UDP, Bus, check_drive
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
+from forcefeel.loader.sensors import sensors_of
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import show, to_text
 
@@ -56,7 +57,8 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
             f"law: {law.name} requires a load cell and an encoder at the column, and [bus] has none; use {TORQUE_MODE}, or add "
             "load_cell and column_gear"
         )
-    coarser = {row: step for row, step in bus.resolution.items() if loader[row] < _ALMOST * step}
+    sensed = {f"{sensor}.resolution" for sensor in sensors_of(loader)}
+    coarser = {row: step for row, step in bus.resolution.items() if row in sensed and loader[row] < _ALMOST * step}
     if coarser:
         rows = ", ".join(f"{row} = {to_text(step, 4)} {TABLE[row].unit_si}" for row, step in coarser.items())
         raise InputError(f"the inputs of [bus] are coarser than the loader's sensors, and a law must know; set {rows}")

@@ -229,16 +229,21 @@ class Bus:
         """Kind, port, node, wiring and watchdog in the engine's form."""
         column = None if self.column_gear is None else (self.column_gear, self.column_zero_rad / tau)
         gear, zero, units, analog = self.gear, self.zero_rad / tau, None, None
-        objects = {name: _object(name, getattr(self, name)) for name in _OBJECTS}
-        of_sensors = (objects["load_cell_object"], objects["column_object"], objects["grip_object"])
+        load_cell, angle, grip = (
+            _object(of, getattr(self, of)) if wired is not None else None
+            for of, wired in zip(
+                _SENSORS.values(),
+                (self.load_cell_n, self.column_gear or self.column_range_rad, self.grip_sensor_n),
+                strict=True,
+            )
+        )
         if self.kind == ETHERCAT:
             rated, counts, column_counts = self.rated_torque_n_m, self.encoder_counts, self.column_counts
-            units = (rated or 1.0, counts or 1.0, column_counts or 1.0, of_sensors)
+            units = (rated or 1.0, counts or 1.0, column_counts or 1.0, (load_cell, angle, grip))
         if self.kind == ANALOG:
-            position, output = self.position_m or 1.0, objects["output_object"] or (0, 0)
+            position, output = self.position_m or 1.0, _object("output_object", self.output_object) or (0, 0)
             zero, column = (self.position_zero_m or 0.0) / position, (1.0, self.column_zero_rad / tau)
-            load_cell, angle, grip = of_sensors
-            inputs = (load_cell, objects["position_object"], angle, grip)
+            inputs = (load_cell, _object("position_object", self.position_object), angle, grip)
             ranges = (self.output_v or 1.0, position, (self.column_range_rad or 1.0) / tau)
             analog = (self.input_node or 0, output, inputs, ranges)
         wiring = (gear, zero, self.load_cell_n, column, self.grip_sensor_n)

@@ -1,6 +1,7 @@
 //! EtherCAT: a master and an emulated drive on one wire, in memory.
 
 use crate::damaged::{Damaging, FRAMES, Numbers, damaged};
+use crate::wire::{self, PERIOD_S, WATCHDOG_S};
 use forcefeel_bus::drive::{Action, Ask, Node, Shown, State};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::axis::Axis;
@@ -18,35 +19,7 @@ const UNITS: Units = Units {
     sensors: [Some(Object::new(0x2100, 1)), Some(Object::new(0x60e4, 1)), Some(Object::new(0x2100, 2))],
 };
 const SHOWN: Shown = Shown { position: 0.25, velocity: -1.5, torque: 0.5, sensors: [0.75, 0.125, 0.25] };
-/// Watchdog of the tests, and the period of their cycle, in s.
-const WATCHDOG_S: f64 = 0.1;
-const PERIOD_S: f64 = 0.001;
-
-/// Slaves on a wire, and what time it is.
-struct Wire {
-    slaves: Vec<ServoSlave>,
-    now_s: f64,
-}
-
-impl Wire {
-    fn pass(&mut self, packet: &mut Packet) {
-        self.slaves.iter_mut().for_each(|slave| {
-            slave.pass(&mut packet.bytes, &SHOWN, self.now_s);
-        });
-    }
-}
-
-impl Segment for Wire {
-    fn exchange(&mut self, packet: &mut Packet) -> bool {
-        self.now_s += 1e-4;
-        self.pass(packet);
-        true
-    }
-
-    fn rest(&mut self) {
-        self.now_s += PERIOD_S;
-    }
-}
+type Wire = wire::Wire<ServoSlave>;
 
 /// A wire with drives, and the master's axes of them.
 pub struct Line {
@@ -58,7 +31,7 @@ pub struct Line {
 impl Line {
     fn new(count: u8) -> Self {
         let slaves = (1..=count).map(|place| ServoSlave::new(UNITS, place, place == count)).collect();
-        let mut wire = Wire { slaves, now_s: 0.0 };
+        let mut wire = Wire::new(slaves, SHOWN);
         assert_eq!(scan(&mut wire), Ok(vec![0; usize::from(count)]));
         let mut reference = None;
         let axes = (1..=count).map(|place| {
@@ -211,8 +184,7 @@ fn an_answer_tells_its_cycle_up_to_255_late_and_a_damaged_one_is_none() {
 
 #[test]
 fn a_slave_states_who_it_is_and_its_alias() {
-    let mut wire =
-        Wire { slaves: vec![ServoSlave::new(UNITS, 1, false), ServoSlave::new(UNITS, 200, true)], now_s: 0.0 };
+    let mut wire = Wire::new(vec![ServoSlave::new(UNITS, 1, false), ServoSlave::new(UNITS, 200, true)], SHOWN);
     assert_eq!(scan(&mut wire), Ok(vec![0, 200]));
     // The other way round each has an address that the other had.
     wire.slaves.reverse();
@@ -238,7 +210,7 @@ fn clocks_of_a_line_run_by_the_first() {
 
 /// What a start complains of where the slave's side is another.
 fn refusal(units: &Units) -> String {
-    let mut wire = Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 };
+    let mut wire = Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN);
     scan(&mut wire).expect("a slave");
     let refused = Station::new(&mut wire, 1).start(units, WATCHDOG_S, None, 0, None);
     assert_eq!(wire.slaves[0].action(wire.now_s), Action::Free);
@@ -267,7 +239,7 @@ fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
         }
         fn rest(&mut self) {}
     }
-    let mut wire = Lacking(Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 });
+    let mut wire = Lacking(Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN));
     scan(&mut wire).expect("a slave");
     let refused = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
     assert!(refused.is_err_and(|why| why.contains("bit 9 of 0x6502, got 0x00000100")));
@@ -275,7 +247,7 @@ fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
 
 #[test]
 fn a_slave_refuses_a_state_out_of_turn_by_its_code() {
-    let mut wire = Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 };
+    let mut wire = Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN);
     scan(&mut wire).expect("a slave");
     for (asked, status, code) in
         [(OP, INIT | 0x10, 0x11), (0x13, INIT | 0x10, 0x12), (0x12, INIT | 0x10, 0x16), (0x11, INIT, 0)]
@@ -300,7 +272,7 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
         }
         fn rest(&mut self) {}
     }
-    let mut tap = Tap(Wire { slaves: vec![ServoSlave::new(UNITS, 1, true)], now_s: 0.0 }, vec![]);
+    let mut tap = Tap(Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN), vec![]);
     scan(&mut tap).expect("a slave");
     let mut axis = Station::new(&mut tap, 1).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).expect("a start");
     for cycle in 0..8 {
@@ -308,16 +280,15 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
         tap.exchange(&mut packet);
         axis.take(&mut packet.bytes);
     }
-    let Tap(Wire { mut slaves, now_s }, sent) = tap;
+    let Tap(mut wire, sent) = tap;
     let (mut numbers, mut answered) = (Numbers(4), 0);
     for _ in 0..FRAMES {
         let place = numbers.next(sent.len());
         let mut bytes = damaged(&mut numbers, &sent[place]);
-        slaves[0].pass(&mut bytes, &SHOWN, now_s);
+        wire.slaves[0].pass(&mut bytes, &SHOWN, wire.now_s);
         answered += u32::from(datagrams(&mut bytes).any(|it| it.counter() > 0));
     }
     assert!(answered > FRAMES / 10, "{answered}");
-    let mut wire = Wire { slaves, now_s };
     scan(&mut wire).expect("a slave");
     let started = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
     assert_eq!(started.map(|_| ()), Ok(()));
@@ -344,7 +315,7 @@ fn a_million_damaged_answers_do_not_panic_the_master() {
 
 #[test]
 fn a_million_damaged_answers_do_not_panic_a_start() {
-    let mut wire = Damaging(Wire { slaves: vec![], now_s: 0.0 }, Numbers(6), 0);
+    let mut wire = Damaging(Wire::new(vec![], SHOWN), Numbers(6), 0);
     let mut outcomes = [0_u32; 2];
     while wire.2 < FRAMES {
         wire.0.slaves = vec![ServoSlave::new(UNITS, 1, true)];

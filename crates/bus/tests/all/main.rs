@@ -5,3 +5,4 @@ mod ethercat;
 mod moteus;
 mod scale;
 mod terminals;
+mod wire;

@@ -1,13 +1,13 @@
 //! A valve's terminals: a master and emulated ones on one wire, in memory.
 
 use crate::damaged::{Damaging, FRAMES, Numbers, damaged};
+use crate::wire::{self, PERIOD_S, WATCHDOG_S};
 use forcefeel_bus::drive::{Action, Ask, Node, Shown, State};
 use forcefeel_bus::ethercat::analog::Analog;
 use forcefeel_bus::ethercat::axis::Axis;
-use forcefeel_bus::ethercat::datagram::Packet;
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::ethercat::start::start_terminals;
-use forcefeel_bus::ethercat::station::{Segment, scan};
+use forcefeel_bus::ethercat::station::scan;
 use forcefeel_bus::ethercat::terminal::{TerminalPair, input, output};
 use forcefeel_bus::fault::Fault;
 
@@ -21,23 +21,18 @@ const ANALOG: Analog = Analog {
     column_range: 0.25,
 };
 const SHOWN: Shown = Shown { position: -0.5, velocity: 0.0, torque: 0.0, sensors: [0.75, 0.125, 0.5] };
-const WATCHDOG_S: f64 = 0.1;
-const PERIOD_S: f64 = 0.001;
 /// Half a step of 16 bits, as a share of a range.
 const HALF_STEP: f64 = 0.5 / 32767.0;
 
-struct Wire {
-    terminals: TerminalPair,
-    now_s: f64,
+type Wire = wire::Wire<TerminalPair>;
+
+fn terminals() -> Wire {
+    Wire::new(vec![TerminalPair::new(ANALOG, 1, true)], SHOWN)
 }
 
 impl Wire {
-    fn new() -> Self {
-        Self { terminals: TerminalPair::new(ANALOG, 1, true), now_s: 0.0 }
-    }
-
-    fn pass(&mut self, packet: &mut Packet) -> bool {
-        self.terminals.pass(&mut packet.bytes, &SHOWN, self.now_s)
+    fn action(&mut self) -> Action {
+        self.slaves[0].action(self.now_s)
     }
 
     fn started(&mut self, analog: &Analog) -> Result<Axis, String> {
@@ -63,66 +58,54 @@ impl Wire {
     }
 }
 
-impl Segment for Wire {
-    fn exchange(&mut self, packet: &mut Packet) -> bool {
-        self.now_s += 1e-4;
-        self.pass(packet);
-        true
-    }
-
-    fn rest(&mut self) {
-        self.now_s += PERIOD_S;
-    }
-}
-
 #[test]
 fn a_state_is_the_share_of_each_range_and_the_command_that_of_the_output() {
-    let mut wire = Wire::new();
+    let mut wire = terminals();
     let mut axis = wire.acting();
     let state = wire.cycle(&mut axis, 5, -0.75, true).expect("a whole frame");
     assert!((state.position + 0.5).abs() <= HALF_STEP && (state.torque + 0.75).abs() <= HALF_STEP);
     let [force, column, grip] = state.sensors;
     assert!((force - 0.75).abs() <= HALF_STEP && (column - 0.125).abs() <= HALF_STEP && grip.is_nan());
     assert_eq!((state.powered, state.acts, state.fault, state.answers), (true, true, Fault::NONE, Some(5)));
-    let Action::Torque(share) = wire.terminals.action(wire.now_s) else { panic!("no command") };
+    let Action::Torque(share) = wire.action() else { panic!("no command") };
     assert!((share + 0.75).abs() <= HALF_STEP);
 }
 
 #[test]
 fn a_command_acts_only_while_it_is_enabled_and_both_terminals_are_in_op() {
-    let mut wire = Wire::new();
+    let mut wire = terminals();
     let mut axis = wire.started(&ANALOG).expect("terminals that start");
     // In SAFE-OP an output takes nothing.
     assert!(!wire.cycle(&mut axis, 0, 1.0, true).expect("a whole frame").acts);
-    assert_eq!(wire.terminals.action(wire.now_s), Action::Free);
+    assert_eq!(wire.action(), Action::Free);
     for cycle in 1..4 {
         wire.cycle(&mut axis, cycle, 1.0, false).expect("a whole frame");
     }
-    assert_eq!(wire.terminals.action(wire.now_s), Action::Torque(0.0));
+    assert_eq!(wire.action(), Action::Torque(0.0));
     assert!(wire.cycle(&mut axis, 4, 1.0, true).expect("a whole frame").acts);
-    assert_eq!(wire.terminals.action(wire.now_s), Action::Torque(1.0));
+    assert_eq!(wire.action(), Action::Torque(1.0));
 }
 
 #[test]
 fn a_silent_loop_leaves_the_valve_without_a_command_until_it_is_stopped() {
-    let mut wire = Wire::new();
+    let mut wire = terminals();
     let mut axis = wire.acting();
     wire.now_s += WATCHDOG_S + 2.0 * PERIOD_S;
-    assert_eq!(wire.terminals.action(wire.now_s), Action::Free);
+    assert_eq!(wire.action(), Action::Free);
     for cycle in 5..2000 {
         let state = wire.cycle(&mut axis, cycle, 1.0, true).expect("a whole frame");
         assert_eq!((state.fault, state.powered, state.acts), (Fault::WATCHDOG, false, false));
-        assert_eq!(wire.terminals.action(wire.now_s), Action::Free);
+        assert_eq!(wire.action(), Action::Free);
     }
     for cycle in 2000..2010 {
         wire.cycle(&mut axis, cycle, 1.0, cycle > 2007).expect("a whole frame");
     }
-    assert_eq!(wire.terminals.action(wire.now_s), Action::Torque(1.0));
+    assert_eq!(wire.action(), Action::Torque(1.0));
 }
 
 #[test]
 fn an_object_that_is_not_mapped_is_refused_with_those_that_are() {
-    let refused = |analog: Analog| Wire::new().started(&analog).expect_err("a refusal");
+    let refused = |analog: Analog| terminals().started(&analog).expect_err("a refusal");
     let why = refused(Analog { output: Object::new(0x7100, 1), ..ANALOG });
     assert!(why.contains("0x7100:1: expected") && why.contains("0x7000:1, 0x7010:1, 0x7020:1, 0x7030:1"), "{why}");
     // A bit of the status is no number.
@@ -132,7 +115,7 @@ fn an_object_that_is_not_mapped_is_refused_with_those_that_are() {
 
 #[test]
 fn a_million_damaged_answers_do_not_panic_the_master_or_a_start() {
-    let mut wire = Wire::new();
+    let mut wire = terminals();
     let mut axis = wire.acting();
     let mut packet = axis.ask(&Ask { cycle: 5, torque: 0.5, enable: true, watchdog_s: WATCHDOG_S });
     wire.pass(&mut packet);
@@ -147,10 +130,10 @@ fn a_million_damaged_answers_do_not_panic_the_master_or_a_start() {
     }
     assert!(counts.iter().all(|count| *count > FRAMES / 100), "{counts:?}");
 
-    let mut wire = Damaging(Wire::new(), Numbers(8), 0);
+    let mut wire = Damaging(terminals(), Numbers(8), 0);
     let mut outcomes = [0_u32; 2];
     while wire.2 < FRAMES / 4 {
-        wire.0 = Wire::new();
+        wire.0 = terminals();
         let started = scan(&mut wire).and_then(|_| start_terminals(&mut wire, [1, 2], &ANALOG, WATCHDOG_S, 0x1_0000));
         outcomes[usize::from(started.is_ok())] += 1;
     }
