@@ -19,6 +19,7 @@ from forcefeel.laws.sampled.rules import Units
 from forcefeel.laws.sampled.sampled_law import SAMPLED
 from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
+from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.known import machine_rows
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
@@ -242,5 +243,17 @@ def test_slower_rate_estimate_renders_feels_lost_to_noise(loader: ff.Loader) -> 
     assert other <= RENDERED
 
 
-def test_friction_does_not_change_tuning_with_a_fine_encoder(loader: ff.Loader) -> None:
-    assert robust_tuning(loader.replace({FRICTION: "2 lb"})) == robust_tuning(loader)
+@pytest.mark.parametrize(
+    ("name", "shifts"), [("elevator-2khz", {"torque_walk", "disturbance_walk"}), ("aileron-wheel", {"angle_noise"})]
+)
+def test_friction_makes_the_filter_calmer_whatever_its_size(name: str, shifts: set[str]) -> None:
+    """With an encoder of 21 bits and more by a constant; with a grip sensor, whose law gives none back, not at all."""
+    loader = BUILT_IN[name]()
+    without, little, much = (robust_tuning(loader.replace({FRICTION: force})) for force in ("0 lb", "0.1 lb", "2 lb"))
+    assert little == much
+    changed = {row.name for row in fields(much) if getattr(much, row.name) != getattr(without, row.name)}
+    assert changed == shifts
+    calmer = {"torque_walk": -1, "disturbance_walk": -1, "angle_noise": 1}
+    assert all(calmer[row] * (getattr(much, row).decades - getattr(without, row).decades) > 0 for row in shifts)
+    at_grip = loader.replace({"grip_sensor.gain": 1.0})
+    assert robust_tuning(at_grip.replace({FRICTION: "2 lb"})) == robust_tuning(at_grip)
