@@ -164,8 +164,16 @@ impl Fieldbus for EtherCat {
         let output = self.position(*node)?;
         let input = analog.map_or(Ok(output), |analog| self.position(analog.input_node))?;
         let positions = [output, input];
-        if self.axes.iter().any(|tap| tap.positions.iter().any(|taken| positions.contains(taken))) {
+        let taken = |position| self.axes.iter().any(|tap| tap.positions.contains(&position));
+        if taken(output) {
             return Err(format!("node: expected one for each axis, got {node} twice; change [bus] node"));
+        }
+        if taken(input) {
+            // An axis starts its terminals itself, and stops them with itself.
+            return Err(format!(
+                "input_node: terminal {input} has the inputs of another axis, even if channels are free; give each axis an input \
+                 terminal of its own, and change [bus] input_node"
+            ));
         }
         let place = self.axes.len();
         let reference = self.axes.iter().find_map(|tap| tap.axis.clock());
