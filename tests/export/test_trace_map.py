@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -69,6 +70,18 @@ def test_every_statement_is_mapped_to_its_line(folders, name):
         assert all(row in rows or row.startswith("law.") for row in statement["rows"])
     for section in document["sections"].values():
         assert all(section[key] for key in ("title", "equation", "source", "requirement", "test"))
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch"])
+def test_sources_are_the_files_that_ask_for_the_operations(folders, name):
+    """Rest of the column and soft stops stand in files that the sections' own equations do not."""
+    document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
+    sources = {key: [Path(file).name for file in of["source"]] for key, of in document["sections"].items()}
+    assert all(Path(file).is_file() for of in document["sections"].values() for file in of["source"])
+    assert {"contact_law.rs", "known_friction.rs", "control.rs"} <= set(sources["contact"])
+    assert {"feel.rs", "feel_parts.rs", "contact.rs"} <= set(sources["feel"])
+    assert sources["rest"] == ["observer.rs", "contact_law.rs"]
+    assert "/* file:" not in (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", ["roll", "pitch"])

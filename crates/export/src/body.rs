@@ -6,7 +6,7 @@ use crate::dots::{Product, products};
 use crate::operands::{held, of_few_steps, operands_of, reached, within};
 use crate::statement::{Statement, Value, What, marked, text};
 use crate::trace::logic::Kind;
-use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
+use crate::trace::{Bank, BinaryOp, Graph, Node, Origin, UnaryOp};
 use crate::writer::{Bits, Writer};
 use std::collections::{HashMap, HashSet};
 
@@ -35,8 +35,8 @@ pub struct Body<'a> {
     taken: HashSet<String>,
     /// Whether it is a part's, which is given the settings.
     is_part: bool,
-    /// The section that is written.
-    section: &'static str,
+    /// Where what is written comes from.
+    origin: Origin,
     /// Banks whose settings a function is given.
     banks: Vec<Bank>,
     done: HashSet<u32>,
@@ -99,7 +99,7 @@ impl<'a> Body<'a> {
             names,
             taken,
             is_part,
-            section: "",
+            origin: Origin::default(),
             banks: Vec::new(),
             done,
             statements: Vec::new(),
@@ -201,7 +201,7 @@ impl<'a> Body<'a> {
             self.enter(node);
             self.put(What::Declares(of));
         }
-        let (section, mut branches) = (self.section, Vec::new());
+        let (origin, mut branches) = (self.origin, Vec::new());
         for (arm, head) in [format!("if ({mask}) {{{of_mask}"), "else {".to_owned()].into_iter().enumerate() {
             let outer = core::mem::take(&mut self.statements);
             self.write_block(group.arms[arm]);
@@ -214,7 +214,7 @@ impl<'a> Body<'a> {
             }
             branches.push((head, core::mem::replace(&mut self.statements, outer)));
         }
-        self.statements.push(Statement { section, what: What::Branches(branches) });
+        self.statements.push(Statement { origin, what: What::Branches(branches) });
         self.operations.0 += 1;
     }
 
@@ -250,14 +250,14 @@ impl<'a> Body<'a> {
         format!(" /* {} */", rows.into_iter().map(row_name).collect::<Vec<_>>().join(", "))
     }
 
-    /// The section of a node begins, or goes on.
+    /// What follows comes from where a node does.
     fn enter(&mut self, node: u32) {
-        self.section = self.graph.sections[node as usize];
+        self.origin = self.graph.origins[node as usize];
     }
 
     /// A statement more.
     pub fn put(&mut self, what: What) {
-        self.statements.push(Statement { section: self.section, what });
+        self.statements.push(Statement { origin: self.origin, what });
     }
 
     /// A node as a value of C.
@@ -365,7 +365,7 @@ impl<'a> Body<'a> {
         }
         self.operations.1 += terms;
         let (first, count) = (product.rows[0].1, product.rows.len());
-        let sums = self.free(&format!("{}_rows", self.graph.sections[first as usize]), false);
+        let sums = self.free(&format!("{}_rows", self.graph.origins[first as usize].section), false);
         self.put(What::Declares(Value { kind: real.clone(), name: sums.clone(), size: format!("[{count}]") }));
         let outer = core::mem::take(&mut self.statements);
         for (name, table, row) in [("m", &own, own_row), ("c", &same, same_row)] {
@@ -391,7 +391,7 @@ impl<'a> Body<'a> {
             _ => None,
         });
         // The section of what is given out, which the part began.
-        let section = roots.first().map_or("", |&root| self.graph.sections[root as usize]);
+        let section = roots.first().map_or("", |&root| self.graph.origins[root as usize].section);
         let kept: Vec<(u32, String)> = held.iter().map(|&node| (node, self.named(node))).collect();
         let names = inside.chain(kept.iter().cloned()).collect();
         let mut body = Body::with(self.writer, self.graph, roots, Some(names));
@@ -439,7 +439,7 @@ impl<'a> Body<'a> {
         if let Some(name) = self.names.get(&part) {
             return name.clone();
         }
-        let name = self.free(&format!("{}_results", self.graph.sections[part as usize]), false);
+        let name = self.free(&format!("{}_results", self.graph.origins[part as usize].section), false);
         self.names.insert(part, name.clone());
         name
     }
@@ -486,7 +486,7 @@ impl<'a> Body<'a> {
                 self.free(&name.replace(['.', '['], "_").replace(']', ""), false)
             }
             (_, Some(name)) => self.free(name, false),
-            _ => self.free(self.graph.sections[node as usize], true),
+            _ => self.free(self.graph.origins[node as usize].section, true),
         };
         self.names.insert(node, name.clone());
         name

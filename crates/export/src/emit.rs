@@ -5,7 +5,7 @@ use crate::body::Body;
 use crate::controller::{Job, Program, is_flag, name_of, place_of};
 use crate::operands::operands_of;
 use crate::statement::{Statement, Value, What, marked, text};
-use crate::trace::Node;
+use crate::trace::{Node, Origin};
 use crate::writer::{Numbers, Writer};
 use std::collections::BTreeSet;
 
@@ -116,7 +116,7 @@ pub(crate) fn program(
     body.write_all();
     let result = |pointer, name: &str, value: String| {
         let what = What::Says(format!("{}->{name} = {value};", marked(pointer)));
-        Statement { section: RESULT, what }
+        Statement { origin: RESULT, what }
     };
     let results = program.outputs.iter().map(|&(what, node)| result("out", what, body.spelled(node)));
     let mut results: Vec<Statement> = results.collect();
@@ -133,12 +133,12 @@ pub(crate) fn program(
         let is_number = What::Makes(good, format!("{}_is_number({});", writer.name, sum.join(" + ")));
         let of_good = What::Branches(vec![("if (good) {".to_owned(), results)]);
         let what = [is_number, of_good, What::Says("return good;".to_owned())];
-        statements.extend(what.map(|what| Statement { section: RESULT, what }));
+        statements.extend(what.map(|what| Statement { origin: RESULT, what }));
     } else {
         statements.extend(results);
     }
     (statements, operations)
 }
 
-/// The section of what is given out and kept.
-const RESULT: &str = "result";
+/// Where what is given out and kept comes from.
+const RESULT: Origin = Origin { section: "result", file: "" };

@@ -74,14 +74,14 @@ struct Cut<'a> {
 impl Cut<'_> {
     /// Statements, with calls where they or an arm in them are long.
     fn shortened(&mut self, statements: Vec<Statement>) -> Vec<Statement> {
-        let shorter = |Statement { section, what }| {
+        let shorter = |Statement { origin, what }| {
             let what = match what {
                 What::Branches(arms) => {
                     What::Branches(arms.into_iter().map(|(head, arm)| (head, self.shortened(arm))).collect())
                 }
                 other => other,
             };
-            Statement { section, what }
+            Statement { origin, what }
         };
         let shorter: Vec<Statement> = statements.into_iter().map(shorter).collect();
         if size(&shorter) <= LONGEST {
@@ -91,11 +91,12 @@ impl Cut<'_> {
     }
 
     fn function(&mut self, group: Vec<Statement>) -> Statement {
-        let section = group[0].section;
+        let origin = group[0].origin;
+        let section = origin.section;
         let name = format!("{}_{section}_{}", self.name, self.next);
         self.next += 1;
         self.functions.push((name.clone(), group));
-        Statement { section, what: What::Calls(name) }
+        Statement { origin, what: What::Calls(name) }
     }
 }
 
@@ -105,8 +106,8 @@ fn groups(statements: Vec<Statement>) -> Vec<Vec<Statement>> {
     for statement in statements {
         let group = groups.last().map_or(&[][..], Vec::as_slice);
         if let Some(last) = group.last() {
-            let (size, is_result) = (size(group), statement.section == "result");
-            let ends = statement.section != last.section && (size >= ENOUGH || is_result);
+            let (size, is_result) = (size(group), statement.origin.section == "result");
+            let ends = statement.origin.section != last.origin.section && (size >= ENOUGH || is_result);
             let full = !is_result && size + statement.size() > LONGEST;
             if (ends || full) && !matches!(last.what, What::Declares(_)) {
                 groups.push(Vec::new());

@@ -3,6 +3,7 @@
 //! In their texts the names of values and of arguments stand between marks: where statements are cut into functions, a value that passes
 //! between two becomes a member of a structure.
 
+use crate::trace::Origin;
 use core::fmt::Write;
 use std::collections::{HashMap, HashSet};
 
@@ -49,8 +50,8 @@ pub enum What {
 /// A statement.
 #[derive(Debug, Clone)]
 pub struct Statement {
-    /// The section that it belongs to.
-    pub section: &'static str,
+    /// Where it comes from.
+    pub origin: Origin,
     /// What it does.
     pub what: What,
 }
@@ -126,7 +127,7 @@ impl Lines {
 
     /// Statements, so far inward.
     pub fn write(&mut self, statements: &[Statement], indent: usize) {
-        for Statement { section, what } in statements {
+        for Statement { origin, what } in statements {
             match what {
                 What::Declares(value) if self.members.contains(&value.name) => continue,
                 What::Calls(function) => {
@@ -134,13 +135,17 @@ impl Lines {
                     self.line(indent, &call);
                     continue;
                 }
-                _ => self.enter(section, indent),
+                _ => self.enter(origin.section, indent),
             }
+            let file = if origin.file.is_empty() { String::new() } else { format!(" /* file: {} */", origin.file) };
             match what {
                 What::Makes(Value { name, .. }, text) if self.members.contains(name) => {
-                    self.line(indent, &format!("{} = {text}", marked(name)));
+                    self.line(indent, &format!("{} = {text}{file}", marked(name)));
                 }
-                What::Reads(Value { kind, name, .. }, text) | What::Makes(Value { kind, name, .. }, text) => {
+                What::Makes(Value { kind, name, .. }, text) => {
+                    self.line(indent, &format!("const {kind} {name} = {text}{file}"));
+                }
+                What::Reads(Value { kind, name, .. }, text) => {
                     self.line(indent, &format!("const {kind} {name} = {text}"));
                 }
                 What::Declares(Value { kind, name, size }) => self.line(indent, &format!("{kind} {name}{size};")),

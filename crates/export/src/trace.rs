@@ -12,6 +12,7 @@ mod parts;
 
 use core::cell::RefCell;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use core::panic::Location;
 use forcefeel_model::Scalar;
 use std::collections::{BTreeSet, HashMap};
 
@@ -102,6 +103,15 @@ pub enum Node {
     Bits(Vec<u32>),
 }
 
+/// Where an operation comes from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// Its section of a period.
+    pub section: &'static str,
+    /// The file of the model that asks for it, below its `src`; nothing of what the tracer adds.
+    pub file: &'static str,
+}
+
 /// What was written down.
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
@@ -115,10 +125,10 @@ pub struct Graph {
     share: Option<usize>,
     /// Parts that have begun and not ended.
     parts: usize,
-    /// The section that operations belong to from now on.
-    section: &'static str,
-    /// The section of each node: that in which it was made first.
-    pub sections: Vec<&'static str>,
+    /// Where operations come from now.
+    origin: Origin,
+    /// Where each node comes from: where it was made first.
+    pub origins: Vec<Origin>,
     /// Nodes with a name of their own.
     pub names: HashMap<u32, &'static str>,
     /// The rows, by their places, that data and masks follow from, and those that known numbers do.
@@ -171,7 +181,7 @@ impl Graph {
         let place = u32::try_from(self.nodes.len()).expect("a period has less than 2^32 operations");
         self.known.insert(node.clone(), place);
         self.nodes.push(node);
-        self.sections.push(self.section);
+        self.origins.push(self.origin);
         place
     }
 
@@ -518,8 +528,28 @@ fn apply_one<S: Scalar>(operation: UnaryOp, x: S) -> S {
     }
 }
 
+/// Where the model's files begin in the compiler's paths.
+const MODEL: [&str; 2] = ["model/src/", "model\\src\\"];
+
+/// What the graph gives, to which the file of the caller is told.
+#[track_caller]
+fn called<T>(work: impl FnOnce(&mut Graph) -> T) -> T {
+    let path = Location::caller().file();
+    let file = MODEL.iter().find_map(|folder| path.rsplit_once(folder)).map_or("", |(_, file)| file);
+    GRAPH.with_borrow_mut(|graph| {
+        graph.origin.file = file;
+        work(graph)
+    })
+}
+
+#[track_caller]
 fn put(work: impl FnOnce(&mut Graph) -> u32) -> Trace {
-    Trace(GRAPH.with_borrow_mut(work))
+    Trace(called(work))
+}
+
+#[track_caller]
+fn mask(work: impl FnOnce(&mut Graph) -> u32) -> Mask {
+    Mask(called(work))
 }
 
 impl Trace {
@@ -559,6 +589,7 @@ macro_rules! operator {
     ($Trait:ident, $method:ident) => {
         impl $Trait for Trace {
             type Output = Self;
+            #[track_caller]
             fn $method(self, other: Self) -> Self {
                 put(|graph| graph.two(BinaryOp::$Trait, self.0, other.0))
             }
@@ -573,6 +604,7 @@ operator!(Div, div);
 
 impl Neg for Trace {
     type Output = Self;
+    #[track_caller]
     fn neg(self) -> Self {
         put(|graph| graph.one(UnaryOp::Neg, self.0))
     }
@@ -580,22 +612,25 @@ impl Neg for Trace {
 
 impl BitAnd for Mask {
     type Output = Self;
+    #[track_caller]
     fn bitand(self, other: Self) -> Self {
-        Self(GRAPH.with_borrow_mut(|graph| graph.both(self.0, other.0, true)))
+        mask(|graph| graph.both(self.0, other.0, true))
     }
 }
 
 impl BitOr for Mask {
     type Output = Self;
+    #[track_caller]
     fn bitor(self, other: Self) -> Self {
-        Self(GRAPH.with_borrow_mut(|graph| graph.both(self.0, other.0, false)))
+        mask(|graph| graph.both(self.0, other.0, false))
     }
 }
 
 impl Not for Mask {
     type Output = Self;
+    #[track_caller]
     fn not(self) -> Self {
-        Self(GRAPH.with_borrow_mut(|graph| graph.not(self.0)))
+        mask(|graph| graph.not(self.0))
     }
 }
 
@@ -611,36 +646,45 @@ impl Scalar for Trace {
         }
         put(|graph| graph.number(&vec![value; graph.settings], Bank::All))
     }
+    #[track_caller]
     fn sqrt(self) -> Self {
         put(|graph| graph.one(UnaryOp::Sqrt, self.0))
     }
+    #[track_caller]
     fn abs(self) -> Self {
         put(|graph| graph.one(UnaryOp::Abs, self.0))
     }
+    #[track_caller]
     fn round(self) -> Self {
         put(|graph| graph.one(UnaryOp::Round, self.0))
     }
+    #[track_caller]
     fn min(self, other: Self) -> Self {
         put(|graph| graph.two(BinaryOp::Min, self.0, other.0))
     }
+    #[track_caller]
     fn max(self, other: Self) -> Self {
         put(|graph| graph.two(BinaryOp::Max, self.0, other.0))
     }
+    #[track_caller]
     fn times_sign(self, other: Self) -> Self {
         put(|graph| graph.two(BinaryOp::TimesSign, self.0, other.0))
     }
+    #[track_caller]
     fn is_number(self) -> Mask {
-        Mask(GRAPH.with_borrow_mut(|graph| graph.is_number(self.0)))
+        mask(|graph| graph.is_number(self.0))
     }
+    #[track_caller]
     fn less(self, other: Self) -> Mask {
-        Mask(GRAPH.with_borrow_mut(|graph| graph.less(self.0, other.0)))
+        mask(|graph| graph.less(self.0, other.0))
     }
     /// What may hold is computed.
     fn any(mask: Mask) -> bool {
         GRAPH.with_borrow(|graph| graph.mask(mask.0).is_none_or(|(values, _)| values.contains(&true)))
     }
-    fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        put(|graph| graph.select(mask.0, yes.0, no.0))
+    #[track_caller]
+    fn select(condition: Mask, yes: Self, no: Self) -> Self {
+        put(|graph| graph.select(condition.0, yes.0, no.0))
     }
     fn part_begins<const N: usize>(given: [Self; N]) -> [Self; N] {
         let parts = GRAPH.with_borrow_mut(|graph| {
@@ -660,9 +704,9 @@ impl Scalar for Trace {
             let roots = graph.roots(evaluated.map(|one| one.0));
             if !graph.is_worth_a_function(&roots) {
                 let depends = graph.on_given();
-                let section = graph.section;
+                let origin = graph.origin;
                 let written = evaluated.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
-                graph.section = section;
+                graph.origin = origin;
                 return written;
             }
             let part = graph.put(Node::Part(roots.clone(), given.to_vec()));
@@ -674,7 +718,7 @@ impl Scalar for Trace {
         })
     }
     fn section(name: &'static str) {
-        GRAPH.with_borrow_mut(|graph| graph.section = name);
+        GRAPH.with_borrow_mut(|graph| graph.origin.section = name);
     }
     fn named(self, name: &'static str) -> Self {
         GRAPH.with_borrow_mut(|graph| {
@@ -682,9 +726,11 @@ impl Scalar for Trace {
         });
         self
     }
+    #[track_caller]
     fn slope_times(self, by: Self) -> Self {
         self * by
     }
+    #[track_caller]
     fn slope_over(self, by: Self) -> Self {
         self / by
     }

@@ -21,12 +21,14 @@ pub type Estimate<S> = [S; MOST_STATES];
 
 /// `a / b`; zero where there is nothing to divide by, as of a state that keeps what it has.
 #[inline(always)]
+#[track_caller]
 pub(crate) fn quotient<S: Scalar>(a: S, b: S) -> S {
     S::select(b.zero().less(b.abs()), a / b, b.zero())
 }
 
 /// What a row of numbers makes of `[xi; y; delta; delta']`.
 #[inline(always)]
+#[track_caller]
 pub(crate) fn product<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
     let mut sum = row[MOST_STATES + SAMPLED] * feel[0] + row[MOST_STATES + SAMPLED + 1] * feel[1];
     for k in 0..MOST_STATES {

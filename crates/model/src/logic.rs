@@ -55,12 +55,14 @@ pub trait Count<M>: Copy + Debug {
     /// One more where the condition holds, else none.
     #[inline(always)]
     #[must_use]
+    #[track_caller]
     fn in_a_row(self, condition: M) -> Self {
         self.next().only(condition)
     }
 
     /// Whether it is more than `samples`.
     #[inline(always)]
+    #[track_caller]
     fn above(self, samples: u32) -> M
     where
         M: core::ops::Not<Output = M>,
@@ -70,6 +72,7 @@ pub trait Count<M>: Copy + Debug {
     }
     /// Whether it is not none.
     #[inline(always)]
+    #[track_caller]
     fn some(self) -> M {
         self.at_least(1)
     }

@@ -34,6 +34,7 @@ pub trait Scalar:
     fn any(mask: Self::Mask) -> bool;
     /// Whether it is a number, and finite.
     #[inline(always)]
+    #[track_caller]
     fn is_number(self) -> Self::Mask {
         self.abs().less(self.constant(f64::INFINITY))
     }
@@ -92,21 +93,25 @@ pub trait Scalar:
 
     /// `self` times a constant.
     #[inline(always)]
+    #[track_caller]
     fn times(self, factor: f64) -> Self {
         self * self.constant(factor)
     }
     /// Zero in the number type of `self`.
     #[inline(always)]
+    #[track_caller]
     fn zero(self) -> Self {
         self.constant(0.0)
     }
     /// The nearest value within `low` and `high`.
     #[inline(always)]
+    #[track_caller]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
     /// The nearest value within `-limit` and `limit`.
     #[inline(always)]
+    #[track_caller]
     fn within(self, limit: Self) -> Self {
         self.clamp(-limit, limit)
     }
@@ -139,6 +144,7 @@ pub trait Scalar:
     /// `self` rounded to a multiple of `step`; itself where the step is zero. `per_step` is one over it: a product takes a quarter of the
     /// time of a quotient, and rounds to the same multiple but for rounding at the middle between two.
     #[inline(always)]
+    #[track_caller]
     fn quantized(self, [step, per_step]: [Self; 2]) -> Self {
         let stepped = self.zero().less(step);
         if Self::any(stepped) { Self::select(stepped, (self * per_step).round() * step, self) } else { self }

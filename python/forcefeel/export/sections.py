@@ -29,7 +29,7 @@ class Section:
     Attributes:
         title: Its result.
         equation: What it computes, in the symbols of its source.
-        source: File of the model that derives the equation.
+        source: File of the model that derives the equation; those that ask for its operations follow from the trace.
         requirement: What it is for.
         test: Golden test that runs it.
         rows: Rows of the loader file whose numbers do not pass as such: constants of time and points of curves.
@@ -50,13 +50,13 @@ SECTIONS = {
     "tuning": Section(
         "Coefficients of the feel from the rows that are tuned",
         "torque mu R_p F, slope F / phi, friction mu R_p F / I",
-        "feel.rs, feel_parts.rs, dry_friction.rs",
+        "feel.rs",
         FEEL,
     ),
     "sampling": Section(
         "Sampled sensors",
         "y = [F_c, x_p, theta, F_g]; b' = (b - b_last) / T",
-        "control.rs, controller.rs",
+        "control.rs",
         BITS,
         rows=("controller.period", "controller.input_bits"),
     ),
@@ -79,9 +79,7 @@ SECTIONS = {
         "known_friction.rs",
         STABLE,
     ),
-    "neutral": Section(
-        "Command and torque at the trimmed neutral", "e + c_n n, T + t_n n", "observer.rs, feel.rs", FEEL
-    ),
+    "neutral": Section("Command and torque at the trimmed neutral", "e + c_n n, T + t_n n", "observer.rs", FEEL),
     "contact": Section(
         "Command and torque against something stiff",
         "e = e_o + m (e_c - e_o), T = T_o + m (T_c - T_o), delta'+ = delta' / (1 + m B_c h / I)",
@@ -97,7 +95,7 @@ SECTIONS = {
         "Programmed feel over a period, one Runge-Kutta step of order 4",
         "I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_preload + parts) + stops + friction = T + mu T_s "
         "(report, eqs. 11-12)",
-        "feel.rs, feel_parts.rs, feel_computer.rs",
+        "feel.rs",
         FEEL,
         rows=("controller.period", "force_curve"),
         rare="A soft stop that the feel leaves within a step.",
@@ -112,7 +110,7 @@ SECTIONS = {
     "feel_stops": Section(
         "Hard stops, velocity limit and soft stops of the feel",
         "low <= delta <= high, |delta'| <= v_max; k d + c d' beyond a soft stop",
-        "feel.rs, contact.rs",
+        "feel.rs",
         FEEL,
         rare="A touch of a soft stop in the very step in which the velocity turns.",
     ),
@@ -142,14 +140,14 @@ SECTIONS = {
     "link": Section(
         "Electronic link",
         "T = S(phi) + c phi', S = k (phi - clamp(phi, -p/2, p/2)) up to M_b",
-        "link.rs, electronic_link.rs",
+        "link.rs",
         FEEL,
         PAIRS,
     ),
     "modifiers": Section(
         "Trim, factor on the spring and stick shaker, led to the requested values",
         "x+ = x + sat(w - x) within r T; swing = a sin(2 pi turns)",
-        "modifiers.rs, axis.rs",
+        "modifiers.rs",
         FEEL,
         STATES,
         rows=("feel.trim_rate", "feel.shaker_frequency", "controller.period"),
@@ -157,7 +155,7 @@ SECTIONS = {
     "plausibility": Section(
         "Observer of drive, link and column: readings as sampled, or as predicted",
         "J v' = alpha R_b F + tau; u' = a e - b F - d u, x' = u - g F; F = k (s -+ b) + c s' + F_b",
-        "supervisor/plausibility.rs, supervisor/limits.rs",
+        "supervisor/plausibility.rs",
         SAFE,
         STATES,
         rows=("safety.bridge_time", "safety.silence_time", "safety.delay_tolerance"),
@@ -165,7 +163,7 @@ SECTIONS = {
     "safety": Section(
         "Safety functions that need no sensor",
         "emergency stop, drive fault, late cycles, numbers, readings that are bridged for too long",
-        "supervisor.rs, supervisor/function.rs",
+        "supervisor.rs",
         SAFE,
         STATES,
         rows=("safety.overrun_time", "safety.bridge_time"),
@@ -173,7 +171,7 @@ SECTIONS = {
     "sensors": Section(
         "Sensors: silent, late, no number, out of range, stuck, in disagreement",
         "r = s + (c / k) s' - F / k, |r| <= b + d_theta alpha R_b",
-        "supervisor/sensors.rs, supervisor/limits.rs",
+        "supervisor/sensors.rs",
         SAFE,
         STATES,
         rows=("safety.stuck_time", "safety.agreement_time", "safety.silence_time"),
@@ -181,7 +179,7 @@ SECTIONS = {
     "grip": Section(
         "Force, speed, travel and energy at the grip, runaway, swing",
         "tau = w_o (J v - int (alpha R_b F + tau) dt); P = (alpha R_b F - f) v; E' = P_g - max(0, -tau v_f) - E / 1 s",
-        "supervisor/grip.rs, supervisor/limits.rs",
+        "supervisor/grip.rs",
         SAFE,
         STATES,
         rows=("safety.force_time", "safety.runaway_time"),
@@ -189,7 +187,7 @@ SECTIONS = {
     "grip_zero": Section(
         "Zero of the force sensor at the grip",
         "F_0 goes to the mean of F_g while no hand is on the grip",
-        "supervisor/grip_zero.rs, supervisor/limits.rs",
+        "supervisor/grip_zero.rs",
         SAFE,
         STATES,
         rows=("safety.grip_zero_time",),
@@ -197,7 +195,7 @@ SECTIONS = {
     "grip_reading": Section(
         "Force sensor at the grip against the hand's estimated torque",
         "|F_g - F_0| within the noise: |tau - tau_0| <= tau_max + delta |D - D_0|",
-        "supervisor/grip_reading.rs, supervisor/limits.rs",
+        "supervisor/grip_reading.rs",
         SAFE,
         STATES,
         rows=("safety.stuck_time", "grip_sensor.noise", "grip_sensor.resolution", "safety.hand_force"),
@@ -205,7 +203,7 @@ SECTIONS = {
     "sequence": Section(
         "State: off, initializing, passive, active, fading, tripped; power of the drive; search of the travel",
         "off -> initializing -> passive <-> fading <-> active; any -> tripped -> off",
-        "supervisor/sequence.rs, supervisor/power.rs, supervisor/search.rs",
+        "supervisor/sequence.rs",
         SAFE,
         STATES,
         rows=("safety.stuck_time", "safety.power_time", "safety.travel_search"),
@@ -213,7 +211,7 @@ SECTIONS = {
     "command": Section(
         "Command within its limits, or led to zero",
         "|e| <= (s_0 + (1 - s_0) s) e_max, |e - e_last| <= e'_max T",
-        "supervisor/command.rs, supervisor.rs",
+        "supervisor/command.rs",
         SAFE,
         STATES,
         rows=("safety.saturation_time",),
@@ -239,7 +237,7 @@ SUPERVISED = {
     "rest": Section(
         "Law that has seen these sensors for long",
         "(1 - A) xi = B [y; 0]",
-        "supervised_law.rs, observer.rs",
+        "supervised_law.rs",
         START,
         STATES,
     ),

@@ -1,11 +1,12 @@
 """Traceability of an exported C file: each statement with its equation, loader rows, requirement and golden test.
 
-The map is read from the finished C, so it states nothing that is not there: the head of a section names it, and a comment behind a
-statement names the rows from which its known numbers follow.
+The map is read from the finished C, so it states nothing that is not there: the head of a section names it and the files of the
+model that ask for its operations, and a comment behind a statement names the rows from which its known numbers follow.
 """
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 
@@ -14,6 +15,8 @@ from forcefeel.page.render import render
 
 _MARK = re.compile(r"^( *)/\* section: (\w+)(, continued)? \*/$")
 _HEAD = re.compile(r"^ */\* \[(\w+)\]")
+_FILE = re.compile(r" /\* file: (\S+) \*/$")
+_SOURCE = re.compile(r"/\* \[(\w+)\] (?:(?!\*/).)*?\* Source: ((?:[a-z_/]+\.rs(?:,\s(?:\* )?)?)+)", re.DOTALL)
 _ROWS = re.compile(r" /\* ([a-z_]+\.[a-z_0-9, .]+) \*/$")
 _FUNCTION = re.compile(r"^(?!typedef|#|/\*|\s).*?\b(\w+)\(.*\)(?: \{ (.*) \})?$")
 _SETTINGS = re.compile(r"\b(?:from|to|s\d)->")
@@ -56,20 +59,36 @@ class Statement:
 
 
 def commented(code: str, sections: Mapping[str, Section] = SECTIONS, *, settings: int = 1) -> str:
-    """The lines of a function with the head of each of its ``sections``: equation, source, rows of the loader file, setting."""
-    lines = code.splitlines()
+    """The lines of a function with the head of each of its ``sections``: equation, sources, rows of the loader file, setting.
+
+    The sources are the file that derives the equation and those that the tracer has noted behind statements, most often first.
+    """
+    lines = []
     rows: dict[str, dict[str, None]] = {}
+    files: dict[str, Counter[str]] = {}
     changing, section = set(), ""
-    for line in lines:
-        if mark := _MARK.match(line):
+    for marked in code.splitlines():
+        if mark := _MARK.match(marked):
             section = mark[2]
+        if file := _FILE.search(marked):
+            files.setdefault(section, Counter())[file[1].replace("\\", "/")] += 1
+        line = _FILE.sub("", marked)
         if listed := _ROWS.search(line):
             rows.setdefault(section, {}).update(dict.fromkeys(listed[1].split(", ")))
         if _SETTINGS.search(line):
             changing.add(section)
+        lines.append(line)
     heads = (
         _section_head(
-            mark, sections[mark[2]], list(rows.get(mark[2], ())), changing=mark[2] in changing, settings=settings
+            mark,
+            sections[mark[2]],
+            [file for file, _ in files.get(mark[2], Counter()).most_common()],
+            list(rows.get(mark[2], ())),
+            setting="numbers of the setting"
+            if mark[2] in changing
+            else "the one that is exported"
+            if settings == 1
+            else "any",
         )
         if (mark := _MARK.match(line))
         else line
@@ -78,13 +97,13 @@ def commented(code: str, sections: Mapping[str, Section] = SECTIONS, *, settings
     return "".join(f"{line}\n" for line in heads)
 
 
-def _section_head(mark: re.Match[str], section: Section, rows: list[str], *, changing: bool, settings: int) -> str:
+def _section_head(mark: re.Match[str], section: Section, files: list[str], rows: list[str], *, setting: str) -> str:
     indent, key, again = mark.groups()
     if again:
         return f"{indent}/* [{key}], continued */"
     rows = list(dict.fromkeys((*rows, *section.rows)))
-    setting = "numbers of the setting" if changing else "the one that is exported" if settings == 1 else "any"
-    parts = [f"[{key}] {section.title}: {section.equation}", f"Source: {section.source}"]
+    parts = [f"[{key}] {section.title}: {section.equation}"]
+    parts += [f"Source: {', '.join(dict.fromkeys((section.source, *files)))}"]
     parts += [f"Rows: {', '.join(rows)}"] if rows else []
     parts += [f"Setting: {setting}"]
     words = [word for part in parts for word in (*part.split(), "\n")][:-1]
@@ -95,6 +114,14 @@ def _section_head(mark: re.Match[str], section: Section, rows: list[str], *, cha
             line = ""
         line += "" if word == "\n" else f"{word} "
     return f"{indent}/* " + f"\n{indent} * ".join((*text, line.rstrip())) + " */"
+
+
+def sources(code: str, sections: Mapping[str, Section] = SECTIONS) -> dict[str, list[str]]:
+    """Files of the model that each section of a C file names; of those without a head, the file of the table."""
+    named: dict[str, dict[str, None]] = {}
+    for key, files in _SOURCE.findall(code):
+        named.setdefault(key, {}).update(dict.fromkeys(re.findall(r"[a-z_/]+\.rs", files)))
+    return {key: list(named.get(key, {section.source: None})) for key, section in sections.items()}
 
 
 def statements(code: str) -> tuple[Statement, ...]:
@@ -153,18 +180,15 @@ def _bare(code: str) -> str:
 def trace_json(file: str, code: str, name: str, sections: Mapping[str, Section] = SECTIONS) -> str:
     """The map as JSON: sections with equation, source, requirement and test; statements with line and rows."""
     mapped = statements(code)
-    used = {statement.section for statement in mapped}
+    used, files = {statement.section for statement in mapped}, sources(code, sections)
     spelled = {
-        key: asdict(section) | {"source": _paths(section.source), "test": section.test.format(name=name)}
+        key: asdict(section)
+        | {"source": [f"crates/model/src/{file}" for file in files[key]], "test": section.test.format(name=name)}
         for key, section in sections.items()
         if key in used
     }
     document = {"file": file, "sections": spelled, "statements": [asdict(statement) for statement in mapped]}
     return json.dumps(document, indent=1) + "\n"
-
-
-def _paths(files: str) -> list[str]:
-    return [f"crates/model/src/{file}" for file in files.split(", ")]
 
 
 def trace_html(
@@ -176,9 +200,15 @@ def trace_html(
         function: [statement for statement in mapped if statement.function == function]
         for function in dict.fromkeys(statement.function for statement in mapped)
     }
-    used = dict.fromkeys(statement.section for statement in mapped)
+    used, files = dict.fromkeys(statement.section for statement in mapped), sources(code, sections)
     counted = [
-        (key, sections[key], sections[key].test.format(name=name), sum(of.section == key for of in mapped))
+        (
+            key,
+            sections[key],
+            ", ".join(files[key]),
+            sections[key].test.format(name=name),
+            sum(of.section == key for of in mapped),
+        )
         for key in used
     ]
     return render(

@@ -3,7 +3,7 @@
 //! A decision is taken both ways: [`Logic::paths`] runs its work once for each way through it, and chooses between what the ways leave
 //! by the conditions that were decided. So the lines of the model become selects, and those the branches of the C.
 
-use super::{Bank, GRAPH, Graph, Mask, Node, Trace};
+use super::{Bank, GRAPH, Graph, Mask, Node, Trace, called, mask};
 use core::cell::RefCell;
 use forcefeel_model::logic::{Count, FunctionSet, Logic, LogicState, LogicVisitor, Named};
 use forcefeel_model::memory::MemoryVisitor;
@@ -83,12 +83,9 @@ pub enum Kind {
     Word,
 }
 
-fn mask(work: impl FnOnce(&mut Graph) -> u32) -> Mask {
-    Mask(GRAPH.with_borrow_mut(work))
-}
-
+#[track_caller]
 fn word(work: impl FnOnce(&mut Graph) -> u32) -> Word {
-    Word(GRAPH.with_borrow_mut(work))
+    Word(called(work))
 }
 
 impl Word {
@@ -107,12 +104,15 @@ impl Count<Mask> for Word {
     fn none() -> Self {
         word(|graph| graph.put(Node::Whole(0, "")))
     }
+    #[track_caller]
     fn next(self) -> Self {
         word(|graph| graph.put(Node::Next(self.0)))
     }
+    #[track_caller]
     fn larger(self, other: Self) -> Self {
         word(|graph| graph.put(Node::Larger(self.0, other.0)))
     }
+    #[track_caller]
     fn at_least(self, samples: u32) -> Mask {
         mask(|graph| match graph.nodes[self.0 as usize] {
             _ if samples == 0 => graph.known(true),
@@ -120,6 +120,7 @@ impl Count<Mask> for Word {
             _ => graph.put(Node::AtLeast(self.0, samples)),
         })
     }
+    #[track_caller]
     fn only(self, condition: Mask) -> Self {
         let none = Self::none();
         word(|graph| graph.select(condition.0, self.0, none.0))
@@ -130,16 +131,20 @@ impl FunctionSet<Mask> for Masks {
     fn none() -> Self {
         [Trace::mask(false); Function::ALL.len()]
     }
+    #[track_caller]
     fn with(mut self, function: Function, holds: Mask) -> Self {
         self[function as usize] = self[function as usize] | holds;
         self
     }
+    #[track_caller]
     fn and(self, other: Self) -> Self {
         core::array::from_fn(|k| self[k] | other[k])
     }
+    #[track_caller]
     fn stops(self) -> Mask {
         any(self.stopping())
     }
+    #[track_caller]
     fn does(self, action: Action) -> Mask {
         any(core::array::from_fn(|k| if Function::ALL[k].action() == action { self[k] } else { Trace::mask(false) }))
     }
@@ -155,6 +160,7 @@ impl FunctionSet<Mask> for Masks {
     }
 }
 
+#[track_caller]
 fn any(set: Masks) -> Mask {
     set.into_iter().fold(Trace::mask(false), |any, holds| any | holds)
 }
@@ -195,6 +201,7 @@ impl Logic for Trace {
         let place = E::ALL.iter().position(|known| *known == value).expect("all values are among ALL");
         word(|graph| graph.put(Node::Whole(u32::try_from(place).expect("a few values"), value.name())))
     }
+    #[track_caller]
     fn is<E: Named>(code: Word, value: E) -> Mask {
         let value = Self::code(value);
         mask(|graph| match graph.nodes[code.0 as usize] {
@@ -202,10 +209,12 @@ impl Logic for Trace {
             _ => graph.put(Node::Same(code.0, value.0)),
         })
     }
+    #[track_caller]
     fn which<E: Named>(code: Word) -> E {
         let [others @ .., last] = E::ALL else { unreachable!("an enumeration has values") };
         others.iter().copied().find(|&value| Self::holds(Self::is(code, value))).unwrap_or(*last)
     }
+    #[track_caller]
     fn first(set: Masks) -> Word {
         let named = Function::ALL.iter().rev();
         named.fold(Self::code(None::<Function>), |later, &function| {
@@ -213,8 +222,9 @@ impl Logic for Trace {
             word(|graph| graph.select(set.has(function).0, this.0, later.0))
         })
     }
+    #[track_caller]
     fn number(self, count: Word) -> Self {
-        Self(GRAPH.with_borrow_mut(|graph| graph.put(Node::Number(count.0))))
+        Self(called(|graph| graph.put(Node::Number(count.0))))
     }
     fn paths<M: LogicState<Self>>(state: &mut M, work: impl Fn(&mut M)) {
         *state = explored(state, &work, Vec::new());
@@ -254,6 +264,7 @@ pub trait NodeVisitor {
 pub struct Visiting<V>(pub V);
 
 impl<V: NodeVisitor> MemoryVisitor<Trace> for Visiting<V> {
+    #[track_caller]
     fn number(&mut self, name: &'static str, number: &mut Trace) {
         self.0.node(name, Kind::Number, &mut number.0);
     }

@@ -43,44 +43,44 @@ impl Graph {
         if !given.0[node as usize] {
             return node;
         }
-        let section = self.sections[node as usize];
+        let origin = self.origins[node as usize];
         let name = self.names.get(&node).copied();
         let written = match self.nodes[node as usize].clone() {
             Node::Given(k) => return given.1[k],
             Node::UnaryOp(operation, a) => {
                 let a = self.written_out(a, given);
-                self.section = section;
+                self.origin = origin;
                 self.one(operation, a)
             }
             Node::BinaryOp(operation, a, b) => {
                 let (a, b) = (self.written_out(a, given), self.written_out(b, given));
-                self.section = section;
+                self.origin = origin;
                 self.two(operation, a, b)
             }
             Node::Less(a, b) => {
                 let (a, b) = (self.written_out(a, given), self.written_out(b, given));
-                self.section = section;
+                self.origin = origin;
                 self.less(a, b)
             }
             Node::And(a, b) => {
                 let (a, b) = (self.written_out(a, given), self.written_out(b, given));
-                self.section = section;
+                self.origin = origin;
                 self.both(a, b, true)
             }
             Node::Or(a, b) => {
                 let (a, b) = (self.written_out(a, given), self.written_out(b, given));
-                self.section = section;
+                self.origin = origin;
                 self.both(a, b, false)
             }
             Node::Not(a) => {
                 let a = self.written_out(a, given);
-                self.section = section;
+                self.origin = origin;
                 self.not(a)
             }
             Node::Select(mask, yes, no) => {
                 let (mask, yes, no) =
                     (self.written_out(mask, given), self.written_out(yes, given), self.written_out(no, given));
-                self.section = section;
+                self.origin = origin;
                 self.select(mask, yes, no)
             }
             _ => node,
