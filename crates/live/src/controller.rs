@@ -190,8 +190,7 @@ impl Controller {
     /// A sample as it came. Without the pilot's force under a law that requires it, it is at fault: the loader does not start, by name.
     pub fn checked(&self, sampled: Sampled) -> Sampled {
         let lacks = !self.shared.effects.observer && sampled.sample.pilot_force.is_nan();
-        let drive_fault =
-            if lacks && sampled.drive_fault == 0 { Fault::NO_PILOT_FORCE.0 } else { sampled.drive_fault };
+        let drive_fault = if lacks && sampled.drive_fault == 0 { Fault::NO_PILOT_FORCE.0 } else { sampled.drive_fault };
         Sampled { drive_fault, ..sampled }
     }
 
