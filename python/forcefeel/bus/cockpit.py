@@ -57,11 +57,12 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
     buses = project.each(lambda _, loader: bus_of(loader))
     taken: dict[tuple[str, int], str] = {}
     for axis, bus in buses.items():
-        if (other := taken.setdefault((bus.port, bus.node), axis)) != axis:
-            raise InputError(
-                f"{project.path}: axes.{axis}: expected a node of its own at {bus.port}, got {bus.node}, which {other} has; change "
-                "[bus] node, and the drive's number with the maker's tool"
-            )
+        for key, node in (("node", bus.node), ("input_node", bus.input_node)):
+            if node is not None and (other := taken.setdefault((bus.port, node), axis)) != axis:
+                raise InputError(
+                    f"{project.path}: axes.{axis}: expected a node of its own at {bus.port}, got {node}, which {other} has; change "
+                    f"[bus] {key}, and the drive's number with the maker's tool"
+                )
     project.each(lambda axis, _: _check_alone(buses[axis]))
     checks = project.each(lambda _, loader: check_bus(loader, move=move))
     together = {
@@ -89,10 +90,13 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
 
 def _check_alone(bus: Bus) -> None:
     """Refuses a node that is not there, or twice."""
-    serials = [node.serial for node in nodes_of(bus) if node.node == bus.node]
+    nodes = nodes_of(bus)
+    serials = [node.serial for node in nodes if node.node == bus.node]
     if not serials:
+        there = ", ".join(str(node.node) for node in nodes)
         raise InputError(
-            f"bus: {bus.port}: expected node {bus.node}, got no answer from it; check power, cable, adapter and [bus] node"
+            f"bus: {bus.port}: expected node {bus.node}, got no answer from it and {f'node {there}' if there else 'no other node'}; "
+            "check power, cable, adapter, and kind and node of [bus]"
         )
     if len(serials) > 1:
         raise InputError(
