@@ -252,8 +252,8 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
             status, out, _ = bus_command(str(path), "--move")
             assert "stopped by itself within 0.2 s" in out
             assert status == 0
-            words = ["--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s", "--out", str(tmp_path / "run")]
-            status, out, err = run(str(path), *words)
+            words = ["--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s"]
+            status, out, err = run(str(path), *words, "--out", str(tmp_path / "run"))
             assert (status, err) == (0, ""), out
         finally:
             emulator.terminate()

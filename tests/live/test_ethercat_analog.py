@@ -150,7 +150,7 @@ def test_silent_or_failed_terminal_gives_no_command_and_nothing_re_engages_by_it
     [
         ({"output_object": "0x7040:1"}, "mapped, which are 0x7000:1, 0x7010:1, 0x7020:1, 0x7030:1; change [bus]"),
         ({"column_object": "0x6020:16"}, "0x6020:16: expected an object of 16 bits"),
-        ({"input_node": 3}, "expected a slave at position 3, got 2 on the wire"),
+        ({"input_node": 3}, "expected a slave at position 3, got 2 on the wire; check power and [bus] input_node"),
     ],
 )
 def test_terminal_that_lacks_what_the_file_names_is_refused(wiring, says):
@@ -280,5 +280,8 @@ def test_input_terminal_of_another_axis_is_refused_with_its_reason(tmp_path):
             (tmp_path / "cockpit.toml").write_text('[axes]\npitch = "pitch.toml"\nroll = "roll.toml"\n')
             project = ff.loader.read_project(tmp_path / "cockpit.toml")
             buses = {axis: loader.bus for axis, loader in project.loaders.items()}
-            with pytest.raises(ff.InputError, match="input_node: terminal 2 has the inputs of another axis, even if"):
+            says = r"axes\.roll: .*input_node: terminal 2 has the inputs of another axis, even if"
+            with pytest.raises(ff.InputError, match=says):
                 ff.live.start_cockpit(project, "robust", endpoints=buses, real_time=False)
+            with pytest.raises(ff.InputError, match=r"got 2, which pitch has; change \[bus\] input_node"):
+                ff.bus.check_cockpit(project)

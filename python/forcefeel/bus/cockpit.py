@@ -93,9 +93,9 @@ def _check_alone(bus: Bus) -> None:
     nodes = nodes_of(bus)
     serials = [node.serial for node in nodes if node.node == bus.node]
     if not serials:
-        there = ", ".join(str(node.node) for node in nodes)
+        there = f"node {', '.join(str(node.node) for node in nodes)}" if nodes else "no other node"
         raise InputError(
-            f"bus: {bus.port}: expected node {bus.node}, got no answer from it and {f'node {there}' if there else 'no other node'}; "
+            f"bus: {bus.port}: expected node {bus.node}, got no answer from it and {there}; "
             "check power, cable, adapter, and kind and node of [bus]"
         )
     if len(serials) > 1:
