@@ -80,7 +80,7 @@ def row(name, session):
     late, work = (np.percentile(1e6 * rows[of], QUANTILES).round() for of in ("late_s", "work_s"))
     state = session.state
     return (
-        f"{name}: {state.name}; woke late by {late} us, work {work} us (50, 99, 99.9 %, most); {sampled.mean():.2%} of the periods "
+        f"{name}: {' '.join((state.name, *state.trips))}; woke late by {late} us, work {work} us (50, 99, 99.9 %, most); {sampled.mean():.2%} of the periods "
         f"have a sample, {(rows['delay'][sampled] <= 1).mean():.2%} of these within a period; {state.missed} missed"
     )
 
@@ -94,7 +94,8 @@ def run(options):
         emulator = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         ends.callback(emulator.wait)
         ends.callback(emulator.stdin.close)
-        port = master or emulator.stdout.readline().strip()
+        there = emulator.stdout.readline().strip()
+        port = master or there
         folder = Path(ends.enter_context(tempfile.TemporaryDirectory()))
         wired = dict(zip(PROJECT_AXES, loaders(options, port), strict=False))
         for axis, loader in wired.items():
