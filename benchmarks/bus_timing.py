@@ -79,8 +79,9 @@ def row(name, session):
     sampled = rows["sampled"] > 0
     late, work = (np.percentile(1e6 * rows[of], QUANTILES).round() for of in ("late_s", "work_s"))
     state = session.state
+    names = " ".join((state.name, *state.trips))
     return (
-        f"{name}: {' '.join((state.name, *state.trips))}; woke late by {late} us, work {work} us (50, 99, 99.9 %, most); {sampled.mean():.2%} of the periods "
+        f"{name}: {names}; woke late by {late} us, work {work} us (50, 99, 99.9 %, most); {sampled.mean():.2%} of the periods "
         f"have a sample, {(rows['delay'][sampled] <= 1).mean():.2%} of these within a period; {state.missed} missed"
     )
 
