@@ -748,16 +748,7 @@ class LiveMachine:
     def write(self, command: float, enable: bool) -> None: ...
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
 
-_Object: TypeAlias = tuple[int, int] | None
-_Node: TypeAlias = tuple[
-    str,
-    str,
-    int,
-    tuple[float, float, float | None, tuple[float, float] | None, float | None],
-    float,
-    tuple[float, float, float, tuple[_Object, _Object, _Object]] | None,
-    tuple[int, tuple[int, int], tuple[_Object, _Object, _Object, _Object], tuple[float, float, float]] | None,
-]
+_Node: TypeAlias = Mapping[str, str | float | tuple[int, int] | None]
 
 @final
 class BusEmulator:

@@ -12,7 +12,7 @@ from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
 from tests.parametrization import mostly_slow
 
-run = runs("run")
+run, emulate = runs("run"), runs("emulate")
 
 QUIET = dict.fromkeys(
     [f"{sensor}.{of}" for sensor in ("load_cell", "potentiometer", "column_sensor") for of in ("noise", "resolution")]
@@ -179,7 +179,7 @@ def test_feel_comes_from_a_slow_drive_as_from_one_that_acts_at_once(kind, tmp_pa
     assert np.abs(curves[1] - curves[0]).max() < 0.01 * whole
 
 
-def test_a_drive_that_never_acts_is_named_and_nothing_moves():
+def test_a_drive_that_never_acts_is_named_and_nothing_moves(emulate):
     loader = yoke().replace({"safety.power_time": "300 ms"})
     with running(loader, power_s=10.0) as (session, emulator):
         emulator.hold(HELD_RAD)
@@ -196,6 +196,8 @@ def test_a_drive_that_never_acts_is_named_and_nothing_moves():
         assert "did not act within 300ms" in found.watchdog.stated
     with pytest.raises(ff.InputError, match="power_s: expected a time of 0 s or more"):
         ff.live.BusEmulator([loader], power_s=-1.0)
+    status, _, err = emulate("desktop-yoke", "--bus", "moteus", "--power-time", "-1")
+    assert (status, "--power-time: expected a time of 0 s or more, got -1" in err) == (2, True)
 
 
 BAD_ANSWERS = [("lost", 7), ("corrupt", 7), ("repeated", 3), ("late", 5)]
@@ -447,5 +449,8 @@ def test_missing_can_interface_is_refused_by_name():
 
 
 def test_object_of_a_sensor_that_is_not_wired_is_left_out():
-    units = yoke("ethercat", **UNSENSED).bus.engine[5]
-    assert units[3] == (None, None, None)
+    wired, bare = (
+        sum(frame.bytes for frame in ff.bus.bus_load(yoke("ethercat", **of)).frames) for of in ({}, UNSENSED)
+    )
+    # The load cell's 16 bits and the encoder's 32, within the least frame.
+    assert wired - bare == 6

@@ -245,16 +245,21 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
     path.write_text(loader.to_toml(), encoding="utf-8")
     command = "from forcefeel.cli import main; main()"
     words = [sys.executable, "-P", "-c", command, "emulate", str(path), "--port", wire[1], "--json"]
+    words += ["--power-time", "200 ms"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as emulator:
         try:
             assert json.loads(emulator.stdout.readline())["port"] == wire[1]
             status, out, _ = bus_command(str(path), "--move")
             assert "stopped by itself within 0.2 s" in out
             assert status == 0
-            status, out, err = run(str(path), "--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s")
+            words = ["--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s"]
+            status, out, err = run(str(path), *words, "--out", str(tmp_path / "run"))
             assert (status, err) == (0, ""), out
         finally:
             emulator.terminate()
+    record = ff.live.read_live_record(tmp_path / "run" / "record.mcap")
+    enabled, acts = (np.argmax(record.column(name) > 0) for name in ("enable", "drive_acts"))
+    assert acts - enabled >= 200  # ms
     status, out, err = run(str(path), "--machine", "bus", "--headless")
     assert (status, out) == (2, "")
     assert "expected slaves, got no answer" in err

@@ -1,10 +1,11 @@
 """A valve and its sensors at analog terminals on EtherCAT: runs, foreign master, faults, bad input."""
 
-import json
+import re
 import struct
 import subprocess
 import sys
 import time
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,6 @@ from tests.live.test_bus import QUIET, activate, column, running, until
 
 run = runs("run")
 bus_command = runs("bus")
-emulate = runs("emulate")
 
 VALVE = ff.digital_elevator()
 WIRED = {
@@ -150,7 +150,7 @@ def test_silent_or_failed_terminal_gives_no_command_and_nothing_re_engages_by_it
     [
         ({"output_object": "0x7040:1"}, "mapped, which are 0x7000:1, 0x7010:1, 0x7020:1, 0x7030:1; change [bus]"),
         ({"column_object": "0x6020:16"}, "0x6020:16: expected an object of 16 bits"),
-        ({"input_node": 3}, "expected a slave at position 3, got 2 on the wire"),
+        ({"input_node": 3}, "expected a slave at position 3, got 2 on the wire; check power and [bus] input_node"),
     ],
 )
 def test_terminal_that_lacks_what_the_file_names_is_refused(wiring, says):
@@ -230,27 +230,35 @@ def test_record_of_a_valve_over_the_terminals_lies_on_the_simulation():
     assert np.std(off) < 0.03 * np.std(expected)
 
 
+def pasted(file, printed):
+    """A loader file with the rows that an emulator printed, each in place of its own, and the table."""
+    rows, bus = printed.split("[bus]")
+    for part, stated in tomllib.loads(rows).items():
+        above, table = file.split(f"[{part}]\n")
+        for key, value in stated.items():
+            table, replaced = re.subn(rf"^{key} = .*", f'{key} = "{value}"', table, count=1, flags=re.MULTILINE)
+            assert replaced
+        file = f"{above}[{part}]\n{table}"
+    return f"{file}\n[bus]{bus}"
+
+
 @NEEDS_ROOT
 def test_commands_emulate_check_and_run_a_valve(run, bus_command, tmp_path):
     with virtual_interfaces() as ends:
         command = "from forcefeel.cli import main; main()"
         slower = ["--set", "controller.period=1 ms", "--set", "controller.delay=1 ms"]
-        words = ["emulate", "elevator-2khz", "--bus", "ethercat-analog", "--port", ends[1], "--json", *slower]
+        words = ["emulate", "elevator-2khz", "--bus", "ethercat-analog", "--port", ends[1], *slower]
         with subprocess.Popen(
             [sys.executable, "-P", "-c", command, *words], stdout=subprocess.PIPE, text=True
         ) as emulator:
             try:
-                table = json.loads(emulator.stdout.readline())["buses"]["elevator-2khz"]
-                table = "\n".join(table).replace(ends[1], ends[0])
-                path = tmp_path / "valve.toml"
-                coarse = {
-                    "load_cell.resolution": "0.1 lb",
-                    "potentiometer.resolution": "4e-4 in",
-                    "column_sensor.resolution": "1.3e-3 deg",
-                }
+                lines = [emulator.stdout.readline()]
+                while not lines[-1].startswith("column_range"):
+                    lines.append(emulator.stdout.readline())
                 times = {"controller.period": "1 ms", "controller.delay": "1 ms", "safety.overrun_time": "1 s"}
-                text = VALVE.replace(coarse | times).to_toml().split("# [bus]")[0]
-                path.write_text(f"{text}\n{table}\n", encoding="utf-8")
+                text = pasted(VALVE.replace(times).to_toml(), "".join(lines[1:]).replace(ends[1], ends[0]))
+                path = tmp_path / "valve.toml"
+                path.write_text(text, encoding="utf-8")
                 status, out, err = bus_command(str(path), "--move")
                 assert (status, err) == (0, ""), out
                 status, out, err = run(
@@ -259,3 +267,21 @@ def test_commands_emulate_check_and_run_a_valve(run, bus_command, tmp_path):
                 assert (status, err) == (0, ""), out
             finally:
                 emulator.terminate()
+
+
+@NEEDS_ROOT
+def test_input_terminal_of_another_axis_is_refused_with_its_reason(tmp_path):
+    with virtual_interfaces() as ends:
+        wired = [replace(valve(ends[1], node=node, input_node=node + 1), name=f"valve-{node}") for node in (1, 3)]
+        with ff.live.BusEmulator(wired, real_time=False):
+            for axis, loader in zip(("pitch", "roll"), wired, strict=True):
+                shared = replace(loader, bus=replace(loader.bus, port=ends[0], input_node=2))
+                (tmp_path / f"{axis}.toml").write_text(shared.to_toml(), encoding="utf-8")
+            (tmp_path / "cockpit.toml").write_text('[axes]\npitch = "pitch.toml"\nroll = "roll.toml"\n')
+            project = ff.loader.read_project(tmp_path / "cockpit.toml")
+            buses = {axis: loader.bus for axis, loader in project.loaders.items()}
+            says = r"axes\.roll: .*input_node: terminal 2 has the inputs of another axis, even if"
+            with pytest.raises(ff.InputError, match=says):
+                ff.live.start_cockpit(project, "robust", endpoints=buses, real_time=False)
+            with pytest.raises(ff.InputError, match=r"got 2, which pitch has; change \[bus\] input_node"):
+                ff.bus.check_cockpit(project)

@@ -13,7 +13,10 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from tests.command_line import runs
 from tests.live.unhurried import unhurried_elevator
+
+run = runs("run")
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "live-udp"
 
@@ -106,18 +109,30 @@ def test_invalid_packets_are_dropped():
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_c_machine_uses_same_protocol(tmp_path):
+def test_c_machine_uses_same_protocol(run, tmp_path):
     program = tmp_path / "machine"
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", program, EXAMPLES / "machine.c"], check=True)
     with (
         served(program, 0) as address,
-        ff.live.start(ff.digital_elevator(), endpoint=ff.live.Udp(address), real_time=False) as running,
+        ff.live.start(ff.digital_elevator(), "robust", endpoint=ff.live.Udp(address), real_time=False) as running,
     ):
         running.wait(2000)
-        assert running.state.silent == 0
+        assert (running.state.silent, running.state.drive_fault) == (0, "")
         history = running.history(most=100)
         assert np.isfinite(history[:, running.columns.index("column_angle_rad")]).all()
         assert np.isnan(history[:, running.columns.index("pilot_force_n")]).all()
+        requires_pilots_force(run, address, tmp_path)
+
+
+def requires_pilots_force(run, machine, folder):
+    """A machine that measures no pilot's force, under a law that feeds it back: named, and nothing moves."""
+    record = folder / "run" / "record.mcap"
+    words = ["elevator-2khz", "--law", "original", "--machine", machine, "--headless", "--duration", "0.5 s"]
+    status, out, err = run(*words, "--out", str(record.parent))
+    assert (status, err) == (1, "")
+    assert "drive: no pilot's force in the samples; the law requires it: choose the law robust" in " ".join(out.split())
+    assert not ff.live.read_live_record(record).column("enable").any()
+    assert ff.live.replay(record).same
 
 
 @pytest.mark.parametrize("address", ["nowhere", "127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", ":5005"])

@@ -102,7 +102,7 @@ pub trait Codec {
     ///
     /// # Errors
     /// What was expected of it.
-    fn accepts(&self, identity: &Identity) -> Result<(), &'static str>;
+    fn accepts(&self, identity: &Identity) -> Result<(), String>;
 }
 
 /// What a node's machine shows at an instant, in the units of the node.

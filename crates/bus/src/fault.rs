@@ -25,6 +25,8 @@ impl Fault {
     pub const COUNTER: Self = Self(7);
     /// The drive is in another mode.
     pub const MODE: Self = Self(8);
+    /// The samples lack the pilot's force, and the law requires it.
+    pub const NO_PILOT_FORCE: Self = Self(9);
 
     /// The fault of a number, [`Self::UNKNOWN`] where the table lacks it.
     pub fn of(number: u16) -> Self {
@@ -83,6 +85,7 @@ pub const FAULTS: &[(u16, &str, &str)] = &[
     (6, "unknown drive fault", "read the fault with the maker's tool"),
     (7, "wrong working counter", "check the slave's power and cable; if the slave has restarted, start the loop again"),
     (8, "drive not in torque mode", "check the drive's configuration with the maker's tool"),
+    (9, "no pilot's force in the samples", "the law requires it: choose the law robust, or have the machine send it"),
     (132, "moteus: calibration fault", "calibrate with moteus_tool --calibrate"),
     (133, "moteus: motor driver fault", "check the motor's wiring and the supply"),
     (134, "moteus: over voltage", "absorb regenerated power, or raise the supply's rating"),

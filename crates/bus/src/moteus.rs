@@ -9,6 +9,8 @@
 use crate::drive::{Ask, Codec, Identity, Send, State};
 use crate::fault::{Fault, MOTEUS};
 use crate::frame::Frame;
+use alloc::format;
+use alloc::string::String;
 use moteus_protocol::command::{PositionCommand, PositionFormat, StopCommand};
 use moteus_protocol::query::QueryFormat;
 use moteus_protocol::{
@@ -176,9 +178,12 @@ impl Codec for Moteus {
         Some(identity)
     }
 
-    fn accepts(&self, identity: &Identity) -> Result<(), &'static str> {
-        let known = identity.registers == u32::from(CURRENT_REGISTER_MAP_VERSION);
-        if known { Ok(()) } else { Err("register map 5; update its firmware with moteus_tool --flash") }
+    fn accepts(&self, identity: &Identity) -> Result<(), String> {
+        let (known, got) = (u32::from(CURRENT_REGISTER_MAP_VERSION), identity.registers);
+        if got == known {
+            return Ok(());
+        }
+        Err(format!("expected register map {known}, got {got}; update its firmware with moteus_tool --flash"))
     }
 }
 

@@ -19,6 +19,8 @@
 use crate::drive::{ALL_NODES, Ask, Codec, Identity, Send, State};
 use crate::fault::{Fault, ODRIVE_5, ODRIVE_6};
 use crate::frame::Frame;
+use alloc::format;
+use alloc::string::String;
 
 /// Parts of a turn.
 pub(crate) const TURN: f64 = 4_294_967_296.0;
@@ -206,12 +208,13 @@ impl Codec for Odrive {
         self.firmware == Firmware::Five && !frame.remote && frame.id == u32::from(self.node) << 5 | ERRORS
     }
 
-    fn accepts(&self, identity: &Identity) -> Result<(), &'static str> {
-        match (self.firmware, identity.registers) {
-            (Firmware::Five, 5) | (Firmware::Six, 6) => Ok(()),
-            (Firmware::Five, _) => Err("firmware 0.5; say kind = \"odrive\" in [bus]"),
-            (Firmware::Six, _) => Err("firmware 0.6, which states its version; say kind = \"odrive-0.5\" in [bus]"),
-        }
+    fn accepts(&self, identity: &Identity) -> Result<(), String> {
+        let (expected, remedy) = match (self.firmware, identity.registers) {
+            (Firmware::Five, 5) | (Firmware::Six, 6) => return Ok(()),
+            (Firmware::Five, _) => ("0.5", "odrive"),
+            (Firmware::Six, _) => ("0.6, which states its version", "odrive-0.5"),
+        };
+        Err(format!("expected firmware {expected}, got 0.{}; say kind = \"{remedy}\" in [bus]", identity.registers))
     }
 }
 

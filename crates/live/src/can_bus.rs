@@ -93,15 +93,13 @@ impl CanBus {
                     if there.is_empty() { "no other node".to_string() } else { format!("node {}", there.join(", ")) };
                 let why = if self.error { "the adapter reports a bus error" } else { "no answer" };
                 Err(format!(
-                    "expected node {node}, got {why} from it and {there}; check power, cable, adapter and [bus] node"
+                    "expected node {node}, got {why} from it and {there}; check power, cable, adapter, and kind and node of [bus]"
                 ))
             }
             [_] if once > 1 => Err(format!(
                 "expected one node {node}, got {once}, which state no serial number; give each a number of its own with the maker's tool"
             )),
-            [identity] => codec.accepts(identity).map_err(|expected| {
-                format!("node {node}: expected {expected}, got register map {}", identity.registers)
-            }),
+            [identity] => codec.accepts(identity).map_err(|why| format!("node {node}: {why}")),
             several => Err(format!(
                 "expected one node {node}, got {}, with the serial numbers {}; give each a number of its own with the maker's tool",
                 several.len(),

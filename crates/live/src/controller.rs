@@ -9,6 +9,7 @@ use crate::row::Row;
 use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
 use crate::test_signal::TestSignal;
+use forcefeel_bus::fault::Fault;
 use forcefeel_model::control::{Control, ControlOutput, Sample};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::host::ToHost;
@@ -184,6 +185,13 @@ impl Controller {
     /// Packets of the host that were softened.
     pub fn softened(&self) -> u64 {
         self.host.as_ref().map_or(0, |host| host.softened)
+    }
+
+    /// A sample as it came. Without the pilot's force under a law that requires it, it is at fault: the loader does not start, by name.
+    pub fn checked(&self, sampled: Sampled) -> Sampled {
+        let lacks = !self.shared.effects.observer && sampled.sample.pilot_force.is_nan();
+        let drive_fault = if lacks && sampled.drive_fault == 0 { Fault::NO_PILOT_FORCE.0 } else { sampled.drive_fault };
+        Sampled { drive_fault, ..sampled }
     }
 
     /// A cycle: the command, and what there is to see; `missed` beats went by before it.

@@ -53,7 +53,7 @@ impl Cycles {
         while let Ok(disturbance) = self.disturbances.pop() {
             self.machine.disturb(disturbance);
         }
-        let sampled = self.machine.read();
+        let sampled = self.machine.read().map(|sampled| self.controller.checked(sampled));
         let (command, row) = self.controller.step(sampled.as_ref(), missed);
         self.machine.write(&command);
         if let Some(host) = &mut self.host
@@ -103,13 +103,16 @@ impl Cycles {
             clippy::cast_sign_loss,
             reason = "they were whole numbers of 32 bits"
         )]
-        let (state, trips) = (row.state as u32, row.trips as u32);
+        let (state, trips, of_sample) = (row.state as u32, row.trips as u32, row.drive_fault as u32);
         status.state.store(state, Relaxed);
         status.trips.store(trips, Relaxed);
         status.softened.store(self.controller.softened(), Relaxed);
-        let fault = self.machine.fault();
+        let fault = match self.machine.fault() {
+            0 => of_sample,
+            fault => u32::from(fault),
+        };
         if fault != 0 || trips == 0 {
-            status.drive_fault.store(u32::from(fault), Relaxed);
+            status.drive_fault.store(fault, Relaxed);
         }
     }
 }

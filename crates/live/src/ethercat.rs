@@ -57,22 +57,24 @@ impl EtherCat {
         Ok(made)
     }
 
-    /// Position of a node, from one.
-    fn position(&self, node: u8) -> Result<u16, String> {
+    /// Position of the node that a key states, from one.
+    fn position(&self, key: &str, node: u8) -> Result<u16, String> {
         let (count, aliases) = (u16::try_from(self.aliases.len()).unwrap_or(u16::MAX), &self.aliases);
         if node <= MOST_POSITION {
             let position = u16::from(node);
             return if (1..=count).contains(&position) {
                 Ok(position)
             } else {
-                Err(format!("expected a slave at position {node}, got {count} on the wire; check power and [bus] node"))
+                Err(format!(
+                    "expected a slave at position {node}, got {count} on the wire; check power and [bus] {key}"
+                ))
             };
         }
         let mut places = (1..=count).filter(|position| aliases[usize::from(position - 1)] == u16::from(node));
         match (places.next(), places.next()) {
             (Some(position), None) => Ok(position),
             (Some(_), Some(_)) => Err(format!("expected one slave with alias {node}, got more; give each its own")),
-            (None, _) => Err(format!("expected a slave with alias {node}, got aliases {aliases:?}; check [bus] node")),
+            (None, _) => Err(format!("expected a slave with alias {node}, got aliases {aliases:?}; check [bus] {key}")),
         }
     }
 
@@ -161,11 +163,19 @@ impl Segment for EtherCat {
 impl Fieldbus for EtherCat {
     fn connect(&mut self, settings: &NodeSettings, period_s: Option<f64>) -> Result<usize, String> {
         let NodeSettings { node, units, analog, watchdog_s, .. } = settings;
-        let output = self.position(*node)?;
-        let input = analog.map_or(Ok(output), |analog| self.position(analog.input_node))?;
+        let output = self.position("node", *node)?;
+        let input = analog.map_or(Ok(output), |analog| self.position("input_node", analog.input_node))?;
         let positions = [output, input];
-        if self.axes.iter().any(|tap| tap.positions.iter().any(|taken| positions.contains(taken))) {
+        let taken = |position| self.axes.iter().any(|tap| tap.positions.contains(&position));
+        if taken(output) {
             return Err(format!("node: expected one for each axis, got {node} twice; change [bus] node"));
+        }
+        if taken(input) {
+            // An axis starts its terminals itself, and stops them with itself.
+            return Err(format!(
+                "input_node: terminal {input} has the inputs of another axis, even if channels are free; give each axis an input \
+                 terminal of its own, and change [bus] input_node"
+            ));
         }
         let place = self.axes.len();
         let reference = self.axes.iter().find_map(|tap| tap.axis.clock());

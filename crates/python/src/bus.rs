@@ -20,46 +20,110 @@ use forcefeel_model::transducers::SENSORS;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-/// A node: kind, port, number; gear, zero, range of the load cell, turns and zero of the column's encoder, range of the grip's sensor;
-/// watchdog in s; rated torque in N m, counts of both encoders, objects of the sensors, where the drive states none; of a valve's terminals
-/// node of the inputs, objects of output and inputs, ranges of the command in V, of the drive's end in m, of the column in turns.
+/// A node, as the attributes of Python's `Bus`; an object is index and sub-index.
 #[derive(FromPyObject)]
-pub struct NodeOf(String, pub String, u8, WiringOf, f64, Option<UnitsOf>, Option<AnalogOf>);
+#[pyo3(from_item_all)]
+pub struct NodeOf {
+    kind: String,
+    pub port: String,
+    node: u8,
+    gear: f64,
+    zero_rad: f64,
+    watchdog_s: f64,
+    load_cell_n: Option<f64>,
+    column_gear: Option<f64>,
+    column_zero_rad: f64,
+    grip_sensor_n: Option<f64>,
+    rated_torque_n_m: Option<f64>,
+    encoder_counts: Option<f64>,
+    column_counts: Option<f64>,
+    load_cell_object: Option<ObjectOf>,
+    column_object: Option<ObjectOf>,
+    grip_object: Option<ObjectOf>,
+    input_node: Option<u8>,
+    output_v: Option<f64>,
+    output_object: Option<ObjectOf>,
+    position_m: Option<f64>,
+    position_zero_m: Option<f64>,
+    position_object: Option<ObjectOf>,
+    column_range_rad: Option<f64>,
+}
 
-type WiringOf = (f64, f64, Option<f64>, Option<[f64; 2]>, Option<f64>);
-type UnitsOf = (f64, f64, f64, [Option<(u16, u8)>; 3]);
-type AnalogOf = (u8, (u16, u8), [Option<(u16, u8)>; SENSORS], [f64; 3]);
+type ObjectOf = (u16, u8);
 
 impl NodeOf {
     /// The node in the engine's form.
     pub fn settings(&self) -> PyResult<NodeSettings> {
-        let Self(kind, _, node, (gear, zero, load_cell, column, grip), watchdog_s, units, analog) = self;
-        let protocol = Protocol::ALL.iter().find(|(name, _)| name == kind).map(|&(_, protocol)| protocol);
-        let protocol = protocol.ok_or_else(|| refused(format!("kind: {kind:?} is none")))?;
-        let wiring = Wiring { gear: *gear, zero: *zero, load_cell: *load_cell, column: *column, grip: *grip };
-        let units = units.map_or(Units::ONE, |(rated_torque, counts, column_counts, sensors)| Units {
-            rated_torque,
-            counts,
-            column_counts,
-            sensors: sensors.map(|sensor| sensor.map(object)),
-        });
-        let analog = analog.map(|(input_node, output, inputs, ranges)| Analog {
+        let protocol = Protocol::ALL.iter().find(|(name, _)| *name == self.kind).map(|&(_, protocol)| protocol);
+        let protocol = protocol.ok_or_else(|| refused(format!("kind: {:?} is none", self.kind)))?;
+        let (wiring, analog) = match protocol {
+            Protocol::Analog => (self.terminals(), Some(self.analog()?)),
+            _ => (self.wiring(), None),
+        };
+        let units = if protocol == Protocol::EtherCat { self.units() } else { Units::ONE };
+        Ok(NodeSettings { protocol, node: self.node, wiring, watchdog_s: self.watchdog_s, units, analog })
+    }
+
+    /// Of a motor.
+    fn wiring(&self) -> Wiring {
+        let column = self.column_gear.map(|gear| [gear, self.column_zero_rad / TAU]);
+        Wiring {
+            gear: self.gear,
+            zero: self.zero_rad / TAU,
+            load_cell: self.load_cell_n,
+            column,
+            grip: self.grip_sensor_n,
+        }
+    }
+
+    /// Of a valve, whose position is a share of its input's range.
+    fn terminals(&self) -> Wiring {
+        let zero = self.position_zero_m.unwrap_or(0.0) / self.position_m.unwrap_or(1.0);
+        Wiring { zero, column: Some([1.0, self.column_zero_rad / TAU]), ..self.wiring() }
+    }
+
+    fn units(&self) -> Units {
+        let [load_cell, _, column, grip] = self.sensors(self.column_gear.is_some());
+        Units {
+            rated_torque: self.rated_torque_n_m.unwrap_or(1.0),
+            counts: self.encoder_counts.unwrap_or(1.0),
+            column_counts: self.column_counts.unwrap_or(1.0),
+            sensors: [load_cell, column, grip],
+        }
+    }
+
+    fn analog(&self) -> PyResult<Analog> {
+        let (Some(input_node), Some(output)) = (self.input_node, self.output_object) else {
+            return Err(refused("input_node, output_object: missing value"));
+        };
+        Ok(Analog {
             input_node,
             output: object(output),
-            inputs: inputs.map(|input| input.map(object)),
-            output_range: ranges[0],
-            position_range: ranges[1],
-            column_range: ranges[2],
-        });
-        Ok(NodeSettings { protocol, node: *node, wiring, watchdog_s: *watchdog_s, units, analog })
+            inputs: self.sensors(true),
+            output_range: self.output_v.unwrap_or(1.0),
+            position_range: self.position_m.unwrap_or(1.0),
+            column_range: self.column_range_rad.unwrap_or(1.0) / TAU,
+        })
+    }
+
+    /// Objects of load cell, drive's end, column and force sensor at the grip, of those that are wired.
+    fn sensors(&self, column: bool) -> [Option<Object>; SENSORS] {
+        let of = |wired: bool, stated: Option<ObjectOf>| stated.filter(|_| wired).map(object);
+        [
+            of(self.load_cell_n.is_some(), self.load_cell_object),
+            of(true, self.position_object),
+            of(column, self.column_object),
+            of(self.grip_sensor_n.is_some(), self.grip_object),
+        ]
     }
 }
 
-fn object((index, sub): (u16, u8)) -> Object {
+fn object((index, sub): ObjectOf) -> Object {
     Object::new(index, sub)
 }
 
@@ -70,7 +134,7 @@ pub struct Ports(BTreeMap<String, Port>);
 impl Ports {
     /// Connects to the node of an axis; axes at one port share it.
     pub fn connect(&mut self, py: Python<'_>, node: &NodeOf, setup: &Setup, by_clock: bool) -> PyResult<OnBus> {
-        let (settings, port) = (node.settings()?, &node.1);
+        let (settings, port) = (node.settings()?, &node.port);
         let named = |why: String| PyOSError::new_err(format!("{port}: {why}"));
         if !self.0.contains_key(port) {
             let bus = py.detach(|| opened(port, settings.protocol))?;

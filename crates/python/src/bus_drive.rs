@@ -57,7 +57,7 @@ fn locked(drive: &Mutex<OnBus>) -> MutexGuard<'_, OnBus> {
 #[pyfunction]
 pub fn bus_nodes(py: Python<'_>, node: NodeOf) -> PyResult<Vec<Described>> {
     let settings = node.settings()?;
-    let nodes = py.detach(|| opened(&node.1, settings.protocol).map(|mut bus| bus.nodes(&settings)))?;
+    let nodes = py.detach(|| opened(&node.port, settings.protocol).map(|mut bus| bus.nodes(&settings)))?;
     let mut nodes: Vec<_> = nodes.iter().map(described).collect();
     nodes.sort();
     Ok(nodes)

@@ -29,7 +29,7 @@ impl BusEmulator {
         power_s: f64,
     ) -> PyResult<Self> {
         let axes = nodes.len();
-        let interface = nodes.first().map_or_else(String::new, |(_, node, _)| node.1.clone());
+        let interface = nodes.first().map_or_else(String::new, |(_, node, _)| node.port.clone());
         let places = nodes.into_iter().map(|(setup, node, script)| {
             let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
             Ok((setup.setup().clone(), node.settings()?, script))

@@ -204,6 +204,16 @@ fn machine(
     Ok(Other::Simulated(machine))
 }
 
+/// An error of the system with the axis of a project that has it.
+fn of_axis(py: Python<'_>, prefix: &str, error: PyErr) -> PyErr {
+    match prefix.strip_prefix('/') {
+        Some(axis) if error.is_instance_of::<PyOSError>(py) => {
+            PyOSError::new_err(format!("axes.{axis}: {}", error.value(py)))
+        }
+        _ => error,
+    }
+}
+
 /// Joins simulated machines by the shafts of the mechanical links; a real one has its own.
 fn join(machines: Vec<Other>, links: &[LinkOf]) -> PyResult<Vec<Box<dyn InputOutput>>> {
     let mut machines: Vec<_> = machines.into_iter().map(Some).collect();
@@ -256,7 +266,8 @@ pub fn start_loops(
         let linked = links.iter().any(|link| link.2.is_none() && link.0.contains(&place));
         let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
         let script = Script { stream: place as u64, linked, ..script };
-        machines.push(machine(py, &mut setup, script, real, &mut ports, real_time)?);
+        let made = machine(py, &mut setup, script, real, &mut ports, real_time);
+        machines.push(made.map_err(|error| of_axis(py, &prefix, error))?);
         setup.host = host.is_some();
         let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
         let requests = requests.collect::<PyResult<_>>()?;

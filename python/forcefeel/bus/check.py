@@ -14,7 +14,7 @@ from forcefeel.bus.result import BusCheck, BusDelay, BusNode, Finding
 from forcefeel.errors import InputError
 from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
-from forcefeel.loader.bus import ANALOG, Bus
+from forcefeel.loader.bus import ANALOG, ETHERCAT, Bus
 from forcefeel.loader.consistency import MOST_UNDER_WAY
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
@@ -60,12 +60,7 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
         desktop-yoke: expected a drive on a bus; add the table [bus] with kind, port and node to its file
     """
     bus = bus_of(loader)
-    setup, _ = made_of(loader, live_law(None, loader), supervised=False)
-    nodes = nodes_of(bus)
-    try:
-        drive = _core.BusDrive(setup, bus.engine)
-    except OSError as error:
-        raise InputError(f"bus: {error}") from error
+    nodes, drive = nodes_of(bus), drive_of(loader)
     delay = _delay(drive.round_trips(COMMANDS), loader)
     watchdog = _watchdog(drive, bus)
     directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
@@ -80,6 +75,19 @@ def nodes_of(bus: Bus) -> tuple[BusNode, ...]:
     """
     try:
         return tuple(BusNode(*node) for node in _core.bus_nodes(bus.engine))
+    except OSError as error:
+        raise InputError(f"bus: {error}") from error
+
+
+def drive_of(loader: Loader) -> _core.BusDrive:
+    """The drive of a loader, found on its bus and stopped.
+
+    Raises:
+        InputError: If it is missing, double, of another firmware, or cannot be driven.
+    """
+    setup, _ = made_of(loader, live_law(None, loader), supervised=False)
+    try:
+        return _core.BusDrive(setup, bus_of(loader).engine)
     except OSError as error:
         raise InputError(f"bus: {error}") from error
 
@@ -223,7 +231,9 @@ class _Directions:
             ratio = base / (position / self.loader["linkage.ratio"])
             ok = bool(0.5 < ratio < 2)  # the link's stretch is small; another gear is not
             other = "position" if valve else "gear"
-            remedy = f"negate {column}, or {other}, in [bus]" if ratio < 0 else f"check {column} in [bus]"
+            counted = self.bus.kind == ETHERCAT
+            scales = f"{column}, {other}, encoder_counts and column_counts" if counted else f"{column} and {other}"
+            remedy = f"negate {column}, or {other}, in [bus]" if ratio < 0 else f"check {scales} in [bus]"
             name = "column sensor" if valve else "column encoder"
             findings.append(Finding(name, ok, f"{to_text(ratio, 3)} of the {drive}'s angle", "" if ok else remedy))
         if self.bus.load_cell_n is not None:

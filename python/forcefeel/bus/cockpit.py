@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from forcefeel.bus.check import check_bus, nodes_of, whole_periods
+from forcefeel.bus.check import check_bus, drive_of, whole_periods
 from forcefeel.bus.load import bus_load
 from forcefeel.bus.result import BusCheck, BusNode, Finding
 from forcefeel.errors import InputError
 from forcefeel.live.bus import bus_of
-from forcefeel.loader.bus import Bus
+from forcefeel.loader.bus import ANALOG, ETHERCAT
+from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 
 
@@ -43,8 +44,7 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
         move: Whether the directions are tested, one axis after the other.
 
     Raises:
-        InputError: Before anything is powered, if two axes have one node at one port, or the node of an axis is missing or there
-            twice; otherwise as ``check_bus``, with the axis.
+        InputError: As ``check_bus``, with the axis, before anything is powered; also if two axes have one node at one port.
 
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/cockpit.toml")
@@ -57,12 +57,15 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
     buses = project.each(lambda _, loader: bus_of(loader))
     taken: dict[tuple[str, int], str] = {}
     for axis, bus in buses.items():
-        if (other := taken.setdefault((bus.port, bus.node), axis)) != axis:
-            raise InputError(
-                f"{project.path}: axes.{axis}: expected a node of its own at {bus.port}, got {bus.node}, which {other} has; change "
-                "[bus] node, and the drive's number with the maker's tool"
-            )
-    project.each(lambda axis, _: _check_alone(buses[axis]))
+        for key, node in (("node", bus.node), ("input_node", bus.input_node)):
+            if node is not None and (other := taken.setdefault((bus.port, node), axis)) != axis:
+                # On EtherCAT the place on the wire is the number.
+                also = "" if bus.kind in {ETHERCAT, ANALOG} else ", and the drive's number with the maker's tool"
+                raise InputError(
+                    f"{project.path}: axes.{axis}: expected a node of its own at {bus.port}, got {node}, which {other} has; change "
+                    f"[bus] {key}{also}"
+                )
+    project.each(lambda _, loader: _check_drive(loader))
     checks = project.each(lambda _, loader: check_bus(loader, move=move))
     together = {
         axis: sum(checks[other].delay.p99_s for other in buses if buses[other].port == bus.port)
@@ -87,15 +90,6 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
     return CockpitBusCheck(MappingProxyType(axes), MappingProxyType(others), next(iter(checks.values())).host)
 
 
-def _check_alone(bus: Bus) -> None:
-    """Refuses a node that is not there, or twice."""
-    serials = [node.serial for node in nodes_of(bus) if node.node == bus.node]
-    if not serials:
-        raise InputError(
-            f"bus: {bus.port}: expected node {bus.node}, got no answer from it; check power, cable, adapter and [bus] node"
-        )
-    if len(serials) > 1:
-        raise InputError(
-            f"bus: {bus.port}: expected one node {bus.node}, got {len(serials)}, with the serial numbers "
-            f"{' and '.join(serials)}; give each a number of its own with the maker's tool"
-        )
+def _check_drive(loader: Loader) -> None:
+    """Refuses a drive that cannot be driven; the port is free again."""
+    drive_of(loader)

@@ -37,6 +37,9 @@ TERMINALS: dict[str, Any] = {
 }
 """Objects of a valve's terminals that no file states."""
 
+_DIGITS = 4
+"""Of the step of an input."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EmulateOptions(LoaderOptions, OutputOptions):
@@ -58,6 +61,15 @@ class EmulateOptions(LoaderOptions, OutputOptions):
             default="a pseudo terminal of the system's name",
         ),
     ] = None
+    power_time: Annotated[
+        str | None,
+        option(
+            "Time that each drive takes to act once it is enabled, such as '0.8 s'; a valve's amplifier acts at once.",
+            BUS,
+            default="0 s",
+            metavar="TIME",
+        ),
+    ] = None
     duration: Annotated[
         str | None, option("Duration, such as '10 s'.", BUS, default="until Ctrl-C", metavar="TIME")
     ] = None
@@ -66,7 +78,8 @@ class EmulateOptions(LoaderOptions, OutputOptions):
 def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOptions()) -> None:
     """Run a loader's simulated machine behind its drive's bus: a serial port that any client of the drive opens.
 
-    Prints the port, then the table [bus] of each loader. forcefeel run --machine bus and any client of the drive open it.
+    Prints the port, then the table [bus] of each loader, and the rows of its file that state finer sensors than the inputs of a
+    terminal. forcefeel run --machine bus and any client of the drive open it.
     A moteus is behind an fdcanusb adapter, for moteus_tool and the Python package moteus; an ODrive behind an slcan adapter, for
     python-can with interface="slcan"; a drive on EtherCAT at a network interface, for any master. All axes of a project are on one
     bus.
@@ -76,10 +89,13 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
     from forcefeel.live import BusEmulator
 
     lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
+    power_s = 0.0 if options.power_time is None else seconds("--power-time", options.power_time)
+    if not power_s >= 0:
+        raise InputError(f"--power-time: expected a time of 0 s or more, got {options.power_time}")
     project = options.project(path)
     loaders = {"": options.loader(path)} if project is None else dict(project.loaders)
     wired = [_on_bus(loader, options, node) for node, loader in enumerate(loaders.values(), 1)]
-    with stop_signals() as stopped, BusEmulator(wired) as emulator:
+    with stop_signals() as stopped, BusEmulator(wired, power_s=power_s) as emulator:
         link = None if _on_ethercat(wired) else options.port
         port = emulator.port if link is None else _link(link, emulator.port)
         try:
@@ -92,8 +108,17 @@ def run(path: LoaderOrProject = None, /, *, options: EmulateOptions = EmulateOpt
 
 def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
     """Prints the port and the tables at once: others wait for them."""
+    from forcefeel.live.bus import bus_of, coarser_inputs
     from forcefeel.loader.bus import write
+    from forcefeel.loader.parameters import TABLE, with_unit
 
+    rows = {
+        loader.name: {
+            row: with_unit(TABLE[row], step, options.units, _DIGITS)
+            for row, step in coarser_inputs(bus_of(loader), loader).items()
+        }
+        for loader in loaders
+    }
     tables = {
         loader.name: [
             line.split("  #")[0].rstrip()
@@ -103,11 +128,17 @@ def _show(loaders: "list[Loader]", port: str, options: EmulateOptions) -> None:
         for loader in loaders
     }
     if options.json:
-        print(json.dumps({"port": port, "buses": tables}), flush=True)
+        print(json.dumps({"port": port, "buses": tables, "rows": rows}), flush=True)
         return
     print(f"port: {port}", flush=True)
     for name, lines in tables.items():
-        print(f"\n# {name}", *lines, sep="\n", flush=True)
+        print(f"\n# {name}")
+        if rows[name]:
+            print("# Replace these rows of its file: the inputs are coarser than its sensors.")
+        for row, stated in rows[name].items():
+            part, _, key = row.partition(".")
+            print(f'[{part}]\n{key} = "{stated}"')
+        print(*lines, sep="\n", flush=True)
 
 
 def _on_ethercat(loaders: "list[Loader]") -> bool:

@@ -119,8 +119,8 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
 
     Prints the address of the console, a page of this machine. The first client that opens it has control. Ctrl-C or SIGTERM fades
     out the feel and stops the loop. The loop has its own thread and the period of the loader's controller. A Linux process is no
-    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, the record ended
-    before the run, for example on a full disk, or the loader refused the flight of --aircraft.
+    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, the drive reports a
+    fault, the record ended before the run, for example on a full disk, or the loader refused the flight of --aircraft.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
@@ -172,7 +172,8 @@ def run(path: LoaderOrProject = None, /, *, options: RunOptions = RunOptions()) 
         as_json=options.json,
     )
     refused = flight is not None and flight.report.refused
-    if refused or any(session.trips or session.state.record_ended for session in axes.values()):
+    states = [session.state for session in axes.values()]
+    if refused or any(state.trips or state.drive_fault or state.record_ended for state in states):
         raise SystemExit(BAD_ANSWER)
 
 

@@ -57,9 +57,7 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
             f"law: {law.name} requires a load cell and an encoder at the column, and [bus] has none; use {TORQUE_MODE}, or add "
             "load_cell and column_gear"
         )
-    sensed = {f"{sensor}.resolution" for sensor in sensors_of(loader)}
-    coarser = {row: step for row, step in bus.resolution.items() if row in sensed and loader[row] < _ALMOST * step}
-    if coarser:
+    if coarser := coarser_inputs(bus, loader):
         rows = ", ".join(f"{row} = {to_text(step, 4)} {TABLE[row].unit_si}" for row, step in coarser.items())
         raise InputError(f"the inputs of [bus] are coarser than the loader's sensors, and a law must know; set {rows}")
     period, delay = loader["controller.period"], loader["controller.delay"]
@@ -68,6 +66,12 @@ def check_bus(bus: Bus, loader: Loader, law: Law) -> None:
             f"controller.delay: a bus answers a period later: expected at least {1e3 * period:g} ms, got {1e3 * delay:g} ms; "
             "change it in the loader file"
         )
+
+
+def coarser_inputs(bus: Bus, loader: Loader) -> dict[str, float]:
+    """Rows of a loader that state finer sensors than the inputs of a bus, with the steps of these, SI."""
+    sensed = {f"{sensor}.resolution" for sensor in sensors_of(loader)}
+    return {row: step for row, step in bus.resolution.items() if row in sensed and loader[row] < _ALMOST * step}
 
 
 class BusEmulator(EndsWithBlock):
@@ -113,14 +117,14 @@ class BusEmulator(EndsWithBlock):
             bus = bus_of(loader)
             setup, steps = made_of(loader, live_law(None, loader), supervised=False, scenario=scenario)
             nodes.append((setup, bus.engine, script_of(steps, scenario) if scenario else None))
-        kinds, numbers = ([node[1][place] for node in nodes] for place in (0, 2))
+        kinds, numbers = ([node[1][of] for node in nodes] for of in ("kind", "node"))
         if len(set(kinds)) != 1 or len(set(numbers)) < len(numbers):
             raise InputError("loaders: expected one or more of one kind of bus, each with a node of its own")
-        self._kind = kinds[0]
+        self._on_ethercat = kinds[0] in {ETHERCAT, ANALOG}
         try:
             self._emulator = _core.BusEmulator(nodes, by_clock=real_time, power_s=power_s)
         except OSError as error:
-            raise InputError(f"cannot emulate a bus at {nodes[0][1][1]}: {error}") from error
+            raise InputError(f"cannot emulate a bus at {nodes[0][1]['port']}: {error}") from error
 
     def end(self) -> None:
         """Close the port."""
@@ -177,7 +181,7 @@ class BusEmulator(EndsWithBlock):
         Raises:
             InputError: On EtherCAT, where the place on the wire is the number.
         """
-        if self._kind in {ETHERCAT, ANALOG}:
+        if self._on_ethercat:
             raise InputError("add_twin: is for drives on CAN; on EtherCAT the place on the wire is the number")
         self._emulator.add_twin(axis)
 

@@ -32,7 +32,8 @@ class State:
         unrecorded_rows: Rows missing because the record ended before the loop, as on a full disk.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.
-        drive_fault: Last fault of the drive or its bus, and its remedy; empty once trips are cleared and the drive is well.
+        drive_fault: Last fault of the drive, its bus or its samples, and its remedy; empty once trips are cleared and the drive is
+            well.
 
     Example:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:

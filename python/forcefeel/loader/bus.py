@@ -2,78 +2,86 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from math import isfinite, tau
+from dataclasses import MISSING, dataclass, field, fields
+from math import isfinite
 from typing import Any
 
 from forcefeel import _core
 from forcefeel.errors import InputError, suggestion
 from forcefeel.loader.parameters import HYDRAULIC
-from forcefeel.units import UnitSystem, parse, show, to_text
+from forcefeel.units import (
+    ANGLE,
+    FORCE,
+    LENGTH,
+    RATIO,
+    SECONDS,
+    TORQUE,
+    VOLTAGE,
+    Unit,
+    UnitSystem,
+    parse,
+    show,
+    to_text,
+)
 
 UDP = "udp"
 KINDS = (*(kind for kind, _, _ in _core.bus_kinds()), UDP)
 """Kinds of drives, and a machine that answers the packets of ``docs/reference/live.md``."""
 
-_Object = tuple[int, int] | None
-_Objects = tuple[_Object, _Object, _Object]
-Engine = tuple[
-    str,
-    str,
-    int,
-    tuple[float, float, float | None, tuple[float, float] | None, float | None],
-    float,
-    tuple[float, float, float, _Objects] | None,
-    tuple[int, tuple[int, int], tuple[_Object, _Object, _Object, _Object], tuple[float, float, float]] | None,
-]
-"""Kind, port, node; gear, zero, load cell, gear and zero of the column's encoder, grip sensor; watchdog; of EtherCAT rated torque,
-counts of both encoders, objects of the sensors; of a valve's terminals node of the inputs, objects of output and inputs, ranges of
-command, drive's end and column."""
-
 ETHERCAT, ANALOG = "ethercat", "ethercat-analog"
-_ONLY: Mapping[str, tuple[str, ...]] = {
-    ETHERCAT: ("rated_torque_n_m", "encoder_counts", "column_counts"),
-    ANALOG: (
-        "input_node",
-        "output_v",
-        "output_object",
-        "position_m",
-        "position_zero_m",
-        "position_object",
-        "column_range_rad",
-    ),
-}
-"""What one kind alone has."""
 
-_SENSORS = {
-    "load_cell_n": "load_cell_object",
-    "column_gear": "column_object",
-    "grip_sensor_n": "grip_object",
-}
-_REQUIRED_OF: Mapping[str, tuple[str, ...]] = {
-    ETHERCAT: ("rated_torque_n_m", "encoder_counts"),
-    ANALOG: (
-        "input_node",
-        "output_v",
-        "output_object",
-        "load_cell_n",
-        "load_cell_object",
-        "position_m",
-        "position_object",
-        "column_range_rad",
-        "column_object",
-    ),
-}
-_OF_A_MOTOR = {"gear": 1.0, "zero_rad": 0.0, "column_gear": None}
-"""What a valve's terminals lack, as it is where it is not stated."""
-
-_OBJECTS = (*_SENSORS.values(), "output_object", "position_object")
+Engine = Mapping[str, str | float | tuple[int, int] | None]
+"""Every row of the table by its attribute, an object as index and sub-index."""
 
 _END = 32767
 """Number at the end of an analog input's range."""
 
 _NODES = {kind: (first, last) for kind, first, last in _core.bus_kinds()}
 _LONGEST_WATCHDOG_S = 1.0
+
+
+@dataclass(frozen=True)
+class _Row:
+    """What there is to say of an attribute of ``Bus``, beside its name, type and default.
+
+    Attributes:
+        unit: Its unit; the key of the file is the attribute without it.
+        example, meaning: For the file.
+        kinds: The kinds that may state it.
+        required: Those of them that must.
+        object_of: The sensor that this object has.
+        terminal: Example at analog terminals, where it is another.
+        step_of: The loader's sensor whose resolution is the step of this analog input.
+    """
+
+    unit: Unit
+    example: str
+    meaning: str
+    kinds: tuple[str, ...] = KINDS
+    required: tuple[str, ...] = ()
+    object_of: str = ""
+    terminal: str = ""
+    step_of: str = ""
+
+
+def _row(unit: Unit, example: str, meaning: str, **more: Any) -> Mapping[str, _Row]:
+    return {"row": _Row(unit, example, meaning, **more)}
+
+
+def _optional(default: float | None, unit: Unit, example: str, meaning: str, **more: Any) -> Any:
+    return field(default=default, metadata=_row(unit, example, meaning, **more))
+
+
+_MOTORS = tuple(kind for kind in KINDS if kind != ANALOG)
+_DRIVE: Any = {"kinds": (ETHERCAT,), "required": (ETHERCAT,)}
+_VALVE: Any = {"kinds": (ANALOG,), "required": (ANALOG,)}
+
+
+def _object_of(sensor: str, channel: int) -> Any:
+    """The object of a sensor, at analog terminals of a channel."""
+    required = () if sensor == "grip_sensor_n" else (ANALOG,)
+    terminal = f"0x60{channel}0:17"
+    return {"kinds": (ETHERCAT, ANALOG), "required": required, "object_of": sensor, "terminal": terminal}
 
 
 @dataclass(frozen=True)
@@ -115,29 +123,94 @@ class Bus:
         1
     """
 
-    kind: str
-    port: str
-    node: int = 1
-    gear: float = 1.0
-    zero_rad: float = 0.0
-    watchdog_s: float = 0.1
-    load_cell_n: float | None = None
-    column_gear: float | None = None
-    column_zero_rad: float = 0.0
-    grip_sensor_n: float | None = None
-    rated_torque_n_m: float | None = None
-    encoder_counts: float | None = None
-    column_counts: float | None = None
-    load_cell_object: str | None = None
-    column_object: str | None = None
-    grip_object: str | None = None
-    input_node: int | None = None
-    output_v: float | None = None
-    output_object: str | None = None
-    position_m: float | None = None
-    position_zero_m: float | None = None
-    position_object: str | None = None
-    column_range_rad: float | None = None
+    kind: str = field(
+        metadata=_row(RATIO, "moteus", f"{', '.join(KINDS[:-1])}, or {UDP} for a machine over the network")
+    )
+    port: str = field(
+        metadata=_row(RATIO, "/dev/ttyACM0", "serial port of the adapter; of ethercat the interface; of udp host:port")
+    )
+    node: int = _optional(
+        1, RATIO, "1", "number of the drive on the bus; of ethercat its position, or from 128 on its alias"
+    )
+    gear: float = _optional(
+        1.0,
+        RATIO,
+        "1",
+        "turns of the motor per turn that the drive states; negative if they run against each other",
+        kinds=_MOTORS,
+    )
+    zero_rad: float = _optional(
+        0.0, ANGLE, "0 deg", "angle that the drive states with the column at neutral", kinds=_MOTORS
+    )
+    watchdog_s: float = _optional(
+        0.1, SECONDS, "100 ms", "time without a command after which a moteus or EtherCAT drive stops"
+    )
+    load_cell_n: float | None = _optional(
+        None,
+        FORCE,
+        "400 N",
+        "force at the end of the input's range; none unless given",
+        required=(ANALOG,),
+        step_of="load_cell",
+    )
+    column_gear: float | None = _optional(
+        None, RATIO, "1", "turns of the column per turn of its encoder; none unless given", kinds=_MOTORS
+    )
+    column_zero_rad: float = _optional(0.0, ANGLE, "0 deg", "angle of that encoder with the column at neutral")
+    grip_sensor_n: float | None = _optional(
+        None, FORCE, "100 N", "the same of the force sensor at the grip", step_of="grip_sensor"
+    )
+    rated_torque_n_m: float | None = _optional(
+        None, TORQUE, "2 N m", "ethercat: rated torque of the drive, 0x6076", **_DRIVE
+    )
+    encoder_counts: float | None = _optional(
+        None, RATIO, "1048576", "ethercat: counts of 0x6064 per revolution", **_DRIVE
+    )
+    column_counts: float | None = _optional(
+        None, RATIO, "1048576", "ethercat: counts of the encoder at the column per revolution", kinds=(ETHERCAT,)
+    )
+    load_cell_object: str | None = _optional(
+        None, RATIO, "0x2100:1", "ethercat: object of the load cell's input of 16 bits", **_object_of("load_cell_n", 0)
+    )
+    column_object: str | None = _optional(
+        None, RATIO, "0x60E4:1", "ethercat: object of the encoder at the column", **_object_of("column_gear", 2)
+    )
+    grip_object: str | None = _optional(
+        None,
+        RATIO,
+        "0x2100:2",
+        "ethercat: object of the grip sensor's input of 16 bits",
+        **_object_of("grip_sensor_n", 3),
+    )
+    input_node: int | None = _optional(
+        None, RATIO, "2", "ethercat-analog: terminal with the inputs; node is that with the output", **_VALVE
+    )
+    output_v: float | None = _optional(
+        None, VOLTAGE, "10 V", "ethercat-analog: command at the end of the output's range", **_VALVE
+    )
+    output_object: str | None = _optional(
+        None, RATIO, "0x7000:1", "ethercat-analog: object of the output of 16 bits", **_VALVE
+    )
+    position_m: float | None = _optional(
+        None,
+        LENGTH,
+        "4 in",
+        "ethercat-analog: drive's end at the end of its input's range",
+        **_VALVE,
+        step_of="potentiometer",
+    )
+    position_zero_m: float | None = _optional(
+        None, LENGTH, "0 in", "ethercat-analog: what it shows with the column at neutral", kinds=(ANALOG,)
+    )
+    position_object: str | None = _optional(None, RATIO, "0x6010:17", "ethercat-analog: object of that input", **_VALVE)
+    column_range_rad: float | None = _optional(
+        None,
+        ANGLE,
+        "30 deg",
+        "ethercat-analog: column at the end of its input's range",
+        **_VALVE,
+        step_of="column_sensor",
+    )
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -147,31 +220,16 @@ class Bus:
         if not isinstance(self.port, str) or not self.port:
             raise InputError(f"port: expected a serial port such as /dev/ttyACM0, got {show(self.port)}")
         first, last = _NODES.get(self.kind, (0, 255))
-        for name in ("node", "input_node"):
+        for name in _WHOLE:
             number = getattr(self, name)
             whole = isinstance(number, int) and not isinstance(number, bool)
             if number is not None and not (whole and first <= number <= last):
                 raise InputError(f"{name}: expected {first} to {last}, got {show(number)}")
-        for name in (
-            "gear",
-            "zero_rad",
-            "watchdog_s",
-            "load_cell_n",
-            "column_gear",
-            "column_zero_rad",
-            "grip_sensor_n",
-            "rated_torque_n_m",
-            "encoder_counts",
-            "column_counts",
-            "output_v",
-            "position_m",
-            "position_zero_m",
-            "column_range_rad",
-        ):
+        for name in _NUMBERS:
             value = getattr(self, name)
             if value is not None and not (isinstance(value, int | float) and isfinite(value)):
                 raise InputError(f"{name}: expected a finite number, got {show(value)}")
-            if value == 0 and name not in {"zero_rad", "column_zero_rad", "position_zero_m"}:
+            if value == 0 and "zero" not in name:
                 raise InputError(f"{name}: expected a number other than zero")
         if not 0 < self.watchdog_s <= _LONGEST_WATCHDOG_S:
             raise InputError(f"watchdog: expected up to {_LONGEST_WATCHDOG_S:g} s, got {self.watchdog_s:g} s")
@@ -179,32 +237,26 @@ class Bus:
 
     def _check_kind(self) -> None:
         """Check that what a kind requires is stated, and nothing of another kind."""
-        required = set(_REQUIRED_OF.get(self.kind, ()))
-        if self.kind in _ONLY:
-            required |= {of for sensor, of in _SENSORS.items() if getattr(self, sensor) is not None}
-        if self.kind == ETHERCAT and self.column_gear is not None:
-            required.add("column_counts")
-        kinds: dict[str, tuple[str, ...]] = {name: (kind,) for kind, names in _ONLY.items() for name in names}
-        kinds |= dict.fromkeys(_SENSORS.values(), tuple(_ONLY))
-        for name, of in kinds.items():
-            if self.kind not in of and getattr(self, name) is not None:
-                stated = " or ".join(f'"{kind}"' for kind in of)
+        for name, row in _ROWS.items():
+            value = getattr(self, name)
+            if self.kind not in row.kinds and value != _DEFAULTS[name]:
+                if row.kinds == _MOTORS:
+                    raise InputError(f'{_KEYS[name]}: not with kind = "{ANALOG}"; change position and column instead')
+                stated = " or ".join(f'"{kind}"' for kind in row.kinds)
                 raise InputError(
                     f"{_KEYS[name]}: expected it with kind = {stated} only, got kind {show(self.kind)}; leave it out"
                 )
-        for key, (name, *_) in _FILE.items():
-            if name in required and getattr(self, name) is None:
-                source = "from the drive's manual" if self.kind == ETHERCAT else "as it is wired"
-                raise InputError(f"{key}: missing value; add {key} = {_example(key, self.kind)}, {source}")
-        for name in _ONLY[ETHERCAT]:
-            if (value := getattr(self, name)) is not None and value <= 0:
+            if row.kinds == (ETHERCAT,) and value is not None and value <= 0:
                 raise InputError(f"{_KEYS[name]}: expected a positive number, got {value:g}")
-        if self.kind == ANALOG:
-            for name, unstated in _OF_A_MOTOR.items():
-                if getattr(self, name) != unstated:
-                    raise InputError(f'{_KEYS[name]}: not with kind = "{ANALOG}"; change position and column instead')
-        for name in _OBJECTS:
-            _object(name, getattr(self, name))
+        for name, row in _ROWS.items():
+            wired = bool(row.object_of) and getattr(self, row.object_of) is not None and self.kind in row.kinds
+            counted = name == "column_counts" and self.kind == ETHERCAT and self.column_gear is not None
+            if getattr(self, name) is None and (self.kind in row.required or wired or counted):
+                source = "from the drive's manual" if self.kind == ETHERCAT else "as it is wired"
+                key = _KEYS[name]
+                raise InputError(f"{key}: missing value; add {key} = {_example(name, self.kind)}, {source}")
+            if name in _OBJECTS:
+                _object(name, getattr(self, name))
 
     @property
     def senses(self) -> bool:
@@ -216,38 +268,14 @@ class Bus:
         """Steps of analog inputs by the row of the loader that states them, SI; of other kinds none."""
         if self.kind != ANALOG:
             return {}
-        ranges = {
-            "load_cell.resolution": self.load_cell_n,
-            "potentiometer.resolution": self.position_m,
-            "column_sensor.resolution": self.column_range_rad,
-            "grip_sensor.resolution": self.grip_sensor_n,
-        }
-        return {row: abs(end) / _END for row, end in ranges.items() if end is not None}
+        ends = {f"{row.step_of}.resolution": getattr(self, name) for name, row in _ROWS.items() if row.step_of}
+        return {row: abs(end) / _END for row, end in ends.items() if end is not None}
 
     @property
     def engine(self) -> Engine:
-        """Kind, port, node, wiring and watchdog in the engine's form."""
-        column = None if self.column_gear is None else (self.column_gear, self.column_zero_rad / tau)
-        gear, zero, units, analog = self.gear, self.zero_rad / tau, None, None
-        load_cell, angle, grip = (
-            _object(of, getattr(self, of)) if wired is not None else None
-            for of, wired in zip(
-                _SENSORS.values(),
-                (self.load_cell_n, self.column_gear or self.column_range_rad, self.grip_sensor_n),
-                strict=True,
-            )
-        )
-        if self.kind == ETHERCAT:
-            rated, counts, column_counts = self.rated_torque_n_m, self.encoder_counts, self.column_counts
-            units = (rated or 1.0, counts or 1.0, column_counts or 1.0, (load_cell, angle, grip))
-        if self.kind == ANALOG:
-            position, output = self.position_m or 1.0, _object("output_object", self.output_object) or (0, 0)
-            zero, column = (self.position_zero_m or 0.0) / position, (1.0, self.column_zero_rad / tau)
-            inputs = (load_cell, _object("position_object", self.position_object), angle, grip)
-            ranges = (self.output_v or 1.0, position, (self.column_range_rad or 1.0) / tau)
-            analog = (self.input_node or 0, output, inputs, ranges)
-        wiring = (gear, zero, self.load_cell_n, column, self.grip_sensor_n)
-        return self.kind, self.port, self.node, wiring, self.watchdog_s, units, analog
+        """Every row in the engine's form."""
+        values = {name: getattr(self, name) for name in _ROWS}
+        return values | {name: _object(name, values[name]) for name in _OBJECTS}
 
 
 def check_drive(kind: str, drive: str) -> None:
@@ -280,59 +308,28 @@ def _object(name: str, text: str | None) -> tuple[int, int] | None:
     return index, sub
 
 
-_FILE: Mapping[str, tuple[str, str, str, str]] = {
-    "kind": (
-        "kind",
-        "",
-        "moteus",
-        "moteus, odrive, odrive-0.5, ethercat, ethercat-analog, or udp for a machine over the network",
-    ),
-    "port": ("port", "", "/dev/ttyACM0", "serial port of the adapter; of ethercat the interface; of udp host:port"),
-    "node": ("node", "", "1", "number of the drive on the bus; of ethercat its position, or from 128 on its alias"),
-    "gear": (
-        "gear",
-        "",
-        "1",
-        "turns of the motor per turn that the drive states; negative if they run against each other",
-    ),
-    "zero": ("zero_rad", "rad", "0 deg", "angle that the drive states with the column at neutral"),
-    "watchdog": ("watchdog_s", "s", "100 ms", "time without a command after which a moteus or EtherCAT drive stops"),
-    "load_cell": ("load_cell_n", "N", "400 N", "force at the end of the input's range; none unless given"),
-    "column_gear": ("column_gear", "", "1", "turns of the column per turn of its encoder; none unless given"),
-    "column_zero": ("column_zero_rad", "rad", "0 deg", "angle of that encoder with the column at neutral"),
-    "grip_sensor": ("grip_sensor_n", "N", "100 N", "the same of the force sensor at the grip"),
-    "rated_torque": ("rated_torque_n_m", "N m", "2 N m", "ethercat: rated torque of the drive, 0x6076"),
-    "encoder_counts": ("encoder_counts", "", "1048576", "ethercat: counts of 0x6064 per revolution"),
-    "column_counts": ("column_counts", "", "1048576", "ethercat: counts of the encoder at the column per revolution"),
-    "load_cell_object": ("load_cell_object", "", "0x2100:1", "ethercat: object of the load cell's input of 16 bits"),
-    "column_object": ("column_object", "", "0x60E4:1", "ethercat: object of the encoder at the column"),
-    "grip_object": ("grip_object", "", "0x2100:2", "ethercat: object of the grip sensor's input of 16 bits"),
-    "input_node": ("input_node", "", "2", "ethercat-analog: terminal with the inputs; node is that with the output"),
-    "output": ("output_v", "V", "10 V", "ethercat-analog: command at the end of the output's range"),
-    "output_object": ("output_object", "", "0x7000:1", "ethercat-analog: object of the output of 16 bits"),
-    "position": ("position_m", "m", "4 in", "ethercat-analog: drive's end at the end of its input's range"),
-    "position_zero": ("position_zero_m", "m", "0 in", "ethercat-analog: what it shows with the column at neutral"),
-    "position_object": ("position_object", "", "0x6010:17", "ethercat-analog: object of that input"),
-    "column_range": ("column_range_rad", "rad", "30 deg", "ethercat-analog: column at the end of its input's range"),
-}
-"""Key of the file: attribute, unit, example, meaning."""
+_FIELDS = {of.name: of for of in fields(Bus)}
+_ROWS: Mapping[str, _Row] = {name: of.metadata["row"] for name, of in _FIELDS.items()}
+_KEYS = {name: name.removesuffix(f"_{row.unit.suffix}") for name, row in _ROWS.items()}
+"""Key of the file of each attribute."""
 
-_KEYS = {name: key for key, (name, *_) in _FILE.items()}
-_REQUIRED = ("kind", "port")
-_TEXT, _WHOLE = (*_REQUIRED, *_OBJECTS), ("node", "input_node")
+_NAMES = {key: name for name, key in _KEYS.items()}
+_DEFAULTS = {name: of.default for name, of in _FIELDS.items()}
+_REQUIRED = tuple(name for name, default in _DEFAULTS.items() if default is MISSING)
 
 
-_OF_TERMINALS = {"load_cell_object": "0x6000:17", "column_object": "0x6020:17", "grip_object": "0x6030:17"}
+def _of_type(wanted: type) -> tuple[str, ...]:
+    return tuple(name for name, of in _FIELDS.items() if of.type in (wanted, wanted | None))
 
 
-def _example(key: str, kind: str) -> str:
-    _, unit, example, _ = _FILE[key]
-    if kind == ANALOG:
-        example = _OF_TERMINALS.get(key, example)
-    return f'"{example}"' if unit or key in _TEXT else example
+_TEXT, _WHOLE, _NUMBERS = (_of_type(wanted) for wanted in (str, int, float))
+_OBJECTS = tuple(name for name in _TEXT if name not in _REQUIRED)
 
 
-_DEFAULTS = {field.name: field.default for field in fields(Bus)}
+def _example(name: str, kind: str) -> str:
+    row = _ROWS[name]
+    example = row.terminal if kind == ANALOG and row.terminal else row.example
+    return f'"{example}"' if row.unit is not RATIO or name in _TEXT else example
 
 
 def read(given: object) -> Bus:
@@ -342,16 +339,17 @@ def read(given: object) -> Bus:
         InputError: If a key or a value is invalid.
     """
     if not isinstance(given, dict):
-        raise InputError(f"expected the table [bus] with {', '.join(_FILE)}, got {show(given)}")
-    if unknown := [key for key in given if key not in _FILE]:
-        raise InputError(f"{unknown[0]}: unknown key; known are {', '.join(_FILE)}{suggestion(unknown[0], _FILE)}")
+        raise InputError(f"expected the table [bus] with {', '.join(_NAMES)}, got {show(given)}")
+    if unknown := [key for key in given if key not in _NAMES]:
+        raise InputError(f"{unknown[0]}: unknown key; known are {', '.join(_NAMES)}{suggestion(unknown[0], _NAMES)}")
     if missing := [key for key in _REQUIRED if key not in given]:
-        raise InputError(f'{missing[0]}: missing value; add {missing[0]} = "{_FILE[missing[0]][2]}"')
+        raise InputError(f'{missing[0]}: missing value; add {missing[0]} = "{_ROWS[missing[0]].example}"')
     stated: dict[str, Any] = {}
     for key, value in given.items():
-        name, unit, example, _ = _FILE[key]
+        name = _NAMES[key]
+        row = _ROWS[name]
         try:
-            stated[name] = value if key in (*_TEXT, *_WHOLE) else parse(value, unit, example)
+            stated[name] = parse(value, row.unit.si, row.example) if name in _NUMBERS else value
         except InputError as error:
             raise InputError(f"{key}: {error}") from error
     return Bus(**stated)
@@ -360,20 +358,20 @@ def read(given: object) -> Bus:
 def write(bus: Bus | None, units: UnitSystem) -> list[str]:
     """The lines of a bus in a loader file; without one an example, as comments."""
     lines = []
-    for key, (name, unit, example, meaning) in _FILE.items():
+    for name, row in _ROWS.items():
         value = None if bus is None else getattr(bus, name)
-        given = bus is not None and value is not None and (key in _REQUIRED or value != _DEFAULTS[name])
-        shown = _stated(value, unit, units) if given else example
-        quoted = f'"{shown}"' if unit or key in _TEXT else shown
-        lines.append((f"{'' if given else '# '}{key} = {quoted}", meaning))
+        given = value is not None and value != _DEFAULTS[name]
+        shown = _stated(value, row.unit, units) if given else row.example
+        quoted = f'"{shown}"' if row.unit is not RATIO or name in _TEXT else shown
+        lines.append((f"{'' if given else '# '}{_KEYS[name]} = {quoted}", row.meaning))
     width = max(len(line) for line, _ in lines)
     head = "[bus]" if bus else "# [bus]"
     return [head, *(f"{line:{width}}  # {meaning}" for line, meaning in lines)]
 
 
-def _stated(value: Any, unit: str, units: UnitSystem) -> str:
-    from forcefeel.units import ANGLE, FORCE, LENGTH, TORQUE, VOLTAGE  # noqa: PLC0415  beside what is written
-
-    if of := {"rad": ANGLE, "N": FORCE, "N m": TORQUE, "m": LENGTH, "V": VOLTAGE}.get(unit):
-        return f"{of.from_si(value, units):.12g} {of.shown(units)}"
-    return f"{1e3 * value:.12g} ms" if unit else (to_text(value, 12) if isinstance(value, float) else str(value))
+def _stated(value: Any, unit: Unit, units: UnitSystem) -> str:
+    if unit is SECONDS:
+        return f"{1e3 * value:.12g} ms"
+    if unit is RATIO:
+        return to_text(value, 12) if isinstance(value, float) else str(value)
+    return f"{unit.from_si(value, units):.12g} {unit.shown(units)}"

@@ -83,7 +83,8 @@ impl Terminals {
         }
         let mut places = [None; SENSORS];
         for (place, object) in places.iter_mut().zip(analog.inputs) {
-            *place = object.map(|object| inputs.find(object)).transpose()?;
+            *place =
+                object.map(|object| inputs.find(object).map_err(|why| format!("input_node: {why}"))).transpose()?;
         }
         let (output, column_range) = (outputs.find(analog.output)?, analog.column_range);
         Ok(Self { output, inputs: places, column_range, ..Self::with_sizes([outputs.bytes, inputs.bytes]) })

@@ -1,6 +1,5 @@
 //! A slave from INIT to SAFE-OP: of a drive what it can do, its maps, its watchdog, its clock; of a terminal the maps that it has.
 
-use super::Units;
 use super::analog::{Analog, Mapped, Terminals};
 use super::axis::{Axis, INPUTS_AT, ProcessData};
 use super::cia402::{TORQUE_MODE, TORQUE_MODE_BIT, object};
@@ -15,6 +14,7 @@ use super::registers::{
 use super::servo::{Layout, Servo};
 use super::sii::{HAS_COE, word};
 use super::station::{Segment, Station, broadcast};
+use super::{Units, nearest};
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
@@ -63,7 +63,7 @@ impl Station<'_> {
         if rated > 0.0 && off > SAME * rated {
             return Err(format!(
                 "rated_torque: expected the drive's own, 0x6076, {rated} N m, got {} N m; change [bus]",
-                units.rated_torque
+                f64::from(nearest(units.rated_torque * 1000.0)) / 1000.0
             ));
         }
         Ok(())

@@ -31,6 +31,8 @@ const WAKES: usize = 16;
 /// Most slaves of a line, and most words of an EEPROM that are looked at.
 const MOST_SLAVES: u16 = 127;
 const MOST_WORDS: u16 = 0x4000;
+/// Bytes of all FMMUs that a slave may have.
+const FMMU_BYTES: usize = 256;
 
 /// Aliases of all slaves by position, each of which has a station address now.
 ///
@@ -46,6 +48,8 @@ pub fn scan(segment: &mut dyn Segment) -> Result<Vec<u16>, String> {
     broadcast(segment, command::BWR, EEPROM_ACCESS, &[0]);
     // No slave keeps an address that another is about to get.
     broadcast(segment, command::BWR, STATION, &[0; 2]);
+    // Nor takes part in another's process data: what it had mapped before is gone.
+    broadcast(segment, command::BWR, FMMU, &[0; FMMU_BYTES]);
     let positions = 1..=count.min(MOST_SLAVES);
     let aliases = positions.map(|position| {
         let mut packet = Packet::of(

@@ -208,6 +208,16 @@ fn clocks_of_a_line_run_by_the_first() {
     assert!(line.axes.iter().all(|axis| axis.clock() == Some(0x1001)));
 }
 
+#[test]
+fn a_drive_of_an_earlier_loop_takes_no_part_in_the_frames_of_the_next() {
+    let mut line = Line::new(2);
+    scan(&mut line.wire).expect("two slaves");
+    // Where those of the first drive were.
+    let started = Station::new(&mut line.wire, 2).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 1 << 16, None);
+    line.axes[1] = started.expect("a drive that starts");
+    assert!(line.cycle(1, 0.0, false).is_ok());
+}
+
 /// What a start complains of where the slave's side is another.
 fn refusal(units: &Units) -> String {
     let mut wire = Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN);

@@ -107,5 +107,5 @@ fn a_node_says_what_it_is() {
     assert_eq!((identity.node, identity.registers), (5, 5));
     assert!(pair.codec.accepts(&identity).is_ok());
     let older = forcefeel_bus::drive::Identity { registers: 4, ..identity };
-    assert!(pair.codec.accepts(&older).is_err_and(|expected| expected.contains("register map 5")));
+    assert!(pair.codec.accepts(&older).is_err_and(|why| why.contains("register map 5, got ")));
 }

@@ -21,12 +21,12 @@ SLOW_RAD_PER_S = 1.5e-3
 a hundred; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths the rest."""
 
 LET_GO_S = 0.016
-"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes: with 3 lb of friction
-a lever is 0.7 % too soft, at 0.02 s 1.4 %. At 0.01 s a slow hand feels 2 % more of the friction."""
+"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes: with 3 lb of
+friction a lever is 0.7 % too soft, at 0.02 s 1.4 %. At 0.01 s a slow hand feels 2 % more of the friction."""
 
 REST_RAD_PER_S = SLOW_RAD_PER_S
-"""v_r, the rate below which a column rests. At half of it as many settings pass, and on ``elevator-electric`` twice as many swing on
-hands off; from twice that on fewer pass."""
+"""v_r, the rate below which a column rests. At half of it as many settings pass, and on ``elevator-electric`` twice as many swing
+on hands off; from twice that on fewer pass."""
 
 LEARNS_S = 0.033
 """1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a half,
