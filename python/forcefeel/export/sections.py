@@ -85,6 +85,7 @@ SECTIONS = {
         "e = e_o + m (e_c - e_o), T = T_o + m (T_c - T_o), delta'+ = delta' / (1 + m B_c h / I)",
         "contact_law.rs",
         STABLE,
+        rare="A push that goes slowly from one side to the other and is soft: of some laws with known friction.",
     ),
     "limits": Section("Command within its limits", "|e| <= e_max", "controller.rs", LIMIT),
     "observer_state": Section("Observer at the next sample", "xi+ = A xi + B [y; e] + b f", "observer.rs", STABLE),
