@@ -1,5 +1,7 @@
 """A fault of the drive on the page of its axis, by name, in a real browser; the emulated machine waits for the loop."""
 
+import time
+
 import pytest
 
 import forcefeel as ff
@@ -40,6 +42,7 @@ def test_page_names_the_drives_fault_until_it_is_well(browser, wired):
 
 
 def _acknowledged(session):
+    time.sleep(0.1)  # a loop that is held up has room for 64 requests
     session.off()
     session.acknowledge()
     return not session.state.drive_fault
