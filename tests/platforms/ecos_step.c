@@ -1,4 +1,4 @@
-/* ecos, somebody else's importer of FMUs, on Windows: the column's angle after each communication step under a step of pilot force, exactly.
+/* An FMU in ecos, a foreign importer, on Windows: prints the column's angle after each communication step under a constant pilot force.
 
    ecos_step.exe LIBECOSC.DLL FMU FORCE STEPS STEP */
 #include <stdbool.h>

@@ -531,9 +531,9 @@ fn apply_one<S: Scalar>(operation: UnaryOp, x: S) -> S {
 /// Where the model's files begin in the compiler's paths.
 const MODEL: [&str; 2] = ["model/src/", "model\\src\\"];
 
-/// What the graph gives, to which the file of the caller is told.
+/// Works on the graph; the nodes that it makes come from the caller's file.
 #[track_caller]
-fn called<T>(work: impl FnOnce(&mut Graph) -> T) -> T {
+fn with_graph<T>(work: impl FnOnce(&mut Graph) -> T) -> T {
     let path = Location::caller().file();
     let file = MODEL.iter().find_map(|folder| path.rsplit_once(folder)).map_or("", |(_, file)| file);
     GRAPH.with_borrow_mut(|graph| {
@@ -544,12 +544,12 @@ fn called<T>(work: impl FnOnce(&mut Graph) -> T) -> T {
 
 #[track_caller]
 fn put(work: impl FnOnce(&mut Graph) -> u32) -> Trace {
-    Trace(called(work))
+    Trace(with_graph(work))
 }
 
 #[track_caller]
 fn mask(work: impl FnOnce(&mut Graph) -> u32) -> Mask {
-    Mask(called(work))
+    Mask(with_graph(work))
 }
 
 impl Trace {

@@ -6,9 +6,9 @@ model that ask for its operations, and a comment behind a statement names the ro
 
 import json
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
 from forcefeel.export.sections import SECTIONS, Section
 from forcefeel.page.render import render
@@ -16,7 +16,8 @@ from forcefeel.page.render import render
 _MARK = re.compile(r"^( *)/\* section: (\w+)(, continued)? \*/$")
 _HEAD = re.compile(r"^ */\* \[(\w+)\]")
 _FILE = re.compile(r" /\* file: (\S+) \*/$")
-_SOURCE = re.compile(r"/\* \[(\w+)\] (?:(?!\*/).)*?\* Source: ((?:[a-z_/]+\.rs(?:,\s(?:\* )?)?)+)", re.DOTALL)
+_HEADS = re.compile(r"/\* \[(\w+)\] (.*?)\*/", re.DOTALL)
+_MODEL_FILE = re.compile(r"[a-z_/]+\.rs")
 _ROWS = re.compile(r" /\* ([a-z_]+\.[a-z_0-9, .]+) \*/$")
 _FUNCTION = re.compile(r"^(?!typedef|#|/\*|\s).*?\b(\w+)\(.*\)(?: \{ (.*) \})?$")
 _SETTINGS = re.compile(r"\b(?:from|to|s\d)->")
@@ -58,52 +59,48 @@ class Statement:
     setting: bool
 
 
+@dataclass
+class _Noted:
+    """What the tracer notes behind the statements of a section: rows, files of the model, and whether a number is the setting's."""
+
+    rows: dict[str, None] = field(default_factory=dict)
+    files: Counter[str] = field(default_factory=Counter)
+    of_setting: bool = False
+
+
 def commented(code: str, sections: Mapping[str, Section] = SECTIONS, *, settings: int = 1) -> str:
     """The lines of a function with the head of each of its ``sections``: equation, sources, rows of the loader file, setting.
 
     The sources are the file that derives the equation and those that the tracer has noted behind statements, most often first.
     """
-    lines = []
-    rows: dict[str, dict[str, None]] = {}
-    files: dict[str, Counter[str]] = {}
-    changing, section = set(), ""
-    for marked in code.splitlines():
-        if mark := _MARK.match(marked):
+    noted: defaultdict[str, _Noted] = defaultdict(_Noted)
+    section = ""
+    lines = code.splitlines()
+    for line in lines:
+        if mark := _MARK.match(line):
             section = mark[2]
-        if file := _FILE.search(marked):
-            files.setdefault(section, Counter())[file[1].replace("\\", "/")] += 1
-        line = _FILE.sub("", marked)
-        if listed := _ROWS.search(line):
-            rows.setdefault(section, {}).update(dict.fromkeys(listed[1].split(", ")))
-        if _SETTINGS.search(line):
-            changing.add(section)
-        lines.append(line)
+        if file := _FILE.search(line):
+            noted[section].files[file[1].replace("\\", "/")] += 1
+        if listed := _ROWS.search(_FILE.sub("", line)):
+            noted[section].rows |= dict.fromkeys(listed[1].split(", "))
+        noted[section].of_setting |= _SETTINGS.search(line) is not None
     heads = (
-        _section_head(
-            mark,
-            sections[mark[2]],
-            [file for file, _ in files.get(mark[2], Counter()).most_common()],
-            list(rows.get(mark[2], ())),
-            setting="numbers of the setting"
-            if mark[2] in changing
-            else "the one that is exported"
-            if settings == 1
-            else "any",
-        )
+        _section_head(mark, sections[mark[2]], noted[mark[2]], settings)
         if (mark := _MARK.match(line))
-        else line
+        else _FILE.sub("", line)
         for line in lines
     )
     return "".join(f"{line}\n" for line in heads)
 
 
-def _section_head(mark: re.Match[str], section: Section, files: list[str], rows: list[str], *, setting: str) -> str:
+def _section_head(mark: re.Match[str], section: Section, noted: _Noted, settings: int) -> str:
     indent, key, again = mark.groups()
     if again:
         return f"{indent}/* [{key}], continued */"
-    rows = list(dict.fromkeys((*rows, *section.rows)))
-    parts = [f"[{key}] {section.title}: {section.equation}"]
-    parts += [f"Source: {', '.join(dict.fromkeys((section.source, *files)))}"]
+    files = dict.fromkeys((section.source, *(file for file, _ in noted.files.most_common())))
+    rows = dict.fromkeys((*noted.rows, *section.rows))
+    setting = "numbers of the setting" if noted.of_setting else "the one that is exported" if settings == 1 else "any"
+    parts = [f"[{key}] {section.title}: {section.equation}", f"Source: {', '.join(files)}"]
     parts += [f"Rows: {', '.join(rows)}"] if rows else []
     parts += [f"Setting: {setting}"]
     words = [word for part in parts for word in (*part.split(), "\n")][:-1]
@@ -117,10 +114,10 @@ def _section_head(mark: re.Match[str], section: Section, files: list[str], rows:
 
 
 def sources(code: str, sections: Mapping[str, Section] = SECTIONS) -> dict[str, list[str]]:
-    """Files of the model that each section of a C file names; of those without a head, the file of the table."""
-    named: dict[str, dict[str, None]] = {}
-    for key, files in _SOURCE.findall(code):
-        named.setdefault(key, {}).update(dict.fromkeys(re.findall(r"[a-z_/]+\.rs", files)))
+    """Files of the model that the heads of each section of a C file name; of a section without a head, the file of the table."""
+    named: defaultdict[str, dict[str, None]] = defaultdict(dict)
+    for key, head in _HEADS.findall(code):
+        named[key] |= dict.fromkeys(_MODEL_FILE.findall(head))
     return {key: list(named.get(key, {section.source: None})) for key, section in sections.items()}
 
 

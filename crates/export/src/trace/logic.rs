@@ -3,7 +3,7 @@
 //! A decision is taken both ways: [`Logic::paths`] runs its work once for each way through it, and chooses between what the ways leave
 //! by the conditions that were decided. So the lines of the model become selects, and those the branches of the C.
 
-use super::{Bank, GRAPH, Graph, Mask, Node, Trace, called, mask};
+use super::{Bank, GRAPH, Graph, Mask, Node, Trace, mask, with_graph};
 use core::cell::RefCell;
 use forcefeel_model::logic::{Count, FunctionSet, Logic, LogicState, LogicVisitor, Named};
 use forcefeel_model::memory::MemoryVisitor;
@@ -85,7 +85,7 @@ pub enum Kind {
 
 #[track_caller]
 fn word(work: impl FnOnce(&mut Graph) -> u32) -> Word {
-    Word(called(work))
+    Word(with_graph(work))
 }
 
 impl Word {
@@ -224,7 +224,7 @@ impl Logic for Trace {
     }
     #[track_caller]
     fn number(self, count: Word) -> Self {
-        Self(called(|graph| graph.put(Node::Number(count.0))))
+        Self(with_graph(|graph| graph.put(Node::Number(count.0))))
     }
     fn paths<M: LogicState<Self>>(state: &mut M, work: impl Fn(&mut M)) {
         *state = explored(state, &work, Vec::new());
