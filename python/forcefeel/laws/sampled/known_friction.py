@@ -13,8 +13,8 @@ from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SAMPLED
 
 UNCERTAIN = 0.07
-"""U, a share of the friction: what noise and learning leave of an error of the level. At 0.1 fewer settings pass, two in a hundred
-with 0.8 to 3 lb; at 0.05 one in a hundred more, of which twice as many swing on hands off."""
+"""U, a share of the friction: what noise and learning leave of an error of the level. At 0.05 up to twice as many settings swing on
+hands off; at 0.1 fewer pass, since the part for rest also acts where a slow and weak feel turns."""
 
 SLOW_RAD_PER_S = 1.5e-3
 """v_s: a column that takes two minutes over 10 deg rests. From a fifth of it to twice, shares rendered change by less than three in

@@ -213,9 +213,8 @@ def robust_tuning(loader: Loader) -> Tuning:
     if not has_grip_sensor(loader):
         numbers = _bearing_arms(numbers, loader, 1 - knowledge)
     tuning = _in_units(loader, numbers)
-    shifts = _FRICTION[loader.drive] if _gives_friction_back(loader) else {}
-    tuning = replace(tuning, **{name: getattr(tuning, name).times(decades) for name, decades in shifts.items()})
-    return replace(tuning, torque_walk=tuning.torque_walk.times(_slower(loader)))
+    calmer = {name: getattr(tuning, name).times(decades) for name, decades in _calmer(loader).items()}
+    return replace(tuning, **calmer)
 
 
 def _bearing_arms(numbers: Tuning, loader: Loader, share: float) -> Tuning:
@@ -228,20 +227,20 @@ QUIET = 1e-6
 which way dry friction acts: that of an encoder of 21 bits on ``elevator-2khz``."""
 
 
-def _slower(loader: Loader) -> float:
-    """Decades by which the pilot's torque is believed to change slower where a valve's law gives known dry friction back.
+def _calmer(loader: Loader) -> dict[str, float]:
+    """Decades by which the numbers differ where the law gives known dry friction back, by name.
 
     The sign of the friction is that of the estimated rate, whose noise goes as ``s w^(3/2)`` with the angle's noise s and the
-    filter's rate ``w = (W / s_f)^(1/3)``. Since the filter is told of ``s_f ~ s^(1/2)``, a walk ``W ~ s^(-3/2)`` keeps it as it is.
+    filter's rate ``w = (W / s_f)^(1/3)``. Since the filter is told of ``s_f ~ s^(1/2)``, a walk of the pilot's torque
+    ``W ~ s^(-3/2)`` keeps it as it is. A valve's law has that shift too.
     """
-    if loader.drive == ELECTRIC or not _gives_friction_back(loader):
-        return 0.0
-    _, angle = _declared(loader)
-    return -1.5 * max(log10(angle / sqrt(Units.of(loader).time) / QUIET), 0.0)
-
-
-def _gives_friction_back(loader: Loader) -> bool:
-    return bool(loader["column.coulomb_friction"]) and not has_grip_sensor(loader)
+    if has_grip_sensor(loader) or not loader["column.coulomb_friction"]:
+        return {}
+    shifts = dict(_FRICTION[loader.drive])
+    if loader.drive == HYDRAULIC:
+        _, angle = _declared(loader)
+        shifts["torque_walk"] -= 1.5 * max(log10(angle / sqrt(Units.of(loader).time) / QUIET), 0.0)
+    return shifts
 
 
 def _knowledge(loader: Loader) -> float:
