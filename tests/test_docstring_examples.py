@@ -66,7 +66,11 @@ SLOW = {
     *("forcefeel.frontier.link_frontier", "forcefeel.frontier.write_frontier", "forcefeel.sweep.write_sweep"),
     *("forcefeel.fly.fly", "forcefeel.fly.fly_live", "forcefeel.bus.play", "forcefeel.design.write_report"),
     *("forcefeel.feel.fit_feel", "forcefeel.design.design_servo", "forcefeel.commission.simulated_records"),
-    *("forcefeel.choice.choose", "forcefeel.reproduction.reproduce"),
+    *("forcefeel.choice.choose", "forcefeel.reproduction.reproduce", "forcefeel.choice.write_choice"),
+    *("forcefeel.find_frontier", "forcefeel.envelope.soften", "forcefeel.envelope.write_envelope"),
+    *("forcefeel.bench.excite", "forcefeel.bench.write_excitation", "forcefeel.bench.write_identification"),
+    *("forcefeel.flight_schedule.write_schedule", "forcefeel.linked.check_link", "forcefeel.design.drop_paths"),
+    *("forcefeel.fly.HeldFlight", "forcefeel.choice.score_laws", "forcefeel.sweep.write_linked_sweep"),
 }
 """Examples of seconds; the tests of each command run the same functions."""
 

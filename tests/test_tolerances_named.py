@@ -29,8 +29,9 @@ def lines_of(statement: ast.stmt) -> range:
 
 def unnamed(source: str) -> Iterator[int]:
     """Lines of tolerances that are bare numbers and have no comment in their statement, nor one on the line above it."""
-    tree = ast.parse(source)
-    nodes = [*ast.walk(tree)]
+    if not any(f"{keyword}=" in source for keyword in KEYWORDS):  # spared the parser
+        return
+    nodes = [*ast.walk(ast.parse(source))]
     bare = [node for node in nodes if isinstance(node, ast.keyword) and node.arg in KEYWORDS and is_bare(node.value)]
     if not bare:
         return

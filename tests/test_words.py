@@ -37,8 +37,8 @@ VARIABLES = {
     *("found", "said", "told", "heard", "recalled", "afresh", "given_back"),
     *("looking_on", "left_over", "mine", "theirs", "wish"),
 }
-PYTHON_VARIABLES = VARIABLES | {"one"}
 TYPES = {"Seen", "Told", "Now", "Made", "Kept", "Before", "Begun", "Wish", "Course"}
+PYTHON_NAMES = VARIABLES | TYPES | {"one"}
 
 
 def sentences(text: str) -> Iterator[str]:
@@ -61,19 +61,19 @@ def hits_in_text(text: str) -> Iterator[str]:
             yield "long sentence"
 
 
-def texts_of_python(tree: ast.Module) -> Iterator[str]:
+def texts_of_python(nodes: list[ast.AST]) -> Iterator[str]:
     """Docstrings and all other texts of a module, an f-string as one."""
-    within = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
-    for node in ast.walk(tree):
+    within = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in nodes:
         if isinstance(node, ast.JoinedStr):
             yield "".join(str(part.value) if isinstance(part, ast.Constant) else "x" for part in node.values)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in within:
             yield node.value
 
 
-def names_of_python(tree: ast.Module) -> Iterator[str]:
+def names_of_python(nodes: list[ast.AST]) -> Iterator[str]:
     """Names that a module gives to variables, parameters and types."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             yield node.id
         elif isinstance(node, ast.arg):
@@ -84,10 +84,10 @@ def names_of_python(tree: ast.Module) -> Iterator[str]:
 
 def hits_in_python(source: str) -> Iterator[str]:
     """The rules that a module breaks."""
-    tree = ast.parse(source)
-    for text in texts_of_python(tree):
+    nodes = [*ast.walk(ast.parse(source))]
+    for text in texts_of_python(nodes):
         yield from hits_in_text(text)
-    yield from (f"name {name}" for name in names_of_python(tree) if name in PYTHON_VARIABLES | TYPES)
+    yield from (f"name {name}" for name in names_of_python(nodes) if name in PYTHON_NAMES)
 
 
 def hits_in_code_template(source: str) -> Iterator[str]:

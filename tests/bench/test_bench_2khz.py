@@ -54,6 +54,7 @@ def test_identified_loader_matches_machine_and_sets_deviations():
     assert {it.size for it in deviations.values() if it.origin is Origin.ASSUMED} == {0.2}
 
 
+@pytest.mark.slow
 def test_tenth_of_the_record_identifies_the_machine():
     whole = ff.read_bench_data(BENCH / "shaken.parquet")
     early = whole.time_s <= SECONDS

@@ -368,7 +368,7 @@ def test_decibels_read_as_ratio_are_detected():
 
 
 @pytest.mark.parametrize(
-    ("scale", "sentence"), [(2 * np.pi, "in rad/s, read as Hz"), (1 / (2 * np.pi), "in Hz, read as rad/s")]
+    ("scale", "sentence"), mostly_slow([(2 * np.pi, "in rad/s, read as Hz"), (1 / (2 * np.pi), "in Hz, read as rad/s")])
 )
 def test_frequencies_in_the_wrong_unit_are_detected(scale, sentence):
     read_hz, rng, found = LINES_HZ * scale, np.random.default_rng(2), []

@@ -51,6 +51,7 @@ def test_loader_files_are_reproducible(anew, name):
     assert (anew / name).read_text(encoding="utf-8") == (BENCH / name).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_true_parameters_are_identified():
     """From the file's values, in a sixth of the record: 10 s are one period of the multisine and its soft beginning."""
     file, truth = ff.load(BENCH / "loader.toml"), ff.load(BENCH / "truth.toml")

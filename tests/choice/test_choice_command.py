@@ -36,6 +36,7 @@ def test_single_law_is_assessed_over_the_envelope(run):
     assert found["grid"]["frequency"]["values"] == pytest.approx([1, 3])
 
 
+@pytest.mark.slow
 def test_auto_chooses_a_law_with_reason(run, tmp_path, monkeypatch):
     names = ("published", "observer", "robust")
     monkeypatch.setattr(scoring, "names_for", lambda _: names)  # all seven take their time
@@ -76,6 +77,7 @@ def test_default_law_of_an_analog_loader_is_recursion_22(run, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_existing_output_is_not_overwritten(run, tmp_path):
     assert run("--law", "published")[0] == 0
     before = (tmp_path / FOLDER / RESULTS).read_bytes()

@@ -88,7 +88,7 @@ def test_sensor_lag_does_not_reduce_sample_noise():
     assert other == pytest.approx(one, rel=0.01)  # 9 kHz is far above what the loop passes
 
 
-@pytest.mark.parametrize("name", ["load-cell", "observer"])
+@pytest.mark.parametrize("name", mostly_slow(["observer", "load-cell"]))
 def test_grip_force_noise_matches_the_column_equation(name):
     """By the column's equation, J theta'' = T_link - R_p F: from the load cell's force, with no differences."""
     loader = SMOOTH.replace(HELD, si=True)

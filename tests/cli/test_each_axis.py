@@ -24,6 +24,7 @@ def test_json_has_the_result_of_each_loader(forcefeel, cockpit):
 LOADERS = {"pitch": "elevator-2khz", "roll": "aileron-wheel"}
 
 
+@pytest.mark.slow
 def test_each_axis_has_its_folder_and_names(forcefeel, cockpit, tmp_path):
     status, out, _ = forcefeel("export", "cockpit.toml", "--to", "c", "--out", "code")
     assert status == 0

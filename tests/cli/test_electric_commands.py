@@ -65,6 +65,7 @@ def test_qualification_uses_the_law_of_the_drive(forcefeel):
     assert "law robust" in out
 
 
+@pytest.mark.slow
 def test_sweep_has_the_measures_of_the_motor(forcefeel, tmp_path):
     status, out, _ = forcefeel("sweep", LOADER, "--runs", "16", "--duration", "0.3", "--out", "s")
     assert status == 0

@@ -68,6 +68,7 @@ def test_gains_with_undamped_state_have_no_residual(run, tmp_path):
     assert "residual of eqs. (22): none, because a state does not decay under these gains" in " ".join(out.split())
 
 
+@pytest.mark.slow
 def test_deviation_accepts_the_example_of_its_help(run):
     text = " ".join(run("envelope", "--help")[1].replace("│", " ").split())
     said = re.search(r"'([\w.]+=none)' for", text)

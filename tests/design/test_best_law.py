@@ -31,6 +31,7 @@ def _told(designed, tried):
     return ff.design.conclusions(designed, ff.UnitSystem.US, tried)
 
 
+@pytest.mark.slow
 def test_best_law_comes_first(designed):
     told = _told(designed, TRIED)
     assert told.ok

@@ -36,6 +36,7 @@ def said(design):
     return ff.design.conclusions(design, ff.UnitSystem.US)
 
 
+@pytest.mark.slow
 def test_elevator_is_statically_accurate_but_dynamically_wrong(found):
     words = said(found)
     assert words.ok

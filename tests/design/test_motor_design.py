@@ -118,6 +118,7 @@ def test_motor_page_does_not_mention_a_valve(out):
     assert not {part for part in set(parts(HYDRAULIC)) - set(parts("electric")) if f'id="{part}"' in labels}
 
 
+@pytest.mark.slow
 def test_every_curve_is_saved(designed, out):
     for figure in ff.design.figures(designed):
         with (out / "responses" / f"{figure.key}.csv").open(encoding="utf-8") as file:

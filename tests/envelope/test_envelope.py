@@ -210,6 +210,7 @@ def test_shares_are_counts(found):
         np.testing.assert_array_equal(found.failures(name, worst=True) < 0, (outcome == 0).all("case"))
 
 
+@pytest.mark.slow
 def test_default_grid_matches_the_independent_calculation():
     """Issue 5's own linear reckoning: 60 % stable and 22 % within tolerance, 75 % and 18 %; its grid is not stated."""
     found = ff.find_envelope(ff.elevator(), ("original", "published"), changes={}, arms=())

@@ -102,6 +102,7 @@ def test_deviation_option_sets_the_cases(run):
     assert len(names) == CASES - 2
 
 
+@pytest.mark.slow
 def test_digital_loader_is_compared_under_its_laws(run):
     few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=2, 4 Hz"), *("--grid", "damping=0.4, 1"))
     words = (

@@ -33,6 +33,7 @@ def stating(loader, **tolerances):
     return loader.with_tolerances({INERTIA: tolerances.pop("inertia"), **tolerances})
 
 
+@pytest.mark.slow
 def test_tighter_file_tolerance_loses_fewer_settings(tmp_path):
     file, lost = tmp_path / "mine.toml", []
     for share in ("1 %", "20 %"):

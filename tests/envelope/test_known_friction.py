@@ -14,6 +14,7 @@ from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.simulation.inputs import Recorded, Release
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "5, 12, 30 %", "frequency": "0.7, 2 Hz", "damping": "0.3, 0.7"}
 FRICTION = {"column.coulomb_friction": "1 lb", "column.static_friction": "1.2 lb"}
@@ -115,7 +116,7 @@ def test_released_column_comes_to_rest(name, true_share):
 SOFT = {"stiffness": "1, 2.5, 6 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1, 0.7"}
 
 
-@pytest.mark.parametrize("share", [-0.2, 0.2])
+@pytest.mark.parametrize("share", mostly_slow([-0.2, 0.2]))
 def test_friction_error_is_learned_hands_off(share):
     """Breakaway off with it. Measured of 18 soft settings: 14 and 17; 3 and 4 under a law that is sure of what it was told."""
     loader = ff.digital_elevator().replace(FRICTION)
@@ -163,6 +164,7 @@ def test_hand_motion_does_not_change_the_learned_friction():
         assert width == pytest.approx(off, abs=0.05)  # measured: -0.05, 0.05, 0.15; 1 % of it without learning
 
 
+@pytest.mark.slow
 def test_observer_includes_viscous_friction():
     """Measured of 18 soft settings: all; 8 where it is not."""
     loader = ff.digital_elevator().replace({"column.viscous_friction": "10 lb in s/rad"})

@@ -31,6 +31,7 @@ def folder(exported, tmp_path_factory):
     return out
 
 
+@pytest.mark.slow
 def test_sketch_compiles_for_a_teensy(folder):
     needs("arm-none-eabi-gcc", "arm-none-eabi-g++")
     run(folder, "arm-none-eabi-g++", *TEENSY, *STRICT, "-I", STUB, "-c", "-o", "yoke.o", "yoke.cpp")

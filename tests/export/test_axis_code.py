@@ -90,7 +90,8 @@ def single(tmp_path_factory):
     return supervised(exported, tmp_path_factory.mktemp("motor"), single=True)
 
 
-@pytest.mark.parametrize(("compiler", "level"), mostly_slow([("gcc", 2), ("gcc", 0), ("gcc", 3), ("clang", 2)]))
+@pytest.mark.slow
+@pytest.mark.parametrize(("compiler", "level"), [("gcc", 2), ("gcc", 0), ("gcc", 3), ("clang", 2)])
 def test_valve_matches_the_live_loop_bitwise(folder, compiler, level):
     needs(compiler)
     run(folder, compiler, *STRICT, f"-O{level}", "-o", "program", "pitch_axis.c", "pitch_axis_test.c", "-lm")
@@ -143,6 +144,7 @@ def test_golden_vectors_reach_every_state_and_many_functions():
     assert np.count_nonzero(np.diff(states[:, 1].astype(int)) == 1) >= 8
 
 
+@pytest.mark.slow
 def test_golden_vectors_run_the_statements_of_a_period(folder, tmp_path):
     """By gcov; what they miss is in sections whose rare branches the map names."""
     needs("gcc", "gcov")

@@ -58,6 +58,7 @@ def test_schedule_with_every_nonlinear_part_matches_bitwise(folder, compiler, le
     assert run(folder, "./program") == "pitch: 10000 samples, 0 differ\n"
 
 
+@pytest.mark.slow
 def test_law_with_a_sensor_at_the_grip_begins_a_contact_as_the_simulation(tmp_path):
     """At rest the hand's torque is a zero, whose sign is not kept."""
     needs("gcc")

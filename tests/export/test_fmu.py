@@ -91,7 +91,7 @@ def opened(fmus, loader, kind, version, **how):
 
 @pytest.mark.parametrize("loader", mostly_slow(["rough", "motor"]))
 @pytest.mark.parametrize("kind", mostly_slow(KINDS))
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", mostly_slow(VERSIONS))
 def test_fmpy_validation_gives_no_errors_and_no_messages(fmus, loader, kind, version):
     path = fmus[loader][0] / f"pitch_{kind}_{version}.fmu"
     assert validate_fmu(str(path)) == []
@@ -134,7 +134,7 @@ def test_other_importer_matches_bitwise(fmus, loader, version):
     assert found == history.column_angle_rad.values[1:].tolist()
 
 
-@pytest.mark.parametrize("loader", LOADERS)
+@pytest.mark.parametrize("loader", mostly_slow(LOADERS, 2))
 def test_release_matches_simulate_bitwise(fmus, loader):
     out, exported = fmus[loader]
     scenario = ff.Scenario(ff.simulation.inputs.Release(0.05, start_s=0.1), duration_s=0.6)
@@ -315,14 +315,17 @@ def test_invalid_state_bytes_are_refused(fmus):
 
 @pytest.mark.parametrize(
     ("loader", "kind", "known", "unknown", "version"),
-    [
-        ("smooth", "loader", "pilot_force", "column_angle", "fmi2"),
-        ("smooth", "loader", "pilot_force", "load_cell_force", "fmi3"),
-        ("smooth-motor", "loader", "pilot_force", "column_velocity", "fmi3"),
-        ("smooth", "machine", "command", "load_cell_force", "fmi2"),
-        ("smooth", "law", "sensed_load_cell_force", "command", "fmi2"),
-        ("smooth", "law", "sensed_column_base", "feel_velocity", "fmi3"),
-    ],
+    mostly_slow(
+        [
+            ("smooth", "loader", "pilot_force", "column_angle", "fmi2"),
+            ("smooth", "loader", "pilot_force", "load_cell_force", "fmi3"),
+            ("smooth", "law", "sensed_column_base", "feel_velocity", "fmi3"),
+            ("smooth-motor", "loader", "pilot_force", "column_velocity", "fmi3"),
+            ("smooth", "machine", "command", "load_cell_force", "fmi2"),
+            ("smooth", "law", "sensed_load_cell_force", "command", "fmi2"),
+        ],
+        3,
+    ),
 )
 def test_derivatives_match_differences(fmus, loader, kind, known, unknown, version):
     by = 1e-5 if known.endswith("base") else 1e-2

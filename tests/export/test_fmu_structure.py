@@ -13,6 +13,7 @@ import forcefeel as ff
 from tests.export.fmus import STEP_S, Imported, unzipped
 from tests.export.toolchain import NONLINEAR
 from tests.pages import OnDemand
+from tests.parametrization import mostly_slow
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -70,6 +71,7 @@ def test_fmpy_validation_finds_no_errors(fmus, kind):
     assert validate_fmu(str(fmus["grip"][0] / f"pitch_{kind}_fmi3.fmu")) == []
 
 
+@pytest.mark.slow
 def test_law_variables_belong_to_its_clock(fmus):
     """FMI 3.0.1, 2.4.7.4 and 2.4.8: clocked variables change where their clock ticks, and are no initial unknowns."""
     about = fmpy.read_model_description(str(fmus["valve"][0] / "pitch_law_fmi3.fmu"))
@@ -91,7 +93,7 @@ def in_one_event(run, **aside):
     return {it.variable.name: run.get(it.variable.name)[0] for it in run.about.outputs}
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", mostly_slow(LAWS))
 def test_event_outputs_depend_only_on_the_declared_inputs(fmus, name):
     """Each input is moved by itself, from a slow and a quick motion: whatever output then is another depends on it."""
     follows = {}

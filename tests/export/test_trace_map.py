@@ -12,6 +12,8 @@ from forcefeel.export.sections import SECTIONS
 from forcefeel.export.trace_map import statements
 from forcefeel.loader.parameters import table
 from tests.export.toolchain import NONLINEAR, STRICT, motor, needs, run, valve, written
+from tests.pages import OnDemand
+from tests.parametrization import mostly_slow
 
 LONGEST_NAME = 31
 """Significant characters of a name in C99 and rule 5.1 of MISRA C:2012."""
@@ -32,11 +34,8 @@ CHANGED = {
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     """One setting in single precision, and two settings in double, of which functions and tables are made."""
-    made = {"roll": (motor(), True), "pitch": (valve(), False)}
-    return {
-        name: written(exported, tmp_path_factory.mktemp(name), single=single)
-        for name, (exported, single) in made.items()
-    }
+    made = {"roll": (motor, True), "pitch": (valve, False)}
+    return OnDemand(lambda name: written(made[name][0](), tmp_path_factory.mktemp(name), single=made[name][1]))
 
 
 def counted(code):
@@ -56,7 +55,7 @@ def declared(code):
     return re.findall(r"\b(?:bool|uint32_t|\w+_real) (\w+)(?: =|;|\[)", code)
 
 
-@pytest.mark.parametrize("name", ["roll", "pitch"])
+@pytest.mark.parametrize("name", mostly_slow(["roll", "pitch"]))
 def test_every_statement_is_mapped_to_its_line(folders, name):
     code = (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
     document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
@@ -72,7 +71,7 @@ def test_every_statement_is_mapped_to_its_line(folders, name):
         assert all(section[key] for key in ("title", "equation", "source", "requirement", "test"))
 
 
-@pytest.mark.parametrize("name", ["roll", "pitch"])
+@pytest.mark.parametrize("name", mostly_slow(["roll", "pitch"]))
 def test_sources_are_the_files_that_ask_for_the_operations(folders, name):
     """Rest of the column and soft stops stand in files that the sections' own equations do not."""
     document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
@@ -84,7 +83,7 @@ def test_sources_are_the_files_that_ask_for_the_operations(folders, name):
     assert "/* file:" not in (folders[name] / f"{name}_law.c").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["roll", "pitch"])
+@pytest.mark.parametrize("name", mostly_slow(["roll", "pitch"]))
 def test_rows_of_the_feel_are_in_its_sections(folders, name):
     """Its own, and what the law does at its neutral and in contact; the observer knows the feel by the law's numbers alone."""
     document = json.loads((folders[name] / "trace.json").read_text(encoding="utf-8"))
@@ -93,7 +92,7 @@ def test_rows_of_the_feel_are_in_its_sections(folders, name):
     assert {of["section"] for of in of_feel} <= {"feel", "feel_friction", "feel_stops", "trim", "neutral", "contact"}
 
 
-@pytest.mark.parametrize("name", ["roll", "pitch"])
+@pytest.mark.parametrize("name", mostly_slow(["roll", "pitch"]))
 def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
     names = declared((folders[name] / f"{name}_law.c").read_text(encoding="utf-8"))
     assert len(names) > 300
@@ -101,7 +100,7 @@ def test_names_say_their_section_and_are_distinct_in_c99(folders, name):
     assert not [name for name in names if re.fullmatch(r"[a-z]\d+", name)]
 
 
-@pytest.mark.parametrize("name", ["roll", "pitch"])
+@pytest.mark.parametrize("name", mostly_slow(["roll", "pitch"]))
 def test_golden_vectors_run_the_statements_of_a_period(folders, name, tmp_path):
     """By gcov; what they miss is in sections whose rare branches the map names."""
     needs("gcc", "gcov")
@@ -138,6 +137,7 @@ def test_a_changed_row_changes_only_statements_that_name_it():
         assert all(row in statement.rows for statement in differing), (row, differing)
 
 
+@pytest.mark.slow
 def test_link_has_a_map_too(tmp_path):
     project = ff.loader.read_project("examples/cockpit/linked-sticks.toml")
     link = project.links["stick-pitch"]

@@ -65,6 +65,7 @@ def test_printed_json_is_that_of_the_folder(run, ten, tmp_path):
     assert stored["rows"]["feel.breakout"]["half_interval"]["unit"] == "lb"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tests", "passed"), [(("static",), 1), pytest.param((), 7, marks=pytest.mark.slow)])
 def test_loader_qualifies_against_the_ten_points(run, ten, tmp_path, tests, passed):
     assert run("elevator-2khz", *ten, "--friction", "6 N", "--frequency", "2 Hz", "--damping", "0.4")[0] == 0

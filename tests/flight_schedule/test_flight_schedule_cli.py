@@ -38,6 +38,7 @@ def run(command, tmp_path):
 GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")
 
 
+@pytest.mark.slow
 def test_stable_schedule_exits_0(run, tmp_path):
     status, out, err = run(*GOOD, "--out", "found")
     assert (status, err) == (0, "")
@@ -78,6 +79,7 @@ def test_results_match_the_printed_output(run, tmp_path):
     assert len(found["cases"]) == CASES
 
 
+@pytest.mark.slow
 def test_unstable_schedule_exits_1(run, tmp_path):
     status, out, err = run("elevator-2khz", "--knots", "soft.csv", "--law", "observer", "--refine", "2")
     assert (status, err) == (1, "")

@@ -107,6 +107,7 @@ def test_rate_is_that_of_jsbsim_with_a_free_surface(case):
     assert rates[np.argmax(abs(rates))] > np.radians(3)  # to the right
 
 
+@pytest.mark.slow
 def test_rules_of_wheel_and_pedals_are_met(case):
     report = fly_rules(case)
     assert report.fulfilled

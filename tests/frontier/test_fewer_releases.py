@@ -40,7 +40,7 @@ def test_bisected_levels_match_envelopes_at_each_tolerance(name: str) -> None:
     assert done == sorted(done)
 
 
-@pytest.mark.parametrize("batch", [4, 384])
+@pytest.mark.parametrize("batch", mostly_slow([4, 384]))
 def test_worst_case_shares_match_the_envelope_with_fewer_releases(batch: int, monkeypatch: pytest.MonkeyPatch) -> None:
     plan, ran, decided = plan_of("elevator-2khz"), [], []
 

@@ -111,6 +111,7 @@ def _largest_share(feel, off):
     return max(abs(p0 / q0 - 1) / 0.10, abs(p1 / q1 - 1) / 0.20, abs(a1 / b1 - 1) / 0.10)
 
 
+@pytest.mark.slow
 def test_exact_rendering_matches_closed_forms(plan):
     errors = (0.02, 0.05, 0.1, 0.2, 0.3)
     found = inertia_bound(plan, errors, threads=1)

@@ -63,6 +63,7 @@ def test_results_are_consistent(run, tmp_path):
     assert found["law"] == "published"
 
 
+@pytest.mark.slow
 def test_python_interface_gives_the_frontier():
     grid = {"stiffness": "10, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
     found = ff.find_frontier(ff.elevator(), "original", grid, changes={"column.inertia": 0.15}, arms=())

@@ -5,6 +5,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.friction import smallest_friction
+from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "50, 100 %", "frequency": "2, 3 Hz", "damping": "0.5, 1"}
 STILL_MOVING = 0.05  # relative; the push goes on while the column slips
@@ -14,6 +15,7 @@ POUND_N = 4.4482216
 DRY = {"column.coulomb_friction": "2 lb"}
 
 
+@pytest.mark.slow
 def test_column_friction_is_fully_felt():
     """R_p F_p = G theta + R_p F_c sgn(theta'): a law that does not know of it cannot take it off."""
     smooth = ff.elevator()
@@ -24,7 +26,7 @@ def test_column_friction_is_fully_felt():
     assert found.felt_n - without.felt_n == pytest.approx(found.column_n, rel=STILL_MOVING)
 
 
-@pytest.mark.parametrize(("loader", "left"), [("elevator-2khz", 0.05), ("elevator-electric", 0.15)])
+@pytest.mark.parametrize(("loader", "left"), mostly_slow([("elevator-2khz", 0.05), ("elevator-electric", 0.15)]))
 def test_friction_known_to_the_law_is_hardly_felt(loader, left):
     """Measured: 0.026 and 0.114, with a friction that is known to 1 %."""
     loader = ff.digital_elevator() if loader == "elevator-2khz" else ff.loader.electric(loader)

@@ -136,6 +136,7 @@ QUIET = {
 }
 
 
+@pytest.mark.slow
 def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> None:
     stop = {
         "column.stop_high": np.radians(5.0),
@@ -156,7 +157,7 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     assert np.abs(angle - found).max() < 0.01 * depth
 
 
-@pytest.mark.parametrize(("hertz", "stop", "force_n"), [(2.2, (1e3, 0.5), 8.0), (3.0, (1e4, 0.02), 30.0)])
+@pytest.mark.parametrize(("hertz", "stop", "force_n"), mostly_slow([(2.2, (1e3, 0.5), 8.0), (3.0, (1e4, 0.02), 30.0)]))
 def test_an_independent_integrator_finds_the_same_feel_that_is_kept_near_its_column(
     hertz: float, stop: tuple[float, float], force_n: float
 ) -> None:
@@ -199,7 +200,7 @@ def _under(hand: Callable[[float], float], duration: float) -> ff.Scenario:
     return ff.Scenario(ff.simulation.Recorded(time, np.vectorize(hand)(time)), duration, 5e-4, 5e-4)
 
 
-@pytest.mark.parametrize(("hand", "duration"), [(_push, 0.6), (_blow, 0.2)], ids=["push", "blow"])
+@pytest.mark.parametrize(("hand", "duration"), mostly_slow([(_blow, 0.2), (_push, 0.6)]), ids=["blow", "push"])
 def test_an_independent_integrator_finds_the_same_end_stop_under_a_sensor_at_the_grip(
     hand: Callable[[float], float], duration: float
 ) -> None:
@@ -277,6 +278,7 @@ def test_an_independent_integrator_finds_a_stick_with_slow_sensors_at_rest_on_st
     assert abs(run.to_numpy()[-1] - found[-1]) < SAME_M
 
 
+@pytest.mark.slow
 def test_the_noise_of_the_torque_is_that_of_a_simulated_observer() -> None:
     loader = ff.digital_elevator()
     law = ff.Law.of("robust", loader).sampled

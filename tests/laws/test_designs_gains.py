@@ -129,6 +129,7 @@ def test_feed_forward_solves_the_regulator_equations(plant):
         np.testing.assert_allclose(pi[4], [1, 0, 0, 0], rtol=0, atol=REGULATOR_EQUATIONS)
 
 
+@pytest.mark.slow
 def test_feed_forward_moves_the_column_like_the_feel(plant):
     """Plant and feel run side by side, open loop: the column's angle stays the feel's."""
     rows = feels()

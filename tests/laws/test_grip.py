@@ -35,6 +35,7 @@ def own(loader):
     return Law.of("grip", loader)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", mostly_slow([None, 0.05]))
 def test_engine_matches_the_reference(mass):
     loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass}, si=True)

@@ -194,6 +194,7 @@ AXES = [part for axis, values in GRID.items() for part in ("--grid", f"{axis}={v
 run = runs()
 
 
+@pytest.mark.slow
 def test_saved_law_replaces_a_law_name(run, tmp_path):
     status, out, _ = run("law", "elevator-2khz", "--law", "robust", "--save-law", "law.json")
     assert (status, "law file: law.json" in out) == (0, True)

@@ -63,6 +63,7 @@ def test_commands_refuse_a_law_file_of_another_period(forcefeel, tmp_path, comma
     assert "made for a controller.period of 0.5 ms, the loader has 1 ms; design it for this loader" in error
 
 
+@pytest.mark.slow
 def test_noise_declared_as_zero_is_reported_with_the_default(forcefeel):
     silent = [f"--set=column_sensor.{row}=0 deg" for row in ("noise", "resolution")]
     status, out, _ = forcefeel("law", "elevator-2khz", *silent, "--law", "robust", "--json")

@@ -64,6 +64,7 @@ def test_verdicts_match_eigenvalues(law, decades):
     assert not found.stable.values.all() or decades < 0.5
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.sampled_from(KEYS), min_size=2, max_size=5, unique=True),
     st.lists(st.floats(-3, 3), min_size=5, max_size=5),

@@ -32,9 +32,7 @@ def test_what_is_no_number_is_not_inside() -> None:
     assert inside_unit_circle(matrices, 1).tolist() == [True, False, False]
 
 
-@pytest.mark.parametrize(
-    "name", mostly_slow([name for name, make in BUILT_IN.items() if make()["controller.period"]], 2)
-)
+@pytest.mark.parametrize("name", mostly_slow([name for name, make in BUILT_IN.items() if make()["controller.period"]]))
 def test_verdicts_on_the_loops_of_a_loader_are_those_of_their_poles(name: str) -> None:
     plan = make_plan(
         BUILT_IN[name](),

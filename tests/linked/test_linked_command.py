@@ -142,6 +142,7 @@ def test_impossible_run_exits_with_2(forcefeel, tmp_path, project, options, told
     assert told in error
 
 
+@pytest.mark.slow
 def test_commands_that_judge_each_axis_alone_say_so(forcefeel, tmp_path):
     for name, said in (("transport-column", True), ("cockpit", False)):
         _, out, _ = forcefeel("size", f"{EXAMPLES}/{name}.toml", "--out", str(tmp_path / name))

@@ -92,7 +92,7 @@ def column(session, name):
     return session.history()[:, session.columns.index(name)]
 
 
-@pytest.mark.parametrize("kind", mostly_slow(KINDS, 2))
+@pytest.mark.parametrize("kind", mostly_slow(KINDS))
 @pytest.mark.parametrize(
     "wiring", mostly_slow([{}, {"gear": -2.5, "zero_rad": 1.0, "column_gear": -0.5, "column_zero_rad": 2.0}])
 )

@@ -16,6 +16,7 @@ import pytest
 import forcefeel as ff
 from tests.live.bus_wire import tapped
 from tests.live.test_bus import yoke
+from tests.parametrization import mostly_slow
 
 moteus, can = pytest.importorskip("moteus"), pytest.importorskip("can")
 
@@ -150,7 +151,7 @@ def test_python_can_drives_the_emulated_odrive_until_its_watchdog(kind, expired)
         assert emulator.commands == [0.0]
 
 
-@pytest.mark.parametrize("kind", ["odrive", "odrive-0.5"])
+@pytest.mark.parametrize("kind", mostly_slow(["odrive", "odrive-0.5"]))
 def test_driver_writes_can_simple_as_python_can_does(kind):
     """Each line of our driver is that of python-can for the message of the maker's documents with the same content."""
     node, loader = 5, yoke(kind, node=5)

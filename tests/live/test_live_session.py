@@ -123,6 +123,7 @@ CLOSE = 2e-3
 """Of an inertia from an exact record; one that is fitted under another law is 20 % off and more, at its bound."""
 
 
+@pytest.mark.slow
 def test_live_run_is_bench_data_with_its_law(shaken, forcefeel, tmp_path):
     record = ff.bench.read_bench_record(shaken)
     assert str(record.experiment) == "loader pilot_force"

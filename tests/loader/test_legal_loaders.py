@@ -53,6 +53,7 @@ def test_every_loader_runs(force, loader):
         assert ff.simulate(loader, ff.Scenario(force, duration_s=0.2)).status in ff.simulation.RunStatus
 
 
+@pytest.mark.slow
 @given(loaders(REQUIRED))
 @settings(max_examples=FEW)
 def test_every_loader_is_analyzed(loader):

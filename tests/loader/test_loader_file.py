@@ -248,6 +248,7 @@ def test_linkage_by_resonance(path: Path) -> None:
     assert_only_these_differ(loader, "linkage.stiffness", "linkage.damping")
 
 
+@pytest.mark.slow
 def test_feel_by_frequency_damping_ratio_and_stiffness(path: Path) -> None:
     loader = read(path, edited((FEEL_INERTIA, 'natural_frequency = "2 Hz"'), (FEEL_DAMPING, "damping_ratio = 0.2")))
     # I = G / w^2, B = 2 zeta sqrt(G I)

@@ -51,6 +51,7 @@ page = views_of((GUIDE, ENVELOPES), fast=0)
 TestPage = EveryPage
 
 
+@pytest.mark.slow
 def test_each_axis_has_same_rows_and_law_as_alone(project, guide):
     assert {axis: one.sections[0].name for axis, one in guide.axes.items()} == {"pitch": "original", "yaw": "robust"}
     assert [one.sections[0].results[0].trial.test.number for one in guide.axes.values()] == ["2.a.1.a", "2.a.3.a"]

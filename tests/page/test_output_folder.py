@@ -182,6 +182,7 @@ def test_killed_run_leaves_old_or_new_folder_and_next_run_cleans_up(tmp_path):
     assert seen[-1] == (0, False)
 
 
+@pytest.mark.slow
 @forking
 def test_killed_run_keeps_unrelated_files(tmp_path):
     out = tmp_path / "out"

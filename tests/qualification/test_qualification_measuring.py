@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from forcefeel.errors import InputError
 from forcefeel.qualification import Record
 from forcefeel.qualification.sweep import measure_sweep
+from tests.parametrization import mostly_slow
 from tests.qualification_records import swept
 
 SURE = 3.0
@@ -28,7 +29,7 @@ def near(figure, expected):
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.5])
-@pytest.mark.parametrize("rate", [50, 100, 1000])
+@pytest.mark.parametrize("rate", mostly_slow([50, 100, 1000]))
 @pytest.mark.parametrize(("breakout", "friction"), [(10.0, 5.0), (0.0, 8.0), (10.0, 0.0), (20.0, 20.0)])
 def test_sweep_of_known_parts_is_measured(breakout, friction, rate, noise):
     features = measure_sweep(swept(breakout=breakout, friction=friction, rate=rate, noise_n=noise))

@@ -213,6 +213,7 @@ def test_equal_qualifications_give_equal_bytes(made, tmp_path):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_failed_write_leaves_folder_unchanged(made, tmp_path, monkeypatch):
     out = ff.qualification.write_qualification(made["unstable"], tmp_path).parent
     before = {path.name: path.read_bytes() for path in out.iterdir()}

@@ -13,6 +13,7 @@ from pyarrow import parquet
 
 import forcefeel as ff
 from tests.command_line import runs
+from tests.parametrization import mostly_slow
 
 WRITTEN = {"plotly.min.js", "qualification.html", "results.json"}
 ANGLE_DEG = 5.0
@@ -120,6 +121,7 @@ def test_unverified_rule_is_stated(run):
     assert any("Not verified against the document: test" in line for line in found["conclusions"]["findings"])
 
 
+@pytest.mark.slow
 def test_single_release_is_incomplete_unless_only_test_requested(run, tmp_path):
     _csv(tmp_path / "one.csv", *_free())
     status, out, err = run("--record", "one.csv", "--json")  # the test is told from what is in the file
@@ -157,7 +159,7 @@ def test_the_digital_elevator_qualifies_under_robust(run):
     assert found["tests_not_simulated"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
 
 
-@pytest.mark.parametrize("ending", ["csv", "parquet", "mat"])
+@pytest.mark.parametrize("ending", mostly_slow(["csv", "parquet", "mat"]))
 def test_slightly_detuned_just_fails_from_each_format(run, tmp_path, ending):
     for name, slower, expected in (("good", 1 / 1.098, 0), ("bad", 1 / 1.102, 1)):
         time, angle = _free(slower)
@@ -267,6 +269,7 @@ def test_the_history_of_a_simulated_release_is_a_record(run, forcefeel):
     assert first["measured"]["value"] == pytest.approx(PUBLISHED_P0_S, abs=FIVE_DIGITS_S)
 
 
+@pytest.mark.slow
 def test_files_with_custom_names_and_units_are_read(run, tmp_path):
     """As ``identify`` has it: for all files, or for one by its stem."""
     time, angle = _free()

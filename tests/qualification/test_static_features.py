@@ -101,7 +101,7 @@ def check(found, breakout, friction):
     assert close(found.friction, friction)
 
 
-@pytest.mark.parametrize("name", mostly_slow([name for name in FEELS if name != "preload within breakout"], 6))
+@pytest.mark.parametrize("name", mostly_slow([name for name in FEELS if name != "preload within breakout"], 3))
 def test_reference_statics_match_feel(name):
     loader, found = reference(name)
     check(found, *FEELS[name][1:])
@@ -118,6 +118,7 @@ def test_electric_reference_statics_match_feel(name, built_in):
     check(reference(name, built_in)[1], *FEELS[name][1:])
 
 
+@pytest.mark.slow
 def test_preload_shifts_breakout_between_sides():
     """It holds the control ``x = -P / (F_b / t_b + k)`` off, from where the line beyond the knee is laid back."""
     loader, found = reference("preload within breakout")

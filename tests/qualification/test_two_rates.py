@@ -8,6 +8,7 @@ import pytest
 from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.sweep_verdicts import judge_small_inputs, judge_sweep
+from tests.parametrization import mostly_slow
 from tests.qualification_records import exact, released, swept
 
 RULES = load_rules()
@@ -33,7 +34,7 @@ def figure(quantity, zeta, frequency_hz):
     return cycles[min(k, 1)] if quantity[0] == "P" else WAY * sizes[k - 1]
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-3])
+@pytest.mark.parametrize("noise", mostly_slow([1e-3, 0.0]))
 def test_releases_at_two_rates_are_judged(noise):
     test, judged = RULES.of("release", "pitch"), 0
     for feel, change, (mine, theirs) in itertools.product(FEELS, CHANGES, RATES):

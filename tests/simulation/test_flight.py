@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import forcefeel as ff
+from tests.parametrization import mostly_slow
 
 SURFACE = {
     "surface.area": 1.0,
@@ -57,7 +58,7 @@ def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0), of_angle=lambda delt
     return solve_ivp(motion, (0, 4), (release, 0.0), t_eval=sampled, max_step=0.01, **tolerances).y[0]
 
 
-@pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
+@pytest.mark.parametrize("name", mostly_slow(["elevator-2khz", "elevator-electric"]))
 def test_column_with_a_surface_follows_hinge_moment_in_flight(name):
     loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(SURFACE, si=True)
     flight = ff.simulation.Flight(TIMES, STATES)
@@ -94,7 +95,7 @@ TABLE = {f"surface.deflection_{k}": angle for k, angle in enumerate(ANGLES, 1)}
 TABLE |= {f"surface.coefficient_{k}": coefficient for k, coefficient in enumerate(COEFFICIENTS, 1)}
 
 
-@pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
+@pytest.mark.parametrize("name", mostly_slow(["elevator-electric", "elevator-2khz"]))
 def test_column_follows_a_hinge_moment_that_steepens_with_the_angle(name):
     loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(
         SURFACE | TABLE | {"surface.per_deflection": None}, si=True

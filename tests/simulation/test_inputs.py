@@ -374,6 +374,7 @@ def test_multisine_reaches_and_does_not_exceed_peak(multisine):
     assert np.abs(force).max() <= 4.0 * (1 + PEAK_FOUND)
 
 
+@pytest.mark.slow
 @given(st.sets(st.integers(1, 60), min_size=1, max_size=12), st.none() | st.integers(0, 2**32))
 def test_peak_of_random_lines_is_found(harmonics, seed):
     multisine = Multisine(1.0, tuple(k / 8 for k in sorted(harmonics)), 8.0, seed)

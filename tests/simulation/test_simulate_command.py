@@ -156,6 +156,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
         )
 
 
+@pytest.mark.slow
 def test_history_can_be_used_as_recording(run, tmp_path):
     words = ["--duration", "1", "--law", "published"]
     run("--input", "chirp", "--force", "10 lb", "--to", "5 Hz", *words, "--out", "first")

@@ -91,6 +91,7 @@ def test_names_are_text_not_markup(tmp_path):
     assert "a &amp; b &lt; c" in text
 
 
+@pytest.mark.slow
 def test_equal_runs_give_equal_bytes(tmp_path):
     first, second = (ff.simulation.write_simulation(_run(STOPS), tmp_path / name, UnitSystem.SI) for name in "ab")
     for name in ("simulation.html", "history.csv", "results.json"):

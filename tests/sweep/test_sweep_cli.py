@@ -58,6 +58,7 @@ def test_help_has_an_example_and_every_option(run):
         assert option in out
 
 
+@pytest.mark.slow
 def test_monte_carlo_sweep_prints_results(run, tmp_path):
     status, out, err = run(
         *small("--vary", "column.coulomb_friction=1 lb..3 lb", "--vary", "column.static_friction=none")

@@ -85,6 +85,7 @@ def test_plan_lists_rows_of_drive():
         assert [*document["loader"]["values"]] == [*table(loader.drive)]
 
 
+@pytest.mark.slow
 def test_units_and_coordinates_round_trip_through_file(finished, whole):
     stored = xr.load_dataset(finished / "runs.nc", engine="h5netcdf")
     assert set(stored.coords) == set(whole.coords)
@@ -129,6 +130,7 @@ def test_finished_sweep_is_read_and_not_repeated(finished, whole, monkeypatch):
     assert progress.told == [400]
 
 
+@pytest.mark.slow
 def test_an_interruption_before_the_results_loses_nothing(tmp_path, whole, monkeypatch):
     def fail(self):
         raise KeyboardInterrupt
@@ -142,6 +144,7 @@ def test_an_interruption_before_the_results_loses_nothing(tmp_path, whole, monke
     assert names(tmp_path) == {"plan.json", "runs.nc"}
 
 
+@pytest.mark.slow
 def test_damaged_pieces_are_computed_again(tmp_path, whole):
     interrupt(small(), tmp_path, after=6)
     first, *others = (tmp_path / "chunks" / f"0000{k}.npy" for k in range(6))
@@ -233,6 +236,7 @@ def test_another_engine_is_another_sweep(begun, monkeypatch):
         run_sweep(small(), begun, resume=True)
 
 
+@pytest.mark.slow
 def test_replace_restarts_sweep_and_keeps_other_files(finished):
     for name in ("sweep.html", "mine.txt"):
         (finished / name).write_text("there", encoding="utf-8")

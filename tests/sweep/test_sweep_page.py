@@ -68,6 +68,7 @@ def words(page: Path) -> str:
     return " ".join(re.sub(r"<[^>]+>", " ", text).split())
 
 
+@pytest.mark.slow
 def test_the_page_has_a_headline_tables_and_plots(pages):
     text = pages["tolerances"].read_text(encoding="utf-8")
     said = words(pages["tolerances"])

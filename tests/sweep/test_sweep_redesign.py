@@ -117,6 +117,7 @@ def test_nominal_law_matches_design_for_nominal_loader():
     assert sweep.nominal_law.numbers.law.load_cell_arm == want.load_cell_arm
 
 
+@pytest.mark.slow
 def test_sweep_resumes_only_with_same_design(tmp_path):
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids={"feel.stiffness": "2000..20000 lb in/rad:64"})

@@ -112,6 +112,7 @@ def test_cell_of_many_digits_and_header_of_many_brackets_are_fast(tmp_path):
             read_recorded(path)
 
 
+@pytest.mark.slow
 @SOON
 @pytest.mark.parametrize("kind", WRITERS)
 def test_too_many_columns_and_rows_are_refused(tmp_path, kind, monkeypatch):

@@ -12,6 +12,7 @@ from forcefeel.bench.record_file import read_bench_record
 from forcefeel.simulation.inputs import read_recorded
 from forcefeel.units import UnitSystem
 from tests.command_line import runs
+from tests.parametrization import mostly_slow
 
 PLAN = ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0)
 SHORT = ("--time", "13", "--rate", "500", "--to", "40")
@@ -76,7 +77,9 @@ def test_csv_contains_signal_and_description(tmp_path):
     np.testing.assert_allclose(numbers, np.column_stack([found.time_s, found.signal]), atol=DIGITS * found.peak)
 
 
-@pytest.mark.parametrize(("units", "header"), [(UnitSystem.US, "pilot_force (lb)"), (UnitSystem.SI, "pilot_force (N)")])
+@pytest.mark.parametrize(
+    ("units", "header"), mostly_slow([(UnitSystem.US, "pilot_force (lb)"), (UnitSystem.SI, "pilot_force (N)")])
+)
 def test_force_column_has_its_unit(tmp_path, units, header):
     found = excite(ff.elevator(), "k,J", "loader", PLAN)
     path = write_excitation(found, tmp_path / "e.csv", units)

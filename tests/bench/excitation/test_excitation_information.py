@@ -71,6 +71,7 @@ def of_samples(slopes, found):
     return weighted @ weighted.T
 
 
+@pytest.mark.slow
 def test_multisine_information_matches_its_samples(short):
     # Parseval: the sum over the samples of whole periods is that over the lines, once the first period's transient is gone.
     period = round(short.period_s * SHORT.rate_hz)
@@ -208,6 +209,7 @@ def test_valve_with_orifice_is_identified_by_its_rated_flow():
         excite(ff.digital_elevator(), "C_i,J", plan=SHORT)
 
 
+@pytest.mark.slow
 def test_poorly_determined_parameter_is_reported():
     found = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=100.0))
     assert set(found.vague) == {key for key, error in found.standard_errors.items() if error >= 0.5 / 1.96}

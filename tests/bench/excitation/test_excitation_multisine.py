@@ -37,6 +37,7 @@ def test_lines_have_the_specified_weights(seed):
     np.testing.assert_allclose(spectrum, expected, atol=4 * ROUNDING)
 
 
+@pytest.mark.slow
 @given(
     st.dictionaries(st.integers(1, 60), st.floats(0.01, 100.0), min_size=1, max_size=12),
     st.none() | st.integers(0, 2**32),

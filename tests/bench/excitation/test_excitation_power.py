@@ -123,6 +123,7 @@ def test_result_does_not_depend_on_units():
     assert abs(lost) < 2 * GAP
 
 
+@pytest.mark.slow
 def test_many_lines_and_parameters_reach_the_optimum():
     problem = drawn(5, lines=600, parameters=7)
     assert optimal_power(problem).gap < GAP

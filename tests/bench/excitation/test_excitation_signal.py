@@ -127,6 +127,7 @@ def multisine():
     return excite(ff.elevator(), "k,c,J,C_i", plan=PLAN)
 
 
+@pytest.mark.slow
 def test_signal_repeats_whole_periods(multisine):
     period = round(multisine.period_s * PLAN.rate_hz)
     first = multisine.signal[period : 2 * period]

@@ -133,6 +133,7 @@ def test_output_folder_with_the_input_loader_is_refused(identify, tmp_path, foun
     assert [one.name for one in folder.iterdir()] == [LOADER]
 
 
+@pytest.mark.slow
 def test_existing_identification_is_replaced_only_with_replace(identify, tmp_path, found):
     found(determined())
     identify(*GOOD)
@@ -227,6 +228,7 @@ def test_responses_of_records_are_written(identify, found, tmp_path):
     assert 'href="responses/closed.csv"' in page
 
 
+@pytest.mark.slow
 def test_record_is_identified_through_its_response(identify, tmp_path):
     """A bench under a multisine, by python-control from the servo's state space, drive straight between samples."""
     file = ff.elevator()

@@ -190,6 +190,7 @@ def test_motor_signal_keeps_limits_and_predicts_errors(yoke):
     assert found.uses[4].limit.value == pytest.approx(0.8 * force)
 
 
+@pytest.mark.slow
 def test_open_loop_motor_stays_within_its_travel(yoke):
     found = ff.bench.excite(yoke, "K_t,J_m,k", "motor-open", PLAN)
     assert found.frequency_hz[0] >= 4

@@ -168,6 +168,7 @@ def test_new_loader_file_states_standard_errors(loader, tmp_path):
     assert second["k"].deviation < found["k"].deviation
 
 
+@pytest.mark.slow
 def test_tolerances_bound_the_search(loader):
     tight = loader.with_tolerances({"linkage.stiffness": "5 %"})
     data = [servo_response(it, noise=0.01, random=np.random.default_rng(3)) for it in ("column_angle", "load_pressure")]

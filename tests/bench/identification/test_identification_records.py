@@ -340,6 +340,7 @@ def multisine_record(loader, duration_s=6.0, jitter=0.0):
     return BenchRecord("chirp", Experiment.read("servo-closed"), time_s, {"test_signal": signal, "column_angle": noisy})
 
 
+@pytest.mark.slow
 def test_record_without_frequency_response_is_fitted(loader):
     """Samples at uneven times have none; the link's test is then left out, and said to be."""
     found = identify(loader, [multisine_record(loader, jitter=0.15)], "k", starts=1)
