@@ -84,11 +84,10 @@ def test_stiff_link_is_reported_as_rigid(loader):
 def test_tangent_in_figure_2_touches_its_curve(loader):
     other = loader.replace({"valve.pressure_gain": "0.05 in^5/(lb s)"})
     curves = ff.design.figures(ff.design_loader(other))[0].curves
-    curve, line = (curves[name].flow_m3_per_s.values for name in ("20 % of rated current", "tangent at 20 %, eq. (2)"))
+    curve, line = (curves[name]["flow_m3_per_s"] for name in ("20 % of rated current", "tangent at 20 %, eq. (2)"))
     touch = int(np.argmin(np.abs(curve - line)))
-    assert curves["20 % of rated current"].load_pressure_pa.values[touch] == pytest.approx(
-        0.33 * other["valve.supply_pressure"]
-    )
+    pressure = curves["20 % of rated current"]["load_pressure_pa"][touch]
+    assert pressure == pytest.approx(0.33 * other["valve.supply_pressure"])
     assert np.all(line >= curve - 1e-12)  # the curve bends downwards
 
 

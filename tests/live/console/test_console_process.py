@@ -119,6 +119,8 @@ def test_a_server_that_is_killed_is_replaced_at_the_same_address(running, consol
 
 @pytest.mark.slow
 def test_server_that_ends_at_once_is_not_restarted(running, console):
+    running.on()
+    until(lambda: running.state.name == "active")
     while (server := console.process.process_id) is not None:
         told = len(console.told)
         os.kill(server, signal.SIGKILL)
