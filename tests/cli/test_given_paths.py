@@ -89,7 +89,7 @@ def test_all_commands_with_paths_are_covered():
     assert len(WRITTEN) == 16
 
 
-@pytest.mark.parametrize("kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte"], 3))
+@pytest.mark.parametrize("kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte"], 2))
 @pytest.mark.parametrize(("command", "name"), READ)
 def test_unreadable_path_is_named(run, tmp_path, command, name, kind):
     path = bad_path(tmp_path, kind, ".csv" if name in {"--data", "--knots", "--record"} else "")
@@ -101,7 +101,7 @@ def test_unreadable_path_is_named(run, tmp_path, command, name, kind):
 
 
 @pytest.mark.parametrize(
-    "kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte", "link", "in a file"], 4)
+    "kind", mostly_slow(["long", "loop", "in a loop", "dangling", "pipe", "zero byte", "link", "in a file"], 2)
 )
 @pytest.mark.parametrize(("command", "name"), WRITTEN)
 def test_unwritable_path_is_named(run, tmp_path, command, name, kind):

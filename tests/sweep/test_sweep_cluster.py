@@ -19,7 +19,7 @@ RUNS = 8_000
 
 @pytest.fixture(scope="module")
 def workers():
-    with LocalCluster(n_workers=2, processes=True, threads_per_worker=1, dashboard_address=":0") as found:
+    with LocalCluster(n_workers=1, processes=True, threads_per_worker=1, dashboard_address=":0") as found:
         yield found
 
 
@@ -31,6 +31,8 @@ def here():
 @pytest.mark.slow
 def test_killed_worker_does_not_change_result(workers, here, tmp_path):
     """Nothing is counted twice and nothing lost: the result is the embedded one, bit for bit."""
+    workers.scale(2)
+    workers.wait_for_workers(2)
     victim = next(iter(workers.workers.values())).pid
     told, killed = [], []
 

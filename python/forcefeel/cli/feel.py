@@ -181,11 +181,13 @@ def run(path: LoaderFile = None, /, *, options: FeelOptions) -> None:
     """
     from forcefeel.feel import fit_feel, write_feel
     from forcefeel.feel.as_json import feel_json
-    from forcefeel.feel.knots import knots_csv
+    from forcefeel.feel.knots import check_conditions, knots_csv
 
     options.check()
     loader = options.loader(path)
     points = options.measured()
+    if options.knots:
+        check_conditions(points)
     fit = fit_feel(points.of_condition(options.condition), options.plan(loader))
     knots = options.knots and knots_csv(points, fit, options.units)
     page = None

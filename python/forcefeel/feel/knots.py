@@ -16,6 +16,18 @@ _DIGITS = ".6g"
 _ROWS = {"I": "feel.inertia", "B": "feel.damping", "G": "feel.stiffness"}
 
 
+def check_conditions(points: ForcePoints) -> None:
+    """Refuses points of a single condition, before any is fitted.
+
+    Raises:
+        InputError: If there are not two conditions.
+    """
+    if not points.axes():
+        raise InputError(
+            f"{points.name}: expected two flight conditions for knots, got one; add a column such as 'q (Pa)'"
+        )
+
+
 def knots_csv(points: ForcePoints, fit: FeelFit, units: UnitSystem) -> str:
     """A file of knots for ``forcefeel schedule``: the spring rate of each condition, with the inertia and damping of one.
 
@@ -29,12 +41,8 @@ def knots_csv(points: ForcePoints, fit: FeelFit, units: UnitSystem) -> str:
     Raises:
         InputError: If there are not two conditions, or the points of one cannot be fitted, with the condition.
     """
-    axes = points.axes()
-    if not axes:
-        raise InputError(
-            f"{points.name}: expected two flight conditions for knots, got one; add a column such as 'q (Pa)'"
-        )
-    plan = replace(fit.plan, release=None)
+    check_conditions(points)
+    axes, plan = points.axes(), replace(fit.plan, release=None)
     rows = []
     for text, which in points.groups().items():
         group = points.taken(which)
