@@ -26,11 +26,22 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
 forcefeel = runs()
 
 
+class KeptAdapter(TypeAdapter):
+    """An adapter of pydantic that is made once for each type."""
+
+    @cache
+    def __new__(cls, *kind, **options):
+        return TypeAdapter(*kind, **options)
+
+    def __class_getitem__(cls, kind):
+        return TypeAdapter[kind]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def kept_types() -> Iterator[None]:
     """Groups and validators of a command's options are made once: for thousands of commands it is a third of their time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pydantic.TypeAdapter", cache(TypeAdapter))
+        patch.setattr("pydantic.TypeAdapter", KeptAdapter)
         patch.setattr(_collection, "_resolve_groups_from_callable", cache(_collection._resolve_groups_from_callable))
         yield
 
