@@ -71,7 +71,7 @@ def _run(folder, *words):
             "export elevator-2khz --law robust --to fmu --out fmu",
             "run elevator-2khz --law robust --duration 1",
         ],
-        3,
+        2,
     ),
 )
 def test_small_install_suffices(tmp_path, words):

@@ -75,6 +75,7 @@ def test_verdict_matches_each_case(loader, changes, settings, verdict, monkeypat
     assert words.ok is (verdict in {"does not settle", "at rest and in motion"})
 
 
+@pytest.mark.slow
 def test_stiff_link_is_reported_as_rigid(loader):
     stiff = loader.replace({"linkage.stiffness": "1e8 lb/in", "linkage.damping": "3000 lb s/in"})
     assert said(ff.design_loader(stiff)).findings[0].startswith("The linkage is nearly rigid")

@@ -98,6 +98,7 @@ def test_valve_matches_the_live_loop_bitwise(folder, compiler, level):
     assert run(folder, "./program").endswith(" samples, 0 differ\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", mostly_slow(["gcc", "clang"]))
 def test_motor_of_two_settings_matches_the_live_loop_bitwise(single, compiler):
     needs(compiler)
@@ -163,9 +164,9 @@ def test_golden_vectors_run_the_statements_of_a_period(folder, tmp_path):
     assert all(SECTIONS[section].rare for section in sections), sections
 
 
-@pytest.mark.parametrize("name", ["pitch", "roll"])
-def test_every_statement_is_mapped_to_its_line(folder, single, name):
-    out = folder if name == "pitch" else single
+@pytest.mark.parametrize(("name", "made"), mostly_slow([("pitch", "folder"), ("roll", "single")]))
+def test_every_statement_is_mapped_to_its_line(request, name, made):
+    out = request.getfixturevalue(made)
     code = (out / f"{name}_axis.c").read_text(encoding="utf-8")
     document = json.loads((out / "axis_trace.json").read_text(encoding="utf-8"))
     lines, mapped = code.splitlines(), document["statements"]
@@ -180,9 +181,9 @@ def test_every_statement_is_mapped_to_its_line(folder, single, name):
     assert max(map(len, declared(code))) <= LONGEST_NAME
 
 
-@pytest.mark.parametrize("name", ["pitch", "roll"])
-def test_functions_are_short_and_each_value_that_passes_between_them_is_used(folder, single, name):
-    code = ((folder if name == "pitch" else single) / f"{name}_axis.c").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("name", "made"), mostly_slow([("pitch", "folder"), ("roll", "single")]))
+def test_functions_are_short_and_each_value_that_passes_between_them_is_used(request, name, made):
+    code = (request.getfixturevalue(made) / f"{name}_axis.c").read_text(encoding="utf-8")
     of_period = code.split(f"}} {name}_axis_values;")
     passing = declared(of_period[0].rsplit("typedef struct {", 1)[1])
     functions = of_period[1].split("\n}\n")

@@ -15,6 +15,7 @@ from forcefeel.export.c_code import traced_law
 from forcefeel.export.golden import INPUTS, PART, golden_inputs, within_ranges
 from forcefeel.export.structured_text import st_files
 from tests.export.toolchain import CONVERTERS, NONLINEAR, motor
+from tests.parametrization import mostly_slow
 
 KEYWORDS = set(
     re.findall(
@@ -81,7 +82,7 @@ def _python(body):
     return "".join(f"{line}\n" for line in lines)
 
 
-@pytest.fixture(scope="module", params=["valve", "motor"])
+@pytest.fixture(scope="module", params=mostly_slow(["valve", "motor"]))
 def exported(request):
     """Every nonlinear part of the feel: a motor with a curve and cogging, a valve with converters."""
     valve = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)

@@ -35,6 +35,7 @@ def write(folder, name, head, rows):
     (folder / name).write_text("\n".join([head, *(",".join(map(str, row)) for row in rows)]) + "\n", encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_ten_points_become_a_loader_file_with_intervals_and_a_page(run, ten, tmp_path):
     (tmp_path / "my.toml").write_text("there", encoding="utf-8")
     words = ("--friction", "6 N", "--frequency", "2 Hz", "--damping", "0.3", "--units", "si", "--report", "page")

@@ -81,7 +81,7 @@ def both(changes, law, duration_s, step_s):
     return run.history, witness.simulate(loader, law, lambda t: np.interp(t, time, force), duration_s)
 
 
-@pytest.mark.parametrize("effect", mostly_slow([name for name in EFFECTS if name not in {"stops", "nothing"}], 2))
+@pytest.mark.parametrize("effect", mostly_slow([name for name in EFFECTS if name not in {"stops", "nothing"}]))
 def test_engine_matches_witness(law, effect):
     history, expected = both(EFFECTS[effect], law, 0.2, 1e-3)
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES

@@ -146,6 +146,7 @@ def test_bad_input_is_named(run, given, told):
     assert told in err
 
 
+@pytest.mark.slow
 def test_a_project_has_a_row_for_each_axis(run, tmp_path):
     (tmp_path / "own.toml").write_text(ff.digital_elevator().to_toml(), encoding="utf-8")
     project = '[axes]\npitch = "own.toml"\nyaw = "rudder-pedals"\nstick-roll = "sidestick-roll"\n'

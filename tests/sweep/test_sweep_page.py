@@ -93,6 +93,7 @@ def test_numbers_have_limited_digits(pages, name):
     assert [one for one in numbers if len(one.replace(".", "").lstrip("0")) > MOST_DIGITS] == []
 
 
+@pytest.mark.slow
 def test_page_states_diverged_and_impossible_runs(pages, results):
     said = words(pages["unstable"])
     status = results["unstable"].runs["status"].values

@@ -131,6 +131,7 @@ def true_loader(loader):
     return loader.replace({**TRUTH_SI, **friction}, si=True)
 
 
+@pytest.mark.slow
 def test_runs_match_the_reference(loader):
     """With the true values the simulated channels lie on the witness's, so what is left in a fit is noise."""
     data = push_record()
