@@ -95,7 +95,7 @@ def test_identification_finds_the_hidden_machine_and_its_friction_under_the_law(
     truth = loader.replace(hidden, si=True)
     with ff.live.BusEmulator([truth], real_time=False) as emulator:
         wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
-        record = ff.bus.play(under_law(wired, 8.0), real_time=False)
+        record = ff.bus.play(under_law(wired, 16.0), real_time=False)
     found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], starts=1)
     for estimate in found.estimates:
         key = estimate.unknown.key
