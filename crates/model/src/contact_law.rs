@@ -292,6 +292,10 @@ impl<S: Scalar> ContactLaw<S> {
         let begins = to_other_side | (pushes & !lasted);
         let over = lasted & !pushes;
         let quick = was.since.less(self.quick);
+        let now = ContactState { torque, angle, rate, peak, ..was };
+        if let Some(state) = self.undisturbed(&now, [pushes, begins, over], at_end, h) {
+            return (state, begins);
+        }
 
         let (fell, went) = (torque - was.extreme, angle - was.extreme_angle);
         let hard = (self.environment * went.abs()).less(fell.abs());
@@ -379,6 +383,44 @@ impl<S: Scalar> ContactLaw<S> {
             ..was
         };
         (state, noticed & was.share.less(one.times(0.5)))
+    }
+
+    /// The state after most samples of runs side by side: where in no lane anything begins, ends, turns or touches, and little of it changes. `now`
+    /// has the torque, angle, rate and peak of the sample. Alone, a run looks at each change for itself.
+    #[inline(always)]
+    fn undisturbed(
+        &self,
+        now: &ContactState<S>,
+        [pushes, begins, over]: [S::Mask; 3],
+        at_end: Option<S::Mask>,
+        h: S,
+    ) -> Option<ContactState<S>> {
+        if !S::IN_LANES {
+            return None;
+        }
+        let (zero, one) = (h.zero(), h.constant(1.0));
+        let back = (now.turn - now.torque) * now.direction;
+        let turns_back = self.threshold.times(TURN).less(back) & zero.less(self.threshold);
+        let counted = zero.less(now.share) | !now.swings.less(one.times(SWINGS));
+        let changes = begins | over | turns_back | counted;
+        if S::any(at_end.map_or(changes, |at_end| changes | at_end)) {
+            return None;
+        }
+        let slow = now.since.less(self.quick.times(SLOW));
+        let larger = (now.extreme * now.side).less(now.torque * now.side);
+        let onward = back.less(zero);
+        Some(ContactState {
+            share: now.share.max(zero),
+            since: (now.since + h).min(one),
+            push: S::select(pushes, now.push, zero),
+            extreme: S::select(larger, now.torque, now.extreme),
+            extreme_angle: S::select(larger, now.angle, now.extreme_angle),
+            swings: S::select(slow, now.swings, zero),
+            turn: S::select(onward, now.torque, now.turn),
+            turn_angle: S::select(onward, now.angle, now.turn_angle),
+            since_turn: (now.since_turn + h).min(one),
+            ..*now
+        })
     }
 
     /// Displacement of the feel at which the drive stands.

@@ -13,7 +13,7 @@ use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::surface::FlightState;
-use forcefeel_solve::lanes::{LANES, Lanes};
+use forcefeel_solve::lanes::{FOUR_LANES, FourLanes, LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
 use forcefeel_solve::rest::{angle_at_rest, is_pulled};
@@ -99,7 +99,7 @@ impl Job<'_> {
             return_on_vectors!(
                 level,
                 simd => self.vectorized::<_, crate::pair::Pair<Lanes<_>>, K>(simd, first, measures, histories),
-                simd => self.in_eights::<_, K>(simd, first, measures, histories)
+                simd => self.in_fours::<_, K>(simd, first, measures, histories)
             );
         }
         let size = self.outputs.len() * self.samples();
@@ -109,13 +109,13 @@ impl Job<'_> {
         }
     }
 
-    /// Eight and eight: numbers that take several registers have company enough in one another.
-    fn in_eights<S: Simd, K: Kind>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    /// Four by four, where eight would take several registers for a number: a step's instructions and numbers stay in the nearest caches.
+    fn in_fours<S: Simd, K: Kind>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         let size = self.outputs.len() * self.samples();
-        for (part, measures) in measures.chunks_mut(LANES).enumerate() {
-            let from = part * LANES;
+        for (part, measures) in measures.chunks_mut(FOUR_LANES).enumerate() {
+            let from = part * FOUR_LANES;
             let histories = &mut histories[from * size..(from + measures.len()) * size];
-            self.vectorized::<_, Lanes<S>, K>(simd, first + from, measures, histories);
+            self.vectorized::<_, FourLanes<S>, K>(simd, first + from, measures, histories);
         }
     }
 
@@ -213,12 +213,12 @@ impl Job<'_> {
         let beginnings: Vec<_> = runs.map(|run| self.beginning::<K>(run)).collect();
         let beginning = Beginning::gathered(token, &beginnings);
         let in_flight = |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<T>>, state: &State<_, K::Of<T>>| {
-            let mut inputs = *inputs;
+            let mut flown = None;
             if !self.flights.is_empty() {
                 let [angle, _] = machine.programmed_motion(state);
-                angle.scatter(|_, angle| inputs = self.in_flight(first, step, &inputs, angle));
+                angle.scatter(|_, angle| flown = Some(self.in_flight(first, step, inputs, angle)));
             }
-            inputs
+            flown
         };
         let around = (in_flight, || noise.next(token));
         run(&mut machine, &self.shared, &beginning, self.inputs, &changes, around, &mut recorder);

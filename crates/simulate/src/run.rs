@@ -43,8 +43,8 @@ pub trait Record<S: Scalar, D: Drive<S>> {
 /// Runs a loader through `inputs`, one for each step; `record` sees the start of every step and the end of the last, and the
 /// middles if it asks for them.
 ///
-/// `in_flight` gives the inputs of a step from those without a flight, where the loader stands; `normal` a standard normal number for each
-/// sensor at each sample.
+/// `in_flight` gives the inputs of a step in a flight, if there is one, from those without, where the loader stands; `normal` a standard normal
+/// number for each sensor at each sample.
 #[inline(always)]
 pub fn run<S: Scalar, D: Drive<S>>(
     machine: &mut Machine<S, D>,
@@ -53,7 +53,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
     inputs: &[Inputs],
     changes: &[FeelChange<S>],
     (in_flight, mut normal): (
-        impl Fn(usize, &Inputs, &Machine<S, D>, &State<S, D>) -> Inputs,
+        impl Fn(usize, &Inputs, &Machine<S, D>, &State<S, D>) -> Option<Inputs>,
         impl FnMut() -> [S; SENSORS],
     ),
     record: &mut impl Record<S, D>,
@@ -79,8 +79,10 @@ pub fn run<S: Scalar, D: Drive<S>>(
     let mut last: Option<(StepStart<S, D>, Inputs)> = None;
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
-        let now = in_flight(step, inputs.get(step).unwrap_or(&ended), machine, &state);
-        let step_start = machine.begin(shared, &mut state, &mut memory, &now, &mut normal);
+        let still = inputs.get(step).unwrap_or(&ended);
+        let flown = in_flight(step, still, machine, &state);
+        let now = flown.as_ref().unwrap_or(still);
+        let step_start = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
         if let Some((before, inputs)) = &last {
             match middles {
                 Middles::None => {}
@@ -92,7 +94,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
         if step == inputs.len() {
             return;
         }
-        machine.advance(shared, &mut state, &now, &step_start);
+        machine.advance(shared, &mut state, now, &step_start);
         let next = step + 1;
         if next == held_until {
             Machine::<S, D>::let_go(&mut state);
@@ -108,7 +110,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
             machine.fade_to(&change.parameters, change.observer.as_ref());
         }
         if middles != Middles::None {
-            last = Some((step_start, now));
+            last = Some((step_start, *now));
         }
     }
 }

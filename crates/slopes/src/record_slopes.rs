@@ -83,7 +83,7 @@ impl SlopeJob<'_> {
         let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
         let in_flight =
             |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<Dual>>, state: &State<_, K::Of<Dual>>| {
-                job.in_flight(run_index, step, inputs, machine.programmed_motion(state)[0].value)
+                Some(job.in_flight(run_index, step, inputs, machine.programmed_motion(state)[0].value))
             };
         let around = (in_flight, || [Dual::constant(0.0); SENSORS]);
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };

@@ -1,4 +1,4 @@
-//! Eight runs at once: a number with a lane for each.
+//! Eight runs at once, or four: a number with a lane for each.
 //!
 //! The vector instructions are chosen when the program runs: AVX-512 or AVX2 where the machine has them and they were compiled for
 //! (`build.rs`), else what every machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
@@ -9,35 +9,130 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
-use fearless_simd::{f64x8, mask64x8, u64x8};
+use fearless_simd::{f64x4, f64x8, mask64x4, mask64x8, u64x8};
 use forcefeel_model::Scalar;
-
-/// How many runs stand side by side.
-pub const LANES: usize = 8;
 
 /// The bits of a double's exponent.
 pub(crate) const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
 
-/// One number of eight runs.
-#[derive(Debug, Clone, Copy)]
-pub struct Lanes<S: Simd>(f64x8<S>);
+macro_rules! operator {
+    ($Lanes:ident, $Trait:ident, $method:ident) => {
+        impl<S: Simd> $Trait for $Lanes<S> {
+            type Output = Self;
+            #[inline]
+            fn $method(self, other: Self) -> Self {
+                Self($Trait::$method(self.0, other.0))
+            }
+        }
+    };
+}
+
+macro_rules! lanes {
+    ($Lanes:ident, $COUNT:ident = $count:literal, $numbers:ident, $mask:ident; $of:literal, $side_by_side:literal) => {
+        #[doc = $side_by_side]
+        pub const $COUNT: usize = $count;
+
+        #[doc = $of]
+        #[derive(Debug, Clone, Copy)]
+        pub struct $Lanes<S: Simd>($numbers<S>);
+
+        impl<S: Simd> $Lanes<S> {
+            /// The same number in every lane.
+            #[inline(always)]
+            pub fn splat(simd: S, value: f64) -> Self {
+                Self($numbers::splat(simd, value))
+            }
+            /// A number for each lane.
+            #[inline(always)]
+            pub fn new(simd: S, values: [f64; $COUNT]) -> Self {
+                Self($numbers::simd_from(simd, values))
+            }
+            /// The numbers of the lanes.
+            #[inline(always)]
+            pub fn values(self) -> [f64; $COUNT] {
+                self.0.into()
+            }
+        }
+
+        operator!($Lanes, Add, add);
+        operator!($Lanes, Sub, sub);
+        operator!($Lanes, Mul, mul);
+        operator!($Lanes, Div, div);
+
+        impl<S: Simd> Neg for $Lanes<S> {
+            type Output = Self;
+            #[inline]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
+
+        impl<S: Simd> Scalar for $Lanes<S> {
+            type Mask = $mask<S>;
+            const IN_LANES: bool = true;
+            #[inline]
+            fn constant(self, value: f64) -> Self {
+                Self::splat(self.0.simd, value)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                Self(self.0.sqrt())
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                Self(self.0.abs())
+            }
+            #[inline]
+            fn round(self) -> Self {
+                Self(self.0.round_ties_even())
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                Self(self.0.min(other.0))
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                Self(self.0.max(other.0))
+            }
+            #[inline]
+            fn times_sign(self, other: Self) -> Self {
+                let sign = $numbers::splat(self.0.simd, -0.0).to_bits();
+                Self((self.0.to_bits() ^ (other.0.to_bits() & sign)).bitcast())
+            }
+            #[inline]
+            fn less(self, other: Self) -> Self::Mask {
+                self.0.simd_lt(other.0)
+            }
+            #[inline]
+            fn any(mask: Self::Mask) -> bool {
+                mask.any_true()
+            }
+            #[inline]
+            fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+                Self(mask.select(yes.0, no.0))
+            }
+            #[inline]
+            fn slope_times(self, by: Self) -> Self {
+                let zero = self.zero();
+                Self(self.0.simd_eq(zero.0).select(zero.0, self.0 * by.0))
+            }
+            #[inline]
+            fn slope_over(self, by: Self) -> Self {
+                let zero = self.zero();
+                Self(self.0.simd_eq(zero.0).select(zero.0, self.0 / by.0))
+            }
+        }
+    };
+}
+
+lanes!(Lanes, LANES = 8, f64x8, mask64x8; "One number of eight runs.", "How many runs stand side by side.");
+lanes!(
+    FourLanes, FOUR_LANES = 4, f64x4, mask64x4;
+    "One number of four runs: for a step whose instructions and numbers are too many for the nearest cache with eight, where a register holds four.",
+    "How many runs stand side by side in one of those."
+);
 
 impl<S: Simd> Lanes<S> {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn splat(simd: S, value: f64) -> Self {
-        Self(f64x8::splat(simd, value))
-    }
-    /// A number for each lane.
-    #[inline(always)]
-    pub fn new(simd: S, values: [f64; LANES]) -> Self {
-        Self(f64x8::simd_from(simd, values))
-    }
-    /// The numbers of the lanes.
-    #[inline(always)]
-    pub fn values(self) -> [f64; LANES] {
-        self.0.into()
-    }
     /// `self factor + term`, rounded once.
     #[inline(always)]
     pub(crate) fn fused(self, factor: Self, term: Self) -> Self {
@@ -53,87 +148,6 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn zip(self, other: Self) -> (Self, Self) {
         (Self(self.0.zip_low(other.0)), Self(self.0.zip_high(other.0)))
-    }
-}
-
-macro_rules! operator {
-    ($Trait:ident, $method:ident) => {
-        impl<S: Simd> $Trait for Lanes<S> {
-            type Output = Self;
-            #[inline]
-            fn $method(self, other: Self) -> Self {
-                Self($Trait::$method(self.0, other.0))
-            }
-        }
-    };
-}
-
-operator!(Add, add);
-operator!(Sub, sub);
-operator!(Mul, mul);
-operator!(Div, div);
-
-impl<S: Simd> Neg for Lanes<S> {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl<S: Simd> Scalar for Lanes<S> {
-    type Mask = mask64x8<S>;
-    const IN_LANES: bool = true;
-    #[inline]
-    fn constant(self, value: f64) -> Self {
-        Self::splat(self.0.simd, value)
-    }
-    #[inline]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    #[inline]
-    fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-    #[inline]
-    fn round(self) -> Self {
-        Self(self.0.round_ties_even())
-    }
-    #[inline]
-    fn min(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
-    }
-    #[inline]
-    fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
-    }
-    #[inline]
-    fn times_sign(self, other: Self) -> Self {
-        let sign = f64x8::splat(self.0.simd, -0.0).to_bits();
-        Self((self.0.to_bits() ^ (other.0.to_bits() & sign)).bitcast())
-    }
-    #[inline]
-    fn less(self, other: Self) -> Self::Mask {
-        self.0.simd_lt(other.0)
-    }
-    #[inline]
-    fn any(mask: Self::Mask) -> bool {
-        mask.any_true()
-    }
-    #[inline]
-    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(mask.select(yes.0, no.0))
-    }
-    #[inline]
-    fn slope_times(self, by: Self) -> Self {
-        let zero = self.zero();
-        Self(self.0.simd_eq(zero.0).select(zero.0, self.0 * by.0))
-    }
-    #[inline]
-    fn slope_over(self, by: Self) -> Self {
-        let zero = self.zero();
-        Self(self.0.simd_eq(zero.0).select(zero.0, self.0 / by.0))
     }
 }
 

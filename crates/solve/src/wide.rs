@@ -4,7 +4,7 @@
 //! certified signs want them: one rounding where there would be two, and the exact error of a product. Each is rounded once on
 //! every machine, so the bits are the same in whatever lane, and in plain `f64` where a machine has no vectors.
 
-use crate::lanes::{EXPONENT, LANES, Lanes};
+use crate::lanes::{EXPONENT, FOUR_LANES, FourLanes, LANES, Lanes};
 use fearless_simd::Simd;
 use forcefeel_model::Scalar;
 
@@ -33,20 +33,28 @@ impl Wide for f64 {
     }
 }
 
-impl<S: Simd> Wide for Lanes<S> {
-    type Token = S;
-    const RUNS: usize = LANES;
-    #[inline(always)]
-    fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
-        Self::new(simd, core::array::from_fn(of))
-    }
-    #[inline(always)]
-    fn scatter(self, mut to: impl FnMut(usize, f64)) {
-        for (lane, value) in self.values().into_iter().enumerate() {
-            to(lane, value);
+macro_rules! wide {
+    ($Lanes:ident, $COUNT:ident, [$($lane:literal),+]) => {
+        impl<S: Simd> Wide for $Lanes<S> {
+            type Token = S;
+            const RUNS: usize = $COUNT;
+            #[inline(always)]
+            fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
+                // No loop, which is not sure to be compiled into the lanes' own.
+                Self::new(simd, [$( of($lane) ),+])
+            }
+            #[inline(always)]
+            fn scatter(self, mut to: impl FnMut(usize, f64)) {
+                for (lane, value) in self.values().into_iter().enumerate() {
+                    to(lane, value);
+                }
+            }
         }
-    }
+    };
 }
+
+wide!(Lanes, LANES, [0, 1, 2, 3, 4, 5, 6, 7]);
+wide!(FourLanes, FOUR_LANES, [0, 1, 2, 3]);
 
 /// A number that stands for several runs, with what linear algebra in lanes asks for: operations that are rounded once, powers of two, and
 /// transposition.

@@ -115,7 +115,7 @@ def simulate_batch(
     first_run: int | None = 0,
     threads: int | None = None,
 ) -> "xr.Dataset":
-    """Runs many loaders through one scenario, eight at a time in vector lanes, on all cores.
+    """Runs many loaders through one scenario, side by side in vector lanes, on all cores.
 
     Args:
         loader: The nominal loader; its curves, controller and force apply to all runs.

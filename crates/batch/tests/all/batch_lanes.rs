@@ -4,16 +4,18 @@ use crate::draws::Draws;
 use fearless_simd::Level;
 use forcefeel_model::Scalar;
 use forcefeel_model::contact::{Stops, since_touch};
+use forcefeel_model::contact_law::{ContactLaw, ContactState};
 use forcefeel_model::controller::Converters;
 use forcefeel_model::curve::Curve;
 use forcefeel_model::drive::hydraulic::pressure::Balance;
 use forcefeel_model::drive::hydraulic::valve::ValveMotion;
 use forcefeel_model::dry_friction::DryFriction;
 use forcefeel_model::effects::Effects;
+use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::transducers::{SensorReading, Transducers};
 use forcefeel_simulate::pair::Pair;
-use forcefeel_solve::lanes::Lanes;
+use forcefeel_solve::lanes::{FourLanes, Lanes};
 use forcefeel_solve::wide::Wide;
 
 /// A part of the step: numbers in, numbers out.
@@ -164,6 +166,38 @@ impl Part for Spring {
     }
 }
 
+/// The numbers of a memory.
+struct Numbers<S>(Vec<S>);
+
+impl<S: Scalar> MemoryVisitor<S> for Numbers<S> {
+    fn number(&mut self, _: &'static str, number: &mut S) {
+        self.0.push(*number);
+    }
+    fn flag(&mut self, _: &'static str, _: &mut S::Mask) {}
+}
+
+/// A push that stays for long, then blows and swings: samples in which nothing begins, and those in which lanes differ.
+struct ContactNoticed;
+impl Part for ContactNoticed {
+    const SIZES: &'static [f64] = &[20.0, 30.0, 0.01, 0.02];
+    fn results<S: Scalar>(x: &[S]) -> Vec<S> {
+        let mut numbers = [0.15, 890.0, 0.0, 555.0, 3.6, 5.3, 3180.0, 0.1, 0.0087, 0.0175].into_iter();
+        let law = ContactLaw::take(|| x[0].constant(numbers.next().expect("a number of the law")));
+        let period = [1e-3, 1e3].map(|number| x[0].constant(number));
+        let mut state = ContactState::free(x[0].zero(), x[2]);
+        let mut begun = x[0].zero();
+        for k in 0..120_u32 {
+            let swing = if k < 40 { 0.0 } else { 1.0 - f64::from(k % 20) / 10.0 };
+            let (torque, column) = (x[0] + x[1].times(swing), x[2] + x[3].times(swing));
+            let (now, begins) = law.noticed(torque, (column, None), state, period);
+            (state, begun) = (now, begun + number(begins, x[0]));
+        }
+        let mut found = Numbers(vec![begun]);
+        state.visit(&mut found);
+        found.0
+    }
+}
+
 /// Asserts that each lane has the bits of the same numbers alone.
 fn compare<P: Part, T: Wide>(token: T::Token) {
     let mut draws = Draws::new(1);
@@ -199,13 +233,14 @@ fn on_all<P: Part>() {
             kinds += 1;
         }
         if let Some(simd) = level.as_avx2() {
-            compare::<P, Lanes<_>>(simd);
+            compare::<P, FourLanes<_>>(simd);
             compare::<P, Pair<Lanes<_>>>(simd);
             kinds += 1;
         }
     }
     #[cfg(target_arch = "aarch64")]
     if let Some(simd) = level.as_neon() {
+        compare::<P, FourLanes<_>>(simd);
         compare::<P, Pair<Lanes<_>>>(simd);
         kinds += 1;
     }
@@ -227,6 +262,7 @@ macro_rules! parts {
 parts! {
     operations: Operations,
     contact: Contact,
+    contact_noticed: ContactNoticed,
     dry_friction: Friction,
     load_pressure: Pressure,
     sensors: Sensors,

@@ -132,7 +132,7 @@ fn counts(steps: usize) -> [u64; 3] {
         &beginning,
         &inputs,
         &[],
-        (|_, now: &Inputs, _: &Machine<_, Hydraulic<_>>, _: &State<_, Hydraulic<_>>| *now, normal),
+        (|_, _: &Inputs, _: &Machine<_, Hydraulic<_>>, _: &State<_, Hydraulic<_>>| None, normal),
         &mut Nothing,
     );
     COUNTS.get()
