@@ -7,10 +7,11 @@ on a motor ``torque-mode`` also asks how steep the feel can be.
 """
 
 from collections.abc import Mapping
+from functools import cache
 from math import inf, isclose, isfinite
 
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC, TABLE, has
+from forcefeel.loader.parameters import ELECTRIC, table
 
 _PARTS = ("feel.", "pilot.", "safety.", "thermal.", "brake.", "winding.")
 """Parts that no design asks for, but for the rows of the feel below."""
@@ -58,8 +59,8 @@ def design_rows(loader: Loader) -> dict[str, float]:
         >>> "linkage.stiffness" in rows, "pilot.force" in rows
         (True, False)
     """
-    keys = [key for key in TABLE if has(loader.drive, TABLE[key]) and _asked_for(key, loader)]
-    rows = {key: loader[key] for key in keys if isfinite(loader[key])}
+    keys = _asked_for(loader.drive, bool(loader["grip_sensor.gain"]))
+    rows = {key: value for key in keys if isfinite(value := loader[key])}
     for key in _FRICTION:
         if loader[key] and key in loader.tolerances:
             low, high = loader.tolerances[key].ends
@@ -85,8 +86,14 @@ def is_steep(key: str) -> bool:
     return key.removeprefix("feel.").startswith(_STEEP)
 
 
-def _asked_for(key: str, loader: Loader) -> bool:
-    if key.startswith("grip_sensor."):
-        return bool(loader["grip_sensor.gain"])
-    others = not key.startswith(_PARTS) and not key.endswith(_ROWS)
-    return (loader.drive == ELECTRIC and is_steep(key)) or others or key in {_SCALE, _SHAKER, _LARGEST_CURRENT}
+@cache
+def _asked_for(drive: str, grip_sensor: bool) -> tuple[str, ...]:
+    """The rows that a design asks for, of a loader with that drive."""
+
+    def asked_for(key: str) -> bool:
+        if key.startswith("grip_sensor."):
+            return grip_sensor
+        others = not key.startswith(_PARTS) and not key.endswith(_ROWS)
+        return (drive == ELECTRIC and is_steep(key)) or others or key in {_SCALE, _SHAKER, _LARGEST_CURRENT}
+
+    return tuple(key for key in table(drive) if asked_for(key))
