@@ -53,6 +53,13 @@ RUST = {
 }
 
 
+def test_no_rust_test_lies_where_none_is_run():
+    """The library of a crate is not compiled for tests: those within its source would never run."""
+    crates = [path.parent for path in CRATES.rglob("Cargo.toml") if "test = false" in path.read_text()]
+    assert len(crates) > 10
+    assert not [str(file) for crate in crates for file in crate.glob("src/**/*.rs") if "#[test]" in file.read_text()]
+
+
 def test_path_resolves_to_declaring_file(tmp_path):
     for name, text in RUST.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)

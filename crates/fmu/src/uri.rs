@@ -9,7 +9,7 @@ pub fn path_of_uri(uri: &str) -> PathBuf {
 
 /// The same as text. On Windows the slash before a drive, `file:///Z:/fmu`, belongs to the URI, and two that are left begin the name
 /// of another machine.
-fn path(uri: &str, windows: bool) -> String {
+pub fn path(uri: &str, windows: bool) -> String {
     let Some(rest) = uri.strip_prefix("file:") else { return uri.to_owned() };
     let local = rest.strip_prefix("//localhost/").map(|path| format!("/{path}"));
     let named = rest.strip_prefix("//").map(|path| {
@@ -38,29 +38,4 @@ fn without_escapes(text: &str) -> String {
         }
     }
     String::from_utf8_lossy(&bytes).into_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::path;
-
-    /// Examples of RFC 8089, and what importers give.
-    #[test]
-    fn uris_give_the_paths_of_their_system() {
-        for (uri, unix, windows) in [
-            ("file:///tmp/my%20fmu/resources", "/tmp/my fmu/resources", "/tmp/my fmu/resources"),
-            ("file:/tmp/fmu", "/tmp/fmu", "/tmp/fmu"),
-            ("file://localhost/tmp/fmu", "/tmp/fmu", "/tmp/fmu"),
-            ("file:///Z:/fmu/resources", "/Z:/fmu/resources", "Z:/fmu/resources"),
-            ("file:///c%3A/fmu", "/c:/fmu", "c:/fmu"),
-            ("file:/C:/fmu", "/C:/fmu", "C:/fmu"),
-            ("file:////server/share/fmu", "//server/share/fmu", "//server/share/fmu"),
-            ("C:\\fmu\\resources", "C:\\fmu\\resources", "C:\\fmu\\resources"),
-            ("/tmp/100%", "/tmp/100%", "/tmp/100%"),
-        ] {
-            assert_eq!(path(uri, false), unix, "{uri}");
-            assert_eq!(path(uri, true), windows, "{uri}");
-        }
-        assert_eq!(path("file://server/share/fmu", true), "//server/share/fmu");
-    }
 }

@@ -96,26 +96,9 @@ impl Axes {
 
 /// How an axis with a cycle each so many beats wakes between two counts of beats: the newest of its beats there is its cycle, those before
 /// were missed; nothing where there is none.
-fn due(every: u64, [before, now]: [u64; 2], woken: Woken, period_ns: u64) -> Option<Woken> {
+pub fn due(every: u64, [before, now]: [u64; 2], woken: Woken, period_ns: u64) -> Option<Woken> {
     let cycles = now / every - before / every;
     let first = (before / every + 1) * every;
     (cycles > 0)
         .then(|| Woken { late_ns: woken.late_ns.saturating_sub((first - before - 1) * period_ns), missed: cycles - 1 })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::due;
-    use crate::clock::Woken;
-
-    #[test]
-    fn an_axis_of_a_third_of_the_rate_counts_its_own_missed_cycles() {
-        let on_time = Woken { late_ns: 10, missed: 0 };
-        assert_eq!(due(3, [0, 1], on_time, 500), None);
-        assert_eq!(due(3, [2, 3], on_time, 500), Some(on_time));
-        // Beats 4 to 10 in one: its cycles of beats 6 and 9, the first of which was 2 periods after the beat that was late.
-        let late = Woken { late_ns: 3010, missed: 6 };
-        assert_eq!(due(3, [3, 10], late, 500), Some(Woken { late_ns: 2010, missed: 1 }));
-        assert_eq!(due(1, [3, 10], late, 500), Some(late));
-    }
 }

@@ -1,5 +1,6 @@
 //! The loop in real time.
 
+mod axes;
 mod histogram;
 mod host;
 mod loader;
@@ -7,3 +8,4 @@ mod no_allocation;
 mod packets;
 mod record;
 mod stall;
+mod test_signal;

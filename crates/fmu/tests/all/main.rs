@@ -1,0 +1,3 @@
+//! What an importer hands over.
+
+mod uri;
