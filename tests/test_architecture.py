@@ -53,8 +53,8 @@ RUST = {
 }
 
 
-def test_no_rust_test_lies_where_none_is_run():
-    """The library of a crate is not compiled for tests: those within its source would never run."""
+def test_no_rust_test_is_in_a_library_without_tests():
+    """These libraries are not compiled for tests: one in their source would never run."""
     crates = [path.parent for path in CRATES.rglob("Cargo.toml") if "test = false" in path.read_text()]
     assert len(crates) > 10
     assert not [str(file) for crate in crates for file in crate.glob("src/**/*.rs") if "#[test]" in file.read_text()]

@@ -19,8 +19,8 @@
 //! | `g+ = g + a (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
-//! `w` is among `s-` to `s+`, so that `T = T_o` always is allowed: `T_o` is slower than the noise of `v`, and where that alone moves `w`,
-//! `T_o - f` would push the column along, at some three times `v_s`, past the neutral.
+//! `s-` to `s+` includes `w`, so that `T = T_o` is always allowed. `T_o` does not follow the noise of `v`: where only noise changed `w`, the play
+//! would push a slow column on past its neutral, at about three times `v_s`.
 //!
 //! `U` keeps noise and the level's own error from driving the feel with the hand off. A column that came to rest under a hand is let go
 //! of within `1 / l` samples: else whoever pushes at it would have to overcome the friction twice.
@@ -193,7 +193,7 @@ impl<S: Scalar> KnownFriction<S> {
         let total = estimated - friction;
         let two = v.constant(2.0);
         let per_slow = two / slow;
-        // The estimate of the torque is slower than the rate's noise: it owes to the mean of `w` what the friction owes to this one.
+        // The torque estimate does not follow the noise of the rate: it contains the mean of `w`, the friction this sample's.
         let (low, high) = ((v * per_slow - two).within(one).min(way), (v * per_slow + two).within(one).max(way));
         let off = state.push.abs().less(self.hand);
         let measured = S::select(off, v.zero(), total);

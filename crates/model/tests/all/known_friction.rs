@@ -102,9 +102,9 @@ fn a_slow_column_rests_where_the_spring_has_less_than_what_is_uncertain() {
 }
 
 #[test]
-fn a_rate_that_is_off_alone_drives_no_feel_with_the_hand_off() {
+fn an_error_of_the_rate_does_not_drive_the_feel_with_the_hand_off() {
     let law = law(LEVEL, 0.0);
-    // The estimate of the torque has not followed yet.
+    // The torque estimate has not followed the rate yet.
     for torque in [-0.9 * UNCERTAIN, 0.0, 0.9 * UNCERTAIN] {
         for share in -80..=80 {
             assert_within(output(&law, torque, 0.1 * SLOW * f64::from(share), 0.0).torque, 0.0, 0.0);

@@ -22,19 +22,19 @@ most; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths t
 
 LET_GO_S = 0.01
 """1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes. At 0.016 s a
-lever with 3 lb of friction is 0.9 % too soft, with it 0.2 %; up to 0.03 s shares rendered change by two in a hundred at most."""
+lever with 3 lb of friction is 0.9 % too soft, at 0.01 s 0.2 %; up to 0.03 s shares rendered change by two in a hundred at most."""
 
 REST_RAD_PER_S = SLOW_RAD_PER_S
 """v_r, the rate below which a column rests. At half of it twice as many settings of ``elevator-electric`` swing on hands off; at
-twice that a lever with 3 lb of friction is 4 % too soft, with it 0.2 %."""
+twice that a lever with 3 lb of friction is 4 % too soft, at this rate 0.2 %."""
 
 LEARNS_S = 0.033
 """1 / a in time: with half of what the other direction learns, a swing teaches an error of both within 0.022 s. Slower by a fifth,
 friction that is a fifth more passes at 90 in place of 94 %; faster by a quarter, that which is a fifth less at 93, not 94 %."""
 
 BOUND = 1.3
-"""g_-, g_+ over the tolerance. What is learnt carries the noise of the estimate: at a bound just as wide it would stay short of a
-friction at the tolerance's end, and of motors at 20 bits 77 in place of 85 to 87 % of the settings pass there."""
+"""g_-, g_+ over the tolerance. The learned friction contains the noise of the estimate: bounded by the tolerance alone, it would not
+reach a friction at the end of the tolerance, where 77 in place of 85 to 87 % of the settings of motors at 20 bits pass."""
 
 BLUR_S = 0.005
 """1 / c in time: how long the column must have moved one way, and the hand have been off. At 0.01 s five settings in a hundred
