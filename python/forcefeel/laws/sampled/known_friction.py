@@ -33,8 +33,8 @@ LEARNS_S = 0.033
 friction that is a fifth more passes at 90 in place of 94 %; faster by a quarter, that which is a fifth less at 93, not 94 %."""
 
 BOUND = 1.3
-"""g_-, g_+ over the tolerance. The learned friction contains the noise of the estimate: bounded by the tolerance alone, it would not
-reach a friction at the end of the tolerance, where 77 in place of 85 to 87 % of the settings of motors at 20 bits pass."""
+"""g_-, g_+ over the tolerance. The learned friction contains the noise of the estimate: bounded by the tolerance alone, it would
+not reach a friction at the end of the tolerance, where 77 in place of 85 to 87 % of the settings of motors at 20 bits pass."""
 
 BLUR_S = 0.005
 """1 / c in time: how long the column must have moved one way, and the hand have been off. At 0.01 s five settings in a hundred
