@@ -18,7 +18,7 @@ import forcefeel as ff
 from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
 from tests.command_line import runs
-from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
+from tests.live.bus_wire import NEEDS_ROOT, run_that_kept_time, virtual_interfaces
 from tests.live.test_bus import ETHERCAT, UNSENSED, cockpit_on_bus, column, until, yoke
 
 run = runs("run")
@@ -252,9 +252,8 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
             status, out, _ = bus_command(str(path), "--move")
             assert "stopped by itself within 0.2 s" in out
             assert status == 0
-            words = ["--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s"]
-            status, out, err = run(str(path), *words, "--out", str(tmp_path / "run"))
-            assert (status, err) == (0, ""), out
+            words = ["--machine", "bus", "--law", "robust", "--out", str(tmp_path / "run"), "--replace"]
+            run_that_kept_time(run, str(path), *words)
         finally:
             emulator.terminate()
     record = ff.live.read_live_record(tmp_path / "run" / "record.mcap")

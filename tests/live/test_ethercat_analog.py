@@ -14,7 +14,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.live.bus import check_bus
 from tests.command_line import runs
-from tests.live.bus_wire import NEEDS_ROOT, virtual_interfaces
+from tests.live.bus_wire import NEEDS_ROOT, run_that_kept_time, virtual_interfaces
 from tests.live.test_bus import QUIET, activate, column, running, until
 
 run = runs("run")
@@ -261,10 +261,7 @@ def test_commands_emulate_check_and_run_a_valve(run, bus_command, tmp_path):
                 path.write_text(text, encoding="utf-8")
                 status, out, err = bus_command(str(path), "--move")
                 assert (status, err) == (0, ""), out
-                status, out, err = run(
-                    str(path), "--machine", "bus", "--law", "robust", "--headless", "--duration", "1 s"
-                )
-                assert (status, err) == (0, ""), out
+                run_that_kept_time(run, str(path), "--machine", "bus", "--law", "robust")
             finally:
                 emulator.terminate()
 
