@@ -227,7 +227,11 @@ def test_example_reaches_the_active_state(here):
 
 @pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("elevator-electric")], ids=str)
 def test_firmware_matches_the_live_loop(loader):
-    loader = loader.replace({"feel.shaker_force": "2 lb"})
+    # A board finds from its first sample where the column rests, which a simulation knows: noise within a step does not move it.
+    quiet = {
+        f"{name}.noise": 0.1 * loader[f"{name}.resolution"] for name in ("load_cell", "potentiometer", "column_sensor")
+    }
+    loader = loader.replace({"feel.shaker_force": "2 lb"}).replace(quiet, si=True)
     with ff.live.start(loader, "robust", real_time=False) as session:
         session.off()
         session.trim_rad, session.shaker = 0.02, 0.5

@@ -4,9 +4,7 @@ use crate::fault::{Fault, Kind};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::supervisor::Limits;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
+use forcefeel_solve::random::RandomStream;
 
 /// One case.
 #[derive(Debug, Clone)]
@@ -23,8 +21,8 @@ pub struct Case {
     pub angle: f64,
     /// Samples.
     pub samples: usize,
-    /// Seed of the sensors' noise.
-    pub seed: u64,
+    /// Noise of the sensors: the numbers after those that drew the case.
+    pub noise: RandomStream,
 }
 
 /// A hand that pushes to and fro.
@@ -62,9 +60,8 @@ impl Case {
         reason = "small numbers above zero"
     )]
     pub fn drawn(loaders: &[[f64; COUNT]], (seed, number): (u64, u64), pairs: bool) -> Self {
-        let mut bits = ChaCha8Rng::seed_from_u64(seed);
-        bits.set_stream(number);
-        let mut draw = || -> f64 { StandardUniform.sample(&mut bits) };
+        let mut stream = RandomStream::new(seed, number);
+        let mut draw = || stream.uniform();
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
         let mut choose = |count: usize| between((0.0, count as f64)) as usize;
         let loader = choose(loaders.len()).min(loaders.len() - 1);
@@ -102,7 +99,7 @@ impl Case {
         let angle = between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 };
         let last = faults.iter().map(|fault| if fault.kind == Kind::None { 0 } else { fault.from }).max().unwrap_or(0);
         let values = parameters.values();
-        Self { loader, values, faults, hand, angle, samples: last + GOES_ON, seed: seed ^ number }
+        Self { loader, values, faults, hand, angle, samples: last + GOES_ON, noise: stream }
     }
 
     /// Whether the loader is to go on in spite of its faults. Two that are bridged may be more than one that is.
@@ -146,9 +143,8 @@ const ARMS: [[f64; 3]; 3] = [[0.8, 5.5, 30.0], [1.0, 10.0, 50.0], [3.0, 40.0, 10
 impl Case {
     /// The case of a number without a fault: every other is on a cold day, with twice the dry friction.
     pub fn legal(loaders: &[[f64; COUNT]], (seed, number): (u64, u64)) -> Self {
-        let mut bits = ChaCha8Rng::seed_from_u64(seed);
-        bits.set_stream(number);
-        let mut draw = || -> f64 { StandardUniform.sample(&mut bits) };
+        let mut stream = RandomStream::new(seed, number);
+        let mut draw = || stream.uniform();
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
         let whole = |number: f64| number as usize;
@@ -194,7 +190,7 @@ impl Case {
             hand,
             angle: between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 },
             samples: LEGAL_SAMPLES,
-            seed: seed ^ number,
+            noise: stream,
         }
     }
 }

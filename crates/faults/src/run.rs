@@ -16,9 +16,7 @@ use forcefeel_model::supervisor::{
     Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
 };
 use forcefeel_model::transducers::SENSORS;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use forcefeel_solve::random::RandomStream;
 
 /// What was recorded of a sample.
 #[derive(Debug, Clone, Copy)]
@@ -122,7 +120,7 @@ pub struct Loop<'a, D: Drive<f64>> {
     timing: Timing,
     machine: Machine<f64, D>,
     state: State<f64, D>,
-    noise: ChaCha8Rng,
+    noise: RandomStream,
     supervisor: Supervisor<f64>,
     control: Control<f64>,
     followed: SupervisedLaw<f64>,
@@ -182,7 +180,7 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
             moving: Moving::of(&parameters, kind, &limits),
             timing,
             state: machine.start(&shared, &equilibrium),
-            noise: ChaCha8Rng::seed_from_u64(case.seed),
+            noise: case.noise.clone(),
             supervisor: Supervisor::new(limits, 0.0),
             control,
             // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
@@ -223,7 +221,7 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
     fn cycle(&mut self, arrived: &SamplingPoint<f64, D>, inputs: &Inputs) -> Option<()> {
         let Self { case, limits, shared, machine, state, noise, supervisor, control, followed, .. } = self;
         let (now, sample) = (&arrived.now, self.rows.len());
-        let sensors = machine.sampled(shared, state, &mut || core::array::from_fn(|_| StandardNormal.sample(noise)));
+        let sensors = machine.sampled(shared, state, &mut || core::array::from_fn(|_| noise.normal()));
         let mut input = SupervisorInput {
             sensed: sensors,
             missed: 0,

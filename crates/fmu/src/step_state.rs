@@ -14,15 +14,10 @@ use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::surface::FlightState;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::outputs::Output;
+use forcefeel_solve::sensor_noise::SensorNoise;
 use forcefeel_solve::smooth::without_steps;
 use forcefeel_solve::start::Start;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
-
-/// The stream of the grip's sensor, as the first run of a simulation has it.
-const OF_GRIP: u64 = 1 << 63;
 
 /// What an importer gives for a step, with the slopes along which a derivative is wanted.
 #[derive(Debug, Clone, Copy)]
@@ -75,8 +70,7 @@ pub(crate) struct StepState<S: Scalar, D: Drive<S>> {
     sensed: [S; SENSORS],
     command: S,
     torque: S,
-    /// Of load cell, potentiometer and column sensor; of the grip's sensor.
-    noise: [ChaCha8Rng; 2],
+    noise: SensorNoise,
     step: usize,
 }
 
@@ -188,11 +182,7 @@ impl<S: Scalar + Into<f64>, D: Drive<S>> StepConstants<S, D> {
     fn begin(&self, step_state: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) -> StepStart<S, D> {
         let StepState { state, memory, noise, .. } = step_state;
         let like = given.command;
-        let mut normal = || {
-            let [column, grip] = noise;
-            let mut next = || like.constant(StandardNormal.sample(column));
-            [next(), next(), next(), like.constant(StandardNormal.sample(grip))]
-        };
+        let mut normal = || noise.sample().map(|number| like.constant(number));
         // Not `begin` for one kind and its parts for the other: two starts of a step would be compiled into this function.
         let arrived = self.machine.arrive(&self.shared, state, inputs);
         if self.kind == Kind::Loader {
@@ -280,11 +270,6 @@ impl<D: Drive<f64>> StepConstants<f64, D> {
         if beginning.held_until == 0 {
             Machine::<f64, D>::let_go(&mut state);
         }
-        let noise = [0, OF_GRIP].map(|stream| {
-            let mut noise = ChaCha8Rng::seed_from_u64(seed);
-            noise.set_stream(stream);
-            noise
-        });
         StepState {
             state,
             under_way: CommandDelay::holding(equilibrium.command()),
@@ -296,7 +281,8 @@ impl<D: Drive<f64>> StepConstants<f64, D> {
             sensed: self.machine.shown_at_rest(&self.shared.effects, equilibrium),
             command: equilibrium.command(),
             torque: 0.0,
-            noise,
+            // As the first run of a simulation has it.
+            noise: SensorNoise::new(seed, 0),
             step: 0,
         }
     }

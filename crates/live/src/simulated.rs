@@ -12,16 +12,11 @@ use forcefeel_model::hand::Hand;
 use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State, StepStart};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_model::with_drive;
+use forcefeel_solve::sensor_noise::SensorNoise;
 use forcefeel_solve::start::Start;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
 
 /// Samples that are kept, for those that come late.
 const RECENT: usize = 64;
-
-/// What the stream of the grip's sensor has beside that of its axis, as in a simulation.
-const OF_GRIP: u64 = 1 << 63;
 
 /// What is done to a simulated machine from its beginning on.
 #[derive(Debug, Clone)]
@@ -85,8 +80,7 @@ struct Simulated<D: Drive<f64>> {
     under_way: CommandDelay<f64>,
     script: Script,
     held_until: usize,
-    /// Of load cell, potentiometer and column sensor; of the grip's sensor.
-    noise: [ChaCha8Rng; 2],
+    noise: SensorNoise,
     hand: Hand,
     fault: Option<Fault>,
     /// What the sensors showed when a fault began.
@@ -129,11 +123,7 @@ impl<D: Drive<f64>> Simulated<D> {
         if start.held_until == 0 {
             Machine::<f64, D>::let_go(&mut state);
         }
-        let noise = [script.stream, script.stream | OF_GRIP].map(|stream| {
-            let mut noise = ChaCha8Rng::seed_from_u64(script.seed);
-            noise.set_stream(stream);
-            noise
-        });
+        let noise = SensorNoise::new(script.seed, script.stream);
         let made = Self {
             machine,
             shared,
@@ -168,11 +158,8 @@ impl<D: Drive<f64>> Simulated<D> {
 
     /// What the sensors give where something may be broken.
     fn measured(&mut self) -> Option<[f64; SENSORS]> {
-        let [column, grip] = &mut self.noise;
-        let mut sensors = self.machine.sampled(&self.shared, &self.state, &mut || {
-            let mut next = || StandardNormal.sample(column);
-            [next(), next(), next(), StandardNormal.sample(grip)]
-        });
+        let Self { machine, shared, state, noise, .. } = self;
+        let mut sensors = machine.sampled(shared, state, &mut || noise.sample());
         match self.fault {
             Some(Fault::Silent) => return None,
             Some(Fault::Stuck(sensor)) => sensors[sensor] = self.frozen[sensor],

@@ -14,6 +14,7 @@
 //! | their poles | [`poles`] |
 //! | whether the poles of many matrices are inside the unit circle | [`unit_circle`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
+//! | random numbers, noise of the sensors | [`random`], [`sensor_noise`] |
 //! | a loader that has slopes | [`smooth`] |
 //! | features of a control that is let go | [`release`], [`local_fit`] |
 //! | whether that is within a rule's tolerances | [`release_verdict`] |
@@ -33,12 +34,14 @@ pub mod local_fit;
 pub mod loops;
 pub mod outputs;
 pub mod poles;
+pub mod random;
 pub mod release;
 pub mod release_verdict;
 pub mod releases;
 pub mod rest;
 pub mod riccati;
 pub mod schedule;
+pub mod sensor_noise;
 pub mod smooth;
 pub mod stability;
 pub mod start;

@@ -9,6 +9,7 @@ mod linearize;
 mod loops;
 #[path = "../../../model/tests/all/near/mod.rs"]
 mod near;
+mod random;
 mod recursion;
 mod release;
 mod rows;
