@@ -1,7 +1,7 @@
 //! Streams of random numbers, alike in simulations, live machines, FMUs and injected faults.
 //!
 //! Each stream is a function of its seed and its number alone, so one run of many is repeated by itself. The generator is xoshiro256++ (D. Blackman,
-//! S. Vigna, ACM Trans. Math. Software 47 (2021)), its state four outputs of SplitMix64 from a hash of the seed plus the number, as its authors recommend.
+//! S. Vigna, ACM Trans. Math. Software 47 (2021)), its state four outputs of `SplitMix64` from a hash of the seed plus the number, as its authors advise.
 //! Streams of one seed never start in the same state, those of two seeds by chance: one pair in 2^64. All streams lie on one cycle of 2^256 - 1 states, from
 //! places that are as good as drawn: with a million streams of a million numbers each, two overlap somewhere with a chance of 2^-196. Hence no jumps,
 //! which would cost more than a short run.

@@ -5,7 +5,7 @@
 use forcefeel_solve::random::RandomStream;
 use forcefeel_solve::sensor_noise::SensorNoise;
 
-const COUNT: usize = 40_000;
+const COUNT: u32 = 40_000;
 
 /// As many numbers of a stream.
 fn numbers(mut stream: RandomStream) -> Vec<f64> {
@@ -14,7 +14,7 @@ fn numbers(mut stream: RandomStream) -> Vec<f64> {
 
 /// Mean over the numbers, of which each has this variance, in standard deviations of such a mean.
 fn mean(numbers: impl Iterator<Item = f64>, variance: f64) -> f64 {
-    numbers.sum::<f64>() / (COUNT as f64 * variance).sqrt()
+    numbers.sum::<f64>() / (f64::from(COUNT) * variance).sqrt()
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn runs_seeds_and_sensors_share_nothing() {
 
 #[test]
 fn first_numbers_of_many_runs_are_as_independent_as_those_of_one() {
-    let firsts: Vec<_> = (0..COUNT as u64).map(|run| RandomStream::new(0, run).normal()).collect();
+    let firsts: Vec<_> = (0..u64::from(COUNT)).map(|run| RandomStream::new(0, run).normal()).collect();
     let deviations = [
         mean(firsts.iter().copied(), 1.0),
         mean(firsts.iter().map(|x| x * x - 1.0), 2.0),
