@@ -174,6 +174,17 @@ pub struct ContactState<S> {
     since_lead: S,
 }
 
+/// What a sample counts for.
+struct Counts<S: Scalar> {
+    /// Whether something touches.
+    noticed: S::Mask,
+    share: S,
+    /// Angle of the contact and torque there.
+    place: [S; 2],
+    swings: S,
+    turns: S,
+}
+
 /// What the law is told at a sample.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactInputs<S> {
@@ -291,45 +302,98 @@ impl<S: Scalar> ContactLaw<S> {
         let to_other_side = pushes & (torque * was.side).less(zero);
         let begins = to_other_side | (pushes & !lasted);
         let over = lasted & !pushes;
-        let quick = was.since.less(self.quick);
-        let now = ContactState { torque, angle, rate, peak, ..was };
-        if let Some(state) = self.undisturbed(&now, [pushes, begins, over], at_end, h) {
-            return (state, begins);
-        }
+        let back = (was.turn - torque) * was.direction;
+        let turns_back = self.threshold.times(TURN).less(back) & zero.less(self.threshold);
+        // A heavy feel swings on a stiff spring as slowly as a hand can.
+        let slow = was.since.less(self.quick.times(SLOW));
+        let now = ContactState { torque, angle, rate, peak, swings: S::select(slow, was.swings, zero), ..was };
 
-        let (fell, went) = (torque - was.extreme, angle - was.extreme_angle);
+        let since = S::select(begins, zero, (was.since + h).min(one));
+        let touches = zero.less(was.share);
+        // Alone, a run looks at each change for itself.
+        let quiet = S::IN_LANES && {
+            let changes = begins | over | turns_back | touches | !now.swings.less(one.times(SWINGS));
+            !S::any(at_end.map_or(changes, |at_end| changes | at_end))
+        };
+        let counts = if quiet {
+            let place = [was.place, was.place_torque];
+            Counts { noticed: begins, share: was.share.max(zero), place, swings: now.swings, turns: was.turns }
+        } else {
+            self.counts(&now, [to_other_side, over, turns_back, touches], [now_rate, back, since], (column, at_end), h)
+        };
+
+        let pushed = one.times_sign(torque);
+        let side = S::select(begins, pushed, was.side);
+        let larger = begins | (was.extreme * side).less(torque * side);
+        let against = S::select((rate * pushed).less(-one.times(MOVES_RAD_PER_S)), one, -one);
+        let onward = turns_back | back.less(zero);
+        let Counts { noticed, share, place: [place, place_torque], swings, turns } = counts;
+        let state = ContactState {
+            share,
+            place,
+            place_torque,
+            side,
+            since,
+            push: S::select(begins, against, S::select(pushes, was.push, zero)),
+            before: S::select(begins, rate, was.before),
+            began_angle: S::select(begins, angle, was.began_angle),
+            extreme: S::select(larger, torque, was.extreme),
+            extreme_angle: S::select(larger, angle, was.extreme_angle),
+            last: S::select(to_other_side, was.extreme.abs(), was.last),
+            swings,
+            direction: S::select(turns_back, -was.direction, was.direction),
+            turn: S::select(onward, torque, was.turn),
+            turn_angle: S::select(onward, angle, was.turn_angle),
+            since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
+            turns,
+            ..now
+        };
+        (state, noticed & was.share.less(one.times(0.5)))
+    }
+
+    /// What a sample counts for where a push or a turn begins or ends, or something touches. `now` has the torque, angle, rate and peak of the sample
+    /// and the swings that are not too old.
+    #[inline(always)]
+    fn counts(
+        &self,
+        now: &ContactState<S>,
+        [to_other_side, over, turns_back, touches]: [S::Mask; 4],
+        [now_rate, back, since]: [S; 3],
+        (column, at_end): (S, Option<S::Mask>),
+        h: S,
+    ) -> Counts<S> {
+        let (zero, one) = (h.zero(), h.constant(1.0));
+        let &ContactState { torque, angle, rate, .. } = now;
+        let quick = now.since.less(self.quick);
+        let (fell, went) = (torque - now.extreme, angle - now.extreme_angle);
         let hard = (self.environment * went.abs()).less(fell.abs());
         let stiff = hard & !zero.less(fell * went);
         let swing = to_other_side & quick;
-        let peak_before = was.extreme.abs();
-        let counts = stiff | !peak_before.less(was.last.times(GROWTH));
-        // A heavy feel swings on a stiff spring as slowly as a hand can; a hand does not push harder each time.
-        let slow = was.since.less(self.quick.times(SLOW));
-        let slow_counts = stiff & was.last.times(SLOW_GROWTH).less(peak_before) & slow;
+        let peak_before = now.extreme.abs();
+        let counts = stiff | !peak_before.less(now.last.times(GROWTH));
+        // A hand does not push harder each time.
+        let slow_counts =
+            stiff & now.last.times(SLOW_GROWTH).less(peak_before) & now.since.less(self.quick.times(SLOW));
         let swings = S::select(
             to_other_side,
             S::select(
                 quick,
-                S::select(counts, was.swings + one, zero),
-                S::select(slow_counts, was.swings + one.times(SLOW_SWING), zero),
+                S::select(counts, now.swings + one, zero),
+                S::select(slow_counts, now.swings + one.times(SLOW_SWING), zero),
             ),
-            S::select(slow, was.swings, zero),
+            now.swings,
         );
         let moves = one.times(MOVES_RAD_PER_S);
-        let rose = (self.environment * (was.extreme_angle - was.began_angle).abs()).less(peak_before);
+        let rose = (self.environment * (now.extreme_angle - now.began_angle).abs()).less(peak_before);
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
-        let struck = blow & quick & stiff & zero.less(was.push);
+        let struck = blow & quick & stiff & zero.less(now.push);
         let turned = blow
-            & was.since.less(self.quick.times(SHORT))
-            & (was.before * was.side).less(-moves)
-            & moves.less(now_rate * was.side);
-        let touches = zero.less(was.share);
-        let back = (was.turn - torque) * was.direction;
-        let turns_back = self.threshold.times(TURN).less(back) & zero.less(self.threshold);
+            & now.since.less(self.quick.times(SHORT))
+            & (now.before * now.side).less(-moves)
+            & moves.less(now_rate * now.side);
         let counts_turn =
-            (self.environment * (angle - was.turn_angle).abs()).less(back) & was.since_turn.less(self.quick);
-        let turns = S::select(turns_back, S::select(counts_turn, was.turns + one, zero), was.turns);
-        let onward = turns_back | back.less(zero);
+            (self.environment * (angle - now.turn_angle).abs()).less(back) & now.since_turn.less(self.quick);
+        let turns = S::select(turns_back, S::select(counts_turn, now.turns + one, zero), now.turns);
         let noticed = !swings.less(one.times(SWINGS))
             | (turns_back & !turns.less(one.times(TURNS)))
             | struck
@@ -337,15 +401,10 @@ impl<S: Scalar> ContactLaw<S> {
             | (swing & touches);
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
-        let pushed = one.times_sign(torque);
-        let side = S::select(begins, pushed, was.side);
-        let larger = begins | (was.extreme * side).less(torque * side);
-        let against = S::select((rate * pushed).less(-moves), one, -one);
         // Where the push was largest: a column that is thrown back has left the place before the push is over.
-        let place = S::select(noticed, was.extreme_angle, was.place);
+        let place = S::select(noticed, now.extreme_angle, now.place);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
-        let place_torque = S::select(noticed, torque, was.place_torque);
-        let since = S::select(begins, zero, (was.since + h).min(one));
+        let place_torque = S::select(noticed, torque, now.place_torque);
 
         let from = column - place;
         let gone = if S::any(touches) {
@@ -358,69 +417,8 @@ impl<S: Scalar> ContactLaw<S> {
             zero
         };
         let whole = noticed | (touches & from.abs().less(self.near));
-        let state = ContactState {
-            share: S::select(whole, one, (was.share - gone).max(zero)),
-            place,
-            place_torque,
-            torque,
-            angle,
-            rate,
-            peak,
-            side,
-            since,
-            push: S::select(begins, against, S::select(pushes, was.push, zero)),
-            before: S::select(begins, rate, was.before),
-            began_angle: S::select(begins, angle, was.began_angle),
-            extreme: S::select(larger, torque, was.extreme),
-            extreme_angle: S::select(larger, angle, was.extreme_angle),
-            last: S::select(to_other_side, peak_before, was.last),
-            swings,
-            direction: S::select(turns_back, -was.direction, was.direction),
-            turn: S::select(onward, torque, was.turn),
-            turn_angle: S::select(onward, angle, was.turn_angle),
-            since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
-            turns,
-            ..was
-        };
-        (state, noticed & was.share.less(one.times(0.5)))
-    }
-
-    /// The state after most samples of runs side by side: where in no lane anything begins, ends, turns or touches, and little of it changes. `now`
-    /// has the torque, angle, rate and peak of the sample. Alone, a run looks at each change for itself.
-    #[inline(always)]
-    fn undisturbed(
-        &self,
-        now: &ContactState<S>,
-        [pushes, begins, over]: [S::Mask; 3],
-        at_end: Option<S::Mask>,
-        h: S,
-    ) -> Option<ContactState<S>> {
-        if !S::IN_LANES {
-            return None;
-        }
-        let (zero, one) = (h.zero(), h.constant(1.0));
-        let back = (now.turn - now.torque) * now.direction;
-        let turns_back = self.threshold.times(TURN).less(back) & zero.less(self.threshold);
-        let counted = zero.less(now.share) | !now.swings.less(one.times(SWINGS));
-        let changes = begins | over | turns_back | counted;
-        if S::any(at_end.map_or(changes, |at_end| changes | at_end)) {
-            return None;
-        }
-        let slow = now.since.less(self.quick.times(SLOW));
-        let larger = (now.extreme * now.side).less(now.torque * now.side);
-        let onward = back.less(zero);
-        Some(ContactState {
-            share: now.share.max(zero),
-            since: (now.since + h).min(one),
-            push: S::select(pushes, now.push, zero),
-            extreme: S::select(larger, now.torque, now.extreme),
-            extreme_angle: S::select(larger, now.angle, now.extreme_angle),
-            swings: S::select(slow, now.swings, zero),
-            turn: S::select(onward, now.torque, now.turn),
-            turn_angle: S::select(onward, now.angle, now.turn_angle),
-            since_turn: (now.since_turn + h).min(one),
-            ..*now
-        })
+        let share = S::select(whole, one, (now.share - gone).max(zero));
+        Counts { noticed, share, place: [place, place_torque], swings, turns }
     }
 
     /// Displacement of the feel at which the drive stands.
