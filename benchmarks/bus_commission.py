@@ -56,6 +56,7 @@ def main():
     options = parser.parse_args()
     file = on_file(options.bus, options.rate)
     about = f"{file.name} on {options.bus}, {options.rate:g} Hz, {options.seconds:g} s, seed {options.seed}"
+    drifts = commission.drawn_drifts(options.machines, options.seed)
     rows = commission.Rows(options.out, commission.ROW, about)
     for k, drawn in enumerate(commission.drawn(file, options.machines, options.seed), 1):
         if k in rows.done():
@@ -64,7 +65,7 @@ def main():
         told = {"motor.torque_constant": file["motor.torque_constant"]}
         machine, begun = drawn.replace(FRICTION).replace(told, si=True), time.process_time()
         record = recorded(file, machine, options.seconds, options.rate)
-        row = commission.commissioned(file, machine, [record], CommissionPlan())
+        row = commission.commissioned(file, machine, [record], CommissionPlan(), drifts[k - 1])
         rows.add(row | {"machine": k, "cpu_s": time.process_time() - begun})
         print(commission.row_text(row | {"machine": k, "cpu_s": time.process_time() - begun}), flush=True)
     commission.summed_up([row for row in rows.all() if row["machine"] <= options.machines])

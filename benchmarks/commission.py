@@ -1,15 +1,17 @@
 """What ``commission`` makes of machines that it has never seen, from a minute of bench, judged on the machines themselves.
 
 Run ``python benchmarks/commission.py --machines 200``. Each machine has every plant parameter of ``elevator-2khz`` within its
-tolerance at once (20 %, the valve's flow 30 %), dry friction of 0.5 to 3 lb at the grip with a breakaway force of 1 to 1.3 times
-that, an encoder of 20 bits (noise and steps of 2^-20 turns), a load cell with 0.1 lb of noise, and sensors of 500 Hz. The loader
-file knows of none of this but the sensors. Records of 60 s come from an integrator that shares no line with the engine
-(``commission_machines.py``). The first two steps of ``commission`` find the loader and the law; the law is then released on the
-machine itself over 96 settings, spaced in proportion.
+tolerance at once (20 %, the valve's flow 30 %), dry friction of 0.5 to 3 lb at the grip, of a valve a third of it in the seals, a
+breakaway force of 1 to 1.3 times that which falls over 0.03 to 0.1 rad/s, a fifth more one way and less the other, an encoder of 20
+bits (noise and steps of 2^-20 turns), a load cell with 0.1 lb of noise, and sensors of 500 Hz. The loader file knows of none of
+this but the sensors. Records of 60 s come from an integrator that shares no line with the engine (``commission_machines.py``). The
+first two steps of ``commission`` find the loader and the law; the law is then released over 96 settings, spaced in proportion, on
+the machine itself and on it with a friction that has drifted by a fifth since, up or down.
 
 ``--out rows.csv`` keeps each machine's row as it comes, and goes on where an earlier run stopped: 200 machines take an hour.
 
-Prints each machine, then the mean share and that of the worst tenth. ``--electric`` takes ``elevator-electric`` in its place, whose
+Prints each machine, then the mean share and that of the worst tenth, before and after the drift.
+``--electric`` takes ``elevator-electric`` in its place, whose
 records are the engine's own: its witness takes half an hour a minute.
 """
 
@@ -44,9 +46,12 @@ from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
 from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.loader.tolerances import Tolerance
 
 FRICTION_LB, BREAKAWAY_SHARE = (0.5, 3.0), (1.0, 1.3)
+STRIBECK, ASYMMETRY, IN_SEALS, DRIFT = (0.03, 0.1), 0.2, 1 / 3, 0.2
+"""Range of the Stribeck velocity in rad/s; shares of the friction."""
 LAG = {f"{sensor}.bandwidth": "500 Hz" for sensor in ("load_cell", "potentiometer", "column_sensor")}
 ENCODER = dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * np.pi / 2**20)
 INSTRUMENT = 0.003
@@ -58,6 +63,7 @@ ROW = {
     "friction_lb": float,
     "breakaway": float,
     "share": float,
+    "drifted": float,
     "law": str,
     "identified": float,
     "known": float,
@@ -67,9 +73,35 @@ ROW = {
     "wanting": str,
     "cpu_s": float,
 }
-"""What is kept of a machine: number, friction, breakaway over dry friction, the share of the settings on the machine, the law, the
-shares that the program expects and that the law made for the machine itself renders, the parameter that is most off."""
-PROMISED_MEAN, PROMISED_TENTH = 0.95, 0.90
+"""What is kept of a machine: number, friction, breakaway over dry friction, the shares of the settings on the machine and on
+it after a drift of its friction, the law, the shares that the program expects and that the law made for the machine itself
+renders, the parameter that is most off."""
+PROMISED_MEAN, PROMISED_TENTH = 0.95, 0.88
+
+
+def as_it_rubs(machine, random):
+    """A machine whose friction differs by direction, falls over a velocity, and of a valve sits in the seals by a share."""
+    rows = {
+        "column.stribeck_velocity": random.uniform(*STRIBECK),
+        "column.friction_asymmetry": random.choice([-ASYMMETRY, ASYMMETRY]),
+    }
+    if machine.drive == HYDRAULIC:
+        on_column = dict.fromkeys((DRY, BREAKAWAY), 1 - IN_SEALS)
+        per_grip = machine["column.grip_arm"] / (machine["linkage.ratio"] * machine["column.base_arm"])
+        rows["actuator.seal_friction"] = IN_SEALS * machine[DRY] * per_grip
+        rows |= {key: share * machine[key] for key, share in on_column.items()}
+    return machine.replace(rows, si=True)
+
+
+def drawn_drifts(count, seed):
+    """By what share the friction of machines drifts after commissioning."""
+    return np.random.default_rng([seed, 13]).choice([-DRIFT, DRIFT], count)
+
+
+def after_drift(machine, share):
+    """A machine whose friction, all of it, has changed by a share."""
+    rows = [key for key in (DRY, BREAKAWAY, "actuator.seal_friction") if machine.get(key)]
+    return machine.replace({key: (1 + share) * machine[key] for key in rows}, si=True)
 
 
 def on_file(*, electric=False):
@@ -145,11 +177,12 @@ def surely(machine):
     return machine.with_tolerances({DRY: Tolerance("uniform", (1 - EXACT) * value, (1 + EXACT) * value)})
 
 
-def commissioned(file, machine, data, plan):
+def commissioned(file, machine, data, plan, drift):
     """What ``commission`` makes of a machine: the numbers of its row."""
     row = dict.fromkeys(ROW, "") | {
         "share": 0.0,
-        "friction_lb": machine[DRY] / witness.LBF,
+        "drifted": 0.0,
+        "friction_lb": friction_lb(machine),
         "breakaway": machine[BREAKAWAY] / machine[DRY],
     }
     try:
@@ -164,6 +197,7 @@ def commissioned(file, machine, data, plan):
     feel = np.vstack([own_feel(step.loader), scored.plan.settings.feel(scored.plan.loader)])
     law = ff.Law.of(chosen.name, step.loader, feel)
     share, failing = share_on(machine, chosen.name, law, plan)
+    drifted, _ = share_on(after_drift(machine, drift), chosen.name, law, plan)
     exact, _ = share_on(machine, chosen.name, ff.Law.of(chosen.name, surely(machine), feel), plan)
     nominal = next(score.over.shares.nominal_share for score in scored.scores if score.name == chosen.name)
     off, key = max(
@@ -173,6 +207,7 @@ def commissioned(file, machine, data, plan):
     )
     return row | {
         "share": share,
+        "drifted": drifted,
         "law": chosen.name,
         "identified": nominal,
         "known": exact,
@@ -181,6 +216,14 @@ def commissioned(file, machine, data, plan):
         "failing": ", ".join(f"{kind} {share:.1%}" for kind, share in failing.items()),
         "wanting": "; ".join(step.outcome.wanting),
     }
+
+
+def friction_lb(machine):
+    """All of its dry friction, at the grip."""
+    if machine.drive != HYDRAULIC:
+        return machine[DRY] / witness.LBF
+    per_rod = machine["linkage.ratio"] * machine["column.base_arm"] / machine["column.grip_arm"]
+    return (machine[DRY] + machine["actuator.seal_friction"] * per_rod) / witness.LBF
 
 
 def alone(key):
@@ -198,6 +241,7 @@ def alone(key):
 def made(file, machines, done, time_, *, electric):
     """The rows of those machines that are not done, one after the other."""
     plan, left = CommissionPlan(), [k for k in range(len(machines)) if k + 1 not in done]
+    drifts = drawn_drifts(len(machines), time_.seed)
     for first in range(0, len(left), TOGETHER):
         places = left[first : first + TOGETHER]
         some = [machines[k] for k in places]
@@ -208,13 +252,16 @@ def made(file, machines, done, time_, *, electric):
         )
         for k, machine, data in zip(places, some, records, strict=True):
             begun = time.process_time()
-            row = commissioned(file, machine, data, plan)
+            row = commissioned(file, machine, data, plan, drifts[k])
             yield row | {"machine": k + 1, "cpu_s": time.process_time() - begun}
 
 
 def row_text(row):
     """A row as a line."""
-    what = f"machine {row['machine']}, {row['friction_lb']:.2f} lb of friction: {row['share']:.1%} with {row['law'] or 'no law'}"
+    what = (
+        f"machine {row['machine']}, {row['friction_lb']:.2f} lb of friction: {row['share']:.1%} with {row['law'] or 'no law'}, "
+        f"{row['drifted']:.1%} after a drift"
+    )
     if row["law"]:
         what += (
             f"; as identified {row['identified']:.1%}, with the machine known exactly {row['known']:.1%}; {row['most_off']} "
@@ -234,7 +281,8 @@ def main():
     options = parser.parse_args()
     time_ = BenchTime(options.seconds, seed=options.seed)
     file = on_file(electric=options.electric)
-    machines = list(drawn(file, options.machines, options.seed))
+    random = np.random.default_rng([options.seed, 11])
+    machines = [as_it_rubs(machine, random) for machine in drawn(file, options.machines, options.seed)]
     rows = Rows(options.out, ROW, f"{file.name}, encoder of 20 bits, {options.seconds:g} s, seed {options.seed}")
     for row in made(file, machines, rows.done(), time_, electric=options.electric):
         rows.add(row)
@@ -243,20 +291,29 @@ def main():
 
 
 def summed_up(rows):
-    """Mean, worst tenth and the machines short of it; ends with an error where they are below what is promised."""
-    shares = np.array([row["share"] for row in rows])
-    worst = np.sort(shares)[: max(1, round(0.1 * len(shares)))]
-    laws = Counter(row["law"] or "none" for row in rows)
-    for row in sorted(rows, key=lambda row: row["share"]):
-        if row["share"] < PROMISED_TENTH:
+    """Means, worst tenths and the machines short of them; ends with an error where they are below what is promised."""
+    for row in sorted(rows, key=lambda row: row["drifted"]):
+        if row["drifted"] < PROMISED_TENTH:
             print("short:", row_text(row))
+    laws = Counter(row["law"] or "none" for row in rows)
     print(
-        f"{len(shares)} machines, {sum(row['cpu_s'] for row in rows):.0f} s of CPU: mean share {shares.mean():.1%}, the worst "
-        f"tenth {worst.mean():.1%} (at best {worst.max():.1%}), {(shares >= PROMISED_MEAN).sum()} of them 95 % and more; laws: "
+        f"{len(rows)} machines, {sum(row['cpu_s'] for row in rows):.0f} s of CPU; laws: "
         f"{', '.join(f'{name} {count}' for name, count in laws.items())}"
     )
-    if shares.mean() < PROMISED_MEAN or worst.max() < PROMISED_TENTH:
+    kept = [share_of(rows, when) for when in ("share", "drifted")]
+    if not all(kept):
         sys.exit(f"promised are {PROMISED_MEAN:.0%} and {PROMISED_TENTH:.0%}")
+
+
+def share_of(rows, when):
+    """Prints the mean share and the worst tenth before or after the drift; whether they are what is promised."""
+    shares = np.array([row[when] for row in rows])
+    worst = np.sort(shares)[: max(1, round(0.1 * len(shares)))]
+    print(
+        f"{when}: mean {shares.mean():.1%}, the worst tenth {worst.mean():.1%} (at best {worst.max():.1%}), "
+        f"{(shares >= PROMISED_MEAN).sum()} of them 95 % and more"
+    )
+    return shares.mean() >= PROMISED_MEAN and worst.max() >= PROMISED_TENTH
 
 
 if __name__ == "__main__":

@@ -60,7 +60,11 @@ OFF = (-0.2, -0.1, 0.0, 0.1, 0.2)
 BREAKS_AWAY = 1.2
 SWINGS = 0.25
 DITHER_HZ, DITHER_V = 30.0, (0.02, 0.1, 0.5)
-LEVEL, UNCERTAIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST, REST = range(-OF_FRICTION, 0)
+NEGATIVE, POSITIVE, BREAKAWAY, PER_STRIBECK, UNCERTAIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST, REST = range(
+    -OF_FRICTION, 0
+)
+NOTHING = 1e-6
+LEVELS = [NEGATIVE, POSITIVE]
 RESTS_DEG, RELEASED_DEG, RELEASED_S = 0.02, 3.0, 14.0
 # Share of the file's G, Hz, damping ratio.
 RELEASED = list(product((0.05, 0.1, 0.2, 0.4, 0.8), (0.7, 1.5, 2.5), (0.15, 0.3, 0.7)))
@@ -97,9 +101,9 @@ def fed_forward(numbers):
 
 def lower(numbers):
     """Begun at the least friction of the tolerance."""
-    numbers[:, LEVEL] += numbers[:, LEAST]
-    numbers[:, MOST] -= numbers[:, LEAST]
-    numbers[:, LEAST] = 0.0
+    share = 1 + numbers[:, LEAST]
+    numbers[:, LEVELS] *= share[:, None]
+    numbers[:, MOST], numbers[:, LEAST] = (1 + numbers[:, MOST]) / share - 1, 0.0
 
 
 def fixed_lower(numbers):
@@ -112,8 +116,9 @@ def at_once(numbers):
 
 
 def from_nothing(numbers):
-    level = numbers[:, LEVEL].copy()
-    numbers[:, LEVEL], numbers[:, LEAST], numbers[:, MOST] = 1e-6 * level, 0.0, 2 * level
+    numbers[:, LEVELS] *= NOTHING
+    numbers[:, GAIN] /= NOTHING
+    numbers[:, LEAST], numbers[:, MOST] = 0.0, 2 / NOTHING
 
 
 def restless(numbers):

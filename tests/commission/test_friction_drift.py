@@ -25,9 +25,7 @@ def test_law_learns_drift_beyond_the_identified_tolerance(tmp_path):
     assert rows == (DRY, BREAKAWAY)
     (tmp_path / "loader.toml").write_text(loader.to_toml(), encoding="utf-8")
     plant = SampledPlant.of(ff.load(tmp_path / "loader.toml"))
-    assert plant.friction_off_n_m == pytest.approx(
-        (-DRIFT * plant.friction_n_m, DRIFT * plant.friction_n_m), rel=TEN_DIGITS
-    )
+    assert plant.friction.off == pytest.approx((-DRIFT, DRIFT), rel=TEN_DIGITS)
     assert "for drift" in loader.source
     assert f"{100 * DRIFT:.0f} %" in drift_sentence(rows)[0]
     assert DRY in drift_sentence(rows)[0]

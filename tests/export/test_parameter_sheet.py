@@ -48,7 +48,7 @@ def test_each_setting_lists_all_law_numbers_exactly(sampled):
                 [float(sheet[setting, f"law.{name}_{i + 1}_{j + 1}"][4]) for j in range(shape[1])] for i in range(n)
             ]
             assert np.array_equal(found, array[place])
-        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -OF_FRICTION]
+        assert float(sheet[setting, "law.friction_level_negative"][4]) == law.friction[place, -OF_FRICTION]
         assert [float(sheet[setting, f"feel.{row}"][4]) for row in ("inertia", "damping", "stiffness")] == list(
             FEEL[place]
         )

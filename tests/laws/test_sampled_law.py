@@ -22,7 +22,7 @@ def numbers(settings=3, n=7, seed=0):
         "input": rng.normal(size=(settings, n, 4)),
         "command": rng.normal(size=(settings, n + 5)),
         "torque": rng.normal(size=(settings, n + 5)),
-        "friction": rng.normal(size=(settings, 2 * n + 16)),
+        "friction": rng.normal(size=(settings, 2 * n + 19)),
         "neutral": rng.normal(size=(settings, 2)),
     }
     found["command"][:, :n] *= 0.02
@@ -42,7 +42,7 @@ def says(one, xi, y, feel):
 
 def read(row):
     """T, e and next as the engine reads a row: in the order of its documentation; nothing of the force at the grip."""
-    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (35,), (10,)]
+    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (38,), (10,)]
     ends = np.cumsum([np.prod(size) for size in sizes])
     parts = [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
     places = [None, 3, 12, 12, 3, None, 12, None]
@@ -157,7 +157,7 @@ def integrating():
         ({"input": np.zeros((3, 7, 3))}, r"input: expected the shape \(3, 7, 4\), got \(3, 7, 3\)"),
         ({"command": np.zeros((3, 10))}, r"command: expected the shape \(3, 12\)"),
         ({"torque": np.zeros((2, 12))}, r"torque: expected the shape \(3, 12\)"),
-        ({"friction": np.zeros((3, 9))}, r"friction: expected the shape \(3, 30\), got \(3, 9\)"),
+        ({"friction": np.zeros((3, 9))}, r"friction: expected the shape \(3, 33\), got \(3, 9\)"),
         ({"torque": [["a"] * 12] * 3}, "torque: expected an array of numbers"),
         ({"command": np.full((3, 12), np.inf)}, "command: expected finite numbers.* setting 0"),
         (integrating(), "pole at 1 in setting 1"),

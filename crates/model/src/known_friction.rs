@@ -2,22 +2,26 @@
 //!
 //! To every sensor the friction between hand and load cell looks like a hand that pulls. What is known of it is given back:
 //!
-//! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
-//! `g` what was learnt beyond it in the direction of `w`, `g'` in the other, `g_-`, `g_+` their bounds, `h` what is trusted of either · `U` what
+//! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F_-`, `F_+` friction as stated, of motion towards
+//! negative and positive angles, a torque on the column · `beta` share by which breakaway is above it, `omega_s` Stribeck velocity ·
+//! `g` share that was learnt beyond it in the direction of `w`, `g'` in the other, `g_-`, `g_+` their bounds, `h` what is trusted of either · `U` what
 //! both may be off by · `v_s` slow · `l` leak ·
 //! `T_o` torque that the observer estimates · `T` torque that the feel computer receives · `a` gain · `q` torque of a hand · `c` blur · `d` trust
 //!
 //! | | |
 //! |---|---|
-//! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
-//! | `(F + g) s-` to `(F + g) s+`, `s- = min(w, sat(2 (v - v_s) / v_s))`, `s+ = max(w, sat(2 (v + v_s) / v_s))`, `g` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
+//! | `C = F (1 + beta exp(-(v / omega_s)^2)) (1 + g)` | friction at this rate, `F` and `g` of a direction |
+//! | `w = v / sqrt(v^2 + v_s^2)`, `f = C w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
+//! | `C s-` to `C s+`, `s- = min(w, sat(2 (v - v_s) / v_s))`, `s+ = max(w, sat(2 (v + v_s) / v_s))`, `C` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
 //! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is received drifts to what is measured, with the hand off to nothing |
-//! | `T+ = T'`, as near as `T_o - f + (F + g) [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
-//! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
+//! | `T+ = T'`, as near as `T_o - f + C [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
+//! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (C - C_true) sgn v` |
 //! | `g'+ = sat(g' - a w T_o / 2)` there | as warm oil changes both directions, so does half of it the other |
 //! | `h+ = h + d (g - h)` there, of both | trusted once it has held for a while |
-//! | `g+ = g + a (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
+//! | `g+ = g + c (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
+//!
+//! The exponential is `1 / (1 + u + u^2 / 2 + u^3 / 6)`, `u = (v / omega_s)^2`: within 0.025 of it, and four products.
 //!
 //! `s-` to `s+` includes `w`, so that `T = T_o` is always allowed. `T_o` does not follow the noise of `v`: where only noise changed `w`, the play
 //! would push a slow column on past its neutral, at about three times `v_s`.
@@ -44,12 +48,12 @@ use crate::Scalar;
 use crate::law_vector::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
 use crate::memory::MemoryVisitor;
 
-/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `U` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
-/// `a`, `q` in N m, `c`, `d`, `v_r` in rad/s.
+/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F_-`, `F_+` in N m, `beta`, `1 / omega_s` in s/rad, `U` in N m,
+/// `v_s` in rad/s, `l`, `g_-`, `g_+`, `a` in 1/(N m), `q` in N m, `c`, `d`, `v_r` in rad/s.
 pub const FRICTION_NUMBERS: usize = KNOWN + MOST_STATES + LEVEL_FROM_END;
 
-/// Place of `F` among them, from the end.
-pub const LEVEL_FROM_END: usize = 11;
+/// Place of `F_-` among them, from the end.
+pub const LEVEL_FROM_END: usize = 14;
 
 /// Least `v_s` in rad/s, so that nothing is divided by zero.
 const SLOWEST: f64 = 1e-9;
@@ -59,7 +63,9 @@ const SLOWEST: f64 = 1e-9;
 pub struct KnownFriction<S> {
     rate: [S; KNOWN],
     enters: [S; MOST_STATES],
-    level: S,
+    levels: [S; 2],
+    breakaway: S,
+    per_stribeck: S,
     uncertain: S,
     slow: S,
     leak: S,
@@ -85,7 +91,7 @@ const SHARED: f64 = 0.5;
 pub struct FrictionState<S> {
     /// Torque that the feel computer received last.
     pub feel_torque: S,
-    /// Friction that was learnt beyond what is stated, of motion towards negative and towards positive angles.
+    /// Share of the friction that was learnt beyond what is stated, of motion towards negative and towards positive angles.
     pub learnt: [S; 2],
     /// What is trusted of it.
     pub trusted: [S; 2],
@@ -143,10 +149,27 @@ impl<S: Scalar> KnownFriction<S> {
     pub fn take(mut next: impl FnMut() -> S) -> Self {
         let rate = core::array::from_fn(|_| next());
         let enters = core::array::from_fn(|_| next());
-        let (level, uncertain, slow, leak) = (next(), next(), next(), next());
+        let (levels, breakaway, per_stribeck) = ([next(), next()], next(), next());
+        let (uncertain, slow, leak) = (next(), next(), next());
         let (least, most, gain, hand, blur, trust) = (next(), next(), next(), next(), next(), next());
         let rest = next();
-        Self { rate, enters, level, uncertain, slow, leak, least, most, gain, hand, blur, trust, rest }
+        Self {
+            rate,
+            enters,
+            levels,
+            breakaway,
+            per_stribeck,
+            uncertain,
+            slow,
+            leak,
+            least,
+            most,
+            gain,
+            hand,
+            blur,
+            trust,
+            rest,
+        }
     }
 
     /// No friction.
@@ -186,7 +209,8 @@ impl<S: Scalar> KnownFriction<S> {
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
         let way = (v / (v * v + slow * slow).sqrt()).named("direction");
-        let [negative, positive] = state.learnt.map(|learnt| self.level + learnt);
+        let over_coulomb = self.over_coulomb(v);
+        let [negative, positive] = [0, 1].map(|k| self.levels[k] * over_coulomb * (one + state.learnt[k]));
         // Of a rate, or a share of the friction, that has this sign.
         let along = |signed: S| signed * S::select(signed.less(v.zero()), negative, positive);
         let friction = along(way).named("friction_torque");
@@ -206,6 +230,16 @@ impl<S: Scalar> KnownFriction<S> {
         [feel_torque, g, g_positive, h, h_positive, push, way, friction]
     }
 
+    /// Friction over that of a fast column: `1 + beta exp(-(v / omega_s)^2)`.
+    #[inline(always)]
+    fn over_coulomb(&self, v: S) -> S {
+        let one = v.constant(1.0);
+        let share = v * self.per_stribeck;
+        let u = share * share;
+        let series = one + u * (one + u * (one + u.times(1.0 / 3.0)).times(0.5));
+        one + self.breakaway / series
+    }
+
     /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
     #[inline(always)]
     fn learnt(&self, (estimated, off): (S, S::Mask), way: S, state: &FrictionState<S>) -> ([S; 2], [S; 2]) {
@@ -217,7 +251,7 @@ impl<S: Scalar> KnownFriction<S> {
         let next = |k: usize| {
             let (was, held) = (state.learnt[k], state.trusted[k]);
             let learnt = (was - less[k]).clamp(self.least, self.most);
-            let back = was + (held - was) * self.gain;
+            let back = was + (held - was) * self.blur;
             let trusted = held + (was - held) * self.trust;
             (S::select(free, learnt, S::select(off, was, back)), S::select(free, trusted, held))
         };

@@ -221,7 +221,7 @@ def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
 
 
 def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
-    """Model of the column's dry friction in a law: r, b, F, U, v_s, l, and parameters of learning and of rest."""
+    """Model of the column's dry friction in a law: r, b, F, beta, omega_s, U, v_s, l, parameters of learning and of rest."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     n, sampled = on
     own = n + len(sampled) + len(_FEEL)
@@ -229,8 +229,11 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
     for k, value in enumerate(numbers[own:-OF_FRICTION], start=1):
         yield Row(setting + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
     learning = ("least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
-    names = ("level", "uncertain", "slow_rate", "leak", *learning, "rest_rate")
-    units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO, rate)
+    stated = ("level_negative", "level_positive", "breakaway", "per_stribeck_velocity")
+    names = (*stated, "uncertain", "slow_rate", "leak", *learning, "rest_rate")
+    per_rate, per_torque = _per(RATIO, rate), _per(RATIO, torque)
+    of_stated = (torque, torque, RATIO, per_rate)
+    units = (*of_stated, torque, rate, RATIO, RATIO, RATIO, per_torque, torque, RATIO, RATIO, rate)
     for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
         yield Row(setting + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 

@@ -7,12 +7,17 @@ use forcefeel_model::observer::{LawOutput, MOST_STATES, NUMBERS, Observer, SAMPL
 
 /// `F`, `U` in N m, `v_s` in rad/s.
 const LEVEL: f64 = 3.5;
+/// Friction is larger by it towards positive angles, and smaller towards negative ones.
+const ASYMMETRY: f64 = 0.2;
+/// `beta`, `omega_s` in rad/s.
+const BREAKAWAY: f64 = 0.3;
+const STRIBECK: f64 = 0.05;
 const UNCERTAIN: f64 = 0.7;
 const SLOW: f64 = 1e-3;
-/// `g_-`, `g_+` in N m, `a`, `q` in N m, `c`.
-const LEAST: f64 = -0.4;
-const MOST: f64 = 0.6;
-const GAIN: f64 = 0.01;
+/// `g_-`, `g_+`, `a` in 1/(N m), `q` in N m, `c`.
+const LEAST: f64 = -0.1;
+const MOST: f64 = 0.2;
+const GAIN: f64 = 0.003;
 const HAND: f64 = 3.0;
 const BLUR: f64 = 0.05;
 /// `d`.
@@ -28,13 +33,18 @@ const RATE: usize = NUMBERS - CONTACT_NUMBERS - FRICTION_NUMBERS;
 
 /// A law whose first state is the torque on the column, its second the column's rate, and which moves the first by the friction.
 fn law(level: f64, leak: f64) -> Observer<f64> {
+    law_that_states([level, level, 0.0, 0.0], leak)
+}
+
+/// The same with friction by direction that falls over a rate.
+fn law_that_states(stated: [f64; 4], leak: f64) -> Observer<f64> {
     let mut numbers = [0.0; NUMBERS];
     numbers[TORQUE] = 1.0;
     numbers[RATE + 1] = 1.0;
     numbers[RATE + KNOWN] = -0.25;
     let learning = [LEAST, MOST, GAIN, HAND, BLUR, TRUST, REST];
-    let uncertain = if level == 0.0 { 0.0 } else { UNCERTAIN };
-    let known = [[level, uncertain, SLOW, leak].as_slice(), &learning].concat();
+    let uncertain = if stated[0] == 0.0 { 0.0 } else { UNCERTAIN };
+    let known = [stated.as_slice(), &[uncertain, SLOW, leak], &learning].concat();
     let first = NUMBERS - CONTACT_NUMBERS - LEVEL_FROM_END;
     numbers[first..NUMBERS - CONTACT_NUMBERS].copy_from_slice(&known);
     Observer::from_numbers(&numbers)
@@ -60,6 +70,42 @@ fn in_motion_the_friction_is_told_to_the_plant_and_the_hand_is_received_whatever
             let next = law.next(&[0.0; MOST_STATES], &[0.0; SAMPLED], 0.0, Some(output.friction));
             assert_within(next[0], -0.25 * output.friction, 1e-15);
         }
+    }
+}
+
+/// A law that knows friction as it is.
+fn as_it_is(leak: f64) -> Observer<f64> {
+    let [negative, positive] = [1.0 - ASYMMETRY, 1.0 + ASYMMETRY].map(|share| share * LEVEL);
+    law_that_states([negative, positive, BREAKAWAY, 1.0 / STRIBECK], leak)
+}
+
+#[test]
+fn friction_by_direction_falls_from_breakaway_as_stribeck_states() {
+    let (law, initial) = (as_it_is(0.0), FrictionState::initial(0.0));
+    let learnt = FrictionState { learnt: [-0.05, 0.1], ..initial };
+    for (state, share) in [(initial, [1.0, 1.0]), (learnt, [0.95, 1.1])] {
+        for rate in [0.02, 0.05, 0.1, 0.3, 2.0] {
+            for way in [-1.0, 1.0] {
+                let fall = (-(rate / STRIBECK) * (rate / STRIBECK)).exp();
+                let level = LEVEL * (1.0 + ASYMMETRY * way) * share[usize::from(way > 0.0)];
+                let mut xi = [0.0; MOST_STATES];
+                xi[1] = rate * way;
+                let friction = law.output(&xi, &[0.0; SAMPLED], [0.0; 2], Some(state)).friction;
+                // The series to its fourth term.
+                assert_within(friction, level * (1.0 + BREAKAWAY * fall) * way, 0.026 * BREAKAWAY * level);
+            }
+        }
+    }
+}
+
+#[test]
+fn at_rest_friction_as_it_is_holds_what_breakaway_of_either_direction_holds() {
+    let law = as_it_is(0.0);
+    for way in [-1.0, 1.0] {
+        // With the hand off, friction against a motion towards negative angles is estimated as a push to positive ones.
+        let play = LEVEL * (1.0 - ASYMMETRY * way) * (1.0 + BREAKAWAY) + UNCERTAIN;
+        assert_within(output(&law, play * way, 0.0, 0.0).torque, 0.0, 1e-14);
+        assert_within(output(&law, (play + 1.0) * way, 0.0, 0.0).torque, way, 1e-14);
     }
 }
 
@@ -149,13 +195,13 @@ fn learnt(from: FrictionState<f64>, samples: usize, torque: impl Fn(f64) -> f64,
 #[test]
 fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
     let initial = FrictionState::initial(0.0);
-    for (off, rate) in [(0.3, 1.0), (0.3, -1.0), (-0.2, 1.0), (-0.2, -1.0)] {
-        // T_o = (F + g - F_true) sgn v
-        let output = learnt(initial, 2000, |learnt| (learnt - off) * rate.signum(), rate);
+    for (off, rate) in [(0.1, 1.0), (0.1, -1.0), (-0.05, 1.0), (-0.05, -1.0)] {
+        // T_o = (C - C_true) sgn v
+        let output = learnt(initial, 2000, |learnt| LEVEL * (learnt - off) * rate.signum(), rate);
         assert_within(output.learnt[way(rate)], off, 1e-5);
         // The other direction has half of it.
         assert_within(output.learnt[way(-rate)], off / 2.0, 1e-5);
-        let short = learnt(initial, 100, |learnt| (learnt - off) * rate.signum(), rate);
+        let short = learnt(initial, 100, |learnt| LEVEL * (learnt - off) * rate.signum(), rate);
         let short = short.learnt[way(rate)] / off;
         assert!(0.0 < short && short < 1.0);
     }
@@ -163,12 +209,12 @@ fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
 
 #[test]
 fn both_directions_are_learnt_where_they_differ() {
-    let off = [-0.1, 0.3];
+    let off = [-0.03, 0.1];
     let mut state = FrictionState::initial(0.0);
     // Each time that the column turns, half of the error of the turn before is left in the other direction.
     for swing in 0..24 {
         let rate = if swing % 2 == 0 { 1.0 } else { -1.0 };
-        state = learnt(state, 2000, |learnt| (learnt - off[way(rate)]) * rate.signum(), rate);
+        state = learnt(state, 2000, |learnt| LEVEL * (learnt - off[way(rate)]) * rate.signum(), rate);
     }
     for (learnt, off) in state.learnt.into_iter().zip(off) {
         assert_within(learnt, off, 1e-5);
@@ -177,17 +223,17 @@ fn both_directions_are_learnt_where_they_differ() {
 
 #[test]
 fn what_has_held_for_a_while_is_trusted_and_a_push_takes_back_the_rest() {
-    let held = learnt(FrictionState { learnt: [0.3; 2], ..FrictionState::initial(0.0) }, 400, |_| 0.0, 1.0);
+    let held = learnt(FrictionState { learnt: [0.1; 2], ..FrictionState::initial(0.0) }, 400, |_| 0.0, 1.0);
     // The column's way of late is 4/5 after 31 samples.
     for k in 0..2 {
-        assert_within(held.learnt[k], 0.3, 0.0);
-        assert_within(held.trusted[k], 0.3 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
+        assert_within(held.learnt[k], 0.1, 0.0);
+        assert_within(held.trusted[k], 0.1 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
     }
     let pushed = learnt(FrictionState { push: 2.0 * HAND, ..held }, 200, |_| 2.0 * HAND, 1.0);
     for k in 0..2 {
         let trusted = held.trusted[k];
         assert_within(pushed.trusted[k], trusted, 0.0);
-        assert_within(pushed.learnt[k], trusted + (0.3 - trusted) * (1.0 - GAIN).powi(200), 1e-12);
+        assert_within(pushed.learnt[k], trusted + (0.1 - trusted) * (1.0 - BLUR).powi(200), 1e-12);
     }
 }
 

@@ -52,21 +52,23 @@ _OTHERS = SAMPLED + 2 + OF_FRICTION
 
 
 def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of the friction, (settings, 2 m + 16) for an observer of m states; zeros without friction.
+    """The numbers of the friction, (settings, 2 m + 19) for an observer of m states; zeros without friction.
 
     Args:
         plant: The plant, with its friction.
         estimate: Of the observer's states with the sample, on xi (in the plant's units) and y (SI), (settings, m, m + 3).
     """
-    friction, settings, places, scale = plant.friction_n_m, len(estimate), plant.places, plant.scale
-    if not friction:
+    friction, settings, places, scale = plant.friction, len(estimate), plant.places, plant.scale
+    level = friction.mean_n_m
+    if not level:
         return np.zeros((settings, 2 * places.observed + _OTHERS))
     of_feel = np.zeros((settings, 2))
     rate = np.concatenate([estimate[:, places.base_rate] / scale.time_s, of_feel], axis=1)
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
-    given = (friction, UNCERTAIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
-    bounds = (BOUND * off for off in plant.friction_off_n_m)
+    stated = (*friction.by_direction_n_m, friction.breakaway, friction.per_stribeck_s_per_rad)
+    play = (UNCERTAIN * level, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    bounds = (BOUND * off for off in friction.off)
     gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
-    numbers = (*given, *bounds, gain, HAND * friction, blur, trust, REST_RAD_PER_S)
+    numbers = (*stated, *play, *bounds, gain / level, HAND * level, blur, trust, REST_RAD_PER_S)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

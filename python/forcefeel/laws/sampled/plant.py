@@ -178,8 +178,7 @@ class SampledPlant:
         by_held: Gamma_0, (n,).
         by_command: Gamma_1, (n,).
         by_torque: Gamma_p, (n,).
-        friction_n_m: Dry friction of the moving column, as torque on it.
-        friction_off_n_m: By how much it may be off, its least and most: the file's tolerance, or an assumed one.
+        friction: Dry friction of the column.
         arm_share: Share of a firm arm's mass in the inertia of arm and column, ``m R_p^2 / (J + m R_p^2)``.
     """
 
@@ -191,8 +190,7 @@ class SampledPlant:
     by_held: NDArray[np.float64] = field(repr=False)
     by_command: NDArray[np.float64] = field(repr=False)
     by_torque: NDArray[np.float64] = field(repr=False)
-    friction_n_m: float
-    friction_off_n_m: tuple[float, float]
+    friction: "ColumnFriction"
     arm_share: float
 
     @classmethod
@@ -208,10 +206,7 @@ class SampledPlant:
         phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
         _, whole = _core.discretize(a, b, timing[0])
         places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
-        least, most = friction_off(loader)
-        arm = loader["column.grip_arm"]
-        held = ARMS[Arm.FIRM][0] * arm**2
-        known = loader[_FRICTION] * arm, (least * arm, most * arm)
+        held = ARMS[Arm.FIRM][0] * loader["column.grip_arm"] ** 2
         return cls(
             *timing,
             scale,
@@ -220,7 +215,7 @@ class SampledPlant:
             by_held[:, 0],
             by_command[:, 0],
             whole[:, 0],
-            *known,
+            ColumnFriction.of(loader),
             held / (held + loader["column.inertia"]),
         )
 
@@ -338,7 +333,43 @@ def _drag(loader: Loader) -> float:
     return loader["column.viscous_friction"] / loader["column.inertia"]
 
 
-_FRICTION = "column.coulomb_friction"
+_FRICTION, _BREAKAWAY, _STRIBECK = "column.coulomb_friction", "column.static_friction", "column.stribeck_velocity"
+
+
+@dataclass(frozen=True)
+class ColumnFriction:
+    """Dry friction of a column as its file states it.
+
+    Attributes:
+        by_direction_n_m: While it moves towards negative and towards positive angles, as torque on it.
+        breakaway: Share by which it is larger where the column breaks away; zero where it falls with a jump.
+        per_stribeck_s_per_rad: One over the Stribeck velocity; zero where it falls with a jump.
+        off: Shares by which it may be off, least and most: the file's tolerance, or an assumed one.
+    """
+
+    by_direction_n_m: tuple[float, float]
+    breakaway: float
+    per_stribeck_s_per_rad: float
+    off: tuple[float, float]
+
+    @classmethod
+    def of(cls, loader: Loader) -> "ColumnFriction":
+        """Of a loader."""
+        stated, asymmetry = loader[_FRICTION], loader["column.friction_asymmetry"]
+        torque = stated * loader["column.grip_arm"]
+        falls = stated > 0 and loader[_STRIBECK] > 0
+        least, most = friction_off(loader)
+        return cls(
+            by_direction_n_m=(torque * (1 - asymmetry), torque * (1 + asymmetry)),
+            breakaway=loader[_BREAKAWAY] / stated - 1 if falls else 0.0,
+            per_stribeck_s_per_rad=1 / loader[_STRIBECK] if falls else 0.0,
+            off=(least / stated, most / stated) if stated else (0.0, 0.0),
+        )
+
+    @property
+    def mean_n_m(self) -> float:
+        """Of both directions."""
+        return float(np.mean(self.by_direction_n_m))
 
 
 def friction_off(loader: Loader) -> tuple[float, float]:

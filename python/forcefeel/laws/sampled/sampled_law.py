@@ -38,8 +38,8 @@ SAMPLED_AT_GRIP = SAMPLED + 1
 _FEEL = 2
 """delta, delta'."""
 
-OF_FRICTION = 11
-"""F, U, v_s, l, of learning g_-, g_+, a, q, c, d, and of rest v_r."""
+OF_FRICTION = 14
+"""F_-, F_+, beta, 1 / omega_s, U, v_s, l, of learning g_-, g_+, a, q, c, d, and of rest v_r."""
 
 OF_CONTACT, _THRESHOLD = 10, 5
 """alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t; and the place of T_min from the end."""
@@ -59,9 +59,10 @@ class SampledLaw:
         input: (settings, n, 4), columns F_c, x_p, theta, e; with the grip's sensor (settings, n, 5), F_g before e, and so below.
         command: (settings, n + 5), in V, of a motor in A, on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
-        friction: (settings, 2 n + 15), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
-            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: ``g_-``, ``g_+`` in N m, a,
-            q in N m, c, d. Zeros where it is not given: it knows of none.
+        friction: (settings, 2 n + 19), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
+            which xi moves per N m of friction; ``F_-``, ``F_+`` in N m, beta, 1 / ``omega_s`` in s/rad, U in N m, v_s in rad/s, l;
+            how it learns: ``g_-``, ``g_+``, a in 1/(N m), q in N m, c, d; and v_r in rad/s. Zeros where it is not given: it knows
+            of none.
         neutral: (settings, 2), c_n in V or A and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros
             where it is not given.
         contact: (settings, 10), what it does in contact: alpha R_b in m, k_x, k_v, B_c in N m s/rad, v_m in rad/s, T_min in N m,
