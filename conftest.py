@@ -41,6 +41,8 @@ def pytest_collection() -> Iterator[None]:
 
 
 _TERMINALS: dict[str, Terminal] = {}
+_PREPARED: dict[str, int] = {}
+"""How far down each page what only prepares its blocks was run: a block may be tried without those above it."""
 
 _GRID = '--grid "stiffness=30,100 %" --grid "frequency=1,2 Hz" --grid "damping=0.4,1"'
 _FEW = {
@@ -65,10 +67,16 @@ def _run(example: Example) -> None:
             exec(compile(block.body, example.path, "exec"), example.namespace)
         answers = [Answer("", printed.getvalue(), 0)]
     else:
-        if example.path not in _TERMINALS:
-            _TERMINALS[example.path] = Terminal(Path(tempfile.mkdtemp(prefix="forcefeel-docs-")))
+        terminal = _TERMINALS.get(example.path) or Terminal(Path(tempfile.mkdtemp(prefix="forcefeel-docs-")))
+        _TERMINALS[example.path] = terminal
+        for above in blocks(example.document.text):
+            if above.hidden and _PREPARED.get(example.path, -1) < above.start <= block.start:
+                terminal.run(small(above.body), fresh=True)
+                _PREPARED[example.path] = above.start
+        if block.hidden:
+            return
         body = block.body if block.language == "terminal" else small(block.body)
-        answers = _TERMINALS[example.path].run(body, fresh=block.language == "console")
+        answers = terminal.run(body, fresh=block.language == "console")
     lost = missing(block.shows, answers)
     assert not lost, f"not printed: {lost}; printed: {''.join(one.output for one in answers)[-2000:]}"
 

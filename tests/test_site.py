@@ -92,6 +92,7 @@ def test_code_blocks_are_found_in_order_with_test_changes():
     assert (first.body, second.body) == ("forcefeel new a.toml\n", "forcefeel sweep --runs 2\n")
     assert (third.language, third.shows, third.body.strip()) == ("terminal", ("one", "two"), "forcefeel reproduce")
     assert [block.slow for block in (first, second, third)] == [False, False, True]
+    assert [block.hidden for block in (first, second, third)] == [True, False, False]
     assert missing(third.shows, [Answer("", "on\ne", 0)]) == ["two"]
 
 

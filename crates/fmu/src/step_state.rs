@@ -4,7 +4,7 @@ use crate::feel::{Feel, Programmed, count};
 use crate::resources::Resources;
 use crate::variables::{Kind, MOST_OUTPUTS, shown};
 use forcefeel_model::Scalar;
-use forcefeel_model::control::{FeelState, LawState, Sample};
+use forcefeel_model::control::{Control, FeelState, LawState, Sample};
 use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
@@ -219,17 +219,9 @@ impl<S: Scalar + Into<f64>, D: Drive<S>> StepConstants<S, D> {
 
     /// A period of the law alone.
     fn act(&self, step_state: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) {
-        let zero = given.command.zero();
-        let sample = Sample { sensors: given.sensed, pilot_force: zero };
-        let (torque, law) = (&mut step_state.torque, (&mut step_state.feeling, &mut step_state.remembered));
-        let control = self.machine.control();
-        let command = control.command(&self.shared, law, inputs, &sample, |answer| {
-            *torque = answer.torque;
-            None
-        });
-        // What the drive answers, and a rounding beyond: so the amplifier comes to its own limit to the bit.
-        let most = control.within_range(zero.constant(f64::INFINITY)).times(1.0 + f64::EPSILON);
-        step_state.command = command.within(most);
+        let StepState { feeling, remembered, .. } = step_state;
+        let answer = act(self.machine.control(), &self.shared, (feeling, remembered), inputs, given);
+        [step_state.command, step_state.torque] = answer;
     }
 
     /// What is seen at the start of the step that comes next, under what is given.
@@ -293,6 +285,23 @@ impl<S: Scalar, D: Drive<S>> StepState<S, D> {
     pub fn steps(&self) -> usize {
         self.step
     }
+}
+
+/// Command and torque of a period of the law alone. Not of a machine, so that it is compiled once for both drives.
+#[inline(never)]
+fn act<S: Scalar>(
+    control: &Control<S>,
+    shared: &Shared,
+    law: (&mut FeelState<S>, &mut LawState<S>),
+    inputs: &Inputs,
+    given: &Given<S>,
+) -> [S; 2] {
+    let zero = given.command.zero();
+    let sample = Sample { sensors: given.sensed, pilot_force: zero };
+    let [command, torque] = control.command_and_torque(shared, law, inputs, &sample);
+    // What the drive answers, and a rounding beyond: so the amplifier comes to its own limit to the bit.
+    let most = control.within_range(zero.constant(f64::INFINITY)).times(1.0 + f64::EPSILON);
+    [command.within(most), torque]
 }
 
 /// Steps of the machine in one of the FMU: the law alone goes from sample to sample.

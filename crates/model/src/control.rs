@@ -238,6 +238,50 @@ impl<S: Scalar> Control<S> {
         self.converters.write(e)
     }
 
+    /// The command of a sample that nothing else limits, and the torque that the feel computer receives. Unlike the machine it is the same for
+    /// all drives: compiled once for them where [`Scalar::COMPILED_ONCE`].
+    #[inline(always)]
+    pub fn command_and_torque(
+        &self,
+        shared: &Shared,
+        law: (&mut FeelState<S>, &mut LawState<S>),
+        inputs: &Inputs,
+        sample: &Sample<S>,
+    ) -> [S; 2] {
+        if S::COMPILED_ONCE {
+            self.command_compiled_once(shared, law, inputs, sample)
+        } else {
+            self.command_inlined(shared, law, inputs, sample)
+        }
+    }
+
+    #[inline(never)]
+    fn command_compiled_once(
+        &self,
+        shared: &Shared,
+        law: (&mut FeelState<S>, &mut LawState<S>),
+        inputs: &Inputs,
+        sample: &Sample<S>,
+    ) -> [S; 2] {
+        self.command_inlined(shared, law, inputs, sample)
+    }
+
+    #[inline(always)]
+    fn command_inlined(
+        &self,
+        shared: &Shared,
+        law: (&mut FeelState<S>, &mut LawState<S>),
+        inputs: &Inputs,
+        sample: &Sample<S>,
+    ) -> [S; 2] {
+        let mut torque = sample.pilot_force;
+        let command = self.command(shared, law, inputs, sample, |output| {
+            torque = output.torque;
+            None
+        });
+        [command, torque]
+    }
+
     /// What the law says between free motion and contact, and the share of the contact that damps the feel; where it begins, the feel stands where the
     /// drive stands. A column that friction holds near the neutral is in contact too.
     #[inline(always)]

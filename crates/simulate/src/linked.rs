@@ -156,10 +156,11 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         inputs.added_force = inputs.added_force.map(|other| other + force);
         inputs.added_damping = inputs.added_damping.map(|other| other + damping);
         let (noise, mut normal) = (&mut self.noise, [0.0; SENSORS]);
-        let start = self.machine.begin(&self.shared, &mut self.state, &mut self.memory, &inputs, &mut || {
-            normal = noise.next::<f64>(());
-            normal
-        });
+        let start =
+            self.machine.begin_compiled_once(&self.shared, &mut self.state, &mut self.memory, &inputs, &mut || {
+                normal = noise.next::<f64>(());
+                normal
+            });
         if let Some(sample) = self.shared.timing.and_then(|timing| timing.sample_at(step)) {
             let sensors = self.machine.sampled(&self.shared, &self.state, &mut || normal);
             let command = self.machine.control().within_range(self.memory.command(sample));
@@ -172,7 +173,7 @@ impl<D: Drive<f64>> Side for Loader<'_, D> {
         let Some(Step { inputs, start, before }) = &mut self.step else { return [self.angle(), 0.0] };
         inputs.link_torque[1] = torque;
         self.state = *before;
-        self.machine.advance(&self.shared, &mut self.state, inputs, start);
+        self.machine.advance_compiled_once(&self.shared, &mut self.state, inputs, start);
         self.machine.column_motion(&self.shared, &self.state, start)
     }
 

@@ -82,7 +82,12 @@ pub fn run<S: Scalar, D: Drive<S>>(
         let still = inputs.get(step).unwrap_or(&ended);
         let flown = in_flight(step, still, machine, &state);
         let now = flown.as_ref().unwrap_or(still);
-        let step_start = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
+        // What runs in vector lanes must be inlined.
+        let step_start = if S::IN_LANES {
+            machine.begin(shared, &mut state, &mut memory, now, &mut normal)
+        } else {
+            machine.begin_compiled_once(shared, &mut state, &mut memory, now, &mut normal)
+        };
         if let Some((before, inputs)) = &last {
             match middles {
                 Middles::None => {}
@@ -94,7 +99,11 @@ pub fn run<S: Scalar, D: Drive<S>>(
         if step == inputs.len() {
             return;
         }
-        machine.advance(shared, &mut state, now, &step_start);
+        if S::IN_LANES {
+            machine.advance(shared, &mut state, now, &step_start);
+        } else {
+            machine.advance_compiled_once(shared, &mut state, now, &step_start);
+        }
         let next = step + 1;
         if next == held_until {
             Machine::<S, D>::let_go(&mut state);

@@ -42,6 +42,7 @@ class Block:
     body: str
     shows: tuple[str, ...] = ()
     slow: bool = False
+    hidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,8 @@ def blocks(text: str) -> Iterator[Block]:
             body = body.replace(long, short)
         stated = re.search(r"^:shows:(.*)$", parts.get("options") or "", re.MULTILINE)
         shows = tuple(text.strip() for text in stated[1].split("|")) if stated else ()
-        slow = bool(parts.get("slow"))
-        yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows, slow)
+        slow, hidden = bool(parts.get("slow")), "fence" not in parts
+        yield Block(match.start(), match.end(), parts["language"].strip("{}"), body, shows, slow, hidden)
 
 
 def prepared(text: str) -> list[str]:

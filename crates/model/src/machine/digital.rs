@@ -61,7 +61,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         if let Some(sample) = timing.sample_at(steps) {
             let sampled = Sample { sensors: self.sampled(shared, state, normal), pilot_force: now.pilot_force };
             let mut feeling = state.feeling();
-            let e = self.control.command(shared, (&mut feeling, &mut memory.control), inputs, &sampled, |_| None);
+            let law = (&mut feeling, &mut memory.control);
+            let [e, _] = self.control.command_and_torque(shared, law, inputs, &sampled);
             state.feels(&feeling);
             memory.under_way.send(sample, e + memory.command_signal + e.constant(inputs.command_signal[0]));
         }

@@ -40,6 +40,31 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         self.set_out(shared, state, inputs, arrived)
     }
 
+    /// [`Self::begin`], compiled once for all runs of a number that stands alone.
+    #[inline(never)]
+    pub fn begin_compiled_once(
+        &self,
+        shared: &Shared,
+        state: &mut State<S, D>,
+        memory: &mut Memory<S>,
+        inputs: &Inputs,
+        normal: &mut dyn FnMut() -> [S; SENSORS],
+    ) -> StepStart<S, D> {
+        self.begin(shared, state, memory, inputs, &mut || normal())
+    }
+
+    /// [`Self::advance`], compiled once for all runs of a number that stands alone.
+    #[inline(never)]
+    pub fn advance_compiled_once(
+        &self,
+        shared: &Shared,
+        state: &mut State<S, D>,
+        inputs: &Inputs,
+        step_start: &StepStart<S, D>,
+    ) {
+        self.advance(shared, state, inputs, step_start);
+    }
+
     /// The start of a step up to where a controller samples: what friction did in the last one, what there is, what sensors show.
     #[inline(always)]
     pub fn arrive(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs) -> SamplingPoint<S, D> {
