@@ -1,11 +1,13 @@
-"""Releases of commissioned machines over those of the ideal feel, by an integrator and a law that share no line with the engine.
+"""Releases of commissioned machines over those of the ideal feel, by an integrator that shares no line with the engine.
 
 Run ``python benchmarks/commission_curves.py 1 2 3 --figure curves.svg`` with numbers of machines of ``commission.py``. Each is
 identified from its minute of bench as there, the law that ``commission`` chooses is made of what was found, and the machine is let
-go of from 10 deg under it: ``commission_machines.py`` moves it, sensors with lag, noise and steps show it, and the law runs here,
-with the dry friction that it gives back and learns (the equations of ``crates/model/src/known_friction.rs``, written anew). Of the
-program come the law's numbers. Verdicts are in the words of Part 60 (``tests/release_witness.py``). Before that the same releases
-with sensors that are exact but for their lag, over the engine's; ends with an error if those are apart.
+go of from 10 deg under it: ``commission_machines.py`` moves it, sensors with lag, noise and steps show it, and the law is its
+exported C, compiled. Verdicts are in the words of Part 60 (``tests/release_witness.py``). Before that the same releases with
+sensors that are exact but for their lag, over the engine's; ends with an error if those are apart.
+
+With ``--all`` the machine is let go of at the 96 settings of ``commission.py``, its friction as it was and after its drift: two
+minutes of processor time each.
 """
 
 import os
@@ -13,7 +15,11 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import ctypes
+import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import matplotlib
@@ -27,13 +33,15 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import commission_machines as witness
 from grip_sensor import KINDS, settled
-from tolerances import HELD, feel_step, ideal, margin
+from tolerances import HELD, ideal, margin
 
-from commission import BREAKAWAY, DRY, drawn, on_file, witnessed
+import forcefeel as ff
+from commission import after_drift, as_it_rubs, drawn, drawn_drifts, friction_lb, on_file, witnessed
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.simulated_bench import BenchTime
+from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING
@@ -46,40 +54,68 @@ SEED = 2026
 SENSORS = ("load_cell", "potentiometer", "column_sensor")
 STIFFNESS, FREQUENCY_RAD_S, DAMPING = (0.01, 0.05, 0.2, 1.0), 2 * np.pi * 1.5, 0.2
 """Settings that are drawn: shares of the largest stiffness."""
-TURNED = 0.8
-"""Way now and of late, one over the other, from which on a column moves one way."""
 APART, SOFTEST_APART = 1e-3, 0.2
 """Of two curves, of the deflection. Measured: 6e-4 and less. On the softest feel, whose spring friction holds from a few degrees
 on, 10 %, from where the column first stops: a slip a sample later goes elsewhere. There the engine in steps of a quarter and of
 an eighth of its own is 11 % from itself."""
 
 
-class Friction:
-    """What laws recall of the friction that they know, by setting."""
+STEPS = """
+#include "law_law.h"
+static law_state states[law_SETTINGS];
+static law_input shown(const double *y, unsigned k) {{
+    law_input in = {{0}};
+    in.force = y[0]; in.position = y[1]; in.base = y[2] * law_BASE_PER_RAD; in.stiffness_factor = 1.0;
+    {setting}
+    return in;
+}}
+int begin(const double *y) {{
+    int status = 0;
+    for (unsigned k = 0U; k < law_SETTINGS; ++k) {{
+        const law_input in = shown(y + 3U * k, k);
+        status |= (int)law_law_reset(&states[k], &in);
+    }}
+    return status;
+}}
+int step(const double *y, double *command) {{
+    int status = 0;
+    for (unsigned k = 0U; k < law_SETTINGS; ++k) {{
+        const law_input in = shown(y + 3U * k, k);
+        law_output out;
+        status |= (int)law_law_step(&states[k], &in, &out);
+        command[k] = out.command;
+    }}
+    return status;
+}}
+"""
 
-    def __init__(self, laws, feel_torque):
-        n, numbers = laws.states, laws.friction
-        self.rate, self.enters = numbers[:, : n + 5], numbers[:, n + 5 : -10]
-        self.numbers = numbers[:, -10:].T
-        self.heard, self.push = feel_torque.copy(), feel_torque.copy()
-        self.learnt, self.trusted, self.way = np.zeros((3, len(feel_torque)))
 
-    def sample(self, torque, known):
-        """Torque that the feel hears of what is estimated, and by what the law's states move."""
-        level, room, slow, leak, low, high, gain, hand, blur, trust = self.numbers
-        rate = np.einsum("pj,pj->p", self.rate, known)
-        direction, compensated = rate / np.hypot(rate, slow), level + self.learnt
-        friction = compensated * direction
-        least, most = (np.clip(2 * (rate + side * slow) / slow, -1, 1) for side in (-1, 1))
-        band, rest = compensated + room * (most - least) / 2, torque - friction
-        feel_torque = np.clip(self.heard + leak * (rest - self.heard), rest + least * band, rest + most * band)
-        held, straight = np.abs(self.push) >= hand, direction * self.way > TURNED
-        learnt = np.where(straight, np.clip(self.learnt - gain * direction * torque, low, high), self.learnt)
-        trusted = np.where(~held & straight, self.trusted + trust * (self.learnt - self.trusted), self.trusted)
-        self.learnt = np.where(held, self.learnt + gain * (self.trusted - self.learnt), learnt)
-        self.heard, self.trusted = feel_torque, trusted
-        self.push, self.way = self.push + blur * (torque - self.push), self.way + blur * (direction - self.way)
-        return feel_torque, self.enters * friction[:, None]
+class ExportedLaw:
+    """A law and its feel as compiled C, a state for each setting."""
+
+    def __init__(self, exported):
+        folder = Path(tempfile.mkdtemp())
+        self.count = len(exported.settings)
+        ff.export.write_export(exported, ff.export.Target.C, folder / "c")
+        setting = "in.from = in.to = k;" if self.count > 1 else ""
+        (folder / "c" / "steps.c").write_text(STEPS.format(setting=setting), encoding="utf-8")
+        program = ["cc", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-o", "law.so", "steps.c", "law_law.c", "-lm"]
+        subprocess.run(program, cwd=folder / "c", check=True)
+        self.library = ctypes.CDLL(os.fspath(folder / "c" / "law.so"))
+        shutil.rmtree(folder)
+
+    def begin(self, y):
+        """Resets it where the sensors show ``y`` (settings, 3)."""
+        y = np.ascontiguousarray(y)
+        if self.library.begin(ctypes.c_void_p(y.ctypes.data)):
+            sys.exit("the law has no equilibrium there")
+
+    def step(self, y):
+        """The commands of a sample."""
+        y, command = np.ascontiguousarray(y), np.empty(self.count)
+        if self.library.step(ctypes.c_void_p(y.ctypes.data), ctypes.c_void_p(command.ctypes.data)):
+            sys.exit("the law refuses what it is shown")
+        return command
 
 
 class Shown:
@@ -104,30 +140,25 @@ class Shown:
         return np.round((self.lag + self.noise * self.random.standard_normal(self.lag.shape)) / self.step) * self.step
 
 
-def released(file, machine, laws, feel, record, random):
-    """Column angle (settings, samples) of a machine let go of under laws."""
+def released(made_for, machine, law, feel, record, random):
+    """Column angle (settings, samples) of a machine let go of under a law of a loader, whose sensors it has."""
     numbers = {name: machine[key] * factor for name, (key, factor) in witness.OF_FILE.items()}
     m = witness.Machines.of(**{name: np.full(len(feel), value) for name, value in numbers.items()})
     kind = KINDS[HYDRAULIC]
-    y, xi, delta = settled(laws, m, feel, kind)
-    motion, feels, waiting = kind.motion(m, y, HELD), feel_step(feel), m.held_by * y[:, 0]
-    friction = Friction(laws, feel[:, 2] * delta[:, 0])
-    reading, limit, every = Shown(file, y, random), m.command_limit, round(record.step_s / witness.PERIOD_S)
+    y, _, _ = settled(law.sampled, m, feel, kind)
+    motion, waiting = kind.motion(m, y, HELD), m.held_by * y[:, 0]
+    program = ExportedLaw(ff.export.Exported(made_for, law, "law"))
+    program.begin(y)
+    reading, every = Shown(made_for, y, random), round(record.step_s / witness.PERIOD_S)
     angles = np.empty((len(feel), record.samples))
     for k in range((record.samples - 1) * every + 1):
         if k % every == 0:
             angles[:, k // every] = motion.z[:, kind.angle]
-        y = reading.sample()
-        feel_input = np.concatenate([xi, y, delta], 1)
-        e, torque = (np.einsum("pj,pj->p", law, feel_input) for law in (laws.command, laws.torque))
-        torque, moved = friction.sample(torque, feel_input)
-        law_input = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
-        xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, law_input) + moved
-        delta = np.einsum("pij,pj->pi", feels, np.concatenate([delta, torque[:, None]], 1))
+        command = program.step(reading.sample())
         for _ in range(round(witness.PERIOD_S / witness.STEP_S)):
             motion.run(waiting, witness.STEP_S)
             reading.on(np.stack(motion.shown(), 1))
-        waiting = e
+        waiting = command
     return angles
 
 
@@ -138,51 +169,66 @@ def feels_of(loader):
     return np.column_stack([inertia, 2 * DAMPING * FREQUENCY_RAD_S * inertia, stiffness])
 
 
-def apart(file, machine):
+def apart(machine):
     """Largest difference of each curve to the engine's own, of the deflection, sensors exact but for their lag."""
     exact = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
     truth, record = machine.replace(exact, si=True), Record(witness.PERIOD_S, 4001)
     feel = feels_of(truth)
     law = Law.of("robust", machine, feel)
-    actual = released(file, machine, law.sampled, feel, record, None)
+    actual = released(machine, machine, law, feel, record, None)
     scenario = Scenario(Release(HELD), record.duration_s, 1e-4, record.step_s)
     rows = truth.rows(FEEL_SETTING, feel)
     reference = simulate_batch(truth, scenario, rows, law, keep=["column_angle_rad"])["column_angle_rad"].values
     return np.abs(actual - reference).max(axis=1) / HELD
 
 
-def curves(file, places, seconds):
-    """Of each machine its number, friction, curves and the ideal's, and the margins."""
-    machines = list(drawn(file, max(places), SEED))
-    some = [machines[number - 1] for number in places]
+def commissioned(file, places, machines, seconds):
+    """Of each machine what was identified, and the name of the law that was chosen."""
     options = BenchTime(seconds, seed=SEED)
-    for number, machine, data in zip(
-        places, some, witnessed(file, some, [number - 1 for number in places], options), strict=True
-    ):
+    for data in witnessed(file, machines, [number - 1 for number in places], options):
         identified = identify_loader(file, data, CommissionPlan()).loader
-        name = choose_law(identified, CommissionPlan())[0].name
-        feel, record = feels_of(identified), Record.of(FREQUENCY_RAD_S, DAMPING)
-        laws = Law.of(name, identified, feel).sampled
-        angles = released(file, machine, laws, feel, record, np.random.default_rng([SEED, number]))
-        ideals = np.array([ideal(setting, HELD, record.time_s) for setting in feel])
-        margins = [margin(*pair, record, edge=0) for pair in zip(angles, feel, strict=True)]
-        yield number, machine, name, record.time_s, angles, ideals, margins
+        yield identified, choose_law(identified, CommissionPlan())[0].name
+
+
+def curves(identified, name, machine, number):
+    """Time, curves and the ideal's, and the margins, of the settings that are drawn."""
+    feel, record = feels_of(identified), Record.of(FREQUENCY_RAD_S, DAMPING)
+    law = Law.of(name, identified, feel)
+    angles = released(identified, machine, law, feel, record, np.random.default_rng([SEED, number]))
+    ideals = np.array([ideal(setting, HELD, record.time_s) for setting in feel])
+    return record.time_s, angles, ideals, [margin(*pair, record, edge=0) for pair in zip(angles, feel, strict=True)]
+
+
+def share(identified, name, machine, number):
+    """Share of the 96 settings that a machine renders."""
+    plan = make_plan(identified, [name], CommissionPlan().grid, arms=())
+    feel = plan.settings.feel(identified)
+    damping, frequency, _ = plan.settings.rows.T
+    own = [Record.of(*each) for each in zip(frequency, damping, strict=True)]
+    longest = Record(witness.PERIOD_S, round(max(record.duration_s for record in own) / witness.PERIOD_S) + 1)
+    law = Law.of(name, identified, feel)
+    angles = released(identified, machine, law, feel, longest, np.random.default_rng([SEED, number]))
+    passed = 0
+    for angle, setting, record in zip(angles, feel, own, strict=True):
+        every = round(record.step_s / witness.PERIOD_S)
+        passed += margin(angle[: every * record.samples : every], setting, record, edge=0) > 0
+    return passed / len(feel)
 
 
 def draw(drawn_curves, path):
     """A row for each machine, a column for each stiffness."""
     rows = list(drawn_curves)
-    columns = len(rows[0][4])
+    columns = len(STIFFNESS)
     figure, every = plt.subplots(
         len(rows), columns, figsize=(10, 1.9 * len(rows)), sharex=True, sharey=True, squeeze=False, layout="constrained"
     )
-    for (number, machine, _, time_s, angles, ideals, margins), axes in zip(rows, every, strict=True):
-        for ax, angle, ideal_, room, share in zip(axes, angles, ideals, margins, STIFFNESS, strict=True):
+    for (number, machine, (time_s, angles, ideals, margins)), axes in zip(rows, every, strict=True):
+        for ax, angle, ideal_, room, of_largest in zip(axes, angles, ideals, margins, STIFFNESS, strict=True):
             ax.plot(time_s, np.degrees(ideal_), color=IDEAL, linestyle=":", label="ideal feel")
             ax.plot(time_s, np.degrees(angle), color=COMPLIANT, linewidth=1.2, label="machine")
-            ax.set_title(f"{share:.0%} of the stiffness: {'within' if room > 0 else 'outside'}", fontsize="small")
+            ax.set_title(f"{of_largest:.0%} of the stiffness: {'within' if room > 0 else 'outside'}", fontsize="small")
             ax.spines[["top", "right"]].set_visible(False)
-        axes[0].set_ylabel(f"machine {number}, {machine[DRY] / witness.LBF:.1f} lb\ndeg", fontsize="small")
+        axes[0].set_ylabel(f"machine {number}, {friction_lb(machine):.1f} lb\ndeg", fontsize="small")
     for ax in every[-1]:
         ax.set_xlabel("s")
     every[0][0].legend(frameon=False, fontsize="small")
@@ -194,27 +240,33 @@ def main():
     parser.add_argument("machines", type=int, nargs="+", help="numbers as commission.py counts them")
     parser.add_argument("--seconds", type=float, default=60.0, help="of bench")
     parser.add_argument("--figure", type=Path)
+    parser.add_argument("--all", action="store_true", help="settings, and after a drift of the friction too")
     options = parser.parse_args()
-    file, drawn_curves = on_file(), []
-    for number, machine in enumerate(drawn(file, max(options.machines), SEED), 1):
-        if number in options.machines:
-            far = apart(file, machine)
-            text = ", ".join(f"{error:.0e}" for error in far)
-            print(f"machine {number}: at most {text} of the deflection from the engine's curves", flush=True)
-            if not (far[0] < SOFTEST_APART and far[1:].max() < APART):
-                sys.exit(f"expected less than {SOFTEST_APART:g}, and less than {APART:g} but for the softest")
-    for curve in curves(file, options.machines, options.seconds):
-        number, machine, name, _, angles, ideals, margins = curve
+    file, random = on_file(), np.random.default_rng([SEED, 11])
+    count = max(options.machines)
+    every = [as_it_rubs(machine, random) for machine in drawn(file, count, SEED)]
+    machines, drifts = [every[number - 1] for number in options.machines], drawn_drifts(count, SEED)
+    for number, machine in zip(options.machines, machines, strict=True):
+        far = apart(machine)
+        text = ", ".join(f"{error:.0e}" for error in far)
+        print(f"machine {number}: at most {text} of the deflection from the engine's curves", flush=True)
+        if not (far[0] < SOFTEST_APART and far[1:].max() < APART):
+            sys.exit(f"expected less than {SOFTEST_APART:g}, and less than {APART:g} but for the softest")
+    rows = []
+    for number, machine, (identified, name) in zip(
+        options.machines, machines, commissioned(file, options.machines, machines, options.seconds), strict=True
+    ):
+        _, angles, ideals, margins = curve = curves(identified, name, machine, number)
         off = np.abs(angles - ideals).max(axis=1) / HELD
         text = ", ".join(f"{room:+.2f} (at most {far:.1%} off)" for room, far in zip(margins, off, strict=True))
-        friction = machine[DRY] / witness.LBF
-        print(
-            f"machine {number}, {friction:.2f} lb, breakaway {machine[BREAKAWAY] / machine[DRY]:.2f}, {name}: margins {text}",
-            flush=True,
-        )
-        drawn_curves.append(curve)
+        print(f"machine {number}, {friction_lb(machine):.2f} lb, {name}: margins {text}", flush=True)
+        rows.append((number, machine, curve))
+        if options.all:
+            drift = drifts[number - 1]
+            shares = [share(identified, name, it, number) for it in (machine, after_drift(machine, drift))]
+            print(f"machine {number}: {shares[0]:.1%} of the settings, {shares[1]:.1%} after {drift:+.0%}", flush=True)
     if options.figure:
-        draw(drawn_curves, options.figure)
+        draw(rows, options.figure)
 
 
 if __name__ == "__main__":

@@ -473,14 +473,19 @@ impl<S: Scalar> ContactLaw<S> {
         state.offset + S::select(leaves, -state.offset, column - delta) * slow
     }
 
-    /// Command and torque at a sample, `free` those of free motion, where the column rests so far beyond the drive.
+    /// `T_c`.
     #[inline(always)]
-    pub fn output(&self, [share, offset]: [S; 2], free: [S; 2], inputs: &ContactInputs<S>) -> [S; 2] {
+    pub fn torque(&self, force: S) -> S {
+        -self.per_angle * force
+    }
+
+    /// Command and torque at a sample, `free` those of free motion, `torque` that of contact, where the column rests so far beyond the drive.
+    #[inline(always)]
+    pub fn output(&self, [share, offset]: [S; 2], free: [S; 2], torque: S, inputs: &ContactInputs<S>) -> [S; 2] {
         let [delta, rate] = inputs.feel;
         let [position, speed] = inputs.position;
         let command = self.stiffness * (self.per_angle * (delta - offset) - position)
             + self.rate * (self.per_angle * rate - speed);
-        let torque = -self.per_angle * inputs.force;
         [free[0] + share * (command - free[0]), free[1] + share * (torque - free[1])]
     }
 

@@ -307,11 +307,17 @@ impl<S: Scalar> Control<S> {
             feel = [feeling.motion.at[0], S::select(at_end, now.rate, rate)];
         }
         let inputs = ContactInputs { feel, ..inputs };
-        let share = neutral.map_or(now.share, |neutral| {
-            let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
-            S::select(self.observer.friction.rests(now.rate, spring), spring.constant(1.0), now.share)
+        let touching = law.torque(inputs.force);
+        let (share, touching) = neutral.map_or((now.share, touching), |neutral| {
+            let friction = &self.observer.friction;
+            let rests = friction.rests(now.rate, self.feel.spring_torque(neutral, inputs.feel[0]));
+            let one = touching.constant(1.0);
+            (
+                S::select(rests, one, now.share),
+                S::select(rests, friction.at_rest(touching, output.friction_state.push), touching),
+            )
         });
-        let [command, torque] = law.output([share, now.offset], [output.command, output.torque], &inputs);
+        let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);
         let beyond = command - self.converters.within_range(command);
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
         // A feel that moves as the column is not damped.

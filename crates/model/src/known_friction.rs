@@ -31,7 +31,8 @@
 //!
 //! A column that friction holds is a stiff contact, and the loop would shake it loose again and again. Where it rests and the feel's
 //! spring has less than `U`, which no compensation can render, the law of [`crate::contact_law`] holds it: `|theta'| < v_r`, smoothed
-//! as there, and `|G (delta - n)| < U`.
+//! as there, and `|G (delta - n)| < U`. Its `T_c` is `q + |T_b|` at most: friction and hand hold no more, and what the load cell shows beyond
+//! that turns the drive round between two swings.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
 //! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
@@ -200,6 +201,12 @@ impl<S: Scalar> KnownFriction<S> {
     #[inline(always)]
     pub fn rests(&self, rate: S, spring: S) -> S::Mask {
         rate.abs().less(self.rest) & spring.abs().less(self.uncertain)
+    }
+
+    /// What the load cell's torque may be of a column that rests, under a push of late.
+    #[inline(always)]
+    pub fn at_rest(&self, of_load_cell: S, push: S) -> S {
+        of_load_cell.within(self.hand + push.abs())
     }
 
     /// The next `T`, `g` and `h` of both directions, `T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.

@@ -19,9 +19,7 @@ _PARTS = ("feel.", "pilot.", "safety.", "thermal.", "brake.", "winding.")
 _ROWS = (
     ".offset",
     ".backlash",
-    ".static_friction",
-    ".stribeck_velocity",
-    ".friction_asymmetry",
+    "motor.static_friction",
     ".seal_friction",
     ".antiwindup",
     "efficiency",

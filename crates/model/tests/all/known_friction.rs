@@ -145,6 +145,10 @@ fn a_slow_column_rests_where_the_spring_has_less_than_what_is_uncertain() {
     ] {
         assert_eq!(law.friction.rests(rate, spring), rests);
     }
+    // Its load cell shows no more than friction and a hand can hold.
+    for (share, push, held) in [(0.9, 0.0, 0.9), (1.1, 0.0, 1.0), (-3.0, 1.5, -2.5), (2.0, -1.5, 2.0)] {
+        assert_within(law.friction.at_rest(share * HAND, push * HAND), held * HAND, 1e-14);
+    }
 }
 
 #[test]

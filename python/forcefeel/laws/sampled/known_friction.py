@@ -18,7 +18,8 @@ swing on hands off; at 0.07 fewer pass, since the part for rest also acts where 
 
 SLOW_RAD_PER_S = 1.5e-3
 """v_s: a column that takes two minutes over 10 deg rests. From half of it to twice, shares rendered change by four in a hundred at
-most; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths the rest."""
+most; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths the rest. Of a light column it is what
+friction changes of the estimated rate in a sample: with less the observer of a column at rest swings from sample to sample."""
 
 LET_GO_S = 0.01
 """1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes. At 0.016 s a
@@ -44,9 +45,6 @@ TRUSTED_S = 2.0
 """1 / d in time: long beside the moments in which a hand that moves the column passes through zero torque. From half a second to
 five shares rendered are the same, and of 1 lb a push of 20 N at 0.2 Hz feels 5 to 2 %."""
 
-HAND = 1.0
-"""q, as a share of the friction: a hand that pushes with more stops the learning. Shares rendered are the same at three."""
-
 _OTHERS = SAMPLED + 2 + OF_FRICTION
 """y, delta, delta', and the single numbers."""
 
@@ -66,9 +64,14 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     rate = np.concatenate([estimate[:, places.base_rate] / scale.time_s, of_feel], axis=1)
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
-    stated = (*friction.by_direction_n_m, friction.breakaway, friction.per_stribeck_s_per_rad)
-    play = (UNCERTAIN * level, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    # What falls with a jump falls as the column begins to move.
+    falls = friction.stribeck_rad_per_s or SLOW_RAD_PER_S
+    stated = (*friction.by_direction_n_m, friction.breakaway, 1 / falls)
+    # q is the most that friction may be: a column that friction holds looks like a hand that pushes with all of it.
+    largest = max(friction.by_direction_n_m) * (1 + friction.breakaway) * (1 + BOUND * friction.off[1])
+    a_sample = level * np.abs(np.einsum("ij,ij->i", rate[:, : places.observed], enters)).max()
+    play = (UNCERTAIN * level, max(SLOW_RAD_PER_S, a_sample), plant.period_s / LET_GO_S)
     bounds = (BOUND * off for off in friction.off)
     gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
-    numbers = (*stated, *play, *bounds, gain / level, HAND * level, blur, trust, REST_RAD_PER_S)
+    numbers = (*stated, *play, *bounds, gain / level, largest, blur, trust, REST_RAD_PER_S)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

@@ -342,14 +342,14 @@ class ColumnFriction:
 
     Attributes:
         by_direction_n_m: While it moves towards negative and towards positive angles, as torque on it.
-        breakaway: Share by which it is larger where the column breaks away; zero where it falls with a jump.
-        per_stribeck_s_per_rad: One over the Stribeck velocity; zero where it falls with a jump.
+        breakaway: Share by which it is larger where the column breaks away.
+        stribeck_rad_per_s: Velocity over which it falls from there; zero where it falls with a jump.
         off: Shares by which it may be off, least and most: the file's tolerance, or an assumed one.
     """
 
     by_direction_n_m: tuple[float, float]
     breakaway: float
-    per_stribeck_s_per_rad: float
+    stribeck_rad_per_s: float
     off: tuple[float, float]
 
     @classmethod
@@ -357,12 +357,11 @@ class ColumnFriction:
         """Of a loader."""
         stated, asymmetry = loader[_FRICTION], loader["column.friction_asymmetry"]
         torque = stated * loader["column.grip_arm"]
-        falls = stated > 0 and loader[_STRIBECK] > 0
         least, most = friction_off(loader)
         return cls(
             by_direction_n_m=(torque * (1 - asymmetry), torque * (1 + asymmetry)),
-            breakaway=loader[_BREAKAWAY] / stated - 1 if falls else 0.0,
-            per_stribeck_s_per_rad=1 / loader[_STRIBECK] if falls else 0.0,
+            breakaway=max(loader[_BREAKAWAY] / stated - 1, 0.0) if stated else 0.0,
+            stribeck_rad_per_s=loader[_STRIBECK],
             off=(least / stated, most / stated) if stated else (0.0, 0.0),
         )
 
