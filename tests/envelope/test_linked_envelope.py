@@ -44,7 +44,9 @@ def test_stiff_late_link_swings_on_with_the_hands_off():
     pair = linked("electronic", stiffness=2000.0, breakout=1e4, delay=0.02, injected_damping=0.0)
     rows = {(row.first, row.second): row for row in pair.rows}
     # Two free sticks far beyond k d = c. Where the swing beats at its limits, a figure of the rule fails instead.
-    assert rows["hands off", "hands off"].unstable > 0.25
+    free = rows["hands off", "hands off"]
+    assert free.unstable > 0  # by stiffness and noise 1 to 4 of 8
+    assert free.passes == 0
     assert pair.linked_share == 0
 
 
