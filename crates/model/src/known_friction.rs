@@ -26,6 +26,12 @@
 //! `s-` to `s+` includes `w`, so that `T = T_o` is always allowed. `T_o` does not follow the noise of `v`: where only noise changed `w`, the play
 //! would push a slow column on past its neutral, at about three times `v_s`.
 //!
+//! `v_s` is at least what friction changes of the estimated rate in a sample, `C |r b|`. From half of that down the observer of a column at rest
+//! would change the sign of its rate with each sample.
+//!
+//! A column that friction holds looks like a hand that pushes with all of it, so that `q` is the most that friction may be. With less, the feel
+//! would be driven each time that the column turns round.
+//!
 //! `U` keeps noise and the level's own error from driving the feel with the hand off. A column that came to rest under a hand is let go
 //! of within `1 / l` samples: else whoever pushes at it would have to overcome the friction twice.
 //!
