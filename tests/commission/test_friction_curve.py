@@ -3,11 +3,14 @@
 import math
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import forcefeel as ff
 from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.result import Status
+from forcefeel.commission import fits
 from forcefeel.commission.fits import _curved, _without
 from forcefeel.commission.friction_drift import _SLOW, DRIFT
 from forcefeel.commission.observability import ASYMMETRY, BREAKAWAY, DRY, FRICTION_CURVE, SEALS, STRIBECK, with_friction
@@ -65,3 +68,24 @@ def test_fall_and_asymmetry_are_identified_from_a_record_of_an_independent_integ
     }
     for key, near in ((DRY, NEAR), (BREAKAWAY, NEAR), (STRIBECK, _SLOW), (ASYMMETRY, DRIFT)):
         assert found[key] == pytest.approx(truth[key], rel=near)
+
+
+def test_a_fall_beyond_what_a_loader_may_have_leaves_asymmetry_and_seals(monkeypatch):
+    def identified(loader, data, keys, **_):
+        if BREAKAWAY in keys:
+            raise ff.InputError("column.static_friction: expected at least column.coulomb_friction")
+        shown = [
+            SimpleNamespace(unknown=SimpleNamespace(key=key), status=Status.DETERMINED, value=1.0, low=0.9, high=1.1)
+            for key in keys
+        ]
+        return SimpleNamespace(estimates=shown, loader=loader)
+
+    monkeypatch.setattr(fits, "identify", identified)
+    start = with_friction(ff.digital_elevator())
+    curved = _curved(identified(start, (), [DRY]), start, FRICTION_CURVE, (), None)
+    assert [estimate.unknown.key for estimate in curved.estimates] == [DRY, ASYMMETRY, SEALS]
+    assert curved.loader[BREAKAWAY] == 0
+    # Without a fall there is nothing to leave out.
+    monkeypatch.setattr(fits, "identify", lambda *_, **__: identified(start, (), [BREAKAWAY]))
+    even = identified(start, (), [DRY])
+    assert _curved(even, start, [ASYMMETRY], (), None) is even

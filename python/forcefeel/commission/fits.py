@@ -116,8 +116,13 @@ def _curved(
             return even
         try:
             identification = identify(start, data, [*begin, *curve], law=law, starts=1, begins=[begin])
-        except InputError:  # an undetermined curve may lie beyond what a loader may have
-            return even
+        except InputError:
+            # A fall that the data do not determine may lie beyond what a loader may have, such as a breakaway below the friction.
+            kept = [key for key in curve if key not in _FALL]
+            if kept == list(curve):
+                return even
+            start, curve = _without(start, set(curve) - set(kept)), kept
+            continue
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}
         kept = [key for key in curve if _is_shown(status[key])]
         if not set(kept) >= _FALL and _FALL & set(curve):
