@@ -160,6 +160,16 @@ def test_friction_by_direction_that_falls_over_a_velocity_is_compensated():
     assert level_alone < 0.3
 
 
+def test_law_of_a_light_column_does_not_depend_on_the_settings_beside_it():
+    loader = BUILT_IN["aileron-wheel"]().replace(FRICTION)
+    own = np.array([loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")])
+    feel = own * np.array([[1.0, 1.0, 1.0], [0.05, 0.2, 1.0]])
+    together = Law.of("robust", loader, feel).sampled.friction
+    alone = [Law.of("robust", loader, feel[k : k + 1]).sampled.friction[0] for k in range(len(feel))]
+    np.testing.assert_array_equal(together, alone)
+    assert len(set(together[:, SLOW])) == len(feel)
+
+
 def test_friction_varies_by_default_without_a_stated_tolerance():
     cases = make_plan(ff.digital_elevator().replace(FRICTION), ["robust"], GRID).cases
     assert {case.change for case in cases if case.parameter == "column.coulomb_friction"} == {-0.2, 0.2}

@@ -69,9 +69,9 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     stated = (*friction.by_direction_n_m, friction.breakaway, 1 / falls)
     # q is the most that friction may be: a column that friction holds looks like a hand that pushes with all of it.
     largest = max(friction.by_direction_n_m) * (1 + friction.breakaway) * (1 + BOUND * friction.off[1])
-    a_sample = level * np.abs(np.einsum("ij,ij->i", rate[:, : places.observed], enters)).max()
-    play = (UNCERTAIN * level, max(SLOW_RAD_PER_S, a_sample), plant.period_s / LET_GO_S)
+    slow = np.maximum(SLOW_RAD_PER_S, level * np.abs(np.einsum("ij,ij->i", rate[:, : places.observed], enters)))
     bounds = (BOUND * off for off in friction.off)
     gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
-    numbers = (*stated, *play, *bounds, gain / level, largest, blur, trust, REST_RAD_PER_S)
-    return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])
+    before = (*stated, UNCERTAIN * level)
+    after = (plant.period_s / LET_GO_S, *bounds, gain / level, largest, blur, trust, REST_RAD_PER_S)
+    return np.hstack([rate, enters, np.tile(before, (settings, 1)), slow[:, None], np.tile(after, (settings, 1))])
