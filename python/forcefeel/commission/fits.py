@@ -114,22 +114,21 @@ def _curved(
     for _ in range(_ROUNDS):
         if not curve:
             return even
+        # Jumps of a fall that is not determined leave others undetermined too, which are determined without it.
+        kept = [key for key in curve if key not in _FALL]
         try:
             identification = identify(start, data, [*begin, *curve], law=law, starts=1, begins=[begin])
         except InputError:
-            # A fall that the data do not determine may lie beyond what a loader may have, such as a breakaway below the friction.
-            kept = [key for key in curve if key not in _FALL]
+            # Such a fall may also lie beyond what a loader may have, with a breakaway below the friction.
             if kept == list(curve):
                 return even
-            start, curve = _without(start, set(curve) - set(kept)), kept
-            continue
-        status = {estimate.unknown.key: estimate for estimate in identification.estimates}
-        kept = [key for key in curve if _is_shown(status[key])]
-        if not set(kept) >= _FALL and _FALL & set(curve):
-            # Its jumps leave others undetermined too, which are determined without it.
-            kept = [key for key in curve if key not in _FALL]
-        if kept == list(curve):
-            return identification if identification.loader is not None else even
+        else:
+            status = {estimate.unknown.key: estimate for estimate in identification.estimates}
+            shown = [key for key in curve if _is_shown(status[key])]
+            if set(shown) >= _FALL or not _FALL & set(curve):
+                kept = shown
+            if kept == list(curve):
+                return identification if identification.loader is not None else even
         start, curve = _without(start, set(curve) - set(kept)), kept
     return even
 
