@@ -37,11 +37,11 @@ def test_makers_client_drives_the_emulated_moteus_until_its_watchdog():
         try:
             states = [await drive.set_stop(query=True)]
             for _ in range(50):
-                states.append(await drive.set_position(**torque(0.5), query=True))
+                states.append(await drive.set_position(**torque(0.5, UNHURRIED_S), query=True))
                 await asyncio.sleep(0.002)
             await asyncio.sleep(2 * UNHURRIED_S)
             states.append(await drive.query())
-            states.append(await drive.set_position(**torque(0.5), query=True))
+            states.append(await drive.set_position(**torque(0.5, UNHURRIED_S), query=True))
             states.append(await drive.set_stop(query=True))
             return [state.values for state in states]
         finally:
@@ -55,7 +55,7 @@ def test_makers_client_drives_the_emulated_moteus_until_its_watchdog():
     assert states[50][register.POSITION] > states[1][register.POSITION] + 1e-3
 
 
-def torque(value):
+def torque(value, watchdog_s):
     return {
         "position": math.nan,
         "velocity": 0.0,
@@ -63,7 +63,7 @@ def torque(value):
         "kd_scale": 0.0,
         "ilimit_scale": 0.0,
         "feedforward_torque": value,
-        "watchdog_timeout": 0.1,
+        "watchdog_timeout": watchdog_s,
     }
 
 
@@ -95,7 +95,7 @@ def test_driver_writes_the_frames_of_the_makers_client():
         if written[register.MODE] == 10:
             enabled += 1
             value = written[register.COMMAND_FEEDFORWARD_TORQUE]
-            expected = client.make_position(**torque(value), query=True).data
+            expected = client.make_position(**torque(value, 0.1), query=True).data
         else:
             expected = client.make_stop(query=True).data
         assert frame.rstrip(bytes([PADDING])) == expected.rstrip(bytes([PADDING]))
@@ -124,7 +124,7 @@ def received(bus, number, timeout_s=5.0):
 @pytest.mark.parametrize(("kind", "expired"), [("odrive", 1 << 24), ("odrive-0.5", 1 << 11)])
 def test_python_can_drives_the_emulated_odrive_until_its_watchdog(kind, expired):
     node = 5
-    with ff.live.BusEmulator([yoke(kind, node=node)]) as emulator, slcan(emulator.port) as bus:
+    with ff.live.BusEmulator([yoke(kind, node=node, watchdog_s=UNHURRIED_S)]) as emulator, slcan(emulator.port) as bus:
 
         def write(command, data):
             bus.send(can.Message(arbitration_id=node << 5 | command, data=data, is_extended_id=False))
@@ -142,7 +142,7 @@ def test_python_can_drives_the_emulated_odrive_until_its_watchdog(kind, expired)
             time.sleep(0.002)
         assert after > before + 1e-4
         assert velocity > 0
-        time.sleep(0.3)
+        time.sleep(2 * UNHURRIED_S)
         while bus.recv(0) is not None:
             pass
         error, state = struct.unpack_from("<IB", received(bus, node << 5 | HEARTBEAT))
