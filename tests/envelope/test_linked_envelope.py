@@ -41,11 +41,11 @@ def test_slack_link_leaves_each_side_as_alone():
 
 
 def test_stiff_late_link_swings_on_with_the_hands_off():
-    pair = linked("electronic", stiffness=2000.0, breakout=1e4, delay=0.02, injected_damping=0.0)
+    pair = linked("electronic", stiffness=1500.0, breakout=1e4, delay=0.03, injected_damping=0.0)
     rows = {(row.first, row.second): row for row in pair.rows}
     # Two free sticks far beyond k d = c. Where the swing beats at its limits, a figure of the rule fails instead.
     free = rows["hands off", "hands off"]
-    assert free.unstable > 0  # by stiffness and noise 1 to 4 of 8
+    assert free.unstable > 0  # five of eight; at 0.02 s, by stiffness and noise, none to four
     assert free.passes == 0
     assert pair.linked_share == 0
 
