@@ -225,6 +225,7 @@ def swept(volts, duration_s=0.5):
 
 ORIFICE = {"valve.orifice": True}
 FRICTION = {"column.coulomb_friction": "3 lb", "column.static_friction": "4 lb"}
+SEALS = {"actuator.seal_friction": "5 lb", "column.friction_asymmetry": 0.2}
 PUSH = Recorded((0.0, 0.1, 0.25, 0.5), (10.0, 150.0, -170.0, 30.0))
 
 RECORDS = {
@@ -238,6 +239,7 @@ RECORDS = {
     "servo under a force": (ORIFICE, Scenario(PUSH, duration_s=0.5), "position"),
     "friction": (FRICTION, Scenario(PUSH, duration_s=0.5), "original"),
     "friction, digital": (DIGITAL | FRICTION, Scenario(PUSH, duration_s=0.5), "original"),
+    "friction with seals": (DIGITAL | FRICTION | SEALS, Scenario(test_signal_v=swept(0.3), duration_s=0.5), "position"),
 }
 ORIFICE_KEYS = ["valve.rated_flow", "valve.rated_current", "valve.supply_pressure"]
 
@@ -254,6 +256,7 @@ def test_record_slopes_match_finite_differences(name):
     loader = ff.elevator().replace(changes, si=True)
     keys = [key for key in KEYS if key not in ("valve.current_gain", "valve.pressure_gain") or "orifice" not in name]
     keys += ORIFICE_KEYS * ("valve.orifice" in changes) + ["column.coulomb_friction"] * ("friction" in name)
+    keys += [*SEALS] * ("seals" in name)
     simulation = engine(loader, scenario)
     row = loader.si_values[np.newaxis]
     histories, slopes = simulation.slopes(row, [INDEX[key] for key in keys], channels=range(9), law=law, threads=2)

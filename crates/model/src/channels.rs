@@ -1,8 +1,8 @@
 //! Channels of a bench: what is measured of a loader with a hydraulic drive, and what its transducers give. Those of an electric one:
 //! `drive/electric/plant.rs`.
 //!
-//! `theta` column angle · `x_p` piston displacement · `F_c` load cell force · `p` load pressure · `q` flow into the actuator ·
-//! `i` valve current · `e_P`, `e_F` signals of potentiometer and load cell
+//! `theta` column angle · `x_p` piston displacement · `F_c` load cell force, without the friction of the seals · `p` load pressure ·
+//! `q` flow into the actuator · `i` valve current · `e_P`, `e_F` signals of potentiometer and load cell
 
 use crate::Scalar;
 use crate::parameters::Parameters;
@@ -16,6 +16,8 @@ pub struct Bench<S> {
     pub base_rate: S,
     /// Piston displacement in m.
     pub piston: S,
+    /// Force of the load cell in N.
+    pub force: S,
     /// Load pressure in Pa.
     pub pressure: S,
     /// Flow into the actuator in m³/s.
@@ -45,12 +47,12 @@ channels! { |bench, parameters|
     "column_angle", "rad": parameters.column.angle(bench.base);
     "column_velocity", "rad/s": parameters.column.angle(bench.base_rate);
     "piston_position", "m": bench.piston;
-    "load_cell_force", "N": parameters.actuator.force(bench.pressure);
+    "load_cell_force", "N": bench.force;
     "load_pressure", "Pa": bench.pressure;
     "actuator_flow", "m^3/s": bench.flow;
     "valve_current", "A": bench.current;
     "potentiometer", "V": parameters.potentiometer.signal(bench.piston);
-    "load_cell", "V": parameters.load_cell.signal(parameters.actuator.force(bench.pressure));
+    "load_cell", "V": parameters.load_cell.signal(bench.force);
 }
 
 /// How many channels there are, of either drive.

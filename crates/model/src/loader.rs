@@ -162,9 +162,9 @@ impl<S: Scalar> System<S, 7, 2, { channels::COUNT }> for OnBench<Rigid<S>> {
     fn outputs(&self, x: &[S; 7], &[test_signal, pilot_force]: &[S; 2]) -> [S; channels::COUNT] {
         let parameters = &self.0.parameters;
         let &[piston, piston_rate, pressure, ..] = x;
-        let Servo { current, flow, .. } = self.0.servo(x, &[pilot_force, test_signal]);
+        let Servo { current, flow, force } = self.0.servo(x, &[pilot_force, test_signal]);
         let (base, base_rate) = (parameters.linkage.rigid_base(piston), parameters.linkage.rigid_base(piston_rate));
-        Bench { base, base_rate, piston, pressure, flow, current }.channels(parameters)
+        Bench { base, base_rate, piston, force, pressure, flow, current }.channels(parameters)
     }
 }
 
@@ -175,8 +175,8 @@ impl<S: Scalar> System<S, 8, 2, { channels::COUNT }> for OnBench<Compliant<S>> {
 
     fn outputs(&self, x: &[S; 8], &[test_signal, pilot_force]: &[S; 2]) -> [S; channels::COUNT] {
         let &[piston, pressure, .., base, base_rate] = x;
-        let Servo { current, flow, .. } = self.0.servo(x, &[pilot_force, test_signal]);
-        Bench { base, base_rate, piston, pressure, flow, current }.channels(&self.0.parameters)
+        let Servo { current, flow, force } = self.0.servo(x, &[pilot_force, test_signal]);
+        Bench { base, base_rate, piston, force, pressure, flow, current }.channels(&self.0.parameters)
     }
 }
 

@@ -214,9 +214,9 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
 
     #[inline(always)]
     fn channels(now: &RunSnapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
-        let &RunSnapshot { base, base_rate, position, signals, .. } = now;
+        let &RunSnapshot { base, base_rate, position, force, signals, .. } = now;
         let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
-        Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)
+        Bench { base, base_rate, piston: position, force, pressure, flow, current }.channels(parameters)
     }
 }
 

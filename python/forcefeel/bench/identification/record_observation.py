@@ -4,6 +4,10 @@ The residual of a sample is measured less simulated over the channel's expected 
 offset, is removed as the mean; so is a linear drift of an open piston, and a quadratic drift of an open motor. A release has one
 unknown of its own: the delay of the release after its detected time.
 
+Friction by direction is a symmetric friction and a constant force, ``F (sgn v + a_F) = F sgn v + a_F F``, which looks like an offset of
+the load cell. Where ``a_F`` is fitted, the load cell's constant is kept: its offset counts as friction, which a law for that loader
+makes good as well.
+
 Of a record of the whole loader the start is simulated and not compared. At rest friction holds the column anywhere within it, and
 the noise of the sensors decides when it breaks away. Until the motion has forgotten that, two runs of one machine differ by more
 than their size.
@@ -29,6 +33,8 @@ _COARSE_S = 8.0
 
 _START_S, _START_SHARE = 4.0, 0.25
 """Time that a column under its law takes to forget where friction held it, s, and the most of a record that is left out for it."""
+
+_ASYMMETRY, _LOAD_CELL = "column.friction_asymmetry", "load_cell_force"
 
 _LATER_S = 1e-3
 """Scale of the delay of a release after its detected time."""
@@ -154,9 +160,15 @@ class RecordObservation:
         degree = _DRIFTS.get(self.data.experiment.loop, 0)
         return np.linalg.qr(np.vander(self._time_s - self._time_s.mean(), degree + 1))[0]
 
+    @cached_property
+    def _with_offset(self) -> NDArray[np.bool_]:
+        """Channels with an offset of their own, (channels, 1)."""
+        kept = _ASYMMETRY in self.keys and self.data.experiment.loop not in _DRIFTS
+        return np.array([[not (kept and name == _LOAD_CELL)] for name in self.run.channels])
+
     def _without_offset(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         with np.errstate(invalid="ignore"):  # a run that diverged is infinite, and no number without its offset
-            return np.asarray(rows - (rows @ self._offsets) @ self._offsets.T)
+            return np.asarray(rows - np.where(self._with_offset, (rows @ self._offsets) @ self._offsets.T, 0.0))
 
     def _modeled(self, values: NDArray[np.float64], own: NDArray[np.float64], keys: Sequence[str]) -> Histories:
         row = self.run.loader.rows(self.keys, values[np.newaxis])[0]
