@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,8 +13,8 @@ from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.result import Status
 from forcefeel.commission import fits
 from forcefeel.commission.fits import _curved, _without
-from forcefeel.commission.friction_drift import _SLOW, DRIFT
 from forcefeel.commission.observability import ASYMMETRY, BREAKAWAY, DRY, FRICTION_CURVE, SEALS, STRIBECK, with_friction
+from forcefeel.commission.sensor_lag import without_lag
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -55,19 +56,29 @@ def test_even_friction_gets_no_curve():
 
 
 @pytest.mark.slow
-def test_fall_and_asymmetry_are_identified_from_a_record_of_an_independent_integrator():
-    """Measured: breakaway 0.5 % low, Stribeck velocity 8 % low, asymmetry 11 % low: within the tolerances of ``commission``."""
+@pytest.mark.parametrize("offset_n", [0.0, 2.0])
+def test_friction_as_it_is_is_identified_from_a_record_of_an_independent_integrator(offset_n):
+    """An offset of the load cell reads as friction that differs by direction; nothing else moves."""
     loader = independent.on_file()
     loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
-    truth = loader.replace({DRY: "2 lb", BREAKAWAY: "2.6 lb"}).replace({STRIBECK: 0.08, ASYMMETRY: 0.2}, si=True)
-    [data] = independent.witnessed(loader, [truth], [0], BenchTime(8.0, 500.0, seed=3))
+    truth = loader.replace({DRY: "2 lb", BREAKAWAY: "2.6 lb", SEALS: "10 lb"})
+    truth = truth.replace({STRIBECK: 0.08, ASYMMETRY: 0.2}, si=True)
+    [[data]] = independent.witnessed(loader, [truth], [0], BenchTime(8.0, 500.0, seed=3))
+    shifted = data.channels | {"load_cell_force": data.channels["load_cell_force"] + offset_n}
+    data = without_lag(replace(data, channels=shifted), loader)
     start = with_friction(loader)
-    even = identify(_without(start, FRICTION_CURVE), data, FEW, starts=1)
+    even = identify(_without(start, FRICTION_CURVE), [data], FEW, starts=1)
     found = {
-        estimate.unknown.key: estimate.value for estimate in _curved(even, start, FRICTION_CURVE, data, None).estimates
+        estimate.unknown.key: estimate.value
+        for estimate in _curved(even, start, FRICTION_CURVE, [data], None).estimates
     }
-    for key, near in ((DRY, NEAR), (BREAKAWAY, NEAR), (STRIBECK, _SLOW), (ASYMMETRY, DRIFT)):
-        assert found[key] == pytest.approx(truth[key], rel=near)
+    per_load_cell = truth["linkage.ratio"] * truth["column.base_arm"] / truth["column.grip_arm"]
+    expected = {key: truth[key] for key in (DRY, BREAKAWAY, STRIBECK, SEALS)}
+    expected[ASYMMETRY] = truth[ASYMMETRY] + offset_n * per_load_cell / truth[DRY]
+    # Measured: 0.2, 2, 6 and 0.6 %; of the asymmetry 0.0011, with an offset, which does not fall over a velocity, 0.004.
+    for key, near in ((DRY, 0.01), (BREAKAWAY, 0.05), (STRIBECK, 0.15), (SEALS, 0.01)):
+        assert found[key] == pytest.approx(expected[key], rel=near)
+    assert found[ASYMMETRY] == pytest.approx(expected[ASYMMETRY], abs=0.005)
 
 
 def test_a_fall_beyond_what_a_loader_may_have_leaves_asymmetry_and_seals(monkeypatch):
@@ -78,14 +89,13 @@ def test_a_fall_beyond_what_a_loader_may_have_leaves_asymmetry_and_seals(monkeyp
             SimpleNamespace(unknown=SimpleNamespace(key=key), status=Status.DETERMINED, value=1.0, low=0.9, high=1.1)
             for key in keys
         ]
-        return SimpleNamespace(estimates=shown, loader=loader)
+        return SimpleNamespace(estimates=shown, loader=loader, keys=tuple(keys))
 
     monkeypatch.setattr(fits, "identify", identified)
     start = with_friction(ff.digital_elevator())
     curved = _curved(identified(start, (), [DRY]), start, FRICTION_CURVE, (), None)
     assert [estimate.unknown.key for estimate in curved.estimates] == [DRY, ASYMMETRY, SEALS]
     assert curved.loader[BREAKAWAY] == 0
-    # Without a fall there is nothing to leave out.
     monkeypatch.setattr(fits, "identify", lambda *_, **__: identified(start, (), [BREAKAWAY]))
     even = identified(start, (), [DRY])
     assert _curved(even, start, [ASYMMETRY], (), None) is even

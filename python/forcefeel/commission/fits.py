@@ -107,30 +107,40 @@ def _curved(
 ) -> Identification:
     """The fit with those rows of the friction's curve that the data determine; the one without where they determine none.
 
-    A breakaway stays with its Stribeck velocity alone: a fall over a velocity that is read as a jump has another breakaway, and a
-    standard error that is far too small.
+    The fall comes last: its jumps hide a friction of the seals from a search that begins without it, and leave others
+    undetermined where it is not determined itself. A breakaway stays with its Stribeck velocity alone: a fall over a velocity that
+    is read as a jump has another breakaway, and a standard error that is far too small.
     """
-    begin = {estimate.unknown.key: estimate.value for estimate in even.estimates}
-    for _ in range(_ROUNDS):
-        if not curve:
-            return even
-        # Jumps of a fall that is not determined leave others undetermined too, which are determined without it.
-        kept = [key for key in curve if key not in _FALL]
+    lasting = _shown(even, start, [key for key in curve if key not in _FALL], data, law)
+    if not set(curve) >= _FALL:
+        return lasting
+    return _shown(lasting, start, [key for key in curve if key in _FALL or key in lasting.keys], data, law)
+
+
+def _shown(
+    before: Identification,
+    start: Loader,
+    rows: Sequence[str],
+    data: Sequence[Response | BenchRecord],
+    law: Law | None,
+) -> Identification:
+    """The fit with those of some more rows that the data determine; the one before where they determine none, or no fall."""
+    begin = {estimate.unknown.key: estimate.value for estimate in before.estimates}
+    even = [key for key in begin if key not in FRICTION_CURVE]
+    while rows:
+        bare = _without(start, set(FRICTION_CURVE) - set(rows))
         try:
-            identification = identify(start, data, [*begin, *curve], law=law, starts=1, begins=[begin])
-        except InputError:
-            # Such a fall may also lie beyond what a loader may have, with a breakaway below the friction.
-            if kept == list(curve):
-                return even
-        else:
-            status = {estimate.unknown.key: estimate for estimate in identification.estimates}
-            shown = [key for key in curve if _is_shown(status[key])]
-            if set(shown) >= _FALL or not _FALL & set(curve):
-                kept = shown
-            if kept == list(curve):
-                return identification if identification.loader is not None else even
-        start, curve = _without(start, set(curve) - set(kept)), kept
-    return even
+            identification = identify(bare, data, [*even, *rows], law=law, starts=1, begins=[begin])
+        except InputError:  # a breakaway below the friction, which no loader may have
+            return before
+        status = {estimate.unknown.key: estimate for estimate in identification.estimates}
+        shown = [key for key in rows if _is_shown(status[key])]
+        if shown == list(rows) and identification.loader is not None:
+            return identification
+        if shown == list(rows) or (_FALL & set(rows) and not set(shown) >= _FALL):
+            return before
+        rows = shown
+    return before
 
 
 def _without(loader: Loader, rows: Collection[str]) -> Loader:

@@ -4,9 +4,9 @@ The residual of a sample is measured less simulated over the channel's expected 
 offset, is removed as the mean; so is a linear drift of an open piston, and a quadratic drift of an open motor. A release has one
 unknown of its own: the delay of the release after its detected time.
 
-Friction by direction is a symmetric friction and a constant force, ``F (sgn v + a_F) = F sgn v + a_F F``, which looks like an offset of
-the load cell. Where ``a_F`` is fitted, the load cell's constant is kept: its offset counts as friction, which a law for that loader
-makes good as well.
+Friction by direction is a symmetric friction and a constant force, ``F (sgn v + a_F) = F sgn v + a_F F``, which looks like an
+offset of the load cell. Where ``a_F`` is fitted, the load cell's constant is kept: its offset counts as friction, for which a law
+for that loader corrects as well.
 
 Of a record of the whole loader the start is simulated and not compared. At rest friction holds the column anywhere within it, and
 the noise of the sensors decides when it breaks away. Until the motion has forgotten that, two runs of one machine differ by more
