@@ -14,8 +14,8 @@ NEAR_N = 0.05
 """What the sensor's noise and steps leave of a mean of 10,000 samples, and the creep of the column by it."""
 NEAR_DEG = 0.005
 """A few steps of the column's sensor."""
-CYCLES = 45_000
-"""22 s: the time without a hand, twice, and that of the zero. Noise that resembles a hand starts it anew; enough for 48 seeds."""
+CYCLES = 14_000
+"""7 s: the time without a hand, 5 s, and that in which the zero follows."""
 
 
 def last(loader, force_n):

@@ -2,14 +2,18 @@
 //!
 //! `F_g` reading · `tau` torque of the hand, estimated without this sensor · `F_0` zero
 //!
-//! No hand is on the grip where for [`Limits::grip_zero`] samples in a row `tau` is below that of a hand, its mean no more than the dry friction
-//! of the column hides, and `F_g` no wider than its noise: no hand holds so still. Then `F_0` goes to the mean of these readings, no faster
+//! No hand is on the grip where for [`Limits::grip_zero`] samples in a row `tau` is below one and a half of that of a hand, its mean no more than
+//! the dry friction of the column hides, and `F_g` no wider than its noise: no hand holds so still. Then `F_0` goes to the mean of these readings, no faster
 //! than a hand notices. A mean beyond [`Limits::grip_most`] is a broken sensor.
 
 use super::limits::Limits;
 use super::numbers::below;
 use crate::Logic;
 use crate::logic::Count;
+
+/// A single sample of `tau`, over the torque of a hand: the noise of a minute reaches that of a hand now and then, and would begin the
+/// count anew each time.
+const SINGLE_SAMPLE: f64 = 1.5;
 
 /// What is remembered of it.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +49,7 @@ impl<S: Logic> GripZero<S> {
         self.range = [low.min(reading), high.max(reading)];
         self.sums = [sums[0] + reading, sums[1] + hand_torque];
         self.samples = self.samples.next();
-        let hand = below(limits.hand_torque, hand_torque.abs());
+        let hand = below(limits.hand_torque * reading.constant(SINGLE_SAMPLE), hand_torque.abs());
         let hand = hand | below(limits.grip_span, self.range[1] - self.range[0]);
         let none = !hand & self.samples.at_least(limits.grip_zero);
         if S::any(none) {
