@@ -181,8 +181,9 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             heard = memory[0]
             if touch is not None:
                 held = law.knows_friction and abs(g("feel.stiffness") * feels[0]) < law.friction[0, -10]
-                rests = law.friction[0, -1] if held else 0.0
-                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), (rests, limit))
+                rests, holds = law.friction[0, -1] if held else 0.0, law.friction[0, -4] + abs(memory[5])
+                bounds = rests, holds, limit
+                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), bounds)
             answered = min(max(own + more, -limit), limit) - more
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, heard))[:2]
@@ -269,7 +270,7 @@ class Touch:
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
-        (force, position, column), drive_rate, (rests, limit) = sample[:3], sample[-1], bounds
+        (force, position, column), drive_rate, (rests, holds, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
         self.column_rate = column_rate
         at_end = self.at_end(feels, column, own[1])
@@ -290,8 +291,9 @@ class Touch:
         command = self.k_x * (self.per_angle * (feels[0] - self.offset) - position) + self.k_v * (
             self.per_angle * rate - drive_rate
         )
-        self.acts = 1.0 if abs(self.rate) < rests else self.share
-        contact = (command, -self.per_angle * force)
+        still = abs(self.rate) < rests
+        self.acts, most = (1.0, holds) if still else (self.share, math.inf)
+        contact = (command, min(max(-self.per_angle * force, -most), most))
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
         leaves = self.share < 1 or abs(command) > limit
         self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
@@ -338,25 +340,29 @@ class Touch:
 
 def hear(numbers, known, torque, memory):
     """What the feel hears of an estimated torque, first in the memory, and how the friction that is known moves the law's state."""
-    level, uncertain, slow, leak, low, high, gain, hand, blur, trust, _ = numbers[-11:]
-    by_rate, enters = np.split(numbers[:-11], [len(known)])
+    *levels, beta, per_stribeck, uncertain, slow, leak, low, high, gain, hand, blur, trust, _ = numbers[-14:]
+    by_rate, enters = np.split(numbers[:-14], [len(known)])
     heard, *learnt, trusted_negative, trusted_positive, push, way_before = memory
     trusted = [trusted_negative, trusted_positive]
-    if not level:
+    if not levels[0]:
         return np.array([torque, *memory[1:]]), 0.0
     rate = by_rate @ known
     way_now = rate / math.hypot(rate, slow)
     own = 0 if way_now < 0 else 1
-    friction = (level + learnt[own]) * way_now
+    square = (rate * per_stribeck) ** 2
+    falls = 1 + beta / (1 + square + square**2 / 2 + square**3 / 6)
+    levels = [level * falls * (1 + share) for level, share in zip(levels, learnt, strict=True)]
+    friction = levels[own] * way_now
     # The torques of dry friction at this rate: all of them at rest, one in motion, in between within half a slow rate.
     least, most = (min(max(2 * (rate + way * slow) / slow, -1.0), 1.0) for way in (-1, 1))
+    least, most = min(least, way_now), max(most, way_now)
     rest = torque - friction
     heard += leak * ((rest if abs(push) >= hand else 0.0) - heard)
-    reach = [share * (level + learnt[0 if share < 0 else 1]) for share in (least, most)]
+    reach = [share * levels[0 if share < 0 else 1] for share in (least, most)]
     heard = min(max(heard, rest + reach[0] - uncertain), rest + reach[1] + uncertain)
     for k in (0, 1):
         if abs(push) >= hand:  # what was learnt of late was the hand's
-            learnt[k] += gain * (trusted[k] - learnt[k])
+            learnt[k] += blur * (trusted[k] - learnt[k])
         elif way_now * way_before > 0.8:
             by = (1.0 if k == own else 0.5) * gain * way_now * torque
             before, learnt[k] = learnt[k], min(max(learnt[k] - by, low), high)

@@ -96,7 +96,8 @@ def test_identification_finds_the_hidden_machine_and_its_friction_under_the_law(
     with ff.live.BusEmulator([truth], real_time=False) as emulator:
         wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
         record = ff.bus.play(under_law(wired, 16.0), real_time=False)
-    found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], starts=1)
+    law = ff.Law.of("robust", loader)  # that of the run, which knows of no friction
+    found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], law=law, starts=1)
     for estimate in found.estimates:
         key = estimate.unknown.key
         assert estimate.value == pytest.approx(truth[key], rel=UNDER_LAW), key

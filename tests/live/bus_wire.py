@@ -8,7 +8,7 @@ import subprocess
 import threading
 import tty
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 
@@ -34,6 +34,12 @@ def run_that_kept_time(run, *words: str) -> dict:
             break
     assert (status, err, found["trips"]) == (0, "", []), out
     return found
+
+
+def before_others(process: subprocess.Popen[str]) -> None:
+    """Has a process, one that is to keep real time, run before what else the machine has to do, where that is allowed."""
+    with suppress(PermissionError):
+        os.sched_setscheduler(process.pid, os.SCHED_FIFO, os.sched_param(50))
 
 
 @contextmanager

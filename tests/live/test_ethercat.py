@@ -18,7 +18,7 @@ import forcefeel as ff
 from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
 from tests.command_line import runs
-from tests.live.bus_wire import NEEDS_ROOT, run_that_kept_time, virtual_interfaces
+from tests.live.bus_wire import NEEDS_ROOT, before_others, run_that_kept_time, virtual_interfaces
 from tests.live.test_bus import ETHERCAT, UNSENSED, cockpit_on_bus, column, until, yoke
 
 run = runs("run")
@@ -247,6 +247,7 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
     words = [sys.executable, "-P", "-c", command, "emulate", str(path), "--port", wire[1], "--json"]
     words += ["--power-time", "200 ms"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as emulator:
+        before_others(emulator)
         try:
             assert json.loads(emulator.stdout.readline())["port"] == wire[1]
             status, out, _ = bus_command(str(path), "--move")

@@ -14,7 +14,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.live.bus import check_bus
 from tests.command_line import runs
-from tests.live.bus_wire import NEEDS_ROOT, run_that_kept_time, virtual_interfaces
+from tests.live.bus_wire import NEEDS_ROOT, before_others, run_that_kept_time, virtual_interfaces
 from tests.live.test_bus import QUIET, activate, column, running, until
 
 run = runs("run")
@@ -251,6 +251,7 @@ def test_commands_emulate_check_and_run_a_valve(run, bus_command, tmp_path):
         with subprocess.Popen(
             [sys.executable, "-P", "-c", command, *words], stdout=subprocess.PIPE, text=True
         ) as emulator:
+            before_others(emulator)
             try:
                 lines = [emulator.stdout.readline()]
                 while not lines[-1].startswith("column_range"):

@@ -103,10 +103,15 @@ def test_engine_matches_witness_with_all_effects(law):
     assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < AGREES
 
 
+CURVE = {"column.static_friction": 6.5, "column.stribeck_velocity": 0.05, "column.friction_asymmetry": 0.2}
+
+
 @pytest.mark.slow
-def test_engine_matches_witness_with_friction_compensating_law():
+@pytest.mark.parametrize("curve", [{}, CURVE])
+def test_engine_matches_witness_with_friction_compensating_law(curve):
+    """Of the friction that the machine has, and of one by direction that falls over a velocity."""
     changes = {"column.coulomb_friction": 5.0}
-    law = ff.Law.of("robust", LOADER.replace(changes, si=True)).numbers
+    law = ff.Law.of("robust", LOADER.replace(changes | curve, si=True)).numbers
     assert law.knows_friction
     history, expected = both(changes, law, 0.4, 2.5e-4)
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
