@@ -12,7 +12,7 @@ from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.folder import Folder
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult, as_dataset
-from forcefeel.threads import threads_or_cores
+from forcefeel.threads import side_by_side, threads_or_cores
 
 Progress = Callable[[int, int], None]
 """Called with the number of finished runs and of all."""
@@ -85,7 +85,7 @@ def run_sweep(
 
 
 def _computed(
-    sweep: Sweep, chunks: Sequence[int], scheduler: str | None, threads: int | None
+    sweep: Sweep, chunks: Sequence[int], scheduler: str | None, threads: int
 ) -> Generator[tuple[int, NDArray[np.float64]], None, None]:
     """Index and measures of each chunk, as they are done."""
     if scheduler is not None and chunks:
@@ -93,5 +93,5 @@ def _computed(
 
         yield from cluster.compute(sweep, chunks, scheduler)
         return
-    for index in chunks:
-        yield index, measure(sweep, sweep.chunks[index], threads)
+    measured = side_by_side(lambda index: measure(sweep, sweep.chunks[index], threads), chunks, threads)
+    yield from zip(chunks, measured, strict=True)
