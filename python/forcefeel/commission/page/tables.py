@@ -48,7 +48,7 @@ def shares(envelope: EnvelopeResult, required: float) -> Table:
     """Shares that the law renders."""
     rows = (
         ("Identified loader", envelope.passes, True),
-        (f"Average of {envelope.machines} machines, all tolerances at once", envelope.drawn, True),
+        (f"Average of drawn machines ({envelope.machines}), all tolerances at once", envelope.drawn, True),
         ("Worst of these", envelope.drawn_least, False),
         ("Every case: one parameter off, or an arm at the grip", envelope.every_case, False),
     )
