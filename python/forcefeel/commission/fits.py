@@ -126,18 +126,18 @@ def _shown(
 ) -> Identification:
     """The fit with those of some more rows that the data determine; the one before where they determine none, or no fall."""
     begin = {estimate.unknown.key: estimate.value for estimate in before.estimates}
-    even = [key for key in begin if key not in FRICTION_CURVE]
+    others = [key for key in begin if key not in FRICTION_CURVE]
     while rows:
         bare = _without(start, set(FRICTION_CURVE) - set(rows))
         try:
-            identification = identify(bare, data, [*even, *rows], law=law, starts=1, begins=[begin])
+            identification = identify(bare, data, [*others, *rows], law=law, starts=1, begins=[begin])
         except InputError:  # a breakaway below the friction, which no loader may have
             return before
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}
         shown = [key for key in rows if _is_shown(status[key])]
-        if shown == list(rows) and identification.loader is not None:
-            return identification
-        if shown == list(rows) or (_FALL & set(rows) and not set(shown) >= _FALL):
+        if shown == list(rows):
+            return before if identification.loader is None else identification
+        if _FALL & set(rows) and not set(shown) >= _FALL:
             return before
         rows = shown
     return before

@@ -93,5 +93,4 @@ def _computed(
 
         yield from cluster.compute(sweep, chunks, scheduler)
         return
-    measured = side_by_side(lambda index: measure(sweep, sweep.chunks[index], threads), chunks, threads)
-    yield from zip(chunks, measured, strict=True)
+    yield from side_by_side(lambda index: (index, measure(sweep, sweep.chunks[index], threads)), chunks, threads)
