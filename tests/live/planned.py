@@ -10,12 +10,12 @@ from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.starting import MOST_RECORD_BYTES, about_run
 
 
-def planned(loader, force_n, requests, *, law="robust", host=None, record=None):
+def planned(loader, force_n, requests, *, law="robust", host=None, record=None, seed=0):
     """Columns of a run under a law, a force of the hand for each cycle, requests with theirs; recorded where a path is given."""
     driven_by = live_law(law, loader)
     setup, steps = made_of(loader, driven_by)
     period, _ = steps.timing
-    script = ({"force": np.repeat(np.column_stack([force_n, force_n]), period, axis=0)}, 0.0, None, 0)
+    script = ({"force": np.repeat(np.column_stack([force_n, force_n]), period, axis=0)}, 0.0, None, seed)
     cycles = len(force_n)
     about = about_run(loader, driven_by.name, ff.live.Simulated())
     (loop,) = _core.start_loops(

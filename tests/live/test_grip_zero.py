@@ -37,6 +37,16 @@ def test_an_offset_of_the_grip_sensor_is_zeroed_and_a_steady_push_stays(offset):
     assert np.degrees(pushed["column_angle_rad"]) == pytest.approx(expected, abs=NEAR_DEG)
 
 
+def test_noise_that_resembles_a_hand_for_a_sample_does_not_put_off_the_zero():
+    loader = ff.digital_elevator().replace(SENSOR | {"grip_sensor.offset": "1 lb"})
+    untouched = round(loader["safety.grip_zero_time"] / loader["controller.period"])
+    run = planned(loader, np.zeros(CYCLES), [(0, "on", [])], law="grip", seed=1)
+    assert np.abs(run["hand_force_n"][:untouched]).max() > loader["safety.hand_force"]
+    assert run["grip_zero_n"][-1] == pytest.approx(POUND_N, abs=NEAR_N)
+    samples = np.argmax(run["grip_zero_n"] != 0) + 1
+    assert untouched <= samples < 1.1 * untouched
+
+
 def test_an_offset_of_the_grip_sensor_beyond_its_limit_stops_the_loader():
     loader = ff.digital_elevator().replace(SENSOR | {"grip_sensor.offset": "3 lb", "safety.grip_offset": "2 lb"})
     row = last(loader, np.zeros(CYCLES))

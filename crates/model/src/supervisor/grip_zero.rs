@@ -11,8 +11,8 @@ use super::numbers::below;
 use crate::Logic;
 use crate::logic::Count;
 
-/// A single sample of `tau`, over the torque of a hand: the noise of a minute reaches that of a hand now and then, and would begin the
-/// count anew each time.
+/// Limit of a single sample of `tau`, over the torque of a hand. In `elevator-2khz` noise exceeds the torque of a hand every twenty
+/// seconds, and the count would begin anew.
 const SINGLE_SAMPLE: f64 = 1.5;
 
 /// What is remembered of it.
