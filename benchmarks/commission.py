@@ -8,7 +8,7 @@ this but the sensors. Records of 60 s come from an integrator that shares no lin
 first two steps of ``commission`` find the loader and the law; the law is then released over 96 settings, spaced in proportion, on
 the machine itself and on it with a friction that has drifted by a fifth since, up or down.
 
-``--out rows.csv`` keeps each machine's row as it comes, and goes on where an earlier run stopped: 200 machines take an hour.
+``--out rows.csv`` keeps each machine's row as it comes, and goes on where an earlier run stopped: 200 machines take four hours.
 
 Prints each machine, then the mean share and that of the worst tenth, before and after the drift.
 ``--electric`` takes ``elevator-electric`` in its place, whose
