@@ -1,12 +1,13 @@
 //! Whether the force sensor at the grip follows the hand: one that is stuck shows the same force, with or without noise.
 //!
-//! `F_g` reading, lagged as the estimate of the hand's torque `tau` is, and the drive's torque `D` · `F_0`, `tau_0`, `D_0` as the reading came to
-//! rest
+//! `F_g` reading, lagged as the estimate of the hand's torque `tau` is, and the drive's torque `D` · `F_0`, `D_0` both when the reading had come
+//! to rest
 //!
-//! The reading rests while `|F_g - F_0|` is within the span of its noise, for [`Limits::grip_stuck`] samples in a row. From then on
-//! `|tau - tau_0|` is within [`Limits::grip_apart`] and `delta |D - D_0|`; a sensor for which it is not, for as many samples in a row, is stuck.
-//! Where no hand is on the column, `tau = J v' - D` is what `J` and the load cell's lever are off, a share `delta` of `D`. At an end stop the
-//! stop's torque is in `tau`, and nothing is known.
+//! The reading rests while `|F_g - F_0|` is within the span of its noise, for [`Limits::grip_stuck`] samples. From then on `tau` is within
+//! [`Limits::grip_apart`] and `delta |D - D_0|` of what it was in the last [`Limits::stuck`] of them, its least to its greatest: one sample
+//! alone may be a spike's. A sensor for which it is not, for [`Limits::grip_stuck`] samples in a row, is stuck. Where no hand is on the column,
+//! `tau = J v' - D` is what `J` and the load cell's lever are off, a share `delta` of `D`. At an end stop the stop's torque is in `tau`, and
+//! nothing is known: those samples do not count, and a reading that rests goes on to rest.
 
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::numbers::below;
@@ -22,20 +23,22 @@ pub(super) struct GripReading<S: Logic> {
     /// Whether there was a reading before; `F_g`.
     begun: S::Mask,
     shown: S,
-    /// `F_0`, `tau_0` and `D_0`.
-    rested: [S; 3],
-    /// Samples in a row in which the reading rests and the torque is known.
+    /// `F_0` and `D_0`.
+    rested: [S; 2],
+    /// Least and greatest torque of the hand as the reading came to rest.
+    hands: [S; 2],
+    /// Samples in which the reading has rested and the torque was known.
     rests: S::Count,
     /// Samples in a row in which the torque is apart.
     apart: S::Count,
 }
 
-crate::logic::memory! { GripReading { flag begun; number shown; numbers rested; count rests, apart; } }
+crate::logic::memory! { GripReading { flag begun; number shown; numbers rested, hands; count rests, apart; } }
 
 impl<S: Logic> GripReading<S> {
     pub(super) fn new(zero: S) -> Self {
         let none = S::Count::none();
-        Self { begun: S::mask(false), shown: zero, rested: [zero; 3], rests: none, apart: none }
+        Self { begun: S::mask(false), shown: zero, rested: [zero; 2], hands: [zero; 2], rests: none, apart: none }
     }
 
     /// Takes a reading in, so long after the one before it, and torques of hand and drive, and whether that of the hand is known; whether
@@ -51,14 +54,23 @@ impl<S: Logic> GripReading<S> {
         let share = time.times(ESTIMATE_BANDWIDTH).min(time.constant(1.0));
         let shown = last + (reading - last) * share;
         (self.begun, self.shown) = (S::mask(true), shown);
-        let moves = below(limits.grip_span, (shown - self.rested[0]).abs());
-        self.rests = self.rests.in_a_row(known & !moves);
+        let [at_rest, drive_at_rest] = self.rested;
+        let moves = below(limits.grip_span, (shown - at_rest).abs());
+        let most = limits.grip_apart + (drive - drive_at_rest).abs().times(DEVIATION);
+        let [least, greatest] = self.hands;
+        let apart = below(hand, least - most) | below(greatest + most, hand);
+        let settling = limits.grip_stuck.saturating_sub(limits.stuck);
         S::paths(self, |this| {
-            if S::holds(this.rests.above(limits.grip_stuck)) {
-                let most = limits.grip_apart + (drive - this.rested[2]).abs().times(DEVIATION);
-                this.apart = this.apart.in_a_row(below(most, (hand - this.rested[1]).abs()));
+            if S::holds(moves) {
+                (this.rested, this.rests, this.apart) = ([shown, drive], S::Count::none(), S::Count::none());
+            } else if S::holds(!known) {
+                this.apart = S::Count::none();
+            } else if S::holds(this.rests.above(limits.grip_stuck)) {
+                this.apart = this.apart.in_a_row(apart);
             } else {
-                (this.rested, this.apart) = ([shown, hand, drive], S::Count::none());
+                let settled = this.rests.at_least(settling);
+                this.hands = [S::select(settled, hand.min(least), hand), S::select(settled, hand.max(greatest), hand)];
+                (this.rested, this.rests) = ([shown, drive], this.rests.next());
             }
         });
         self.apart.at_least(limits.grip_stuck)

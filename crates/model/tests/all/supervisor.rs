@@ -644,3 +644,53 @@ fn an_offset_at_the_grip_beyond_its_limit_stops_the_loader() {
     assert!(zero <= most + 1e-9, "{zero}");
     assert!(!grip_zero_after(12_000, 20.0, |_, _| ()).1.has(Function::GripOffset));
 }
+
+/// Whether a sensor at the grip is found to be stuck, on which a hand of 20 N rests from sample 100 on, seen by the load cell, until it lets
+/// go; with an end stop so far to either side.
+fn grip_is_stuck(
+    samples: u32,
+    stop: f64,
+    lets_go: u32,
+    touch: impl Fn(u32, &Limits, &mut SupervisorInput<f64>),
+) -> bool {
+    let mut p = Parameters::elevator();
+    (p.grip_sensor.gain, p.grip_sensor.noise) = (1.0, 0.1);
+    (p.column.stop_low, p.column.stop_high) = (-stop, stop);
+    let of = Limits::new(&p, DriveKind::Hydraulic, PERIOD).expect("limits");
+    let (mut supervisor, input) = active_under(&of);
+    (0..samples).any(|k| {
+        let mut now = input;
+        // No sensor of the link shows the same number twice.
+        now.sensed = now.sensed.map(|shown| shown + 1e-9 * f64::from(k % 2));
+        if (100..lets_go).contains(&k) {
+            now.sensed[3] = 20.0;
+            now.sensed[0] -= 20.0 * of.grip_arm / of.lever;
+        }
+        touch(k, &of, &mut now);
+        supervisor.step(&now).acting.has(Function::Stuck)
+    })
+}
+
+#[test]
+fn a_spike_as_a_grip_sensor_comes_to_rest_is_not_taken_for_the_hand() {
+    let of = limits();
+    for at in 101..2 * of.grip_stuck + 200 {
+        let spiked = |k: u32, of: &Limits, now: &mut SupervisorInput<f64>| {
+            now.sensed[2] += if k == at { 0.9 * of.plausible[2] * of.base_arm } else { 0.0 };
+        };
+        assert!(!grip_is_stuck(3 * of.grip_stuck + 500, 0.1, u32::MAX, spiked), "spike at {at}");
+    }
+}
+
+#[test]
+fn a_stuck_grip_sensor_is_found_after_its_column_has_met_a_stop() {
+    let of = limits();
+    let meets = 1000 + of.grip_stuck / 2;
+    let stuck = |k: u32, of: &Limits, now: &mut SupervisorInput<f64>| {
+        now.sensed[3] = if k < 100 { 0.0 } else { 20.0 };
+        now.sensed[2] += if (meets..meets + 5).contains(&k) { 1.1e-3 * of.base_arm } else { 0.0 };
+    };
+    let samples = meets + 2 * of.grip_stuck + 100;
+    assert!(grip_is_stuck(samples, 1e-3, 1000, stuck), "the hand has let go");
+    assert!(!grip_is_stuck(samples, 1e-3, u32::MAX, stuck), "the hand is still there");
+}
