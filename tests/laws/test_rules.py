@@ -233,7 +233,7 @@ def test_friction_rate_noise_does_not_grow_with_a_coarse_encoder(loader: ff.Load
 
 
 def test_slower_rate_estimate_renders_feels_lost_to_noise(loader: ff.Loader) -> None:
-    coarse = with_encoder(loader, 18).replace({FRICTION: "2 lb"}).with_tolerances({FRICTION: "1 %"})
+    coarse = with_encoder(loader, 18).replace({FRICTION: "2.5 lb"}).with_tolerances({FRICTION: "1 %"})
     laws = {"slower": robust_tuning(coarse), "as without friction": robust_tuning(with_encoder(loader, 18))}
     grid = {"stiffness": "2.5, 5 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
     tuned = {name: ff.laws.tuned(name, "", one) for name, one in laws.items()}

@@ -308,13 +308,17 @@ impl<S: Scalar> Control<S> {
         }
         let inputs = ContactInputs { feel, ..inputs };
         let touching = law.torque(inputs.force);
+        let mut friction_state = output.friction_state;
         let (share, touching) = neutral.map_or((now.share, touching), |neutral| {
             let friction = &self.observer.friction;
-            let rests = friction.rests(now.rate, self.feel.spring_torque(neutral, inputs.feel[0]));
+            let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
+            let before = (friction_state.rested, period[0]);
+            let (rests, rested) = friction.holds([now.rate, spring], self.feel.per_torque, before);
+            friction_state.rested = rested;
             let one = touching.constant(1.0);
             (
                 S::select(rests, one, now.share),
-                S::select(rests, friction.at_rest(touching, output.friction_state.push), touching),
+                S::select(rests, friction.at_rest(touching, friction_state.push), touching),
             )
         });
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);
@@ -322,7 +326,7 @@ impl<S: Scalar> Control<S> {
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
         // A feel that moves as the column is not damped.
         let damps = at_end.map_or(share, |at_end| S::select(at_end, share.zero(), share));
-        (LawOutput { command, torque, ..output }, damps)
+        (LawOutput { command, torque, friction_state, ..output }, damps)
     }
 
     /// Whether feel and column are at an end stop that the hand pushes into, or the feel's own motion: a force sensor at the grip does not show

@@ -37,8 +37,12 @@
 //!
 //! A column that friction holds is a stiff contact, and the loop would shake it loose again and again. Where it rests and the feel's
 //! spring has less than `U`, which no compensation can render, the law of [`crate::contact_law`] holds it: `|theta'| < v_r`, smoothed
-//! as there, and `|G (delta - n)| < U`. Its `T_c` is `q + |T_b|` at most: friction and hand hold no more, and what the load cell shows beyond
-//! that turns the drive round between two swings.
+//! as there, `|G (delta - n)| < U`, and `s > 1/2`. Its `T_c` is `q + |T_b|` at most: friction and hand hold no more, and what the load cell shows
+//! beyond that turns the drive round between two swings.
+//!
+//! `s` tells a column that rests from a feel that turns of itself, which is as slow for `2 v_r I / U` where its spring has `U`:
+//! `s+ = s + (h / t) (1 - s)` where the spring has less, else `s - (h / t) s`. Where the column rests `t` is ten such times and 60 ms at most, for a
+//! light feel is shaken loose sooner; else it is 2 s, so that what swings on with a weak spring is held as it turns.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
 //! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
@@ -85,6 +89,15 @@ pub struct KnownFriction<S> {
     rest: S,
 }
 
+/// `t` of a column that rests, in s at most: at twice that a column with 0.5 lb swings on in one of fifty settings.
+const RESTS_S: f64 = 0.06;
+
+/// The same in times for which a feel that turns is slow.
+const TURNS: f64 = 10.0;
+
+/// `t` of one that does not, in s.
+const MOVES_S: f64 = 2.0;
+
 /// `w w_b` from which on the column moves one way.
 const ONE_WAY: f64 = 0.8;
 
@@ -106,6 +119,8 @@ pub struct FrictionState<S> {
     pub push: S,
     /// Way of late.
     pub way: S,
+    /// `s`.
+    pub rested: S,
 }
 
 impl<S: Scalar> FrictionState<S> {
@@ -118,13 +133,14 @@ impl<S: Scalar> FrictionState<S> {
             trusted: [feel_torque.zero(); 2],
             push: feel_torque,
             way: feel_torque.zero(),
+            rested: feel_torque.zero(),
         }
     }
 
     /// Visits each number.
     #[inline(always)]
     pub fn visit(&mut self, visitor: &mut impl MemoryVisitor<S>) {
-        let Self { feel_torque, learnt, trusted, push, way } = self;
+        let Self { feel_torque, learnt, trusted, push, way, rested } = self;
         visitor.nonlinear("feel_torque", feel_torque);
         for (way, of_way) in ["learnt_negative", "learnt_positive"].into_iter().zip(learnt) {
             visitor.nonlinear(way, of_way);
@@ -134,6 +150,7 @@ impl<S: Scalar> FrictionState<S> {
         }
         visitor.nonlinear("push", push);
         visitor.nonlinear("way", way);
+        visitor.nonlinear("rested", rested);
     }
 
     /// Between what two laws recall.
@@ -146,6 +163,7 @@ impl<S: Scalar> FrictionState<S> {
             trusted: core::array::from_fn(|k| between(self.trusted[k], next.trusted[k])),
             push: between(self.push, next.push),
             way: between(self.way, next.way),
+            rested: between(self.rested, next.rested),
         }
     }
 }
@@ -200,13 +218,21 @@ impl<S: Scalar> KnownFriction<S> {
         let [feel_torque, learnt_negative, learnt_positive, trusted_negative, trusted_positive, push, way, friction] =
             S::part_ends(given, outputs);
         let (learnt, trusted) = ([learnt_negative, learnt_positive], [trusted_negative, trusted_positive]);
-        (FrictionState { feel_torque, learnt, trusted, push, way }, friction)
+        (FrictionState { feel_torque, learnt, trusted, push, way, rested: state.rested }, friction)
     }
 
-    /// Whether a column rests that moves at a rate, smoothed, where the feel's spring has a torque.
+    /// Whether a column is held that moves at a rate, smoothed, where the feel's spring has a torque, and `s` after a period; `per_inertia` of the
+    /// feel.
     #[inline(always)]
-    pub fn rests(&self, rate: S, spring: S) -> S::Mask {
-        rate.abs().less(self.rest) & spring.abs().less(self.uncertain)
+    pub fn holds(&self, [rate, spring]: [S; 2], per_inertia: S, (rested, period): (S, S)) -> (S::Mask, S) {
+        let (zero, one) = (rate.zero(), rate.constant(1.0));
+        let weak = spring.abs().less(self.uncertain);
+        let rests = weak & rate.abs().less(self.rest);
+        let per_turn = self.uncertain * per_inertia / self.rest.max(one.times(SLOWEST)).times(2.0 * TURNS);
+        let per_rest = per_turn.max(one.times(1.0 / RESTS_S));
+        let share = S::select(rests, (per_rest * period).min(one), period.times(1.0 / MOVES_S));
+        let rested = rested + (S::select(weak, one, zero) - rested) * share;
+        (rests & one.times(0.5).less(rested), rested)
     }
 
     /// What the load cell's torque may be of a column that rests, under a push of late.
@@ -247,6 +273,9 @@ impl<S: Scalar> KnownFriction<S> {
     #[inline(always)]
     fn over_coulomb(&self, v: S) -> S {
         let one = v.constant(1.0);
+        if !S::any(one.zero().less(self.breakaway.abs())) {
+            return one;
+        }
         let share = v * self.per_stribeck;
         let u = share * share;
         let series = one + u * (one + u * (one + u.times(1.0 / 3.0)).times(0.5));

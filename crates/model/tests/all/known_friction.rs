@@ -24,6 +24,8 @@ const BLUR: f64 = 0.05;
 const TRUST: f64 = 2e-3;
 /// `v_r` in rad/s.
 const REST: f64 = 7e-4;
+/// A controller of 1 kHz.
+const PERIOD: f64 = 1e-3;
 /// Length of `[xi; y; delta; delta']`.
 const KNOWN: usize = MOST_STATES + SAMPLED + 2;
 /// Command and torque per radian of the neutral.
@@ -135,16 +137,34 @@ fn at_rest_what_is_received_drifts_to_what_is_measured_under_a_hand_and_else_to_
 }
 
 #[test]
-fn a_slow_column_rests_where_the_spring_has_less_than_what_is_uncertain() {
+fn a_slow_column_is_held_where_the_spring_has_less_than_what_is_uncertain() {
     let law = law(LEVEL, 0.1);
+    let friction = &law.friction;
     for (rate, spring, rests) in [
         (0.0, 0.0, true),
         (-0.9 * REST, 0.9 * UNCERTAIN, true),
         (0.9 * REST, -1.1 * UNCERTAIN, false),
         (-1.1 * REST, 0.0, false),
     ] {
-        assert_eq!(law.friction.rests(rate, spring), rests);
+        assert_eq!(friction.holds([rate, spring], 1.0, (0.9, PERIOD)).0, rests);
     }
+    // After how many periods: a half-life of 60 ms, for a light feel of ten of its turns, and where its spring alone is weak of 2 s.
+    let held_after = |per_inertia: f64, rate: f64, turns: usize| {
+        let mut s = 0.0;
+        (1..10_000).find(|k| {
+            let rate = if k % turns == 0 { 0.0 } else { rate };
+            let (holds, next) = friction.holds([rate, 0.0], per_inertia, (s, PERIOD));
+            s = next;
+            holds
+        })
+    };
+    assert_eq!(held_after(1e-6, 0.0, 1), Some(42));
+    let turn = 5e-4;
+    assert_eq!(held_after(2.0 * REST / (UNCERTAIN * turn), 0.0, 1), Some(4));
+    // Held as it turns; it turns too seldom to rest.
+    assert_eq!(held_after(1e-6, 2.0 * REST, 500), Some(1500));
+    // A strong spring takes it back.
+    assert_within(friction.holds([0.0, 2.0 * UNCERTAIN], 1.0, (0.8, 0.5)).1, 0.6, 1e-14);
     // Its load cell shows no more than friction and a hand can hold.
     for (share, push, held) in [(0.9, 0.0, 0.9), (1.1, 0.0, 1.0), (-3.0, 1.5, -2.5), (2.0, -1.5, 2.0)] {
         assert_within(law.friction.at_rest(share * HAND, push * HAND), held * HAND, 1e-14);
