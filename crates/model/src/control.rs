@@ -293,7 +293,8 @@ impl<S: Scalar> Control<S> {
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
-        let (now, begins) = law.noticed(output.torque, (inputs.angle[0], at_end), *state, period);
+        let of_friction = neutral.map(|_| self.observer.friction.turns());
+        let (now, begins) = law.noticed((output.torque, of_friction), (inputs.angle[0], at_end), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;

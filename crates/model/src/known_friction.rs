@@ -98,6 +98,9 @@ const TURNS: f64 = 10.0;
 /// `t` of one that does not, in s.
 const MOVES_S: f64 = 2.0;
 
+/// Turns of the torque in `q`, which a column makes that is shaken loose under a slow hand and held again: friction one way, then the other.
+const SHAKEN: f64 = 2.5;
+
 /// `w w_b` from which on the column moves one way.
 const ONE_WAY: f64 = 0.8;
 
@@ -233,6 +236,12 @@ impl<S: Scalar> KnownFriction<S> {
         let share = S::select(rests, (per_rest * period).min(one), period.times(1.0 / MOVES_S));
         let rested = rested + (S::select(weak, one, zero) - rested) * share;
         (rests & one.times(0.5).less(rested), rested)
+    }
+
+    /// Largest change of the estimated torque where a column is shaken loose and held again, the hand's staying the same.
+    #[inline(always)]
+    pub fn turns(&self) -> S {
+        self.hand.times(SHAKEN)
     }
 
     /// What the load cell's torque may be of a column that rests, under a push of late.

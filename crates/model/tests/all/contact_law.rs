@@ -21,7 +21,7 @@ fn after(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed(torque(time), (column(time)[0], None), state, [H, 1.0 / H]).0;
+        state = law().noticed((torque(time), None), (column(time)[0], None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
