@@ -125,6 +125,17 @@ def test_periods_match_linear_loop(elevator, law):
         assert outcome[name] is (Outcome.PASSED if good else Outcome.FAILED)
 
 
+def test_what_rounding_leaves_of_a_breakout_that_is_not_programmed_reads_as_zero(elevator):
+    result = _by(elevator.sections[0].results)["static"]
+    verdict = next(one for one in result.verdicts if one.quantity == "breakout, positive")
+    measured, reference = (replace(verdict.reference, value=value) for value in (10.6, 3e-7))
+    off = replace(
+        verdict, outcome=Outcome.FAILED, measured=measured, reference=reference, tolerance=8.9, difference=10.6
+    )
+    words = result_text(replace(result, verdicts=(off,)), elevator)
+    assert "Breakout, positive is 2.38 lb, 0 lb programmed; the allowed difference is 2 lb." in words
+
+
 def test_elevator_does_not_qualify_with_reasons(elevator):
     told = {section.name: _by(section.results) for section in elevator.sections}
     assert not elevator.qualifies

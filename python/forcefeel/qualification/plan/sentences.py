@@ -26,6 +26,9 @@ UNITS = {
 _ORDER = ("P0", "P1", "fall time", "rise time")
 """What a sentence speaks of first."""
 
+_ROUNDING = 1e-4
+"""Share of the tolerance below which the programmed feel has none of a quantity: what is left is rounding."""
+
 
 def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> str:
     """A figure with its unit."""
@@ -186,6 +189,8 @@ def _deviation_text(verdict: Verdict, result: Result, qualification: Qualificati
         if frequencies is None:
             return text
         return f"{text} (frequency {frequencies[0]} Hz, {frequencies[1]} Hz {origin})"
+    if abs(expected) < _ROUNDING * abs(verdict.tolerance):
+        expected = 0.0
     allowed = quantity(verdict.tolerance, unit, system)
     where = "" if verdict.at is None else f" at {quantity(verdict.at, _at_unit(result), system)}"
     return (
