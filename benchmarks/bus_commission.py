@@ -88,7 +88,8 @@ def main():
     parser.add_argument("--out", type=Path, help="rows of the machines, a CSV; what stands in it is not made again")
     options = parser.parse_args()
     file = on_file(options.bus, options.rate)
-    about = f"{file.name} on {options.bus}, {options.rate:g} Hz, {options.seconds:g} s, seed {options.seed}"
+    drawn_from = f"seed {options.seed}, {options.machines} machines"
+    about = f"{file.name} on {options.bus}, {options.rate:g} Hz, {options.seconds:g} s, {drawn_from}"
     drifts = commission.drawn_drifts(options.machines, options.seed)
     rows = commission.Rows(options.out, commission.ROW, about)
     with virtual_interfaces() if options.bus == ETHERCAT else nullcontext() as network:
@@ -104,7 +105,7 @@ def main():
             row |= {"machine": k, "cpu_s": time.process_time() - begun}
             rows.add(row)
             print(commission.row_text(row), flush=True)
-    commission.summed_up([row for row in rows.all() if row["machine"] <= options.machines])
+    commission.summed_up(rows.all())
 
 
 if __name__ == "__main__":
