@@ -164,6 +164,8 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
     if start is not None:
         y, feels, xi, e = start.plant, start.feel, start.law, start.command
     touch = Touch(law.contact[0]) if law is not None and law.knows_contact else None
+    if touch is not None and law.knows_friction:
+        touch.rubs(law.friction[0], g("feel.stiffness"), g("feel.inertia"))
     if touch is not None and g("grip_sensor.gain"):
         touch.ends = g("column.stop_low"), g("column.stop_high"), g("feel.stiffness")
     for k in range(round(duration / period)):
@@ -180,10 +182,7 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             memory, moved = hear(law.friction[0], known, torque, memory)
             heard = memory[0]
             if touch is not None:
-                held = law.knows_friction and abs(g("feel.stiffness") * feels[0]) < law.friction[0, -10]
-                rests, holds = law.friction[0, -1] if held else 0.0, law.friction[0, -4] + abs(memory[5])
-                bounds = rests, holds, limit
-                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), bounds)
+                feels, own, heard = touch.step(period, (*sample, drive_rate), feels, (own, heard), (memory[5], limit))
             answered = min(max(own + more, -limit), limit) - more
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, heard))[:2]
@@ -219,6 +218,24 @@ class Touch:
         self.acts = 0.0  # the share, or all of it at rest
         self.lead_side, self.since_lead, self.column_rate = 0.0, 1.0, 0.0
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
+        self.least_turn = 1.3 * self.least
+        self.rest, self.rested = None, 0.0  # of known friction
+
+    def rubs(self, friction, stiffness, inertia):
+        """Friction is known, by the head of ``crates/model/src/known_friction.rs``."""
+        uncertain, most, rate = friction[-10], friction[-4], friction[-1]
+        self.rest = uncertain, most, rate, stiffness, min(10 * 2 * rate * inertia / uncertain, 0.06)
+        self.least_turn = max(self.least_turn, 2.5 * most)
+
+    def is_held(self, h, delta):
+        """Whether friction holds the column."""
+        if self.rest is None:
+            return False
+        uncertain, _, slowest, stiffness, lasts = self.rest
+        weak = abs(stiffness * delta) < uncertain
+        rests = weak and abs(self.rate) < slowest
+        self.rested += (float(weak) - self.rested) * min(h / (lasts if rests else 2.0), 1.0)
+        return rests and self.rested > 0.5
 
     def notice(self, h, torque, column):
         """Whether there is contact at a sample."""
@@ -243,7 +260,7 @@ class Touch:
         elif not slow:
             self.swings = 0
         back = (self.turn[1] - self.torque) * self.way
-        turned_back = back > 1.3 * self.least
+        turned_back = back > self.least_turn
         if turned_back:
             hard_turn = back > self.environment * abs(self.angle - self.turn[0]) and self.since_turn < self.quick
             self.way, self.turns = -self.way, self.turns + 1 if hard_turn else 0
@@ -270,7 +287,7 @@ class Touch:
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
-        (force, position, column), drive_rate, (rests, holds, limit) = sample[:3], sample[-1], bounds
+        (force, position, column), drive_rate, (push, limit) = sample[:3], sample[-1], bounds
         column_rate, self.column = (column - self.column) / h, column
         self.column_rate = column_rate
         at_end = self.at_end(feels, column, own[1])
@@ -291,8 +308,8 @@ class Touch:
         command = self.k_x * (self.per_angle * (feels[0] - self.offset) - position) + self.k_v * (
             self.per_angle * rate - drive_rate
         )
-        still = abs(self.rate) < rests
-        self.acts, most = (1.0, holds) if still else (self.share, math.inf)
+        rubs = self.is_held(h, feels[0])
+        self.acts, most = (1.0, self.rest[1] + abs(push)) if rubs else (self.share, math.inf)
         contact = (command, min(max(-self.per_angle * force, -most), most))
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
         leaves = self.share < 1 or abs(command) > limit
