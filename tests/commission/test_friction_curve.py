@@ -12,7 +12,7 @@ import forcefeel as ff
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.result import Status
 from forcefeel.commission import fits
-from forcefeel.commission.fits import _curved, _without
+from forcefeel.commission.fits import _curved, without
 from forcefeel.commission.observability import ASYMMETRY, BREAKAWAY, DRY, FRICTION_CURVE, SEALS, STRIBECK, with_friction
 from forcefeel.commission.sensor_lag import without_lag
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
@@ -32,7 +32,7 @@ def fitted(friction):
     truth = loader.replace(friction)
     data = simulated_records(loader, truth, BenchTime(3.0, 500.0))
     start = with_friction(loader)
-    even = identify(_without(start, FRICTION_CURVE), data, FEW, starts=1)
+    even = identify(without(start, FRICTION_CURVE), data, FEW, starts=1)
     return even, _curved(even, start, FRICTION_CURVE, data, None), truth
 
 
@@ -71,7 +71,7 @@ def test_friction_as_it_is_is_identified_from_a_record_of_an_independent_integra
     shifted = data.channels | {"load_cell_force": data.channels["load_cell_force"] + offset_n}
     data = without_lag(replace(data, channels=shifted), loader)
     start = with_friction(loader)
-    even = identify(_without(start, FRICTION_CURVE), [data], FEW, starts=1)
+    even = identify(without(start, FRICTION_CURVE), [data], FEW, starts=1)
     found = {
         estimate.unknown.key: estimate.value
         for estimate in _curved(even, start, FRICTION_CURVE, [data], None).estimates

@@ -6,7 +6,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
-from forcefeel.commission.observability import BREAKAWAY, DRY
+from forcefeel.commission.observability import BREAKAWAY, DRY, FRICTION_CURVE, SEALS, STRIBECK
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import Commission, EnvelopeResult, Identified, LawChosen, RuleTests, WhatIf
 from forcefeel.commission.what_ifs import _rubbing, what_ifs
@@ -45,6 +45,18 @@ def test_reduced_friction_keeps_its_relative_tolerance(rubbing):
     assert (half[DRY], half[BREAKAWAY]) == (0.5 * rubbing[DRY], 0.5 * rubbing[BREAKAWAY])
     assert half.tolerances[DRY].ends == tuple(0.5 * end for end in rubbing.tolerances[DRY].ends)
     assert DRY not in _rubbing(rubbing, 0.0).given
+
+
+def test_reduced_friction_with_curve_and_seals_scales_or_removes_all_of_it(rubbing):
+    """Of a valve and of a motor: the rows of the curve were left without their friction, and refused."""
+    curve = {STRIBECK: 0.05, "column.friction_asymmetry": 0.2}
+    valve = rubbing.replace(curve, si=True).replace({SEALS: "5 lb"})
+    motor = ff.loader.electric("elevator-electric").replace({DRY: "1 lb", BREAKAWAY: "1.3 lb"}).replace(curve, si=True)
+    for loader in (valve, motor.with_tolerances({STRIBECK: "20 %"})):
+        assert not {DRY, *FRICTION_CURVE} & set(_rubbing(loader, 0.0).given)
+        half = _rubbing(loader, 0.5)
+        assert {key: half[key] for key in curve} == curve
+        assert (half[DRY], half[BREAKAWAY], half[SEALS]) == tuple(0.5 * loader[key] for key in (DRY, BREAKAWAY, SEALS))
 
 
 @pytest.mark.parametrize(

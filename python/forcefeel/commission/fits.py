@@ -74,7 +74,7 @@ def fit_what_is_seen(
         [key for key in rows if key not in FRICTION_CURVE] for rows in (observed.unseen, observed.carried)
     )
     ended, nothing = list[str](), list[str]()
-    even = _without(start, (DRY, *FRICTION_CURVE) if friction_open else FRICTION_CURVE)
+    even = without(start, (DRY, *FRICTION_CURVE) if friction_open else FRICTION_CURVE)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
         begins = [{}, {DRY: _SMALL * even[DRY]}] if DRY in keys else [{}]
@@ -91,10 +91,10 @@ def fit_what_is_seen(
         ended += at_end
         nothing += none
         keys = [key for key in keys if key not in out]
-        even = _without(even, (DRY,) if DRY in out else ())
+        even = without(even, (DRY,) if DRY in out else ())
     if DRY in keys and identification.loader is not None and curve:
         progress(f"fit of {len(curve)} parameters of friction")
-        identification = _curved(identification, _without(start, set(FRICTION_CURVE) - set(curve)), curve, data, law)
+        identification = _curved(identification, without(start, set(FRICTION_CURVE) - set(curve)), curve, data, law)
     return Fits(identification, {CARRIED: carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open)
 
 
@@ -128,7 +128,7 @@ def _shown(
     begin = {estimate.unknown.key: estimate.value for estimate in before.estimates}
     others = [key for key in begin if key not in FRICTION_CURVE]
     while rows:
-        bare = _without(start, set(FRICTION_CURVE) - set(rows))
+        bare = without(start, set(FRICTION_CURVE) - set(rows))
         try:
             identification = identify(bare, data, [*others, *rows], law=law, starts=1, begins=[begin])
         except InputError:  # a breakaway below the friction, which no loader may have
@@ -143,7 +143,7 @@ def _shown(
     return before
 
 
-def _without(loader: Loader, rows: Collection[str]) -> Loader:
+def without(loader: Loader, rows: Collection[str]) -> Loader:
     """The loader without these rows and their tolerances."""
     stated = [key for key in rows if loader[key]]
     bare = loader.with_tolerances(dict.fromkeys(key for key in stated if key in loader.tolerances))

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from forcefeel.commission.observability import BREAKAWAY, DRY
+from forcefeel.commission.fits import without
+from forcefeel.commission.observability import BREAKAWAY, DRY, FRICTION_CURVE, SEALS
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import WhatIf
 from forcefeel.envelope.plan import make_plan
@@ -104,14 +105,12 @@ def _electronics(loader: Loader) -> dict[str, dict[str, float | None]]:
 
 def _rubbing(loader: Loader, share: float) -> Loader:
     """The machine with a share of its dry friction, of the same relative tolerance."""
-    tolerance = loader.tolerances.get(DRY)
-    bare = _without_tolerances(loader, {DRY, BREAKAWAY})
     if not share:
-        return bare.replace({DRY: None, BREAKAWAY: None})
-    breakaway = bare[BREAKAWAY]
-    less = bare.replace(
-        {DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None}, si=True
-    )
+        return without(loader, (DRY, *FRICTION_CURVE))
+    tolerance = loader.tolerances.get(DRY)
+    bare = _without_tolerances(loader, {DRY, BREAKAWAY, SEALS})
+    stated = [key for key in (DRY, BREAKAWAY, SEALS) if bare[key] != OFF[key]]
+    less = bare.replace({key: share * bare[key] for key in stated}, si=True)
     if tolerance is None:
         return less
     values = {at: getattr(tolerance, at) for at in ("low", "high", "peak", "deviation", "nominal")}
