@@ -25,7 +25,7 @@ from tests.live.bus_wire import virtual_interfaces
 import commission
 import forcefeel as ff
 from forcefeel.bench.excitation import ExcitationPlan, excite
-from forcefeel.cli.emulate import EMULATED
+from forcefeel.cli.emulate import ethercat_drive
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.loader.bus import ETHERCAT
@@ -42,8 +42,7 @@ def on_file(kind, rate_hz):
     """What ``commission`` is told of the machines."""
     period = {"controller.period": 1 / rate_hz, "controller.delay": 1 / rate_hz}
     loader = commission.on_file(electric=True).replace(period, si=True)
-    largest = loader["motor.torque_constant"] * loader["current_loop.current_limit"]
-    drive = {"rated_torque_n_m": largest, **EMULATED} if kind == ETHERCAT else {}
+    drive = ethercat_drive(loader) if kind == ETHERCAT else {}
     return replace(loader, bus=ff.loader.Bus(kind, "pty", **SENSED, **drive))
 
 

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 BUS = Group("Bus", sort_key=10)
 
-EMULATED: dict[str, Any] = {
+_OBJECTS: dict[str, Any] = {
     "encoder_counts": 2.0**24,
     "column_counts": 2.0**24,
     "load_cell_object": "0x2100:1",
     "column_object": "0x60E4:1",
 }
-"""Encoders and objects of a drive on EtherCAT that no file states."""
+"""Encoders and objects of an emulated drive on EtherCAT."""
 
 COLUMN_RANGE_RAD = radians(40.0)
 """Angle of a column at the end of its sensor's range."""
@@ -147,6 +147,12 @@ def _on_ethercat(loaders: "list[Loader]") -> bool:
     return any(loader.bus is not None and loader.bus.kind in {ETHERCAT, ANALOG} for loader in loaders)
 
 
+def ethercat_drive(loader: "Loader") -> dict[str, Any]:
+    """Settings ``[bus]`` of an emulated EtherCAT drive for a loader: rated torque, encoders and objects."""
+    largest = loader["motor.torque_constant"] * loader["current_loop.current_limit"]
+    return {"rated_torque_n_m": largest, **_OBJECTS}
+
+
 def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
     """A loader with a bus: its own, or that which is asked for; on EtherCAT at the interface of the option.
 
@@ -160,8 +166,7 @@ def _on_bus(loader: "Loader", options: EmulateOptions, node: int) -> "Loader":
         check_drive(options.bus, loader.drive)
         wiring: dict[str, Any] = {"column_gear": 1.0}
         if options.bus == ETHERCAT:
-            largest = loader["motor.torque_constant"] * loader["current_loop.current_limit"]
-            wiring |= {"rated_torque_n_m": largest, **EMULATED}
+            wiring |= ethercat_drive(loader)
         if options.bus == ANALOG:
             ranges = {
                 "output_v": 10.0,
