@@ -21,8 +21,8 @@
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
 //! - sixteen turns of the torque in a row by more than `1.3 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
-//!   stop keeps the torque on one side, and a weak swing stays below `T_min`; of a law that knows of friction, by more than a column makes that it
-//!   holds, lets go and holds again;
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. With known friction a turn exceeds `2.5 q`: a column that friction holds
+//!   and releases in turn under a slow hand causes smaller ones;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
 //!   limit, as against a soft stop, which the torque does not tell from an arm;
@@ -279,12 +279,12 @@ impl<S: Scalar> ContactLaw<S> {
         Self::take(|| zero)
     }
 
-    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `of_friction`: turns of
-    /// the torque that known friction makes; `at_end`: whether the column is at an end stop that the torque does not show, where that is asked.
+    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `friction_turn`:
+    /// largest turn of the torque that known friction causes; `at_end`: whether the column is at an end stop that the torque does not show.
     #[inline(always)]
     pub fn noticed(
         &self,
-        (torque, of_friction): (S, Option<S>),
+        (torque, friction_turn): (S, Option<S>),
         (column, at_end): (S, Option<S::Mask>),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
@@ -305,7 +305,7 @@ impl<S: Scalar> ContactLaw<S> {
         let over = lasted & !pushes;
         let back = (was.turn - torque) * was.direction;
         let turn = self.threshold.times(TURN);
-        let turn = of_friction.map_or(turn, |most| turn.max(most));
+        let turn = friction_turn.map_or(turn, |largest| turn.max(largest));
         let turns_back = turn.less(back) & zero.less(self.threshold);
         // A heavy feel swings on a stiff spring as slowly as a hand can.
         let slow = was.since.less(self.quick.times(SLOW));

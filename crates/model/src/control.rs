@@ -293,8 +293,8 @@ impl<S: Scalar> Control<S> {
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
-        let of_friction = neutral.map(|_| self.observer.friction.turns());
-        let (now, begins) = law.noticed((output.torque, of_friction), (inputs.angle[0], at_end), *state, period);
+        let friction_turn = neutral.map(|_| self.observer.friction.largest_turn());
+        let (now, begins) = law.noticed((output.torque, friction_turn), (inputs.angle[0], at_end), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;
@@ -314,12 +314,12 @@ impl<S: Scalar> Control<S> {
             let friction = &self.observer.friction;
             let spring = self.feel.spring_torque(neutral, inputs.feel[0]);
             let before = (friction_state.rested, period[0]);
-            let (rests, rested) = friction.holds([now.rate, spring], self.feel.per_torque, before);
+            let (held, rested) = friction.holds([now.rate, spring], self.feel.per_torque, before);
             friction_state.rested = rested;
             let one = touching.constant(1.0);
             (
-                S::select(rests, one, now.share),
-                S::select(rests, friction.at_rest(touching, friction_state.push), touching),
+                S::select(held, one, now.share),
+                S::select(held, friction.at_rest(touching, friction_state.push), touching),
             )
         });
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);

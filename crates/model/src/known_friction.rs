@@ -40,9 +40,9 @@
 //! as there, `|G (delta - n)| < U`, and `s > 1/2`. Its `T_c` is `q + |T_b|` at most: friction and hand hold no more, and what the load cell shows
 //! beyond that turns the drive round between two swings.
 //!
-//! `s` tells a column that rests from a feel that turns of itself, which is as slow for `2 v_r I / U` where its spring has `U`:
-//! `s+ = s + (h / t) (1 - s)` where the spring has less, else `s - (h / t) s`. Where the column rests `t` is ten such times and 60 ms at most, for a
-//! light feel is shaken loose sooner; else it is 2 s, so that what swings on with a weak spring is held as it turns.
+//! `s` distinguishes a column at rest from a feel at a turning point, whose rate is below `v_r` for `2 v_r I / U` if its spring torque is `U`.
+//! `s+ = s + (h / t) (1 - s)` if the spring torque is below `U`, else `s - (h / t) s`. At rest `t` is ten times that interval, at most 60 ms: a light
+//! feel shakes the column loose sooner. Otherwise `t` is 2 s, so that a persistent swing within `U` is held at a turning point.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
 //! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
@@ -89,17 +89,17 @@ pub struct KnownFriction<S> {
     rest: S,
 }
 
-/// `t` of a column that rests, in s at most: at twice that a column with 0.5 lb swings on in one of fifty settings.
+/// Largest `t` at rest in s. With twice as much, a column with 0.5 lb swings on in one of fifty settings.
 const RESTS_S: f64 = 0.06;
 
-/// The same in times for which a feel that turns is slow.
+/// `t` at rest over the interval for which a turning feel is slower than `v_r`.
 const TURNS: f64 = 10.0;
 
-/// `t` of one that does not, in s.
+/// `t` in motion in s.
 const MOVES_S: f64 = 2.0;
 
-/// Turns of the torque in `q`, which a column makes that is shaken loose under a slow hand and held again: friction one way, then the other.
-const SHAKEN: f64 = 2.5;
+/// Largest turn of the torque that friction causes, over `q`: held and released, it acts one way, then the other.
+const STICK_SLIP: f64 = 2.5;
 
 /// `w w_b` from which on the column moves one way.
 const ONE_WAY: f64 = 0.8;
@@ -224,8 +224,8 @@ impl<S: Scalar> KnownFriction<S> {
         (FrictionState { feel_torque, learnt, trusted, push, way, rested: state.rested }, friction)
     }
 
-    /// Whether a column is held that moves at a rate, smoothed, where the feel's spring has a torque, and `s` after a period; `per_inertia` of the
-    /// feel.
+    /// Whether the column is held, and `s` after a period, from the smoothed rate and the spring torque of the feel; `per_inertia`: one over the
+    /// inertia of the feel.
     #[inline(always)]
     pub fn holds(&self, [rate, spring]: [S; 2], per_inertia: S, (rested, period): (S, S)) -> (S::Mask, S) {
         let (zero, one) = (rate.zero(), rate.constant(1.0));
@@ -238,10 +238,10 @@ impl<S: Scalar> KnownFriction<S> {
         (rests & one.times(0.5).less(rested), rested)
     }
 
-    /// Largest change of the estimated torque where a column is shaken loose and held again, the hand's staying the same.
+    /// Largest turn in N m of the estimated torque that stick-slip causes under a constant hand.
     #[inline(always)]
-    pub fn turns(&self) -> S {
-        self.hand.times(SHAKEN)
+    pub fn largest_turn(&self) -> S {
+        self.hand.times(STICK_SLIP)
     }
 
     /// What the load cell's torque may be of a column that rests, under a push of late.

@@ -1,13 +1,12 @@
 //! Whether the force sensor at the grip follows the hand: one that is stuck shows the same force, with or without noise.
 //!
-//! `F_g` reading, lagged as the estimate of the hand's torque `tau` is, and the drive's torque `D` · `F_0`, `D_0` both when the reading had come
-//! to rest
+//! `F_g` reading, with the lag of the estimated hand torque `tau`; drive torque `D` · `F_0`, `D_0` both once the reading had come to rest
 //!
 //! The reading rests while `|F_g - F_0|` is within the span of its noise, for [`Limits::grip_stuck`] samples. From then on `tau` is within
-//! [`Limits::grip_apart`] and `delta |D - D_0|` of what it was in the last [`Limits::stuck`] of them, its least to its greatest: one sample
-//! alone may be a spike's. A sensor for which it is not, for [`Limits::grip_stuck`] samples in a row, is stuck. Where no hand is on the column,
-//! `tau = J v' - D` is what `J` and the load cell's lever are off, a share `delta` of `D`. At an end stop the stop's torque is in `tau`, and
-//! nothing is known: those samples do not count, and a reading that rests goes on to rest.
+//! [`Limits::grip_apart`] and `delta |D - D_0|` of its range in the last [`Limits::stuck`] of them: a single sample may be a spike. If it
+//! leaves that band for [`Limits::grip_stuck`] samples in a row, the sensor is stuck. Where no hand is on the column,
+//! `tau = J v' - D` is what `J` and the load cell's lever are off, a share `delta` of `D`. At an end stop `tau` includes the torque of
+//! the stop: those samples do not count, and do not end the rest of a reading.
 
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::numbers::below;

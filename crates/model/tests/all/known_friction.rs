@@ -148,7 +148,7 @@ fn a_slow_column_is_held_where_the_spring_has_less_than_what_is_uncertain() {
     ] {
         assert_eq!(friction.holds([rate, spring], 1.0, (0.9, PERIOD)).0, rests);
     }
-    // After how many periods: a half-life of 60 ms, for a light feel of ten of its turns, and where its spring alone is weak of 2 s.
+    // Periods until `s` exceeds a half: time constants of 60 ms, of ten turning intervals of a light feel, and of 2 s in motion.
     let held_after = |per_inertia: f64, rate: f64, turns: usize| {
         let mut s = 0.0;
         (1..10_000).find(|k| {
@@ -161,9 +161,9 @@ fn a_slow_column_is_held_where_the_spring_has_less_than_what_is_uncertain() {
     assert_eq!(held_after(1e-6, 0.0, 1), Some(42));
     let turn = 5e-4;
     assert_eq!(held_after(2.0 * REST / (UNCERTAIN * turn), 0.0, 1), Some(4));
-    // Held as it turns; it turns too seldom to rest.
+    // In motion, with a turning point every 500 periods: held at the first one after 2 s times ln 2.
     assert_eq!(held_after(1e-6, 2.0 * REST, 500), Some(1500));
-    // A strong spring takes it back.
+    // Above the threshold of the spring torque `s` decays.
     assert_within(friction.holds([0.0, 2.0 * UNCERTAIN], 1.0, (0.8, 0.5)).1, 0.6, 1e-14);
     // Its load cell shows no more than friction and a hand can hold.
     for (share, push, held) in [(0.9, 0.0, 0.9), (1.1, 0.0, 1.0), (-3.0, 1.5, -2.5), (2.0, -1.5, 2.0)] {

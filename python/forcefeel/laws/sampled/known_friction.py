@@ -22,10 +22,10 @@ most; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smooths t
 friction changes of the estimated rate in a sample: with less the observer of a column at rest swings from sample to sample."""
 
 LET_GO_S = 0.005
-"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes: a column that
-friction holds is let go of so much later than its hand does. At 0.01 s of 1 lb in ``elevator-electric`` 90 in place of 93 % of the
-settings pass, with a friction that is a fifth more 88 in place of 94 %; at 0.0025 s 88 and 95 %. At 0.016 s a lever with 3 lb of
-friction is 0.9 % too soft, at 0.01 s 0.2 %."""
+"""1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes: a column held by
+friction is released so much later than the hand lets go. With 1 lb, 93 % of the settings of ``elevator-electric`` pass, and 94 %
+with 20 % more friction than stated; at 0.01 s 90 and 88 %, at 0.0025 s 88 and 95 %. At 0.016 s a lever with 3 lb of friction is
+0.9 % too soft, at 0.01 s 0.2 %."""
 
 REST_RAD_PER_S = SLOW_RAD_PER_S
 """v_r, the rate below which a column rests. At half of it twice as many settings of ``elevator-electric`` swing on hands off; at
