@@ -218,14 +218,14 @@ class Touch:
         self.acts = 0.0  # the share, or all of it at rest
         self.lead_side, self.since_lead, self.column_rate = 0.0, 1.0, 0.0
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
-        self.least_turn = 1.3 * self.least
+        self.stick_slip_turn = 1.3 * self.least
         self.rest, self.rested = None, 0.0  # of known friction
 
     def rubs(self, friction, stiffness, inertia):
         """Friction is known, by the head of ``crates/model/src/known_friction.rs``."""
         uncertain, most, rate = friction[-10], friction[-4], friction[-1]
         self.rest = uncertain, most, rate, stiffness, min(10 * 2 * rate * inertia / uncertain, 0.06)
-        self.least_turn = max(self.least_turn, 2.5 * most)
+        self.stick_slip_turn = max(self.stick_slip_turn, 2.5 * most)
 
     def is_held(self, h, delta):
         """Whether friction holds the column."""
@@ -260,7 +260,8 @@ class Touch:
         elif not slow:
             self.swings = 0
         back = (self.turn[1] - self.torque) * self.way
-        turned_back = back > self.least_turn
+        sticks = abs(self.rate) < 0.05
+        turned_back = back > (self.stick_slip_turn if sticks else 1.3 * self.least)
         if turned_back:
             hard_turn = back > self.environment * abs(self.angle - self.turn[0]) and self.since_turn < self.quick
             self.way, self.turns = -self.way, self.turns + 1 if hard_turn else 0

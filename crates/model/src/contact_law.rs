@@ -21,8 +21,8 @@
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
 //! - sixteen turns of the torque in a row by more than `1.3 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
-//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. With known friction a turn exceeds `2.5 q`: a column that friction holds
-//!   and releases in turn under a slow hand causes smaller ones;
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. With known friction a turn of a slow column exceeds `2.5 q`: one that
+//!   friction holds and releases in turn under a slow hand causes smaller ones;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
 //!   limit, as against a soft stop, which the torque does not tell from an arm;
@@ -79,7 +79,7 @@ const TURN: f64 = 1.3;
 /// the other loaders by 0.01; at 0.1 rad a third of the swings on soft stops stay.
 pub const LEAD_RAD: f64 = 0.05;
 
-/// Rate of the column in rad/s from which on a push may go against its motion; the noise of a column at rest is slower.
+/// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
 /// Time constant in s over which torque and angle are smoothed: long beside a sample, short beside the swings of a contact.
@@ -305,7 +305,9 @@ impl<S: Scalar> ContactLaw<S> {
         let over = lasted & !pushes;
         let back = (was.turn - torque) * was.direction;
         let turn = self.threshold.times(TURN);
-        let turn = friction_turn.map_or(turn, |largest| turn.max(largest));
+        // Stick-slip is slow; a swing against a spring is fastest halfway.
+        let sticks = rate.abs().less(one.times(MOVES_RAD_PER_S));
+        let turn = friction_turn.map_or(turn, |largest| S::select(sticks, turn.max(largest), turn));
         let turns_back = turn.less(back) & zero.less(self.threshold);
         // A heavy feel swings on a stiff spring as slowly as a hand can.
         let slow = was.since.less(self.quick.times(SLOW));

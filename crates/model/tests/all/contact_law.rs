@@ -18,10 +18,21 @@ fn after(
     column: impl Fn(f64) -> [f64; 2],
     from: ContactState<f64>,
 ) -> ContactState<f64> {
+    after_with(None, seconds, torque, column, from)
+}
+
+/// The same with known friction that causes turns of this size.
+fn after_with(
+    friction_turn: Option<f64>,
+    seconds: f64,
+    torque: impl Fn(f64) -> f64,
+    column: impl Fn(f64) -> [f64; 2],
+    from: ContactState<f64>,
+) -> ContactState<f64> {
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed((torque(time), None), (column(time)[0], None), state, [H, 1.0 / H]).0;
+        state = law().noticed((torque(time), friction_turn), (column(time)[0], None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -71,6 +82,17 @@ fn a_short_push_that_turns_the_motion_is_contact_and_one_along_it_is_none() {
     let bounces = |time: f64| [if time < 0.105 { time } else { 0.21 - time }, 0.0];
     assert_eq!(after(0.3, blow, bounces, free()).share, 1.0);
     assert_eq!(after(0.3, blow, |time| [-time, -1.0], free()).share, 0.0);
+}
+
+#[test]
+fn small_turns_under_a_push_are_contact_but_of_a_column_that_known_friction_holds() {
+    let torque = |time: f64| 20.0 + 0.2 * swing(12.0)(time);
+    let share =
+        |friction_turn, column: fn(f64) -> [f64; 2]| after_with(friction_turn, 1.0, torque, column, free()).share;
+    assert_eq!(share(None, still), 1.0);
+    assert_eq!(share(Some(10.0), still), 0.0);
+    assert_eq!(share(Some(7.0), still), 1.0, "friction causes smaller ones");
+    assert_eq!(share(Some(10.0), |time| [-1.5e-3 / 20.0 * swing(12.0)(time), 0.0]), 1.0, "too fast to stick");
 }
 
 #[test]
