@@ -1,13 +1,14 @@
 """Releases of commissioned machines over those of the ideal feel, by an integrator that shares no line with the engine.
 
-Run ``python benchmarks/commission_curves.py 1 2 3 --figure curves.svg`` with numbers of machines of ``commission.py``. Each is
-identified from its minute of bench as there, the law that ``commission`` chooses is made of what was found, and the machine is let
-go of from 10 deg under it: ``commission_machines.py`` moves it, sensors with lag, noise and steps show it, and the law is its
-exported C, compiled. Verdicts are in the words of Part 60 (``tests/release_witness.py``). Before that the same releases with
-sensors that are exact but for their lag, over the engine's; ends with an error if those are apart.
+Run ``python benchmarks/commission_curves.py 1 2 3 --figure curves.svg`` with numbers of machines of ``commission.py`` (their
+count is part of the draw: ``--of`` is its ``--machines``). Each is identified from its minute of bench as there, the law that
+``commission`` chooses is made of what was found, and the machine is let go of from 10 deg under it: ``commission_machines.py``
+moves it, sensors with lag, noise and steps show it, and the law is its exported C, compiled. Verdicts are in the words of Part 60
+(``tests/release_witness.py``). Before that the same releases with sensors that are exact but for their lag, over the engine's;
+ends with an error if those are apart.
 
 With ``--all`` the machine is let go of at the 96 settings of ``commission.py``, its friction as it was and after its drift: two
-minutes of processor time each.
+minutes of processor time each. Shares have the weights of ``commission.py``; the plain share follows each.
 """
 
 import os
@@ -200,7 +201,7 @@ def curves(identified, name, machine, number):
 
 
 def share(identified, name, machine, number):
-    """Share of the 96 settings that a machine renders."""
+    """Share of the 96 settings that a machine renders, in equal logarithmic steps and plain."""
     plan = make_plan(identified, [name], CommissionPlan().grid, arms=())
     feel = plan.settings.feel(identified)
     damping, frequency, _ = plan.settings.rows.T
@@ -208,11 +209,11 @@ def share(identified, name, machine, number):
     longest = Record(witness.PERIOD_S, round(max(record.duration_s for record in own) / witness.PERIOD_S) + 1)
     law = Law.of(name, identified, feel)
     angles = released(identified, machine, law, feel, longest, np.random.default_rng([SEED, number]))
-    passed = 0
-    for angle, setting, record in zip(angles, feel, own, strict=True):
+    passes = np.zeros(len(feel), dtype=bool)
+    for k, (angle, setting, record) in enumerate(zip(angles, feel, own, strict=True)):
         every = round(record.step_s / witness.PERIOD_S)
-        passed += margin(angle[: every * record.samples : every], setting, record, edge=0) > 0
-    return passed / len(feel)
+        passes[k] = margin(angle[: every * record.samples : every], setting, record, edge=0) > 0
+    return plan.settings.weights[passes].sum(), passes.mean()
 
 
 def draw(drawn_curves, path):
@@ -239,13 +240,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("machines", type=int, nargs="+", help="numbers as commission.py counts them")
     parser.add_argument("--seconds", type=float, default=60.0, help="of bench")
+    parser.add_argument("--of", type=int, default=100, help="machines drawn")
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--all", action="store_true", help="settings, and after a drift of the friction too")
     options = parser.parse_args()
     file, random = on_file(), np.random.default_rng([SEED, 11])
-    count = max(options.machines)
-    every = [as_it_rubs(machine, random) for machine in drawn(file, count, SEED)]
-    machines, drifts = [every[number - 1] for number in options.machines], drawn_drifts(count, SEED)
+    every = [as_it_rubs(machine, random) for machine in drawn(file, options.of, SEED)]
+    machines, drifts = [every[number - 1] for number in options.machines], drawn_drifts(options.of, SEED)
     for number, machine in zip(options.machines, machines, strict=True):
         far = apart(machine)
         text = ", ".join(f"{error:.0e}" for error in far)
@@ -263,8 +264,11 @@ def main():
         rows.append((number, machine, curve))
         if options.all:
             drift = drifts[number - 1]
-            shares = [share(identified, name, it, number) for it in (machine, after_drift(machine, drift))]
-            print(f"machine {number}: {shares[0]:.1%} of the settings, {shares[1]:.1%} after {drift:+.0%}", flush=True)
+            (now, plain), (later, later_plain) = (
+                share(identified, name, it, number) for it in (machine, after_drift(machine, drift))
+            )
+            drifted = f"{later:.1%} ({later_plain:.1%}) after {drift:+.0%}"
+            print(f"machine {number}: {now:.1%} of the settings (plain {plain:.1%}), {drifted}", flush=True)
     if options.figure:
         draw(rows, options.figure)
 
