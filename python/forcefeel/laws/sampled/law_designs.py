@@ -1,7 +1,7 @@
 """The methods by name: what each is, and its law for any settings of a loader."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 
@@ -13,7 +13,7 @@ from forcefeel.laws.sampled import observer_law as laws
 from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.laws.sampled.rules import GRIP_BY_FREQUENCY, agile_tuning, grip_tuning, robust_tuning
 from forcefeel.laws.sampled.sampled_law import SampledLaw
-from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
+from forcefeel.laws.sampled.tuning import MOTOR_RATE_WEIGHT, OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import DRIVES, ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
@@ -58,6 +58,10 @@ def _tuned(loader: Loader, feel: ArrayLike, tuning: Tuning | Callable[[Loader], 
     return laws.design(loader, feel, tuning if isinstance(tuning, Tuning) else tuning(loader))
 
 
+def _by_drive(loader: Loader, tuning: Tuning) -> Tuning:
+    return replace(tuning, rate_weight=MOTOR_RATE_WEIGHT) if loader.drive == ELECTRIC else tuning
+
+
 def _load_cell(loader: Loader, feel: ArrayLike) -> SampledLaw:
     design = load_cell_motor.design if loader.drive == ELECTRIC else load_cell_loop.design
     return design(loader, feel)
@@ -81,12 +85,12 @@ _LAW_DESIGNS = (
     tuned(
         "observer",
         "optimal regulator, feed-forward from the feel, observer that trusts every sensor and its plant",
-        OBSERVER,
+        partial(_by_drive, tuning=OBSERVER),
     ),
     tuned(
         "recovered",
         "the observer design with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
-        RECOVERED,
+        partial(_by_drive, tuning=RECOVERED),
     ),
     LawDesign(
         "h-infinity",
