@@ -105,5 +105,6 @@ def test_record_on_full_disk_ends_complete(tmp_path):
         assert record.ended == running.state.record_ended
         assert not record.broken
         assert len(record.rows) + running.state.unrecorded_rows == running.state.cycle
-        assert len(record.rows) > 24_000  # of 307 bytes each: all but the last reservation of 1 MiB that was refused
+        # Of 307 bytes each, all but the last 1 MiB, which was refused. Chunks end by the clock: a busy machine makes more.
+        assert len(record.rows) > 23_000
         assert ff.live.replay(path).same
