@@ -272,7 +272,8 @@ class Touch:
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
         struck = blow and quick and stiff and self.push > 0
-        turned = self.before * self.side < -0.05 and turns * self.side > 0.05
+        stopped = self.before * self.side < -1 and turns * self.side > 0.2 * self.before * self.side
+        turned = self.before * self.side < -0.05 and (turns * self.side > 0.05 or stopped)
         turned = turned and blow and self.since < self.quick / 3
         self.struck_at = self.extreme[0]
         if other:

@@ -27,7 +27,7 @@
 //! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
 //!   limit, as against a soft stop, which the torque does not tell from an arm;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
-//!   motion: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
+//!   motion or taken four fifths of it: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
@@ -81,6 +81,10 @@ pub const LEAD_RAD: f64 = 0.05;
 
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
+
+/// Rate in rad/s of a column that a stop may take without turning it, and the share of it that is left then.
+const FAST_RAD_PER_S: f64 = 1.0;
+const LEFT: f64 = 0.2;
 
 /// Time constant in s over which torque and angle are smoothed: long beside a sample, short beside the swings of a contact.
 pub const SMOOTHING_S: f64 = 0.004;
@@ -392,10 +396,13 @@ impl<S: Scalar> ContactLaw<S> {
         let rose = (self.environment * (now.extreme_angle - now.began_angle).abs()).less(peak_before);
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
         let struck = blow & quick & stiff & zero.less(now.push);
+        // A stop with much damping takes the motion and does not throw the column back.
+        let before = now.before * now.side;
+        let stopped = before.less(-one.times(FAST_RAD_PER_S)) & before.times(LEFT).less(now_rate * now.side);
         let turned = blow
             & now.since.less(self.quick.times(SHORT))
-            & (now.before * now.side).less(-moves)
-            & moves.less(now_rate * now.side);
+            & before.less(-moves)
+            & (moves.less(now_rate * now.side) | stopped);
         let counts_turn =
             (self.environment * (angle - now.turn_angle).abs()).less(back) & now.since_turn.less(self.quick);
         let turns = S::select(turns_back, S::select(counts_turn, now.turns + one, zero), now.turns);

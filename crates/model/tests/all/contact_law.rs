@@ -82,6 +82,9 @@ fn a_short_push_that_turns_the_motion_is_contact_and_one_along_it_is_none() {
     let bounces = |time: f64| [if time < 0.105 { time } else { 0.21 - time }, 0.0];
     assert_eq!(after(0.3, blow, bounces, free()).share, 1.0);
     assert_eq!(after(0.3, blow, |time| [-time, -1.0], free()).share, 0.0);
+    let speed = |fast: f64| move |time: f64| [fast * time.min(0.102), 0.0];
+    assert_eq!(after(0.3, blow, speed(2.0), free()).share, 1.0, "a stop that takes the motion");
+    assert_eq!(after(0.3, blow, speed(0.5), free()).share, 0.0, "a slow one");
 }
 
 #[test]
