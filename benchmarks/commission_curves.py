@@ -201,7 +201,7 @@ def curves(identified, name, machine, number):
 
 
 def share(identified, name, machine, number):
-    """Share of the 96 settings that a machine renders, in equal logarithmic steps and plain."""
+    """Share of the 96 settings that a machine renders: log-weighted, and plain."""
     plan = make_plan(identified, [name], CommissionPlan().grid, arms=())
     feel = plan.settings.feel(identified)
     damping, frequency, _ = plan.settings.rows.T

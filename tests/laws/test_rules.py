@@ -101,7 +101,7 @@ def known(motor: ff.Loader, share: float) -> ff.Loader:
 
 
 def test_quick_valve_with_slow_sensors_is_stable(loader: ff.Loader) -> None:
-    """Where the filter took noise of the command alone, its pole near -1 left the unit circle by the load cell's lag."""
+    """With little flow noise, the lag of the load cell moved the filter's pole near -1 out of the unit circle."""
     faster = {"valve.natural_frequency": 1.2, "actuator.area": 1.18, "actuator.oil_volume": 0.74}
     slow = dict.fromkeys(
         (f"{sensor}.bandwidth" for sensor in ("load_cell", "potentiometer", "column_sensor")), "500 Hz"

@@ -64,7 +64,7 @@ def test_feel_change_is_bumpless(running, loader):
         "feel.breakout": "2 lb",
     }
     running.wait(1500)
-    # As many samples as before: the largest of more noise is larger.
+    # As many samples as before: the maximum of noise grows with their number.
     after = running.history(since=before[-1, running.columns.index("cycle")])[: len(before)]
     command = running.columns.index("command")
     noise = np.abs(np.diff(before[:, command])).max()

@@ -27,7 +27,8 @@
 //! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
 //!   limit, as against a soft stop, which the torque does not tell from an arm;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
-//!   motion or taken four fifths of it: the column struck a stop. The push of another column over a shaft falls while the column turns, but rises along its way;
+//!   motion, or stopped a fast column to a fifth of its rate: the column struck a stop. The push of another column over a shaft falls while the
+//!   column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
@@ -82,7 +83,7 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// Rate in rad/s of a column that a stop may take without turning it, and the share of it that is left then.
+/// A blow that does not turn the column counts above this rate in rad/s, if at most this share of the rate remains.
 const FAST_RAD_PER_S: f64 = 1.0;
 const LEFT: f64 = 0.2;
 
@@ -396,7 +397,7 @@ impl<S: Scalar> ContactLaw<S> {
         let rose = (self.environment * (now.extreme_angle - now.began_angle).abs()).less(peak_before);
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
         let struck = blow & quick & stiff & zero.less(now.push);
-        // A stop with much damping takes the motion and does not throw the column back.
+        // A well damped stop does not throw the column back.
         let before = now.before * now.side;
         let stopped = before.less(-one.times(FAST_RAD_PER_S)) & before.times(LEFT).less(now_rate * now.side);
         let turned = blow

@@ -55,8 +55,8 @@ _NUMBERS: Mapping[str, Tuning] = MappingProxyType(
             # Of a light feel the torque is believed to change slower: its noise moves the feel by 1 / I.
             torque_walk=Power(-2.0, 0.3),
             disturbance_walk=Power(-4.0, 0.9),
-            # Noise of the command alone is held over a period: with the load cell trusted, the filter then has a pole near -1,
-            # and a lag of 0.3 ms in that sensor makes it unstable on a quick valve.
+            # Input noise is held over a period. With little flow noise and an accurate load cell, the filter has a pole near -1,
+            # which a load cell lag of 0.3 ms moves out of the unit circle if the valve is fast.
             flow_walk=Power(-1.7, -0.4),
             pressure_noise=Power(-5.0, -2.2),
             angle_noise=Power(-1.2, -0.5),

@@ -130,7 +130,7 @@ RECOVERED = replace(OBSERVER, input_noise=Power(0.03))
 """The same with a hundred times the noise at the plant's input."""
 
 MOTOR_RATE_WEIGHT = Power(-0.7)
-"""Weight of the error of the rate in either, for a motor: it lacks the oil that damps a valve's column. Without it the link,
-stretched by the hand that lets go, throws the column of a heavy feel, and a light feel overshoots if friction is higher than
-stated. Over 40 machines drawn from ``elevator-electric`` with 1 lb, 95.9 % of the settings pass in place of 95.2 %, and 90.8
-in place of 89.9 % after a drift of the friction by a fifth. At -1 and -0.4 decades: 95.7 and 95.8 %, 91.0 and 91.3 %."""
+"""Weight of the rate error in both designs for a motor, which lacks the oil that damps a valve's column. Without it, the
+stretched link throws the column of a heavy feel at release, and a light feel overshoots if friction is higher than stated.
+Over 40 machines drawn from ``elevator-electric`` with 1 lb, 95.9 % of the settings pass instead of 95.2 %, and 90.8 %
+instead of 89.9 % after a drift of the friction by a fifth. At -1 and -0.4 decades: 95.7 and 95.8 %, 91.0 and 91.3 %."""
