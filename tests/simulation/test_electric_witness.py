@@ -78,9 +78,9 @@ def push_and_pull(time):
     return 80 * np.sin(2 * math.pi * 2.5 * time)
 
 
-def both(changes, law, duration_s, step_s, force_over=push_and_pull):
+def both(changes, law, duration_s, step_s, force_over=push_and_pull, of=LOADER):
     """The engine's history and the witness's under a force over time, a sample a period."""
-    loader, period = LOADER.replace(changes, si=True), LOADER["controller.period"]
+    loader, period = of.replace(changes, si=True), of["controller.period"]
     time = np.arange(round(duration_s / period) + 1) * period
     force = force_over(time)
     run = simulate(loader, Scenario(Recorded(time, force), duration_s, step_s, period), law)
@@ -158,6 +158,22 @@ def test_engine_matches_witness_as_a_slow_hand_turns_round_under_more_friction_t
     angle = expected["column_angle_rad"]
     assert angle.max() > math.radians(4)
     assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < SLIPS
+
+
+def test_engine_matches_witness_as_a_well_damped_stop_catches_a_stick():
+    """Pushed with 1.8 lb into a steel stop, it comes to rest there. Where a stop had to throw it back, it swung on by 13 deg."""
+    stick = ff.loader.electric("sidestick-roll").replace(RAW | {"feel.breakout": None}, si=True)
+    stiffness, omega = 0.04 * stick["feel.stiffness"], 2 * math.pi * 1.5
+    feel = {"stiffness": stiffness, "inertia": stiffness / omega**2, "damping": 0.2 * stiffness / omega}
+    stick = stick.replace({f"feel.{key}": value for key, value in feel.items()}, si=True)
+    stop = ff.envelope.Contact(True, 1e6, 0.5).on(stick)
+    history, expected = both(
+        {}, ff.Law.of("robust", stick).numbers, 0.6, 1.25e-4, lambda time: np.where(time > 0, 8.0, 0.0), of=stop
+    )
+    angle = expected["column_angle_rad"]
+    assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < AGREES
+    assert angle.max() > stop["column.stop_high"]
+    assert np.ptp(angle[-300:]) < AGREES * TRAVEL
 
 
 @pytest.mark.slow
