@@ -1,5 +1,6 @@
 """``forcefeel bus``: nodes, delay, watchdog, directions, host."""
 
+import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -42,6 +43,42 @@ def test_check_finds_node_watchdog_and_directions(kind, wrong):
     assert periods == round(periods) >= 1
 
 
+class Person(io.StringIO):
+    """Somebody at the terminal."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("answers", "moves", "stated"),
+    [
+        ("y\ny\n", True, ""),
+        ("n\n", False, "motor: not moved: the travel is not confirmed as free"),
+        ("", False, "motor: not moved"),
+        ("y\nn\n", True, "in the negative direction: negate gear, column_gear, load_cell in [bus]"),
+    ],
+)
+def test_person_confirms_before_and_after_the_column_moves(
+    run, tmp_path, monkeypatch, answers_within, answers, moves, stated
+):
+    answers_within(0.2e-3)
+    loader = yoke()
+    with ff.live.BusEmulator([loader]) as emulator:
+        wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
+        (tmp_path / "yoke.toml").write_text(wired.to_toml(), encoding="utf-8")
+        status, out, err = run("yoke.toml", "--move")
+        assert (status, out) == (2, "")
+        assert "expected a person at the terminal" in err
+        monkeypatch.setattr("sys.stdin", Person(answers))
+        status, out, err = run("yoke.toml", "--move")
+        assert (max(map(abs, emulator.angles_rad)) > 0.01) == moves
+    assert "up to 2.5 A will move the column by about 1 deg. Is the travel free?" in err
+    assert ("Was that its positive direction?" in err) == moves
+    assert status == (1 if stated else 0)
+    assert stated in " ".join(out.split())
+
+
 @pytest.fixture
 def answers_within(monkeypatch):
     """A drive that answers each command within a time, and stops by itself: a busy machine takes as long as it likes."""
@@ -70,7 +107,7 @@ def test_command_writes_measured_delay(run, tmp_path, answers_within):
         measured = ff.load(tmp_path / "measured.toml")
         assert measured["controller.delay"] == pytest.approx(found["delay"]["delay_s"], rel=1e-9)  # written with digits
         assert (measured.bus.port, measured.bus.node) == (wired.bus.port, wired.bus.node)
-        status, out, _ = run("yoke.toml", "--move")
+        status, out, _ = run("yoke.toml", "--move", "--yes")
         assert status == 0
         for part in ("Nodes", "controller.delay", "drive watchdog", "column encoder", "real-time kernel"):
             assert part in out
@@ -165,7 +202,7 @@ def test_project_checks_its_axes_in_turn_and_writes_the_delay_of_all(run, tmp_pa
             measured = ff.load(tmp_path / f"measured-{axis}.toml")
             assert measured["controller.delay"] == pytest.approx(delay, rel=1e-9)  # written with digits
             assert measured.bus.node == node
-        status, out, _ = run(path.name, "--move")
+        status, out, _ = run(path.name, "--move", "--yes")
         assert status == 0
         for part in ("pitch: drive watchdog", "roll: column encoder", "node 9 belongs to no axis", "This computer:"):
             assert part in out
@@ -259,11 +296,11 @@ def test_direction_of_a_drive_without_a_limit_is_tested_by_the_output_or_not_at_
     monkeypatch.setattr(check, "_RAMP_S", 0.05)
     loader = valve(loader=ff.digital_elevator().replace({"amplifier.current_limit": None}))
     drive = Stuck()
-    (finding,) = check._Directions(loader, loader.bus, drive).found()
+    (finding,) = check._Directions(loader, loader.bus, drive, lambda _: True).found()
     assert not finding.ok
     assert 0.5 < max(drive.commands) <= 1.0  # V, a tenth of the output's range
     motor = yoke().replace({"current_loop.current_limit": None})
     drive = Stuck()
-    (finding,) = check._Directions(motor, motor.bus, drive).found()
+    (finding,) = check._Directions(motor, motor.bus, drive, lambda _: True).found()
     assert finding.remedy == "add current_loop.current_limit to the loader file"
     assert not drive.commands

@@ -1,6 +1,7 @@
 """The first minutes with a drive: its nodes, how fast it answers, whether it stops by itself, which way it counts."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, isfinite
 
@@ -34,11 +35,15 @@ _CLEARED_S = 0.5
 _WELL = 20
 """Commands in a row without a fault after which a drive is ready: a slave of EtherCAT comes back to OP."""
 _TRIES = 3
+_UNASKED = "not moved: the travel is not confirmed as free"
+
+Confirm = Callable[[str], bool]
+"""A person's answer to a question: whether it is yes."""
 _ODRIVE_S = 0.25
 """By then the heartbeat of an ODrive has told that its watchdog, 0.1 s, has run out."""
 
 
-def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
+def check_bus(loader: Loader, *, move: bool = False, confirm: Confirm | None = None) -> BusCheck:
     """Check the drive of a loader on its bus.
 
     The drive is powered without torque for the test of its watchdog.
@@ -47,6 +52,8 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
         loader: The loader, with a ``bus`` of a drive.
         move: Whether the directions are tested: the motor moves the column by about 1 deg, with at most a tenth of its current.
             Nothing may be in the way.
+        confirm: Asks a person before the motor moves, and afterwards whether that was the positive direction; it gets the question.
+            Without it both count as confirmed.
 
     Raises:
         InputError: If the loader has no such bus, or the node is missing, double, of another firmware, or has a fault.
@@ -63,7 +70,8 @@ def check_bus(loader: Loader, *, move: bool = False) -> BusCheck:
     nodes, drive = nodes_of(bus), drive_of(loader)
     delay = _delay(drive.round_trips(COMMANDS), loader)
     watchdog = _watchdog(drive, bus)
-    directions = _Directions(loader, bus, drive).found() if move and watchdog.ok else ()
+    ask = confirm or (lambda _: True)
+    directions = _Directions(loader, bus, drive, ask).found() if move and watchdog.ok else ()
     return BusCheck(nodes, bus_load(loader), delay, watchdog, directions, check_host())
 
 
@@ -166,16 +174,23 @@ class _Directions:
     loader: Loader
     bus: Bus
     drive: _core.BusDrive
+    confirm: Confirm
 
     def found(self) -> tuple[Finding, ...]:
         if not isfinite(self._largest()):
             remedy = "add current_loop.current_limit to the loader file"
-            return (Finding("motor", False, "not moved: its largest current is unknown", remedy),)
+            return (Finding(self._name, False, "not moved: its largest current is unknown", remedy),)
+        unit = "A" if self.loader.drive == ELECTRIC else "V"
+        most = f"{to_text(_SHARE * self._largest(), 3)} {unit}"
+        if not self.confirm(
+            f"{self.loader.name}: up to {most} will move the column by about {np.degrees(_TRAVEL_RAD):.0f} deg. Is the travel free?"
+        ):
+            return (Finding(self._name, False, _UNASKED, "free the travel, and keep hands off"),)
         for _ in range(_TRIES):
             moved, whole = self._moved()
             if whole:
                 return self._judged(moved)
-        return (Finding("motor", False, "a fault, or no answer, while it was powered", "check cable and supply"),)
+        return (Finding(self._name, False, "a fault, or no answer, while it was powered", "check cable and supply"),)
 
     def _moved(self) -> tuple[NDArray[np.float64], bool]:
         """Change of the sensors under a current that rises until the column moves; whether all answers came."""
@@ -201,6 +216,10 @@ class _Directions:
             _stop(self.drive)
         return np.array(rows) - np.array(start[0]), True
 
+    @property
+    def _name(self) -> str:
+        return "valve" if self.bus.kind == ANALOG else "motor"
+
     def _largest(self) -> float:
         """Largest command, A of a motor, V of a valve: an amplifier without a limit has that of the output."""
         if self.loader.drive == ELECTRIC:
@@ -216,7 +235,7 @@ class _Directions:
         force, position, base, _ = moved[-1]
         angle = float(self._angle(position))
         valve = self.bus.kind == ANALOG
-        drive, column = ("valve", "column_range") if valve else ("motor", "column_gear")
+        drive, column = self._name, "column_range" if valve else "column_gear"
         if abs(angle) < _TRAVEL_RAD:
             stated = f"moved by {to_text(np.degrees(angle), 3)} deg at {_SHARE:.0%} of its largest command"
             check = "output_object and the supply's pressure" if valve else "gear and motor.torque_constant"
@@ -226,7 +245,8 @@ class _Directions:
             if valve
             else "calibrate the drive: its torque and its position have opposite signs"
         )
-        findings = [Finding(drive, angle > 0, f"{to_text(np.degrees(angle), 3)} deg", "" if angle > 0 else opposite)]
+        turned = f"{to_text(np.degrees(angle), 3)} deg"
+        findings = [Finding(drive, angle > 0, turned, "" if angle > 0 else opposite)]
         if self.bus.senses:
             ratio = base / (position / self.loader["linkage.ratio"])
             ok = bool(0.5 < ratio < 2)  # the link's stretch is small; another gear is not
@@ -242,5 +262,13 @@ class _Directions:
             ok = bool(force * angle > 0)
             findings.append(
                 Finding("load cell", ok, f"{to_text(force, 3)} N", "" if ok else "negate load_cell in [bus]")
+            )
+        if all(finding.ok for finding in findings) and not self.confirm(
+            f"{self.loader.name}: the column moved. Was that its positive direction?"
+        ):
+            keys = ("output", "position", "column_range") if valve else ("gear", "column_gear")
+            keys = (*keys, "load_cell") if self.bus.load_cell_n is not None else keys
+            findings[0] = Finding(
+                drive, False, f"{turned}, in the negative direction", f"negate {', '.join(keys)} in [bus]"
             )
         return tuple(findings)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from forcefeel.bus.check import check_bus, drive_of, whole_periods
+from forcefeel.bus.check import Confirm, check_bus, drive_of, whole_periods
 from forcefeel.bus.load import bus_load
 from forcefeel.bus.result import BusCheck, BusNode, Finding
 from forcefeel.errors import InputError
@@ -34,7 +34,7 @@ class CockpitBusCheck:
         return all(check.ok for check in self.axes.values())
 
 
-def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
+def check_cockpit(project: Project, *, move: bool = False, confirm: Confirm | None = None) -> CockpitBusCheck:
     """Check the drive of each axis of a project with ``check_bus``.
 
     A loop asks all drives of a port in one period, so their delay is that of the sum of their times: ``T ceil(sum t_99 / T)``.
@@ -42,6 +42,7 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
     Args:
         project: The project; each of its loaders has a ``bus`` of a drive.
         move: Whether the directions are tested, one axis after the other.
+        confirm: As of ``check_bus``.
 
     Raises:
         InputError: As ``check_bus``, with the axis, before anything is powered; also if two axes have one node at one port.
@@ -66,7 +67,7 @@ def check_cockpit(project: Project, *, move: bool = False) -> CockpitBusCheck:
                     f"[bus] {key}{also}"
                 )
     project.each(lambda _, loader: _check_drive(loader))
-    checks = project.each(lambda _, loader: check_bus(loader, move=move))
+    checks = project.each(lambda _, loader: check_bus(loader, move=move, confirm=confirm))
     together = {
         axis: sum(checks[other].delay.p99_s for other in buses if buses[other].port == bus.port)
         for axis, bus in buses.items()

@@ -1,5 +1,6 @@
 """``forcefeel bus``."""
 
+import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,12 +9,14 @@ from cyclopts import Group
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, LoaderOptions, LoaderOrProject, OutputOptions, option
-from forcefeel.cli.terminal import Terminal, answer, titled
+from forcefeel.cli.terminal import Output, Terminal, answer, titled
+from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from forcefeel.bus import BusCheck, CockpitBusCheck, Finding
+    from forcefeel.bus.check import Confirm
     from forcefeel.loader.loader import Loader
     from forcefeel.loader.project import Project
 
@@ -27,8 +30,12 @@ class BusOptions(LoaderOptions, OutputOptions):
     move: Annotated[
         bool,
         option(
-            "Test the directions: the motor moves the column by about 1 deg with at most a tenth of its current.", CHECK
+            "Test the directions: the motor moves the column by about 1 deg with at most a tenth of its current. Asks a person.",
+            CHECK,
         ),
+    ] = False
+    yes: Annotated[
+        bool, option("With --move: the travel is free and the positive direction is known; ask nothing.", CHECK)
     ] = False
     out: Annotated[
         Path | None,
@@ -60,17 +67,18 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
     """Check a drive on its bus before the first run: nodes, delay and jitter, watchdog, directions, and this computer.
 
     The loader file's table [bus] names the drive. The check powers the drive without torque and lets its watchdog run out; with
-    --move it moves the column. Of a project it checks the drives of all axes in turn. Exit status 1 if a drive is not ready; the
-    computer's properties are advice.
+    --move it asks whether the travel is free, moves the column, and asks whether that was its positive direction. Of a project it
+    checks the drives of all axes in turn. Exit status 1 if a drive is not ready; the computer's properties are advice.
 
     Example: forcefeel bus my-yoke.toml --move --out my-yoke-measured.toml
     """
     from forcefeel.bus.check import check_bus
     from forcefeel.bus.cockpit import check_cockpit
 
+    confirm = _confirm(options)
     if project := options.project(path):
         files = options.files(project.loaders)
-        cockpit = check_cockpit(project, move=options.move)
+        cockpit = check_cockpit(project, move=options.move, confirm=confirm)
         axes = cockpit.axes
         written = _written(files, project.loaders, axes, options)
         answer(
@@ -83,7 +91,7 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
     else:
         loader = options.loader(path)
         files = options.files([""])
-        check = check_bus(loader, move=options.move)
+        check = check_bus(loader, move=options.move, confirm=confirm)
         written = _written(files, {"": loader}, {"": check}, options)
         answer(
             {"loader": written.get("")} if written else {},
@@ -94,6 +102,34 @@ def run(path: LoaderOrProject = None, /, *, options: BusOptions = BusOptions()) 
         ok = check.ok
     if not ok:
         raise SystemExit(BAD_ANSWER)
+
+
+def _confirm(options: BusOptions) -> "Confirm | None":
+    """Who confirms that the column may move: a person at the terminal, unless the option did.
+
+    Raises:
+        InputError: If there is neither.
+    """
+    if not options.move or options.yes:
+        return None
+    if not sys.stdin.isatty():
+        raise InputError(
+            "--move: expected a person at the terminal to confirm the motion; add --yes if the travel is free"
+        )
+    from rich.prompt import Confirm
+    from rich.text import Text
+
+    from forcefeel.printable import visible
+
+    console = Output(stderr=True)
+
+    def ask(question: str) -> bool:
+        try:
+            return Confirm.ask(Text(visible(question)), console=console, default=False)
+        except EOFError:
+            return False
+
+    return ask
 
 
 def _written(
