@@ -1,5 +1,8 @@
 """What is asked of a running loop and seen of it, in virtual time."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -171,7 +174,12 @@ def test_a_real_time_loop_keeps_its_period(loader):
     with ff.live.start(loader, "robust") as running:
         running.on()
         running.wait(400)
-        assert len(running.realtime_status) == 3
+        *_, pinned = running.realtime_status
+        assert len(running.realtime_status) == 4
+        tasks = Path("/proc/self/task")
+        if tasks.is_dir():
+            (loop,) = (it.name for it in tasks.iterdir() if (it / "comm").read_text().strip() == "forcefeel-loop")
+            assert (len(os.sched_getaffinity(int(loop))) == 1) == (pinned == "stays on an isolated processor")
         state = running.state
     # Beats that went by are counted, whether the machine was quick enough or not.
     time_s = column(running, "time_s")

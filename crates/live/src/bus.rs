@@ -334,7 +334,7 @@ impl InputOutput for OnBus {
 fn first<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            let (_granted, _held) = ask();
+            let (_granted, _held) = ask(true);
             work()
         });
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))

@@ -31,7 +31,7 @@ impl Emulator {
         let sees = Arc::clone(&shared);
         let thread = thread::Builder::new().name("forcefeel-emulator".into()).spawn(move || {
             // By the clock a machine is not held up by others.
-            let _held = by_clock.then(ask);
+            let _held = by_clock.then(|| ask(false));
             let count = places.len();
             let axes = places.into_iter().zip(1..);
             let axes = axes.map(|(place, number)| Axis::new(place, number == count, power_s)).collect();

@@ -9,6 +9,8 @@ pub struct Granted {
     pub locked: Result<(), String>,
     /// The processor does not fall asleep so deeply between cycles that it wakes late.
     pub awake: Result<(), String>,
+    /// It stays on a processor that is isolated from other work.
+    pub pinned: Result<(), String>,
 }
 
 /// The priority that is asked for: below the kernel's own threads at 99, above most else.
@@ -21,9 +23,9 @@ pub struct Held {
     _awake: Option<std::fs::File>,
 }
 
-/// Asks for all of them, for the thread that calls.
+/// Asks for all of them, for the thread that calls; `pins`: also for one processor.
 #[cfg(target_os = "linux")]
-pub fn ask() -> (Granted, Held) {
+pub fn ask(pins: bool) -> (Granted, Held) {
     use rustix::mm::{MlockAllFlags, mlockall};
     use thread_priority::{
         RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
@@ -38,7 +40,28 @@ pub fn ask() -> (Granted, Held) {
     let flags = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT;
     let locked = mlockall(flags).map_err(|error| error.to_string());
     let (awake, file) = keep_awake().map_or_else(|error| (Err(error.to_string()), None), |file| (Ok(()), Some(file)));
-    (Granted { fifo, locked, awake }, Held { _awake: file })
+    let isolated = std::fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
+    let pinned = if pins { pin(&isolated) } else { Err("not asked for".into()) };
+    (Granted { fifo, locked, awake, pinned }, Held { _awake: file })
+}
+
+/// Keeps the thread that calls on the last processor of a list such as `1-3,6`, of those that are isolated.
+///
+/// Without one it stays free: held on a processor that others use too, six axes at 2 kHz miss 34 periods in 40 s, 20 where it moves to the
+/// one that is free.
+///
+/// # Errors
+/// If there is none, or the system refuses.
+#[cfg(target_os = "linux")]
+pub fn pin(isolated: &str) -> Result<(), String> {
+    use rustix::thread::{CpuSet, sched_setaffinity};
+    let last = isolated.trim().rsplit([',', '-']).next().and_then(|last| last.parse().ok());
+    let Some(processor) = last.filter(|processor| *processor < CpuSet::MAX_CPU) else {
+        return Err("no isolated processor".into());
+    };
+    let mut set = CpuSet::new();
+    set.set(processor);
+    sched_setaffinity(None, &set).map_err(|error| error.to_string())
 }
 
 /// Asks that no processor take longer than 0 us to wake, for as long as the file is open: Linux' "PM quality of service". Without it an idle
@@ -61,7 +84,7 @@ impl Drop for Held {
 
 /// Other systems than Linux are for trying out.
 #[cfg(not(target_os = "linux"))]
-pub fn ask() -> (Granted, Held) {
+pub fn ask(_: bool) -> (Granted, Held) {
     let none = || Err("only on Linux".to_string());
-    (Granted { fifo: none(), locked: none(), awake: none() }, Held {})
+    (Granted { fifo: none(), locked: none(), awake: none(), pinned: none() }, Held {})
 }

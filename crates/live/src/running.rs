@@ -144,7 +144,7 @@ impl Running {
             let _ends = ends;
             let period_ns = nanoseconds(period_s);
             if real_time {
-                let (given, _held) = ask();
+                let (given, _held) = ask(true);
                 let _ = granted.set(given);
                 run.run(&mut Monotonic::new(period_s), period_ns, beats);
             } else {

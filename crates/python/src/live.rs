@@ -379,11 +379,11 @@ impl LiveLoop {
         (edges, of(&status.late), of(&status.work))
     }
 
-    /// Why the thread got no priority, no locked memory, no processor that stays awake, each nothing where it did; nothing in virtual time.
-    fn refused(&self) -> Option<[Option<String>; 3]> {
+    /// Why the thread got no priority, no locked memory, no processor that stays awake, none of its own, each nothing where it did; nothing in virtual time.
+    fn refused(&self) -> Option<[Option<String>; 4]> {
         self.running
             .granted()
-            .map(|given| [&given.fifo, &given.locked, &given.awake].map(|it| it.as_ref().err().cloned()))
+            .map(|given| [&given.fifo, &given.locked, &given.awake, &given.pinned].map(|it| it.as_ref().err().cloned()))
     }
 
     /// Ends the loop with all its axes, their drives off, and closes the record.

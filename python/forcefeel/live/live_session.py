@@ -389,7 +389,7 @@ class LiveSession(EndsWithBlock):
         if (refused := self.loop.refused()) is None:
             return ()
         return tuple(
-            granted if why is None else f"{not_given} ({why}): {remedy}, or run as root"
+            granted if why is None else f"{not_given} ({why}): {remedy}"
             for why, (granted, not_given, remedy) in zip(refused, _GRANTS, strict=True)
         )
 
@@ -435,12 +435,21 @@ class LiveSession(EndsWithBlock):
 
 _ALL = 2**62
 _GRANTS = (
-    ("runs first in, first out, at real-time priority", "runs without priority", "give the user an rtprio limit"),
-    ("its memory is locked", "its memory is not locked", "give the user a larger memlock limit"),
+    (
+        "runs first in, first out, at real-time priority",
+        "runs without priority",
+        "give the user an rtprio limit, or run as root",
+    ),
+    ("its memory is locked", "its memory is not locked", "give the user a larger memlock limit, or run as root"),
     (
         "the processor stays awake between cycles",
         "the processor may sleep between cycles and wake late",
-        "let the user write /dev/cpu_dma_latency",
+        "let the user write /dev/cpu_dma_latency, or run as root",
+    ),
+    (
+        "stays on an isolated processor",
+        "shares its processors with other work",
+        "add isolcpus=1 nohz_full=1 to the kernel's command line",
     ),
 )
 """Real-time properties: sentence if granted, sentence if refused, and remedy."""

@@ -6,6 +6,7 @@ mod host;
 mod loader;
 mod no_allocation;
 mod packets;
+mod priority;
 mod record;
 mod stall;
 mod test_signal;
