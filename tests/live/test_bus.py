@@ -413,6 +413,11 @@ def test_twin_on_ethercat_is_refused():
         (f'{RATED}\nencoder_counts = 1000\nload_cell = "400 N"', "load_cell_object: missing value"),
         (f'{RATED}\nencoder_counts = 1000\nload_cell_object = "2100"', "load_cell_object: expected an object"),
         (f"{RATED}\nencoder_counts = 1000\nnode = 0", "node: expected 1 to 255"),
+        (f"{RATED}\nencoder_counts = 1000\ninput_node = 2", "input_node: expected load_cell or grip_sensor"),
+        (
+            f'{RATED}\nencoder_counts = 1000\ninput_node = 1\nload_cell = "400 N"\nload_cell_object = "0x6000:17"',
+            "input_node: expected another slave than the drive, 1",
+        ),
     ],
 )
 def test_bad_bus_of_a_file_exits_with_status_2(run, tmp_path, lines, part):
@@ -444,7 +449,9 @@ def test_bus_of_a_file_comes_back_and_a_valve_has_another(run, tmp_path, kind, m
 
 
 def test_missing_can_interface_is_refused_by_name():
-    with pytest.raises(ff.InputError, match="cannot start: can9: "):
+    with pytest.raises(
+        ff.InputError, match=r"can9: expected a CAN interface, or a path of a serial port such as \./can9: "
+    ):
         ff.live.start(yoke(), endpoint=replace(yoke().bus, port="can9"))
 
 

@@ -19,7 +19,7 @@ from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
 from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, before_others, run_that_kept_time, virtual_interfaces
-from tests.live.test_bus import ETHERCAT, UNSENSED, cockpit_on_bus, column, until, yoke
+from tests.live.test_bus import ETHERCAT, UNSENSED, cockpit_on_bus, column, running, until, yoke
 
 run = runs("run")
 bus_command = runs("bus")
@@ -192,6 +192,28 @@ def test_three_axes_of_one_interface_run_in_one_loop(wire, tmp_path):
         assert max(map(abs, angles[:2])) < 1e-3 < angles[2]
 
 
+def test_force_sensors_at_a_terminal_serve_a_drive():
+    wired = {"input_node": 2, "load_cell_object": "0x6000:17", "grip_sensor_n": 100.0, "grip_object": "0x6030:17"}
+    loader = yoke("ethercat", quiet=True, **wired)
+    with pytest.raises(
+        ff.InputError, match=r"coarser than the loader's sensors.*set load_cell\.resolution = 0\.01221 N"
+    ):
+        ff.live.start(loader, endpoint=loader.bus)
+    sensed = {"gain": 1.0, "noise": "0.01 N", "resolution": "0.0031 N"}
+    stated = {f"grip_sensor.{key}": value for key, value in sensed.items()}
+    loader = loader.replace({"load_cell.resolution": "0.0123 N"} | stated)
+    with running(loader) as (session, emulator):
+        session.on()
+        session.wait(3000)
+        emulator.push(8.0)
+        session.wait(9000)
+        assert session.state.name == "active"
+        angle, grip = (column(session, name)[-500:].mean() for name in ("column_angle_rad", "grip_force_n"))
+    # At rest under the force the feel's spring alone holds.
+    assert angle == pytest.approx(8.0 * loader["column.grip_arm"] / loader["feel.stiffness"], rel=5e-3)
+    assert grip == pytest.approx(8.0, abs=0.05)  # of 0.01 N of noise, and the last of the swing
+
+
 def refusal(loader, bus):
     """Why a bus is refused; asked again where a busy machine had no answer in time."""
     for _ in range(10):
@@ -250,7 +272,7 @@ def test_commands_emulate_check_and_run(wire, run, bus_command, tmp_path):
         before_others(emulator)
         try:
             assert json.loads(emulator.stdout.readline())["port"] == wire[1]
-            status, out, _ = bus_command(str(path), "--move")
+            status, out, _ = bus_command(str(path), "--move", "--yes")
             assert "stopped by itself within 0.2 s" in out
             assert status == 0
             words = ["--machine", "bus", "--law", "robust", "--out", str(tmp_path / "run"), "--replace"]

@@ -44,22 +44,41 @@ pub struct Units {
     pub column_counts: f64,
     /// Load cell, column's encoder, force sensor at the grip: an object of its own for each that there is.
     pub sensors: [Option<Object>; 3],
+    /// Node of the terminal whose inputs have load cell and force sensor; nothing where the drive has them.
+    pub input_node: Option<u8>,
 }
 
 impl Units {
     /// Those of a node that has none to state.
-    pub const ONE: Self = Self { rated_torque: 1.0, counts: 1.0, column_counts: 1.0, sensors: [None; 3] };
+    pub const ONE: Self =
+        Self { rated_torque: 1.0, counts: 1.0, column_counts: 1.0, sensors: [None; 3], input_node: None };
+
+    /// The object of a sensor at the drive.
+    pub(crate) fn own(&self, place: usize) -> Option<Object> {
+        if self.is_analog_at_terminal(place) { None } else { self.sensors[place] }
+    }
+
+    /// The object of a sensor at the terminal; an encoder is at the drive.
+    pub(crate) fn at_terminal(&self, place: usize) -> Option<Object> {
+        if self.is_analog_at_terminal(place) { self.sensors[place] } else { None }
+    }
+
+    fn is_analog_at_terminal(&self, place: usize) -> bool {
+        self.input_node.is_some() && place != ENCODER
+    }
 
     /// A sensor's number of full scale: an analog input has 16 bits, half of its range on each side; an encoder has counts.
     fn sensor(&self, place: usize, raw: i32) -> f64 {
-        if place == 1 { f64::from(raw) / self.column_counts } else { 0.5 + f64::from(raw) / (2.0 * ANALOG) }
+        if place == ENCODER { f64::from(raw) / self.column_counts } else { 0.5 + f64::from(raw) / (2.0 * ANALOG) }
     }
 
     fn raw(&self, place: usize, sensor: f64) -> i32 {
-        nearest(if place == 1 { sensor * self.column_counts } else { (2.0 * sensor - 1.0) * ANALOG })
+        nearest(if place == ENCODER { sensor * self.column_counts } else { (2.0 * sensor - 1.0) * ANALOG })
     }
 }
 
+/// Place of the column's encoder among the sensors.
+const ENCODER: usize = 1;
 /// The end of an analog input's range.
 const ANALOG: f64 = 32767.0;
 

@@ -14,7 +14,7 @@ use crate::drive::{Ask, Shown};
 use crate::ethercat::Units;
 use crate::ethercat::analog::{Analog, Terminals};
 use crate::ethercat::axis::{Axis, ProcessData};
-use crate::ethercat::servo::{Layout, Servo};
+use crate::ethercat::servo::{Layout, Servo, TerminalInputs};
 use crate::frame::Frame;
 use crate::protocol::Protocol;
 use alloc::boxed::Box;
@@ -33,8 +33,9 @@ const AROUND: usize = 24;
 const SLAVE_S: f64 = 1e-6;
 /// Period of a heartbeat in s, as the guide has it set.
 const HEARTBEAT_S: f64 = 0.01;
-/// Bytes of the sensors of a drive on EtherCAT.
+/// Bytes of the sensors of a drive on EtherCAT, and of a terminal of four outputs and of four inputs with a status each.
 const SENSORS: [usize; 3] = [2, 4, 2];
+const TERMINAL: [u16; 2] = [8, 16];
 
 /// A frame on the bus.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +62,7 @@ pub fn of_cycle(
 ) -> Vec<FrameLoad> {
     let ask = |cycle| Ask { cycle, torque: 1.0, enable: true, watchdog_s: 0.1 };
     let Some(mut codec) = protocol.codec(node, sensors) else {
-        let mut axis = axis(sensors, units, analog);
+        let mut axis = axis(units, analog);
         let bytes = axis.ask(&ask(1)).sent().len();
         let bits = bits(8 * (bytes + AROUND));
         let frame = FrameLoad { name: "frame", bytes, bits, time_s: f64::from(bits) / ETHERNET, every_s: None };
@@ -80,15 +81,16 @@ pub fn of_cycle(
     frames
 }
 
-/// An axis on EtherCAT; of a valve with terminals of four channels, whose inputs have a status each.
-fn axis(sensors: [bool; 3], units: &Units, analog: Option<&Analog>) -> Axis {
-    let sizes = [0, 1, 2].map(|place| if sensors[place] { SENSORS[place] } else { 0 });
+/// An axis on EtherCAT.
+fn axis(units: &Units, analog: Option<&Analog>) -> Axis {
+    let sizes = [0, 1, 2].map(|place| if units.own(place).is_some() { SENSORS[place] } else { 0 });
+    let terminal = units.input_node.map(|_| TerminalInputs { bytes: TERMINAL[1], places: [None; 3] });
     let data: Box<dyn ProcessData> = match analog {
-        Some(_) => Box::new(Terminals::with_sizes([8, 16])),
-        None => Box::new(Servo::new(*units, Layout { sensors: sizes, error_code: true })),
+        Some(_) => Box::new(Terminals::with_sizes(TERMINAL)),
+        None => Box::new(Servo::new(*units, Layout { sensors: sizes, error_code: true }).with(terminal)),
     };
-    let (second, clock) = if analog.is_some() { (Some(2), None) } else { (None, Some(1)) };
-    Axis::new([Some(1), second], 0, data, clock)
+    let second = (analog.is_some() || terminal.is_some()).then_some(2);
+    Axis::new([Some(1), second], 0, data, analog.is_none().then_some(1))
 }
 
 fn of_can(name: &'static str, frame: &Frame) -> FrameLoad {

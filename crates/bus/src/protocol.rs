@@ -4,7 +4,7 @@ use crate::drive::{Codec, Node};
 use crate::ethercat::Units;
 use crate::ethercat::analog::Analog;
 use crate::ethercat::servo_slave::ServoSlave;
-use crate::ethercat::terminal::TerminalPair;
+use crate::ethercat::terminal::{DriveWithInputs, TerminalPair};
 use crate::line::Adapter;
 use crate::moteus::{self, Moteus};
 use crate::moteus_node::MoteusNode;
@@ -67,7 +67,10 @@ impl Protocol {
     pub fn node(self, number: u8, units: Units, analog: Option<Analog>, last: bool) -> Box<dyn Node + Send> {
         match (self, analog) {
             (Self::Analog, Some(analog)) => Box::new(TerminalPair::new(analog, number, last)),
-            (Self::EtherCat, _) => Box::new(ServoSlave::new(units, number, last)),
+            (Self::EtherCat, _) => match units.input_node {
+                Some(input_node) => Box::new(DriveWithInputs::new(units, number, input_node, last)),
+                None => Box::new(ServoSlave::new(units, number, last)),
+            },
             _ => self.on_can(number, SERIAL + i32::from(number)),
         }
     }

@@ -6,7 +6,7 @@ use forcefeel_bus::drive::{Ask, Identity};
 use forcefeel_bus::ethercat::MOST_POSITION;
 use forcefeel_bus::ethercat::axis::Axis;
 use forcefeel_bus::ethercat::datagram::{MOST, Packet, datagrams};
-use forcefeel_bus::ethercat::start::start_terminals;
+use forcefeel_bus::ethercat::start::{start_drive, start_terminals};
 use forcefeel_bus::ethercat::station::{Segment, Station, scan, stop_all};
 use forcefeel_bus::fault::Fault;
 use std::io;
@@ -164,7 +164,8 @@ impl Fieldbus for EtherCat {
     fn connect(&mut self, settings: &NodeSettings, period_s: Option<f64>) -> Result<usize, String> {
         let NodeSettings { node, units, analog, watchdog_s, .. } = settings;
         let output = self.position("node", *node)?;
-        let input = analog.map_or(Ok(output), |analog| self.position("input_node", analog.input_node))?;
+        let input = analog.map(|analog| analog.input_node).or(units.input_node);
+        let input = input.map_or(Ok(output), |node| self.position("input_node", node))?;
         let positions = [output, input];
         let taken = |position| self.axes.iter().any(|tap| tap.positions.contains(&position));
         if taken(output) {
@@ -183,7 +184,7 @@ impl Fieldbus for EtherCat {
         let named = |why| format!("node {node}: {why}");
         let axis = match analog {
             Some(analog) => start_terminals(self, positions, analog, *watchdog_s, base),
-            None => Station::new(self, output).start(units, *watchdog_s, period_s, base, reference),
+            None => start_drive(self, positions, units, *watchdog_s, period_s, base, reference),
         };
         let axis = axis.map_err(named)?;
         let answer = Answer::NONE;

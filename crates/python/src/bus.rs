@@ -94,6 +94,7 @@ impl NodeOf {
             counts: self.encoder_counts.unwrap_or(1.0),
             column_counts: self.column_counts.unwrap_or(1.0),
             sensors: [load_cell, column, grip],
+            input_node: self.input_node,
         }
     }
 
@@ -161,7 +162,13 @@ fn open(port: &str, protocol: Protocol) -> io::Result<Box<dyn Fieldbus>> {
     };
     #[cfg(target_os = "linux")]
     if !port.contains('/') {
-        return Ok(Box::new(CanBus::new(Box::new(SocketCan::open(port)?))));
+        let named = |error: io::Error| {
+            io::Error::new(
+                error.kind(),
+                format!("expected a CAN interface, or a path of a serial port such as ./{port}: {error}"),
+            )
+        };
+        return Ok(Box::new(CanBus::new(Box::new(SocketCan::open(port).map_err(named)?))));
     }
     Ok(Box::new(CanBus::new(Box::new(SerialAdapter::open(Path::new(port), adapter)?))))
 }

@@ -106,7 +106,8 @@ class Bus:
         column_counts: The same of the encoder at the column.
         load_cell_object, column_object, grip_object: Objects of that drive, or of the input terminal, with the sensors, such as
             ``0x2100:1``; an analog input has 16 bits, with its sign.
-        input_node: Of ``ethercat-analog`` the terminal with the inputs, as ``node``; ``node`` is that with the output.
+        input_node: Terminal with the inputs, as ``node``. Of ``ethercat-analog`` ``node`` is that with the output; of ``ethercat``
+            load cell and force sensor at the grip are there, ``None`` if at the drive.
         output_v: Command at the end of the output's range, V; negative if the valve moves the other way.
         output_object: Object of the output.
         position_m, column_range_rad: Position of the drive's end and angle of the column at the end of their inputs' ranges.
@@ -183,7 +184,12 @@ class Bus:
         **_object_of("grip_sensor_n", 3),
     )
     input_node: int | None = _optional(
-        None, RATIO, "2", "ethercat-analog: terminal with the inputs; node is that with the output", **_VALVE
+        None,
+        RATIO,
+        "2",
+        "ethercat: terminal with the force sensors' inputs, none if at the drive; ethercat-analog: with all inputs",
+        kinds=(ETHERCAT, ANALOG),
+        required=(ANALOG,),
     )
     output_v: float | None = _optional(
         None, VOLTAGE, "10 V", "ethercat-analog: command at the end of the output's range", **_VALVE
@@ -257,6 +263,15 @@ class Bus:
                 raise InputError(f"{key}: missing value; add {key} = {_example(name, self.kind)}, {source}")
             if name in _OBJECTS:
                 _object(name, getattr(self, name))
+        if self.kind == ETHERCAT and self.input_node is not None:
+            if self.load_cell_n is None and self.grip_sensor_n is None:
+                raise InputError(
+                    "input_node: expected load_cell or grip_sensor with it; add one, or leave input_node out"
+                )
+            if self.input_node == self.node:
+                raise InputError(
+                    f"input_node: expected another slave than the drive, {self.node}; leave it out if the drive has the sensors"
+                )
 
     @property
     def senses(self) -> bool:
@@ -265,8 +280,8 @@ class Bus:
 
     @property
     def resolution(self) -> Mapping[str, float]:
-        """Steps of analog inputs by the row of the loader that states them, SI; of other kinds none."""
-        if self.kind != ANALOG:
+        """Steps of a terminal's inputs by the row of the loader that states them, SI; without a terminal none."""
+        if self.input_node is None:
             return {}
         ends = {f"{row.step_of}.resolution": getattr(self, name) for name, row in _ROWS.items() if row.step_of}
         return {row: abs(end) / _END for row, end in ends.items() if end is not None}

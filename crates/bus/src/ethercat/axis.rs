@@ -28,6 +28,10 @@ pub trait ProcessData: Debug + Send {
     fn put(&mut self, ask: &Ask, odd: bool, to: &mut [u8]);
     /// What the inputs state in a frame with these outputs: power, and faults, as the node itself has them. `operational`: its slaves are in OP.
     fn state(&mut self, outputs: &[u8], inputs: &[u8], enable: bool, operational: bool) -> Option<State>;
+    /// Slaves that have inputs.
+    fn readers(&self) -> u16 {
+        1
+    }
     /// Whether it could be enabled.
     fn ready(&self) -> bool;
 }
@@ -135,7 +139,7 @@ impl Axis {
         if !fits(&read, command::LRD, inputs) || written.data.len() != outputs {
             return None;
         }
-        let mut counted = [written.counter(), read.counter()] == [1; 2];
+        let mut counted = [written.counter(), read.counter()] == [1, self.data.readers()];
         let (mut al, mut code) = (self.al, 0);
         for (place, _) in self.slaves() {
             let its = datagrams.next().filter(|it| fits(it, command::FPRD, 6))?;

@@ -65,7 +65,7 @@ impl Dictionary {
     fn value(&self, of: Object, shown: &Shown) -> Option<(Vec<u8>, bool)> {
         let Units { rated_torque, counts, .. } = self.units;
         let analog = |raw: i32| (raw.clamp(-32768, 32767) as i16).to_le_bytes().to_vec();
-        if let Some(place) = self.units.sensors.iter().position(|sensor| *sensor == Some(of)) {
+        if let Some(place) = (0..3).find(|&place| self.units.own(place) == Some(of)) {
             let raw = self.units.raw(place, shown.sensors[place]);
             return Some((if place == 1 { raw.to_le_bytes().to_vec() } else { analog(raw) }, true));
         }

@@ -4,13 +4,18 @@
 //! |---|---|
 //! | inputs | `0x6041 u16, 0x6064 i32, 0x606C i32, 0x6077 i16, 0x6061 u8`, sensors, `0x603F u16` where it can be mapped |
 //!
+//! Load cell and force sensor may be at a terminal's inputs, which come behind those of the drive.
+//!
 //! A fault of the drive is acknowledged only while the loop has it stopped.
 
-use super::axis::ProcessData;
+use super::analog::{Mapped, Terminals};
+use super::axis::{MOST_BYTES, ProcessData};
 use super::cia402::{Power, RATED, TORQUE_MODE};
 use super::{Units, nearest};
 use crate::drive::{Ask, State};
 use crate::fault::Fault;
+use alloc::format;
+use alloc::string::String;
 
 /// Bytes of outputs, and of the inputs that all drives have.
 const OUTPUTS: u16 = 5;
@@ -25,11 +30,38 @@ pub struct Layout {
     pub error_code: bool,
 }
 
+/// The inputs of a terminal: bytes, and the first of each sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TerminalInputs {
+    /// All bytes that it has mapped.
+    pub bytes: u16,
+    /// First byte of each sensor that is there.
+    pub places: [Option<usize>; 3],
+}
+
+impl TerminalInputs {
+    /// Finds the sensors of a file in the map of the inputs.
+    ///
+    /// # Errors
+    /// If one is not mapped, or the map is longer than a frame has room for.
+    pub fn new(units: &Units, map: &Mapped) -> Result<Self, String> {
+        if usize::from(map.bytes) > MOST_BYTES / 2 {
+            return Err(format!("expected at most {} bytes of process data, got {}", MOST_BYTES / 2, map.bytes));
+        }
+        let mut places = [None; 3];
+        for (place, found) in places.iter_mut().enumerate() {
+            *found = units.at_terminal(place).map(|object| map.find(object)).transpose()?;
+        }
+        Ok(Self { bytes: map.bytes, places })
+    }
+}
+
 /// A drive as its last answer stated it.
 #[derive(Debug, Clone)]
 pub struct Servo {
     units: Units,
     layout: Layout,
+    terminal: Option<TerminalInputs>,
     power: Power,
     mode: u8,
 }
@@ -37,7 +69,19 @@ pub struct Servo {
 impl Servo {
     /// A drive of which nothing is known yet.
     pub fn new(units: Units, layout: Layout) -> Self {
-        Self { units, layout, power: Power::NotReady, mode: 0 }
+        Self { units, layout, terminal: None, power: Power::NotReady, mode: 0 }
+    }
+
+    /// With sensors at a terminal.
+    #[must_use]
+    pub fn with(self, terminal: Option<TerminalInputs>) -> Self {
+        Self { terminal, ..self }
+    }
+
+    /// Bytes of its own inputs.
+    pub fn own_inputs(&self) -> u16 {
+        let Layout { sensors, error_code } = self.layout;
+        u16::try_from(INPUTS + sensors.iter().sum::<usize>() + if error_code { 2 } else { 0 }).unwrap_or(0)
     }
 
     fn acts(&self) -> bool {
@@ -47,9 +91,11 @@ impl Servo {
 
 impl ProcessData for Servo {
     fn sizes(&self) -> [u16; 2] {
-        let Layout { sensors, error_code } = self.layout;
-        let inputs = INPUTS + sensors.iter().sum::<usize>() + if error_code { 2 } else { 0 };
-        [OUTPUTS, u16::try_from(inputs).unwrap_or(0)]
+        [OUTPUTS, self.own_inputs() + self.terminal.map_or(0, |terminal| terminal.bytes)]
+    }
+
+    fn readers(&self) -> u16 {
+        if self.terminal.is_some() { 2 } else { 1 }
     }
 
     fn put(&mut self, ask: &Ask, odd: bool, to: &mut [u8]) {
@@ -64,14 +110,20 @@ impl ProcessData for Servo {
     }
 
     fn state(&mut self, _: &[u8], inputs: &[u8], enable: bool, _: bool) -> Option<State> {
+        let (inputs, others) = inputs.split_at_checked(self.own_inputs().into())?;
         let (fixed, mut rest) = inputs.split_first_chunk::<INPUTS>()?;
         let [s, t, p, q, r, o, v, w, x, y, a, b, mode] = *fixed;
-        let sensors = [0, 1, 2].map(|place| {
+        let mut sensors = [0, 1, 2].map(|place| {
             let size = self.layout.sensors[place];
             let (bytes, after) = rest.split_at_checked(size).unwrap_or_default();
             rest = after;
             if size == 0 { f64::NAN } else { self.units.sensor(place, signed(bytes)) }
         });
+        for (sensor, place) in sensors.iter_mut().zip(self.terminal.map_or([None; 3], |terminal| terminal.places)) {
+            if let Some(place) = place {
+                *sensor = 0.5 + 0.5 * Terminals::share(others, place)?;
+            }
+        }
         let error = rest.first_chunk().map_or(Fault::UNKNOWN.0, |code| u16::from_le_bytes(*code));
         (self.power, self.mode) = (Power::of(u16::from_le_bytes([s, t])), mode);
         let counted = |bytes: [u8; 4]| f64::from(i32::from_le_bytes(bytes)) / self.units.counts;

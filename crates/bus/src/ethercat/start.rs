@@ -11,7 +11,7 @@ use super::registers::{
     SYNC_ACTIVATION, SYNC_MANAGER, SYNC_START, SYNC0_CYCLE, SYSTEM_TIME, SYSTEM_TIME_OFFSET, TRIGGERS,
     WATCHDOG_DIVIDER, WATCHDOG_TIME,
 };
-use super::servo::{Layout, Servo};
+use super::servo::{Layout, Servo, TerminalInputs};
 use super::sii::{HAS_COE, word};
 use super::station::{Segment, Station, broadcast};
 use super::{Units, nearest};
@@ -81,8 +81,8 @@ impl Station<'_> {
             (object::MODE_DISPLAY, 8, true),
         ];
         let mut sizes = [0; 3];
-        for (size, sensor) in sizes.iter_mut().zip(units.sensors) {
-            let Some(sensor) = sensor else { continue };
+        for (place, size) in sizes.iter_mut().enumerate() {
+            let Some(sensor) = units.own(place) else { continue };
             let value = self.upload(sensor)?.map_err(|Abort(code)| {
                 format!("{sensor}: expected a sensor's object, got abort code 0x{code:08x}; change [bus]")
             })?;
@@ -177,17 +177,15 @@ impl Station<'_> {
     }
 
     /// Brings a drive to SAFE-OP, with its process data at logical addresses from `base`; `reference` is the station whose clock counts.
-    ///
-    /// # Errors
-    /// What was expected of it.
-    pub fn start(
-        mut self,
+    /// The clock that counts then.
+    fn start_drive(
+        &mut self,
         units: &Units,
         watchdog_s: f64,
         period_s: Option<f64>,
         base: u32,
         reference: Option<u16>,
-    ) -> Result<Axis, String> {
+    ) -> Result<(Servo, Option<u16>), String> {
         let managers = self.begin()?;
         self.check(units)?;
         let servo = Servo::new(*units, self.layout(units)?);
@@ -198,8 +196,7 @@ impl Station<'_> {
         let period_ns = period_s.map(|period_s| (1e9 * period_s) as u32).filter(|period| *period > 0);
         let clock = self.clock(reference, period_ns)?;
         self.enter(SAFE_OP, "SAFE-OP")?;
-        let clock = clock.then_some(reference.unwrap_or(self.address));
-        Ok(Axis::new([Some(self.address), None], base, Box::new(servo), clock))
+        Ok((servo, clock.then_some(reference.unwrap_or(self.address))))
     }
 
     /// The map of a terminal's outputs or inputs, as it has it.
@@ -237,6 +234,39 @@ impl Station<'_> {
         self.enter(SAFE_OP, "SAFE-OP")?;
         Ok(maps)
     }
+}
+
+/// Brings a drive, and the terminal that has its force sensors where its position is another, to SAFE-OP, with process data at logical
+/// addresses from `base`; `reference` is the station whose clock counts.
+///
+/// # Errors
+/// What was expected of them.
+pub fn start_drive(
+    segment: &mut dyn Segment,
+    [drive, input]: [u16; 2],
+    units: &Units,
+    watchdog_s: f64,
+    period_s: Option<f64>,
+    base: u32,
+    reference: Option<u16>,
+) -> Result<Axis, String> {
+    let mut station = Station::new(segment, drive);
+    let mut stations = [Some(station.address), None];
+    let (mut servo, clock) = station.start_drive(units, watchdog_s, period_s, base, reference)?;
+    if let Some(node) = units.input_node {
+        let named = |why| format!("input_node {node}: {why}");
+        if input == drive {
+            return Err(named(
+                "expected another slave than the drive; leave it out if the drive has the sensors".into(),
+            ));
+        }
+        let mut station = Station::new(segment, input);
+        stations[1] = Some(station.address);
+        let behind = base + INPUTS_AT + u32::from(servo.own_inputs());
+        let [_, map] = station.start_terminal(watchdog_s, [None, Some(behind)]).map_err(named)?;
+        servo = servo.with(Some(TerminalInputs::new(units, &map).map_err(named)?));
+    }
+    Ok(Axis::new(stations, base, Box::new(servo), clock))
 }
 
 /// Brings the terminals of a valve at two positions, which may be one, to SAFE-OP, with process data at logical addresses from `base`.

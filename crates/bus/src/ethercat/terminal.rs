@@ -11,9 +11,10 @@ use super::analog::Analog;
 use super::dictionary::{ASSIGNED, INPUTS, OUTPUTS, mapped};
 use super::mailbox::{Abort, Object};
 use super::registers::SAFE_OP;
+use super::servo_slave::ServoSlave;
 use super::sii::Product;
 use super::slave::{Device, Slave};
-use super::{ANALOG, nearest};
+use super::{ANALOG, Units, nearest};
 use crate::drive::{Action, Node, Shown};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -40,15 +41,15 @@ pub const fn input(channel: u8) -> Object {
 pub enum Terminal {
     /// Outputs, and what is at each.
     Outputs([i16; CHANNELS as usize]),
-    /// Inputs, and which sensor is at each.
-    Inputs(Analog),
+    /// Inputs: the object of each sensor, and turns of the column at the end of its input's range.
+    Inputs([Option<Object>; SENSORS], f64),
 }
 
 impl Terminal {
     fn place(&self) -> usize {
         match self {
             Self::Outputs(_) => 0,
-            Self::Inputs(_) => 1,
+            Self::Inputs(..) => 1,
         }
     }
 
@@ -57,7 +58,7 @@ impl Terminal {
         let number = u16::from(channel);
         match self {
             Self::Outputs(_) => (OUTPUTS + number, vec![mapped(output(channel), 16)]),
-            Self::Inputs(_) => {
+            Self::Inputs(..) => {
                 let of = |sub: u8| if sub == 0 { Object::new(0, 0) } else { Object::new(input(channel).index, sub) };
                 let status = STATUS.iter().map(|&(sub, bits)| mapped(of(sub), bits));
                 (INPUTS + 2 * number, status.chain([mapped(input(channel), 16)]).collect())
@@ -69,11 +70,11 @@ impl Terminal {
     fn value(&self, channel: u8, shown: &Shown) -> [u8; 2] {
         let raw = match self {
             Self::Outputs(values) => values[usize::from(channel)],
-            Self::Inputs(analog) => {
-                analog.inputs.iter().position(|it| *it == Some(input(channel))).map_or(0, |sensor| {
+            Self::Inputs(objects, column_range) => {
+                objects.iter().position(|it| *it == Some(input(channel))).map_or(0, |sensor| {
                     let [force, column, grip] = shown.sensors;
                     let shares: [f64; SENSORS] =
-                        [2.0 * force - 1.0, shown.position, column / analog.column_range, 2.0 * grip - 1.0];
+                        [2.0 * force - 1.0, shown.position, column / column_range, 2.0 * grip - 1.0];
                     i16::try_from(nearest(shares[sensor] * ANALOG).clamp(-32767, 32767)).unwrap_or(0)
                 })
             }
@@ -86,7 +87,7 @@ impl Device for Terminal {
     fn product(&self) -> Product {
         match self {
             Self::Outputs(_) => Product { name: "forcefeel emulated outputs", code: 4134, sizes: [8, 0] },
-            Self::Inputs(_) => Product { name: "forcefeel emulated inputs", code: 3104, sizes: [0, 16] },
+            Self::Inputs(..) => Product { name: "forcefeel emulated inputs", code: 3104, sizes: [0, 16] },
         }
     }
 
@@ -144,7 +145,7 @@ impl Device for Terminal {
     }
 
     fn give(&self, inputs: &mut [u8], shown: &Shown) {
-        if let Self::Inputs(_) = self {
+        if let Self::Inputs(..) = self {
             for (channel, to) in (0..CHANNELS).zip(inputs.chunks_exact_mut(4)) {
                 let [low, high] = self.value(channel, shown);
                 to.copy_from_slice(&[0, 0, low, high]);
@@ -172,7 +173,7 @@ impl TerminalPair {
     pub fn new(analog: Analog, node: u8, last: bool) -> Self {
         Self {
             outputs: Slave::with(Terminal::Outputs([0; CHANNELS as usize]), node, false),
-            inputs: Slave::with(Terminal::Inputs(analog), analog.input_node, last),
+            inputs: Slave::with(Terminal::Inputs(analog.inputs, analog.column_range), analog.input_node, last),
             channel: (0..CHANNELS).find(|&channel| output(channel) == analog.output),
         }
     }
@@ -200,4 +201,40 @@ impl Node for TerminalPair {
     }
 
     fn delay_power(&mut self, _: f64) {}
+}
+
+/// A drive, then a terminal with its force sensors.
+#[derive(Debug, Clone)]
+pub struct DriveWithInputs {
+    drive: ServoSlave,
+    inputs: Slave<Terminal>,
+}
+
+impl DriveWithInputs {
+    /// Slaves in INIT, the terminal at a node the last of a line or not.
+    pub fn new(units: Units, node: u8, input_node: u8, last: bool) -> Self {
+        let [load_cell, _, grip] = [0, 1, 2].map(|place| units.at_terminal(place));
+        let inputs = Terminal::Inputs([load_cell, None, None, grip], 1.0);
+        Self { drive: ServoSlave::new(units, node, false), inputs: Slave::with(inputs, input_node, last) }
+    }
+}
+
+impl Node for DriveWithInputs {
+    fn pass(&mut self, frame: &mut [u8], shown: &Shown, now_s: f64) -> bool {
+        let commanded = self.drive.pass(frame, shown, now_s);
+        self.inputs.let_through(frame, shown, now_s);
+        commanded
+    }
+
+    fn action(&mut self, now_s: f64) -> Action {
+        self.drive.action(now_s)
+    }
+
+    fn fail(&mut self, code: u16) {
+        self.drive.fail(code);
+    }
+
+    fn delay_power(&mut self, power_s: f64) {
+        self.drive.delay_power(power_s);
+    }
 }

@@ -9,7 +9,9 @@ use forcefeel_bus::ethercat::datagram::{Packet, at, command, datagrams};
 use forcefeel_bus::ethercat::mailbox::Object;
 use forcefeel_bus::ethercat::registers::{AL_STATUS, INIT, OP, SAFE_OP};
 use forcefeel_bus::ethercat::servo_slave::ServoSlave;
+use forcefeel_bus::ethercat::start::start_drive;
 use forcefeel_bus::ethercat::station::{Segment, Station, scan};
+use forcefeel_bus::ethercat::terminal::{DriveWithInputs, input};
 use forcefeel_bus::fault::Fault;
 
 const UNITS: Units = Units {
@@ -17,6 +19,7 @@ const UNITS: Units = Units {
     counts: 65536.0,
     column_counts: 1_048_576.0,
     sensors: [Some(Object::new(0x2100, 1)), Some(Object::new(0x60e4, 1)), Some(Object::new(0x2100, 2))],
+    input_node: None,
 };
 const SHOWN: Shown = Shown { position: 0.25, velocity: -1.5, torque: 0.5, sensors: [0.75, 0.125, 0.25] };
 type Wire = wire::Wire<ServoSlave>;
@@ -35,8 +38,15 @@ impl Line {
         assert_eq!(scan(&mut wire), Ok(vec![0; usize::from(count)]));
         let mut reference = None;
         let axes = (1..=count).map(|place| {
-            let station = Station::new(&mut wire, place.into());
-            let axis = station.start(&UNITS, WATCHDOG_S, Some(PERIOD_S), u32::from(place) << 16, reference);
+            let axis = start_drive(
+                &mut wire,
+                [place.into(); 2],
+                &UNITS,
+                WATCHDOG_S,
+                Some(PERIOD_S),
+                u32::from(place) << 16,
+                reference,
+            );
             let axis = axis.expect("a drive that starts");
             reference = axis.clock();
             axis
@@ -213,7 +223,7 @@ fn a_drive_of_an_earlier_loop_takes_no_part_in_the_frames_of_the_next() {
     let mut line = Line::new(2);
     scan(&mut line.wire).expect("two slaves");
     // Where those of the first drive were.
-    let started = Station::new(&mut line.wire, 2).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 1 << 16, None);
+    let started = start_drive(&mut line.wire, [2; 2], &UNITS, WATCHDOG_S, Some(PERIOD_S), 1 << 16, None);
     line.axes[1] = started.expect("a drive that starts");
     assert!(line.cycle(1, 0.0, false).is_ok());
 }
@@ -222,7 +232,7 @@ fn a_drive_of_an_earlier_loop_takes_no_part_in_the_frames_of_the_next() {
 fn refusal(units: &Units) -> String {
     let mut wire = Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN);
     scan(&mut wire).expect("a slave");
-    let refused = Station::new(&mut wire, 1).start(units, WATCHDOG_S, None, 0, None);
+    let refused = start_drive(&mut wire, [1; 2], units, WATCHDOG_S, None, 0, None);
     assert_eq!(wire.slaves[0].action(wire.now_s), Action::Free);
     refused.expect_err("a refusal")
 }
@@ -251,7 +261,7 @@ fn a_drive_without_torque_mode_is_refused_by_the_object_that_says_so() {
     }
     let mut wire = Lacking(Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN));
     scan(&mut wire).expect("a slave");
-    let refused = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
+    let refused = start_drive(&mut wire, [1; 2], &UNITS, WATCHDOG_S, None, 0, None);
     assert!(refused.is_err_and(|why| why.contains("bit 9 of 0x6502, got 0x00000100")));
 }
 
@@ -284,7 +294,7 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
     }
     let mut tap = Tap(Wire::new(vec![ServoSlave::new(UNITS, 1, true)], SHOWN), vec![]);
     scan(&mut tap).expect("a slave");
-    let mut axis = Station::new(&mut tap, 1).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).expect("a start");
+    let mut axis = start_drive(&mut tap, [1; 2], &UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).expect("a start");
     for cycle in 0..8 {
         let mut packet = axis.ask(&Ask { cycle, torque: 0.0, enable: false, watchdog_s: WATCHDOG_S });
         tap.exchange(&mut packet);
@@ -300,7 +310,7 @@ fn a_slave_starts_as_ever_after_a_million_damaged_frames() {
     }
     assert!(answered > FRAMES / 10, "{answered}");
     scan(&mut wire).expect("a slave");
-    let started = Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, None, 0, None);
+    let started = start_drive(&mut wire, [1; 2], &UNITS, WATCHDOG_S, None, 0, None);
     assert_eq!(started.map(|_| ()), Ok(()));
 }
 
@@ -330,9 +340,58 @@ fn a_million_damaged_answers_do_not_panic_a_start() {
     while wire.2 < FRAMES {
         wire.0.slaves = vec![ServoSlave::new(UNITS, 1, true)];
         let started = scan(&mut wire)
-            .and_then(|_| Station::new(&mut wire, 1).start(&UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).map(|_| ()));
+            .and_then(|_| start_drive(&mut wire, [1; 2], &UNITS, WATCHDOG_S, Some(PERIOD_S), 0, None).map(|_| ()));
         outcomes[usize::from(started.is_ok())] += 1;
         assert_eq!(wire.0.slaves[0].action(wire.0.now_s), Action::Free);
     }
     assert!(outcomes[0] > 10, "{outcomes:?}");
+}
+
+type Beside = wire::Wire<DriveWithInputs>;
+
+/// Force sensors at the second and fourth input of a terminal behind the drive.
+const AT_TERMINAL: Units =
+    Units { sensors: [Some(input(1)), UNITS.sensors[1], Some(input(3))], input_node: Some(2), ..UNITS };
+
+fn started_beside(wire: &mut dyn Segment, units: &Units, places: [u16; 2]) -> Result<Axis, String> {
+    assert_eq!(scan(wire), Ok(vec![0, 0]));
+    start_drive(wire, places, units, WATCHDOG_S, Some(PERIOD_S), 1 << 16, None)
+}
+
+#[test]
+fn force_sensors_at_a_terminal_are_read_beside_the_drive() {
+    let mut wire = Beside::new(vec![DriveWithInputs::new(AT_TERMINAL, 1, 2, true)], SHOWN);
+    let mut axis = started_beside(&mut wire, &AT_TERMINAL, [1, 2]).expect("slaves that start");
+    let mut cycle = |wire: &mut Beside, cycle, gone| {
+        wire.now_s += PERIOD_S;
+        let mut packet = axis.ask(&Ask { cycle, torque: 1.0, enable: cycle > 9, watchdog_s: WATCHDOG_S });
+        wire.pass(&mut packet);
+        if gone {
+            // The counter of the inputs: behind Ethernet's head, the outputs' datagram and the inputs.
+            let inputs = datagrams(&mut packet.bytes).nth(1).expect("inputs");
+            assert_eq!(inputs.counter(), 2);
+            let counter = 16 + (10 + 5 + 2) + 10 + inputs.data.len();
+            packet.bytes[counter] = 1;
+        }
+        axis.take(&mut packet.bytes).expect("its own frame")
+    };
+    for at in 0..20 {
+        cycle(&mut wire, at, false).expect("a whole frame");
+    }
+    let state = cycle(&mut wire, 20, false).expect("a whole frame");
+    assert!((state.position - 0.25).abs() < 1e-4 && (state.torque - 0.5).abs() < 1e-3 && state.acts);
+    let off = [0.75, 0.125, 0.25].iter().zip(state.sensors).map(|(stated, read)| (stated - read).abs());
+    assert!(off.fold(0.0, f64::max) < 2e-5, "{:?}", state.sensors);
+    assert_eq!(wire.slaves[0].action(wire.now_s), Action::Torque(1.0));
+    assert_eq!(cycle(&mut wire, 21, true), Err(Fault::COUNTER));
+}
+
+#[test]
+fn a_terminal_without_the_sensor_or_in_the_drives_place_is_refused() {
+    let mut wire = Beside::new(vec![DriveWithInputs::new(AT_TERMINAL, 1, 2, true)], SHOWN);
+    let other = Units { sensors: [Some(Object::new(0x6100, 17)), None, None], ..AT_TERMINAL };
+    let why = started_beside(&mut wire, &other, [1, 2]).expect_err("a refusal");
+    assert!(why.contains("input_node 2: 0x6100:17: expected") && why.contains("0x6030:17"), "{why}");
+    let why = started_beside(&mut wire, &AT_TERMINAL, [1, 1]).expect_err("a refusal");
+    assert!(why.contains("input_node 2: expected another slave than the drive"), "{why}");
 }

@@ -6,7 +6,8 @@ use forcefeel_bus::drive::{Ask, Node, Shown};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::datagram::Packet;
 use forcefeel_bus::ethercat::servo_slave::ServoSlave;
-use forcefeel_bus::ethercat::station::{Segment, Station, scan};
+use forcefeel_bus::ethercat::start::start_drive;
+use forcefeel_bus::ethercat::station::{Segment, scan};
 use forcefeel_bus::frame::Frame;
 use forcefeel_bus::line::Line;
 use forcefeel_bus::protocol::Protocol;
@@ -173,7 +174,7 @@ fn a_frame_of_ethercat_allocates_nothing_on_its_way_out_and_back() {
     }
     let mut wire = Wire(ServoSlave::new(Units::ONE, 1, true));
     scan(&mut wire).expect("a slave");
-    let mut axis = Station::new(&mut wire, 1).start(&Units::ONE, 0.1, Some(1e-3), 0, None).expect("a start");
+    let mut axis = start_drive(&mut wire, [1; 2], &Units::ONE, 0.1, Some(1e-3), 0, None).expect("a start");
     for cycle in 0..100 {
         let ask = Ask { cycle, torque: 0.5, enable: cycle > 10, watchdog_s: 0.1 };
         let mut packet = assert_no_alloc(|| axis.ask(&ask));
