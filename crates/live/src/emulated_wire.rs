@@ -112,6 +112,13 @@ impl Terminals {
     }
 }
 
+/// A frame of CAN, or of Ethernet.
+enum Came {
+    Frame(Frame),
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "there is no interface"))]
+    Packet(Vec<u8>),
+}
+
 /// The port with its machines.
 pub(crate) struct Wire {
     terminals: Terminals,
@@ -139,14 +146,15 @@ impl Wire {
             for asked in asked {
                 self.take(asked);
             }
-            if by_clock {
-                let now_s = begun.elapsed().as_secs_f64();
-                for axis in &mut self.axes {
-                    axis.time_s = axis.time_s.max(now_s - MOST_BEHIND_S);
-                    while axis.time_s + axis.machine.step_s() <= now_s {
-                        axis.advance(1);
-                    }
+            let came = self.received(&mut bytes);
+            for (count, frame) in came.iter().enumerate() {
+                if by_clock {
+                    self.catch_up(begun, came.len() - count);
                 }
+                self.carry(frame, by_clock);
+            }
+            if by_clock {
+                self.catch_up(begun, 1);
             }
             // Where machines wait for commands, what they send by themselves goes with those, or by the clock while none comes.
             let idle = self.came.elapsed();
@@ -154,12 +162,52 @@ impl Wire {
                 self.tick(if by_clock { 0.0 } else { idle.as_secs_f64() });
             }
             *locked(&self.shared.seen) = self.axes.iter().map(|axis| [axis.command, axis.machine.angle()]).collect();
-            let count = self.terminals.read(&mut bytes);
-            if count == 0 {
+            if came.is_empty() {
                 self.terminals.wait(NAP);
-            } else {
-                self.came(&mut bytes[..count], by_clock);
             }
+        }
+    }
+
+    /// Has the machines go on by the clock. Of several frames that came while this computer was busy, each gets its share of the time
+    /// before it: a drive would have taken them one after another.
+    fn catch_up(&mut self, begun: Instant, frames: usize) {
+        let now_s = begun.elapsed().as_secs_f64();
+        for axis in &mut self.axes {
+            axis.time_s = axis.time_s.max(now_s - MOST_BEHIND_S);
+            #[expect(clippy::cast_precision_loss, reason = "a few frames")]
+            let until_s = axis.time_s + (now_s - axis.time_s) / frames as f64;
+            while axis.time_s + axis.machine.step_s() <= until_s {
+                axis.advance(1);
+            }
+        }
+    }
+
+    /// All frames that have come.
+    fn received(&mut self, bytes: &mut [u8]) -> Vec<Came> {
+        let mut frames = vec![];
+        loop {
+            let count = self.terminals.read(bytes);
+            if count == 0 {
+                return frames;
+            }
+            self.came = Instant::now();
+            match &mut self.terminals {
+                Terminals::Serial(_, lines) => {
+                    frames.extend(bytes[..count].iter().filter_map(|&byte| match lines.take(byte) {
+                        Some(Line::Frame(frame)) => Some(Came::Frame(frame)),
+                        _ => None,
+                    }));
+                }
+                #[cfg(target_os = "linux")]
+                Terminals::Interface(_) => frames.push(Came::Packet(bytes[..count].to_vec())),
+            }
+        }
+    }
+
+    fn carry(&mut self, came: &Came, by_clock: bool) {
+        match came {
+            Came::Frame(frame) => self.frame(frame, by_clock),
+            Came::Packet(packet) => self.packet(&mut packet.clone(), by_clock),
         }
     }
 
@@ -187,17 +235,6 @@ impl Wire {
                     serial.write(&bytes[..count]);
                 }
             });
-        }
-    }
-
-    fn came(&mut self, bytes: &mut [u8], by_clock: bool) {
-        self.came = Instant::now();
-        let Terminals::Serial(_, lines) = &mut self.terminals else { return self.packet(bytes, by_clock) };
-        let frames: Vec<_> = bytes.iter().filter_map(|&byte| lines.take(byte)).collect();
-        for line in frames {
-            if let Line::Frame(frame) = line {
-                self.frame(&frame, by_clock);
-            }
         }
     }
 

@@ -1,6 +1,7 @@
 """Drives on a bus: what a loop needs of them, and machines emulated behind one."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import Literal, get_args
@@ -21,6 +22,9 @@ from forcefeel.units import show, to_text
 
 WireFault = Literal["lost", "late", "repeated", "corrupt", "gone", "bus_off", "miscounted"]
 WIRE_FAULTS = get_args(WireFault)
+
+_DRIVE_S = 1 / 30_000
+"""Time after which a drive reads its sensors anew, s: a moteus's own loop has 30 kHz."""
 
 _ALMOST = 0.99
 """Share of an input's step that a file must state: of numbers with a few digits."""
@@ -115,7 +119,11 @@ class BusEmulator(EndsWithBlock):
         nodes = []
         for loader in loaders:
             bus = bus_of(loader)
-            setup, steps = made_of(loader, live_law(None, loader), supervised=False, scenario=scenario)
+            law, period = live_law(None, loader), loader["controller.period"]
+            played = scenario or Scenario(duration_s=period, sample_s=period)
+            if real_time:
+                played = replace(played, step_s=period / max(round(period / _DRIVE_S), 1))
+            setup, steps = made_of(loader, law, supervised=False, scenario=played)
             nodes.append((setup, bus.engine, script_of(steps, scenario) if scenario else None))
         kinds, numbers = ([node[1][of] for node in nodes] for of in ("kind", "node"))
         if len(set(kinds)) != 1 or len(set(numbers)) < len(numbers):
