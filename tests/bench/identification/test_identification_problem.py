@@ -7,10 +7,12 @@ import pytest
 from scipy.stats import t as student
 
 import forcefeel as ff
+from forcefeel.bench.identification import search
 from forcefeel.bench.identification.confidence import Confidence, confidence_of, half_widths, weak_directions
+from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.inseparable import inseparable_sets
 from forcefeel.bench.identification.observations import Compared
-from forcefeel.bench.identification.problem import Problem
+from forcefeel.bench.identification.problem import DivergesError, Problem, _check_slopes
 from forcefeel.bench.identification.unknowns import parameter_keys, starts, unknowns_of
 from forcefeel.errors import InputError
 
@@ -284,3 +286,18 @@ def test_starts_begin_at_the_file_and_stay_within_tolerance():
         assert np.ptp(found[:, j]) > 0.3 * asked[j].nominal
     assert np.all((found[:, 1] >= asked[1].nominal / 2) & (found[:, 1] <= 2 * asked[1].nominal))
     np.testing.assert_array_equal(found, starts(asked, 9))
+
+
+def test_search_that_comes_to_an_unstable_loop_is_refused_by_name(monkeypatch):
+    """Limits bound the motion of an unstable loop, and its derivatives grow beyond all numbers."""
+    for slopes in ([1.0, -1e13], [np.nan, 0.0]):
+        with pytest.raises(ff.InputError, match="the search came to an unstable loop"):
+            _check_slopes(np.array(slopes))
+    _check_slopes(np.array([1e9, -1e9]))
+
+    def settled(problem, x, *, coarse):
+        raise DivergesError("unstable")
+
+    monkeypatch.setattr(search, "_settled", settled)
+    with pytest.raises(ff.InputError, match="diverges from the file's values and from every other start on"):
+        identify(ff.elevator(), [ff.read_bench_data("examples/bench/sweep.csv")], "G", starts=1)

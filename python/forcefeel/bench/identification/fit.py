@@ -30,6 +30,7 @@ from forcefeel.bench.identification.unknowns import Unknown, parameter_keys, unk
 from forcefeel.bench.plausibility import CLEAR, FAR, distance, misreading
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
+from forcefeel.bench.run_law import law_of_runs
 from forcefeel.errors import InputError, expect, type_text
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
@@ -100,6 +101,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     check_bench(loader, data)
+    law = law_of_runs(data, loader) if law is None else law
     _check_valve(loader, keys, data, as_responses=as_responses)
     if loader.drive == ELECTRIC and any(measurement.experiment.loop is Loop.LOADER for measurement in data):
         law = Law.of(bench_law(law, loader), loader)  # designed or read once, for the loader as its file has it

@@ -182,6 +182,7 @@ class Problem:
     ) -> Optimum:
         """The optimum at ``x``, with this noise or the noise of the residual there."""
         residual, slopes = self.compare(x)
+        _check_slopes(slopes)
         noise = self._noise(residual) if noise is None else noise
         weight = self._weight(noise)
         return Optimum(x, noise, residual * weight, slopes * weight[:, np.newaxis], at_bound)
@@ -232,7 +233,9 @@ class Problem:
             return np.concatenate([self.residual(at) * weight, self.prior_rows(at)[0]])
 
         def slopes(at: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])
+            there = self.compare(at)[1]
+            _check_slopes(there)
+            return np.concatenate([there * weight[:, np.newaxis], self.prior_rows(at)[1]])
 
         low, high = self.bounds(len(x))
         with np.errstate(over="ignore"):  # a step to a diverging model is retracted
@@ -266,6 +269,26 @@ class Problem:
         deviation = float(np.sqrt(np.mean(residual**2)))
         return max(deviation, _LEAST_NOISE)
 
+
+def _check_slopes(slopes: NDArray[np.float64]) -> None:
+    """Refuse a point at which the loop swings without end: limits bound its motion, and the derivatives grow with time.
+
+    Raises:
+        DivergesError: If they have.
+    """
+    if not (np.abs(slopes) < _MOST_SLOPE).all():
+        raise DivergesError(
+            "data: the search came to an unstable loop; expected one that is stable at and about the file's values: check the "
+            "experiment, the law and the loader file"
+        )
+
+
+class DivergesError(InputError):
+    """The model diverges where a search has come to."""
+
+
+_MOST_SLOPE = 1e12
+"""Largest derivative of a stable loop's residual, in units of the expected noise."""
 
 _LEAST_NOISE = 1e-9
 """Noise of data computed by the model itself, in units of the expected noise."""

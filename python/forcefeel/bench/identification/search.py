@@ -5,6 +5,7 @@ from any lower point about its end, see ``friction_jumps``.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from forcefeel.bench.identification.confidence import Confidence, confidence_of
 from forcefeel.bench.identification.friction_jumps import surroundings
-from forcefeel.bench.identification.problem import Optimum, Problem
+from forcefeel.bench.identification.problem import DivergesError, Optimum, Problem
 from forcefeel.bench.identification.result import Ended
 from forcefeel.bench.identification.unknowns import starts
 from forcefeel.bench.records import BenchRecord
@@ -40,7 +41,7 @@ def search(
         progress: Called with the number of finished searches and of all.
 
     Raises:
-        InputError: If the model diverges at every start.
+        InputError: If the model diverges from every start on.
     """
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
     first, count = begin[0], max(len(begin[0]), begin[1])
@@ -51,11 +52,12 @@ def search(
         progress(k, count + 1)
         start = coarse.start(values)
         if np.isfinite(coarse.compare(start)[0]).all():  # or the model diverges there
-            reached.append((k, _settled(coarse, start, coarse=True)[0]))
+            with suppress(DivergesError):
+                reached.append((k, _settled(coarse, start, coarse=True)[0]))
     if not reached:
         raise InputError(
-            "data: the model diverges at the file's values and at every other start; expected a loop that is stable there: check "
-            "the experiment, the law and the loader file"
+            "data: the model diverges from the file's values and from every other start on; expected a loop that is stable there: "
+            "check the experiment, the law and the loader file"
         )
     progress(count, count + 1)
     best = min((optimum for _, optimum in reached), key=partial(_cost, coarse))
@@ -74,8 +76,11 @@ def from_afar(problem: Problem) -> Confidence | None:
     start = coarse.start(starts(problem.unknowns, 1)[0])
     if not np.isfinite(coarse.compare(start)[0]).all():
         return None
-    optimum, _ = _settled(coarse, start, coarse=True)
-    return confidence_of(problem, problem.optimum_at(optimum.x, optimum.at_bound))
+    try:
+        optimum, _ = _settled(coarse, start, coarse=True)
+        return confidence_of(problem, problem.optimum_at(optimum.x, optimum.at_bound))
+    except DivergesError:
+        return None
 
 
 def _settled(problem: Problem, x: NDArray[np.float64], *, coarse: bool) -> tuple[Optimum, Confidence]:
