@@ -9,6 +9,8 @@ import forcefeel as ff
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.record_run import driven
+from forcefeel.bench.record_csv import record_csv
+from forcefeel.bench.run_law import law_of_runs
 from forcefeel.bus import bench_record
 from forcefeel.simulation.inputs import Schedule
 from tests.command_line import runs
@@ -20,6 +22,9 @@ excite = runs("excite")
 FIT = ("motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia")
 NEAR = 0.01
 """The sensors have noise, and an ODrive's board 16 bits of force."""
+
+ROUNDED = 1e-9
+"""Of sums of some thousand numbers."""
 
 UNDER_LAW = 0.02
 """The law turns the sensors' noise into motion."""
@@ -74,7 +79,7 @@ def test_record_under_the_law_lies_on_the_simulation(kind, near):
         record = ff.bus.play(replace(signal, loader=there), real_time=False)
     steps = Schedule(tuple(np.repeat(signal.time_s, 2)[1:].tolist()), tuple(np.repeat(signal.signal, 2)[:-1].tolist()))
     scenario = replace(driven(Drive.COMMAND_CURRENT, steps), duration_s=2.9, sample_s=1 / 2000)
-    run = ff.simulate(loader, scenario, "robust").history
+    run = ff.simulate(loader, scenario, signal.law).history
     for channel, column in (
         ("column_angle", "column_angle_rad"),
         ("drive_position", "drive_position_m"),
@@ -96,8 +101,8 @@ def test_identification_finds_the_hidden_machine_and_its_friction_under_the_law(
     with ff.live.BusEmulator([truth], real_time=False) as emulator:
         wired = replace(loader, bus=replace(loader.bus, port=emulator.port))
         record = ff.bus.play(under_law(wired, 16.0), real_time=False)
-    law = ff.Law.of("robust", loader)  # that of the run, which knows of no friction
-    found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], law=law, starts=1)
+    assert record.run == {"law": "torque-mode"}
+    found = identify(loader.replace({DRY[0]: "2 lb"}), [record], [*FIT, DRY[0]], starts=1)
     for estimate in found.estimates:
         key = estimate.unknown.key
         assert estimate.value == pytest.approx(truth[key], rel=UNDER_LAW), key
@@ -108,7 +113,7 @@ def test_signal_under_the_law_ends_with_the_supervisor():
     with emulated(loader) as (wired, emulator):
         signal = under_law(wired, travel=0.01)
         with pytest.raises(ff.InputError, match=r"the signal ended early: .*; lower the limits"):
-            ff.bus.play(replace(signal, signal=100 * signal.signal), real_time=False)
+            ff.bus.play(replace(signal, signal=np.full_like(signal.signal, 20.0)), real_time=False)
         until(lambda: emulator.commands == [0.0])  # the last telegram may be under way
 
 
@@ -175,3 +180,46 @@ def test_record_with_a_late_command_is_made_anew_twice_at_most(monkeypatch, late
         with pytest.raises(ff.InputError, match=r"in 3 records a command came late, in the last 10\.5 ms after"):
             ff.bus.play(signal)
     assert len(made) == 3
+
+
+def test_commands_that_were_late_or_missed_are_the_mean_of_each_period():
+    """A late step and a late sample of a known motion: the record has both at whole periods."""
+    rng, period, count = np.random.default_rng(7), 5e-4, 4000
+    sent_s = (np.arange(count) + np.cumsum(rng.random(count) < 0.002)) * period + rng.uniform(0, 0.3, count) * period
+    sent_s -= sent_s[0]
+    signal = rng.normal(size=count)
+    swing = {"column_angle": np.sin(2 * np.pi * 40 * sent_s)}
+    time_s, even = bench_record._evenly(sent_s, {"command_current": signal, **swing}, "command_current", period)
+    assert np.allclose(np.diff(time_s), period, rtol=ROUNDED)
+    # Nothing of the commands is lost: their integral is the staircase's, at any period.
+    for k in (1, 777, len(time_s) - 1):
+        ends = np.minimum(np.append(sent_s[1:], np.inf), time_s[k])
+        held = signal * np.maximum(ends - np.minimum(sent_s, time_s[k]), 0.0)
+        assert even["command_current"][:k].sum() * period == pytest.approx(held.sum(), rel=ROUNDED)
+    # A cubic spline through 50 samples of a swing and less where they are missing.
+    assert np.abs(even["column_angle"] - np.sin(2 * np.pi * 40 * time_s)).max() < 2e-4
+
+
+def test_samples_that_a_held_up_drive_sends_again_are_left_out():
+    count = 40
+    rows = {name: np.arange(count) * 1.0 for name in ("column_angle_rad", "drive_position_m", "load_cell_force_n")}
+    for row in rows.values():
+        row[10:13] = row[9]  # three of them
+        row[20:] = row[19]  # at rest
+    assert np.flatnonzero(bench_record._stale(rows)).tolist() == [10, 11, 12]
+
+
+def test_record_of_a_file_states_its_law(tmp_path):
+    loader = yoke(quiet=True)
+    with emulated(loader) as (there, _):
+        record = ff.bus.play(under_law(there, travel=0.01), real_time=False)
+    path = tmp_path / "bench.csv"
+    path.write_text(record_csv(record), encoding="utf-8")
+    assert "# law: torque-mode\n" in path.read_text(encoding="utf-8")
+    read = ff.bench.read_bench_record(path)
+    assert read.run == {"law": "torque-mode"}
+    assert law_of_runs([read], loader).name == "torque-mode"
+    # The fit takes it: under the default law of a motor the model would miss.
+    begin = loader.replace({"column.inertia": 1.1 * loader["column.inertia"]}, si=True)
+    found = identify(begin, [read], "J", starts=1)
+    assert found.loader["column.inertia"] == pytest.approx(loader["column.inertia"], rel=NEAR)

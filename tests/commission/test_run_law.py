@@ -46,7 +46,7 @@ def test_commission_fits_under_the_law_that_the_record_states(yoke, monkeypatch,
     [
         (
             lambda yoke: [record(yoke), record(yoke, "robust", "other")],
-            "live runs under two laws, torque-mode in run and robust in other",
+            "records under two laws, torque-mode in run and robust in other",
         ),
         (
             lambda yoke: [record(yoke, "my law")],

@@ -17,4 +17,5 @@ def record_csv(record: BenchRecord) -> str:
     rows = io.StringIO()
     np.savetxt(rows, np.column_stack([record.time_s, *values]), "%.10g", ",")
     hold = "" if record.hold == "straight" else f"# hold: {record.hold}\n"
-    return f"# experiment: {record.experiment}\n{hold}{head}\n{rows.getvalue()}"
+    law = f"# law: {record.run['law']}\n" if "law" in record.run else ""
+    return f"# experiment: {record.experiment}\n{law}{hold}{head}\n{rows.getvalue()}"

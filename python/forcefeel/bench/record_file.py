@@ -31,10 +31,10 @@ def read_bench_record(
     """Read a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or the ``.mcap`` record of a live run.
 
     The columns are ``time`` and channels with their units: ``column angle (deg)``, ``load_cell_force [lb]``, ``test_signal_v``; in
-    a MATLAB file the variables, or the fields of a structure. Other columns are not read. Lines that begin with ``#`` at the top of
-    a CSV file, metadata of a Parquet file or text variables of a MATLAB file describe the record: ``experiment: servo-closed``,
-    ``hold: staircase``. The record of a live run is of the whole loader while its law drove it, under the pilot's force unless
-    stated to be a release.
+    a MATLAB file the variables, or the fields of a structure. Other columns are not read. Lines that begin with ``#`` at the top
+    of a CSV file, metadata of a Parquet file or text variables of a MATLAB file describe the record: ``experiment: servo-closed``,
+    ``hold: staircase``, ``law: torque-mode``, under which the whole loader ran. The record of a live run is of the whole loader
+    while its law drove it, under the pilot's force unless stated to be a release.
 
     Args:
         path: The file.
@@ -88,7 +88,9 @@ def record_of(
     channels = {name: values for name, values in read.values.items() if name != "time"}
     for values in read.values.values():
         values.setflags(write=False)
-    record = BenchRecord(table.path.stem, under, read.values["time"], channels, HOLDS[runs], table.data_hash, table.run)
+    law = table.notes.get("law")
+    run = table.run or ({} if law is None else {"law": law})
+    record = BenchRecord(table.path.stem, under, read.values["time"], channels, HOLDS[runs], table.data_hash, run)
     check_record(record, read.places, read.own_units)
     return record
 

@@ -28,7 +28,7 @@ class BenchRecord:
         channels: Values by channel, (samples,) each; the drive and at least one measured channel.
         hold: Course of the drive between two samples: straight, or as a staircase that keeps each value until the next.
         data_hash: SHA-256 of its file, in hexadecimal; empty without a file.
-        run: Loader, law and machine of a live record; empty for other records.
+        run: Loader, law and machine of a live record, or the law that a file states; empty for other records.
     """
 
     name: str

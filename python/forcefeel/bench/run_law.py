@@ -1,4 +1,4 @@
-"""The law under which live runs were recorded."""
+"""The law under which records were made."""
 
 from collections.abc import Sequence
 
@@ -10,18 +10,18 @@ from forcefeel.loader.loader import Loader
 
 
 def law_of_runs(data: Sequence[Response | BenchRecord], loader: Loader) -> Law | None:
-    """The law that live runs among the data state, designed for their loader; ``None`` if the data state no law.
+    """The law that records among the data state, designed for the loader; ``None`` if the data state no law.
 
     Raises:
-        InputError: If they state two, or one from a file, or were of another loader, whose law is another.
+        InputError: If they state two, or one from a file, or a live run was of another loader, whose law is another.
     """
     runs = {record.name: record.run for record in data if isinstance(record, BenchRecord) and record.run}
     laws = {run.get("law", ""): name for name, run in runs.items()}
     if len(laws) > 1:
         came = " and ".join(f"{law} in {name}" for law, name in laws.items())
-        raise InputError(f"--data: live runs under two laws, {came}; expected one law; identify from the runs of one")
+        raise InputError(f"--data: records under two laws, {came}; expected one law; identify from the records of one")
     for name, run in runs.items():
-        if run.get("loader_hash") != loader.fingerprint:
+        if run.get("loader_hash", loader.fingerprint) != loader.fingerprint:
             came = run.get("loader", "unknown")
             raise InputError(
                 f"{name}: was run on a loader {came} of other values than {loader.name}, so that its law is another; give the "

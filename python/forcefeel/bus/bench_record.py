@@ -1,16 +1,17 @@
 """A bench signal on a drive's bus: the record that an identification reads."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import inf, radians
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from forcefeel import _core
 from forcefeel.bench.excitation import Excitation
 from forcefeel.bench.experiments import Drive, Experiment, Loop
-from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
@@ -51,11 +52,11 @@ _LOST = 0.01
 """Share of a record's samples that may be lost; a straight line stands for them."""
 
 
-def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True) -> BenchRecord:
+def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
     """Give the drive of a loader a bench signal over its bus, and record its sensors.
 
-    ``loader command_current``, of a valve ``loader command_signal``: the loop runs under the law and the supervisor. A second after
-    the feel has come, the signal is added to the law's command. The feel holds the column at its neutral.
+    ``loader command_current``, of a valve ``loader command_signal``: the loop runs under the excitation's law and the supervisor. A
+    second after the feel has come, the signal is added to the law's command. The feel holds the column at its neutral.
 
     ``motor-open``: the motor alone moves the column, without a law, so free its travel. With dry friction the column wanders, and
     the drive stops at 15 deg from where it began.
@@ -64,7 +65,6 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
 
     Args:
         excitation: A signal of one of these experiments, at the rate of the loader's controller.
-        law: The law of ``loader command_current``, as for ``excite``; default ``robust``.
         real_time: Play by the clock; otherwise as fast as the drive answers: for an emulator without a clock.
 
     Returns:
@@ -89,7 +89,7 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
         >>> sorted(record.channels)
         ['column_angle', 'drive_position', 'load_cell_force', 'motor_current', 'test_current']
     """
-    loader, experiment = excitation.loader, excitation.experiment
+    loader, experiment, law = excitation.loader, excitation.experiment, excitation.law
     bus = bus_of(loader)
     if experiment not in (plays := _PLAYS[loader.drive]):
         known = " or ".join(map(str, plays))
@@ -104,10 +104,10 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
         raise InputError(f"rate: expected the controller's, {rate} Hz, got {got} Hz; use --rate {rate}")
     for left in reversed(range(_TRIES)):
         if experiment.loop is Loop.LOADER:
-            time_s, channels = _under_law(excitation, bench_law(law, loader), real_time=real_time)
+            sent_s, channels = _under_law(excitation, law, real_time=real_time)
         else:
-            time_s, channels = _motor_alone(excitation, real_time=real_time)
-        longest = float(np.diff(time_s).max())
+            sent_s, channels = _motor_alone(excitation, real_time=real_time)
+        longest = float(np.diff(sent_s).max())
         if not real_time or longest <= _GAP * period:
             break
         if not left:
@@ -115,12 +115,13 @@ def play(excitation: Excitation, law: LawLike = None, *, real_time: bool = True)
                 f"bus: in {_TRIES} records a command came late, in the last {1e3 * longest:.1f} ms after the one before, expected "
                 f"at most {_GAP:g} periods of {1e3 * period:g} ms; run it on an idle computer with real-time priority"
             )
-    # Where a command came late, those after it are as late.
-    if not real_time or float(np.abs(time_s - excitation.time_s).max()) < _EVEN * period:
-        time_s = excitation.time_s
+    time_s, drive = excitation.time_s, str(experiment.drive)
+    if real_time and float(np.abs(sent_s - time_s).max()) > _EVEN * period:
+        time_s, channels = _evenly(sent_s, channels, drive, period)
     if not (has_grip_sensor(loader) and bus.grip_sensor_n is not None):
         del channels["grip_force"]
-    return BenchRecord("bus", experiment, time_s, channels, hold="staircase")
+    run = {} if law is None else {"law": law.name}
+    return BenchRecord("bus", experiment, time_s, channels, hold="staircase", run=run)
 
 
 def _motor_alone(excitation: Excitation, *, real_time: bool) -> tuple[NDArray[np.float64], dict[str, Any]]:
@@ -173,12 +174,14 @@ def _under_law(excitation: Excitation, law: LawLike, *, real_time: bool) -> tupl
         raise InputError(
             f"bus: {lost.mean():.1%} of the samples were lost, expected at most {_LOST:.0%}; check cable and supply"
         )
-    time_s = during["time_s"] - during["time_s"][0]
+    # The request that brings a sample goes with the command of the cycle before. A cycle counts as late from the beat it missed.
+    sent_s = (rows["time_s"] - period * rows["missed"] + rows["late_s"])[begin - 1 : begin - 1 + count]
+    known = ~(lost | _stale(during))
 
     def sensed(name: str) -> NDArray[np.float64]:
-        return np.asarray(np.interp(time_s, time_s[~lost], during[name][~lost]), dtype=np.float64)
+        return np.asarray(np.interp(sent_s, sent_s[known], during[name][known]), dtype=np.float64)
 
-    return time_s, {
+    return sent_s - sent_s[0], {
         # What the supervisor cuts off beyond the current's limit, the model's current loop does.
         str(excitation.experiment.drive): excitation.signal,
         "column_angle": sensed("column_angle_rad"),
@@ -186,6 +189,34 @@ def _under_law(excitation: Excitation, law: LawLike, *, real_time: bool) -> tupl
         "load_cell_force": sensed("load_cell_force_n"),
         "grip_force": sensed("grip_force_n"),
     }
+
+
+def _evenly(
+    sent_s: NDArray[np.float64], channels: Mapping[str, Any], drive: str, period: float
+) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    """Times at whole periods, and channels there, of commands that were sent early or late, or not at all.
+
+    A command holds until the next is sent: the drive has its mean over each period, ``u_k = (1/T) int u dt``. The sensors have a
+    cubic spline through their samples.
+    """
+    edges = np.arange(int(sent_s[-1] / period) + 1, dtype=np.float64) * period
+    held = np.concatenate([[0.0], np.cumsum(channels[drive][:-1] * np.diff(sent_s))])
+    even = {name: CubicSpline(sent_s, values)(edges[:-1]) for name, values in channels.items() if name != drive}
+    return edges[:-1], {drive: np.diff(np.interp(edges, sent_s, held)) / period, **even}
+
+
+def _stale(rows: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+    """Samples in which no sensor differs from the sample before: a drive that was held up sends its last one again.
+
+    At rest the steps of coarse sensors do the same for longer than a drive may be silent.
+    """
+    names = ("column_angle_rad", "drive_position_m", "load_cell_force_n")
+    same = np.all([np.diff(rows[name], prepend=np.nan) == 0 for name in names], axis=0)
+    starts = np.flatnonzero(np.diff(same.astype(int), prepend=0) == 1)
+    ends = np.flatnonzero(np.diff(same.astype(int), append=0) == -1) + 1
+    for start, end in zip(starts, ends, strict=True):
+        same[start:end] = end - start <= _GAP
+    return np.asarray(same)
 
 
 PLAYED = ("column_angle", "drive_position", "load_cell_force", "motor_current")

@@ -238,7 +238,7 @@ def run(path: LoaderOrProject = None, /, *, options: ExciteOptions) -> None:
             write_excitation(excitation, options.out, options.units, replace=options.replace)
         else:
             bar.describe("record")
-            write_whole(options.out, record_csv(play(excitation, law)))
+            write_whole(options.out, record_csv(play(excitation)))
     answer(
         {"file": options.out},
         lambda: excitation_json(excitation, options.units),

@@ -23,7 +23,7 @@ class Located(NamedTuple):
 LocatedColumns = Mapping[str, Located]
 """Located columns by standard name."""
 
-NOTES = ("experiment", "from", "to", "hold")
+NOTES = ("experiment", "from", "to", "hold", "law")
 """Keys of the notes of a file."""
 
 MOST_BYTES = 2**30

@@ -58,6 +58,7 @@ def text(excitation: Excitation, units: UnitSystem) -> str:
     about = [
         f"experiment: {excitation.experiment}",
         f"loader: {excitation.loader.name}",
+        *(f"law: {excitation.law.name}" for _ in [0] if excitation.law is not None),
         f"signal: {excitation.words}",
         *(f"period: {excitation.period_s:.9g} s" for _ in [0] if excitation.period_s is not None),
         *(

@@ -18,7 +18,9 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop, check_experimen
 from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
-from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.law import ROBUST, Law, LawLike
+from forcefeel.laws.sampled.torque_mode import TORQUE_MODE
+from forcefeel.loader.bus import UDP
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 
@@ -54,7 +56,8 @@ def excite(
         experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``. Default ``"servo-closed"`` for a
             valve, ``"loader command_current"`` for a motor.
         plan: Kind, length, band, noise and limits.
-        law: The law of the whole loader; default, the original loop, or ``robust`` for a motor.
+        law: The law of the whole loader; default, the original loop, or ``robust`` for a motor. On a bus ``torque-mode`` for a
+            motor, whose command a sample that comes early or late changes least, and ``robust`` for a valve.
         progress: Called with the name of each step as it begins.
 
     Returns:
@@ -88,6 +91,8 @@ def excite(
     if law is not None and resolved.loop is not Loop.LOADER:
         raise InputError(f"law: is the law of the whole loader, and {resolved} is of the servo alone; leave it out")
     progress("law")
+    if law is None and resolved.loop is Loop.LOADER and loader.bus is not None and loader.bus.kind != UDP:
+        law = TORQUE_MODE if loader.drive == ELECTRIC else ROBUST
     if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
         law = Law.of(bench_law(law, loader), loader)  # designed or read once, not for each rehearsal
     times = timing(plan)
@@ -118,7 +123,7 @@ def excite(
         uses=tuple(LimitUse(limit, peak) for limit, peak in zip(limits, peaks, strict=True)),
         efficiency=_efficiency(whole, whole.filled(wave.power), best),
         even_efficiency=_efficiency(whole, whole.even(), best),
-        law_remark=law.made_for_another(loader) if isinstance(law, Law) else "",
+        law=law if isinstance(law, Law) else None,
     )
 
 

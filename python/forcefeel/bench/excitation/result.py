@@ -13,6 +13,7 @@ from forcefeel.bench.excitation.plan import ExcitationPlan
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.digits import percent
 from forcefeel.bench.identification.inseparable import DETERMINED
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import UnitSystem, to_text
@@ -68,7 +69,7 @@ class Excitation:
         efficiency: D-efficiency ``(det M / det M*)^(1/p)`` against the best spectrum without evenly spread power, M* its
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
-        law_remark: Remark that the law was made for another loader, or empty: ``Law.made_for_another``.
+        law: Law of the whole loader; ``None`` for that of ``bench_law``, or without one.
     """
 
     loader: Loader = field(repr=False)
@@ -86,7 +87,12 @@ class Excitation:
     uses: tuple[LimitUse, ...]
     efficiency: float
     even_efficiency: float
-    law_remark: str = ""
+    law: Law | None = field(default=None, repr=False)
+
+    @property
+    def law_remark(self) -> str:
+        """Remark that the law was made for another loader, or empty: ``Law.made_for_another``."""
+        return self.law.made_for_another(self.loader) if self.law is not None else ""
 
     @property
     def standard_errors(self) -> dict[str, float]:
