@@ -146,6 +146,12 @@ def test_ineligible_law_is_not_chosen_and_has_a_reason(wrong, why):
     assert _chosen(best).chosen is None
 
 
+def test_law_that_renders_nothing_is_not_chosen():
+    found = _chosen(_score("none", 0.0, 0.0))
+    assert found.chosen is None
+    assert "renders none of the settings" in found.remarks[0].sentence
+
+
 def test_analog_loader_has_no_delay_margin_requirement():
     late = _score("late", 0.5, 0.5, margins=replace(GOOD, delay_s=1e-5), noise=None)
     assert _chosen(late, period_s=0.0).chosen == "late"

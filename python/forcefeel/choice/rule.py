@@ -5,7 +5,8 @@ A law is eligible if, with the nominal plant and hands off,
 1. it is stable at the loader's own setting and at every setting of the grid;
 2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
    and one more period of delay (a digital loader);
-3. it is quiet in contact, clamped and against a stop, at ``LEAST_QUIET`` of the settings (a digital loader).
+3. it is quiet in contact, clamped and against a stop, at ``LEAST_QUIET`` of the settings (a digital loader);
+4. it renders a setting.
 
 The rule takes the eligible law with the largest share of settings within tolerance in every case. Among laws less than ``CLOSE``
 behind it, it takes the one with the largest nominal share; among equally close ones, the one with the least noise at the grip. With
@@ -129,6 +130,8 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
         sentences.append(
             f"only {share_text(score.over.quiet)} of the settings are quiet in contact, clamped or against a stop"
         )
+    if score.over is not None and not score.over.shares.nominal_share:
+        sentences.append("it renders none of the settings")
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
         sentences.append(
             f"the stable range of the loop gain is only {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} times "
