@@ -17,8 +17,10 @@ RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.cs
             "has an electric drive, and elevator-2khz a hydraulic drive",
         ),
         (("wheel.toml", "--data", RECORD), "is made for a hydraulic drive"),
-        (("elevator-2khz", "--data", RECORD, "--simulate-bench", "wheel.toml"), "leave one out"),
+        (("elevator-2khz", "--data", RECORD, "--simulate-bench", "wheel.toml"), "leave the others out"),
+        (("elevator-2khz", "--data", RECORD, "--machine", "bus"), "leave the others out"),
         (("elevator-2khz",), "give one"),
+        (("wheel.toml", "--machine", "bus"), "expected a drive on a bus; add the table [bus]"),
         (("elevator-2khz", "--simulate-bench", "none.toml"), "none.toml: cannot be read"),
         (
             ("elevator-2khz", "--data", RECORD, "--required-share", "120 %"),

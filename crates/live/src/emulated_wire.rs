@@ -147,11 +147,15 @@ impl Wire {
                 self.take(asked);
             }
             let came = self.received(&mut bytes);
-            for (count, frame) in came.iter().enumerate() {
+            let count = came.len();
+            for (left, frame) in (1..=count).rev().zip(came) {
                 if by_clock {
-                    self.catch_up(begun, came.len() - count);
+                    self.catch_up(begun, left);
                 }
-                self.carry(frame, by_clock);
+                match frame {
+                    Came::Frame(frame) => self.frame(&frame, by_clock),
+                    Came::Packet(mut packet) => self.packet(&mut packet, by_clock),
+                }
             }
             if by_clock {
                 self.catch_up(begun, 1);
@@ -162,7 +166,7 @@ impl Wire {
                 self.tick(if by_clock { 0.0 } else { idle.as_secs_f64() });
             }
             *locked(&self.shared.seen) = self.axes.iter().map(|axis| [axis.command, axis.machine.angle()]).collect();
-            if came.is_empty() {
+            if count == 0 {
                 self.terminals.wait(NAP);
             }
         }
@@ -201,13 +205,6 @@ impl Wire {
                 #[cfg(target_os = "linux")]
                 Terminals::Interface(_) => frames.push(Came::Packet(bytes[..count].to_vec())),
             }
-        }
-    }
-
-    fn carry(&mut self, came: &Came, by_clock: bool) {
-        match came {
-            Came::Frame(frame) => self.frame(frame, by_clock),
-            Came::Packet(packet) => self.packet(&mut packet.clone(), by_clock),
         }
     }
 

@@ -2,6 +2,7 @@
 
 from forcefeel.bus.bench_record import PLAYED as PLAYED
 from forcefeel.bus.bench_record import play as play
+from forcefeel.bus.bench_record import record as record
 from forcefeel.bus.check import check_bus as check_bus
 from forcefeel.bus.cockpit import CockpitBusCheck as CockpitBusCheck
 from forcefeel.bus.cockpit import check_cockpit as check_cockpit

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from forcefeel import _core
-from forcefeel.bench.excitation import Excitation
+from forcefeel.bench.excitation import Excitation, ExcitationPlan, excite
+from forcefeel.bench.excitation.excite import USUAL_FIT, USUAL_TO_HZ
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
@@ -19,6 +20,7 @@ from forcefeel.live.bus import bus_of
 from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.starting import Axis, launch
 from forcefeel.live.state import COLUMNS, STATES
+from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import to_text
@@ -122,6 +124,31 @@ def play(excitation: Excitation, *, real_time: bool = True) -> BenchRecord:
         del channels["grip_force"]
     run = {} if law is None else {"law": law.name}
     return BenchRecord("bus", experiment, time_s, channels, hold="staircase", run=run)
+
+
+def record(loader: Loader, time_s: float = 60.0) -> BenchRecord:
+    """Design a signal for all parameters of a loader, and ``play`` it; the motor moves the column. Keep hands off.
+
+    Args:
+        loader: The loader, with a ``bus``.
+        time_s: Length of the record.
+
+    Raises:
+        InputError: As in ``excite`` and ``play``.
+
+    Example:
+        >>> try:
+        ...     ff.bus.record(ff.loader.electric("desktop-yoke"))
+        ... except ff.InputError as error:
+        ...     print(error)
+        desktop-yoke: expected a drive on a bus; add the table [bus] with kind, port and node to its file
+    """
+    bus_of(loader)
+    if not (period := loader["controller.period"]):
+        raise InputError("controller.period: a bus requires a digital controller; set it in the loader file")
+    (*_, under_law), measured = _PLAYS[loader.drive], ("column_angle", _END[loader.drive], "load_cell_force")
+    plan = ExcitationPlan(time_s=time_s, rate_hz=1 / period, to_hz=USUAL_TO_HZ, measured=measured)
+    return play(excite(loader, USUAL_FIT[loader.drive], under_law, plan))
 
 
 def _motor_alone(excitation: Excitation, *, real_time: bool) -> tuple[NDArray[np.float64], dict[str, Any]]:

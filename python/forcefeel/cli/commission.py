@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group
 
@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord
     from forcefeel.bench.responses import Response
     from forcefeel.commission import Commission, CommissionPlan, StepWriters
+    from forcefeel.loader.loader import Loader
 
-BENCH = Group("Simulated bench", sort_key=20)
+BENCH = Group("Bench", sort_key=20)
 ASKED = Group("Request", sort_key=30)
 
 
@@ -58,8 +59,19 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         Path | None,
         option("Loader file of a machine to simulate as the bench.", BENCH, metavar="TRUTH.toml"),
     ] = None
-    time_s: Annotated[float, option("Length of the simulated record, s.", BENCH, "--time")] = 60.0
-    rate_hz: Annotated[float, option("Sample rate of the simulated record, 1/s.", BENCH, "--rate")] = 1000.0
+    machine: Annotated[
+        Literal["bus"] | None,
+        option(
+            "Play the bench signal on the drive of the file's table [bus] first: the motor moves the column. Hands off.",
+            BENCH,
+        ),
+    ] = None
+    time_s: Annotated[
+        float, option("Length of a record that is simulated, or made on the bus, s.", BENCH, "--time")
+    ] = 60.0
+    rate_hz: Annotated[
+        float, option("Sample rate of the simulated record, 1/s; on the bus it is the controller's.", BENCH, "--rate")
+    ] = 1000.0
     seed: Annotated[int, option("Seed of the simulated sensor noise.", BENCH)] = 1974
     required_share: Annotated[
         str,
@@ -120,12 +132,13 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         """The bench data that are given.
 
         Raises:
-            InputError: If there are none and no machine to simulate, or both, or a file is bad.
+            InputError: If there are none and no machine to record, or both, or a file is bad.
         """
-        if bool(self.data) is (self.simulate_bench is not None):
+        given = sum(map(bool, (self.data, self.simulate_bench, self.machine)))
+        if given != 1:
             raise InputError(
-                "--data: expected bench data, or with --simulate-bench a machine to simulate in their place, and not both; "
-                + ("leave one out" if self.data else "give one")
+                "--data: expected bench data, or in their place --machine bus, or --simulate-bench with a machine to simulate, and "
+                + ("one only; leave the others out" if given else "got none; give one")
             )
         return self.read(self.data)
 
@@ -134,9 +147,9 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
 def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
     """Commission a loader: identify it from bench data, choose the law, check the envelope, run the rule's tests.
 
-    Writes a folder for each step and one page with the result. After an interruption, run it again to resume. Exit status 1 if a
-    required parameter is not determined, or the law misses the required share or fails a test. The law file is then named
-    law-rejected.json.
+    With --machine bus it records the machine on the bus of its drive first. Writes a folder for each step and one page with the
+    result. After an interruption, run it again to resume. Exit status 1 if a required parameter is not determined, or the law
+    misses the required share or fails a test. The law file is then named law-rejected.json.
 
     Example: forcefeel commission my.toml --data bench.csv --out commissioned
     """
@@ -168,6 +181,7 @@ def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = Commiss
                 options.out,
                 plan,
                 bench=truth,
+                record=None if options.machine is None else lambda: _record(loader, options.time_s),
                 bench_time=BenchTime(options.time_s, options.rate_hz, options.seed),
                 progress=show_step,
                 writers=_step_pages(plan),
@@ -186,6 +200,12 @@ def run(path: LoaderOrProject = None, /, *, options: CommissionOptions = Commiss
     )
     if not commission.ok:
         raise SystemExit(BAD_ANSWER)
+
+
+def _record(loader: "Loader", time_s: float) -> "BenchRecord":
+    from forcefeel.bus import record
+
+    return record(loader, time_s)
 
 
 def _step_pages(plan: "CommissionPlan") -> "StepWriters":

@@ -74,6 +74,7 @@ def commission_loader(  # noqa: PLR0913  what the command takes
     plan: CommissionPlan | None = None,
     *,
     bench: Loader | None = None,
+    record: Callable[[], BenchRecord] | None = None,
     bench_time: BenchTime | None = None,
     progress: Progress = lambda step, what: None,
     writers: StepWriters | None = None,
@@ -84,11 +85,12 @@ def commission_loader(  # noqa: PLR0913  what the command takes
 
     Args:
         loader: The loader of the file.
-        data: Records and responses of its bench; empty with ``bench``.
+        data: Records and responses of its bench; empty with ``bench`` or ``record``.
         out: The folder; created if missing.
         plan: The plan.
         bench: A machine to simulate in place of a bench.
-        bench_time: Length, rate and seed of its record.
+        record: Makes the record of a machine first, such as ``lambda: ff.bus.record(loader, 60.0)``; not again where it is there.
+        bench_time: Length of that record; rate and seed of a simulated one.
         progress: Called with the current task.
         writers: Writers of the results, such as pages.
 
@@ -108,13 +110,15 @@ def commission_loader(  # noqa: PLR0913  what the command takes
     check_loader(loader)
     plan, out = plan or CommissionPlan(), Path(out)
     Settings.of(plan.grid)
-    if bool(data) is (bench is not None):
+    given = [name for name, there in (("data", data), ("bench", bench), ("record", record)) if there]
+    if len(given) != 1:
         raise InputError(
-            "data: expected records and responses of a bench, or a machine to be simulated (bench), and not both; got "
-            + ("both" if data else "neither")
+            "data: expected records and responses of a bench, or a machine to simulate (bench), or one to record (record); got "
+            + (" and ".join(given) or "none of them")
         )
+    source = _bench(loader, bench, record, bench_time or BenchTime())
     with _left_as_it_was(out):
-        return _set_up(loader, data, out, plan, bench, bench_time, _Work(plan, progress, writers or StepWriters()))
+        return _set_up(loader, data, out, plan, source, _Work(plan, progress, writers or StepWriters()))
 
 
 def _set_up(
@@ -122,14 +126,13 @@ def _set_up(
     data: Sequence[Response | BenchRecord],
     out: Path,
     plan: CommissionPlan,
-    bench: Loader | None,
-    bench_time: BenchTime | None,
+    bench: "_Bench | None",
     work: "_Work",
 ) -> Commission:
     """The steps, each made or read."""
     state = State.of(out)
     if bench is not None:
-        data = _simulated(state, loader, bench, bench_time or BenchTime(), work.progress)
+        data = _recorded(state, loader, bench, work.progress)
     text = digest(loader.to_toml(UnitSystem.SI), [_text_of(measurement) for measurement in data], _plan_values(plan))
     identified = state.step(IDENTIFICATION, text, Identified, lambda folder: work.identify(folder, loader, data))
     commission = Commission(plan, loader, identified, folders=_folders(bench))
@@ -171,19 +174,45 @@ def _left_as_it_was(out: Path) -> Iterator[None]:
         raise
 
 
-def _simulated(
-    state: State, loader: Loader, bench: Loader, bench_time: BenchTime, progress: Progress
-) -> list[Response | BenchRecord]:
-    """The record of a simulated machine, as its file has it."""
+@dataclass(frozen=True)
+class _Bench:
+    """A machine that is recorded first.
+
+    Attributes:
+        inputs: What the record depends on beside the loader.
+        task: What is done.
+        make: Makes the record.
+    """
+
+    inputs: tuple[object, ...]
+    task: str
+    make: Callable[[], BenchRecord]
+
+
+def _bench(
+    loader: Loader, machine: Loader | None, record: Callable[[], BenchRecord] | None, bench_time: BenchTime
+) -> _Bench | None:
+    """A simulated machine, or a real one; ``None`` without either."""
+    length = f"{bench_time.time_s:g} s of record"
+    if record is not None:
+        return _Bench(("record", bench_time.time_s), length, record)
+    if machine is not None:
+        inputs = (machine.to_toml(UnitSystem.SI), asdict(bench_time))
+        return _Bench(inputs, length, lambda: simulated_records(loader, machine, bench_time)[0])
+    return None
+
+
+def _recorded(state: State, loader: Loader, bench: _Bench, progress: Progress) -> list[Response | BenchRecord]:
+    """The record of a machine, as its file has it."""
 
     def make(folder: Path) -> bool:
-        progress(BENCH, f"{bench_time.time_s:g} s of record")
-        (record,) = simulated_records(loader, bench, bench_time)
+        progress(BENCH, bench.task)
+        record = bench.make()
         make_folder(folder)
         write_whole(folder / RECORD, record_csv(record))
         return True
 
-    text = digest(loader.to_toml(UnitSystem.SI), bench.to_toml(UnitSystem.SI), asdict(bench_time))
+    text = digest(loader.to_toml(UnitSystem.SI), *bench.inputs)
     state.step(BENCH, text, bool, make)
     return [read_bench_record(state.out / BENCH / RECORD)]
 
@@ -242,7 +271,7 @@ def _keep(path: Path, text: str | None) -> None:
         write_whole(path, text)
 
 
-def _folders(bench: Loader | None) -> dict[str, str]:
+def _folders(bench: "_Bench | None") -> dict[str, str]:
     return {name: name for name in ((BENCH,) if bench is not None else ()) + STEPS}
 
 

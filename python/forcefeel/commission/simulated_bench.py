@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.excitation import Excitation, ExcitationPlan, excite
+from forcefeel.bench.excitation.excite import USUAL_FIT, USUAL_TO_HZ
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.grip_sensor import grip_force, moments
@@ -31,20 +32,6 @@ MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 """Recorded channels by drive: those of the laws' sensors, of the amplifier and of the manifold."""
 
-_FIT = MappingProxyType(
-    {
-        HYDRAULIC: (
-            "amplifier.admittance",
-            "valve.natural_frequency",
-            "linkage.stiffness",
-            "linkage.damping",
-            "column.inertia",
-        ),
-        ELECTRIC: ("motor.torque_constant", "motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia"),
-    }
-)
-"""Parameters of the design of the signal; it reveals the others too."""
-
 _EXPERIMENT = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
 
 _INSTRUMENT = 0.003
@@ -52,9 +39,6 @@ _INSTRUMENT = 0.003
 
 _FINER = 8
 """Substeps of a sample for a sensor's lag."""
-
-_TO_HZ = 60.0
-"""Highest line: the link's resonance and the valve's lag lie below."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +63,9 @@ def bench_signal(loader: Loader, bench_time: BenchTime) -> Excitation:
         InputError: If the time is too short.
     """
     plan = ExcitationPlan(
-        time_s=bench_time.time_s, rate_hz=bench_time.rate_hz, to_hz=_TO_HZ, measured=MEASURED[loader.drive]
+        time_s=bench_time.time_s, rate_hz=bench_time.rate_hz, to_hz=USUAL_TO_HZ, measured=MEASURED[loader.drive]
     )
-    return excite(loader, _FIT[loader.drive], _EXPERIMENT[loader.drive], plan)
+    return excite(loader, USUAL_FIT[loader.drive], _EXPERIMENT[loader.drive], plan)
 
 
 def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | None = None) -> list[BenchRecord]:

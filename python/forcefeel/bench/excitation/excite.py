@@ -27,6 +27,23 @@ from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 USUAL: Mapping[str, str] = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
 """Default experiment of each drive; a loop holds the piston or the motor in place."""
 
+USUAL_FIT: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        HYDRAULIC: (
+            "amplifier.admittance",
+            "valve.natural_frequency",
+            "linkage.stiffness",
+            "linkage.damping",
+            "column.inertia",
+        ),
+        ELECTRIC: ("motor.torque_constant", "motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia"),
+    }
+)
+"""Parameters of a signal for a machine of which all is asked; it reveals the others too."""
+
+USUAL_TO_HZ = 60.0
+"""Highest line of that signal: the link's resonance and the valve's lag lie below."""
+
 _OPEN_FROM_HZ = 4.0
 """Default lowest frequency of an open motor, Hz; below it, its drift during the ramp exceeds its swing."""
 
