@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bus import bench_record
 from forcefeel.live.bus import check_bus
 from tests.command_line import runs
 from tests.live.bus_wire import NEEDS_ROOT, before_others, run_that_kept_time, virtual_interfaces
@@ -225,6 +226,23 @@ def test_record_of_a_valve_over_the_terminals_lies_on_the_simulation():
     off = record.channels["column_angle"][: len(expected)] - expected
     # A recording is a straight line from sample to sample, and the law holds each for a period.
     assert np.std(off) < 0.03 * np.std(expected)
+
+
+@NEEDS_ROOT
+@pytest.mark.slow
+def test_valve_that_is_not_identified_is_recorded(monkeypatch):
+    """The whole signal, designed for the file, throws a column of 10 % more inertia beyond the largest force."""
+    play = bench_record.play
+    monkeypatch.setattr(bench_record, "play", lambda signal: play(signal, real_time=False))
+    hidden = {"column.inertia": 1.1, "linkage.stiffness": 0.9}
+    machine = VALVE.replace({key: share * VALVE[key] for key, share in hidden.items()}, si=True)
+    with virtual_interfaces() as ends, ff.live.BusEmulator([valve(ends[1], machine)], real_time=False):
+        loader = valve(ends[0])
+        record = ff.bus.record(loader, 10.0)
+    assert record.run == {"law": "robust"}
+    found = ff.identify(loader, [record], "J,k", starts=1)
+    for key, share in hidden.items():
+        assert found.loader[key] == pytest.approx(share * VALVE[key], rel=OF_A_STEP), key
 
 
 def pasted(file, printed):
