@@ -45,8 +45,8 @@ _END = {ELECTRIC: "drive_position", HYDRAULIC: "piston_position"}
 """Channel of the drive's end."""
 
 _SHARE = {ELECTRIC: 1.0, HYDRAULIC: 1 / 3}
-"""Of the signal that the limits allow, for an unknown machine: with an inertia 10 % off, a valve under ``robust`` swings three times as
-far near the link's resonance."""
+"""Of the signal that the limits allow, for an unknown machine: with an inertia 10 % off a valve under ``robust`` swings three times
+as far near the link's resonance."""
 
 _SETTLES_S, _FADES_S = 1.0, 5.0
 """Rest with the feel there before a signal, and the longest time in which the feel comes."""
