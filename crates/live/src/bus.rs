@@ -7,7 +7,7 @@
 //! repeated or late counts as the supervisor has it of any machine.
 
 use crate::input_output::{Command, InputOutput, Sampled};
-use crate::priority::ask;
+use crate::priority::{PRIORITY, ask};
 use forcefeel_bus::drive::{Ask, Identity, State};
 use forcefeel_bus::ethercat::Units;
 use forcefeel_bus::ethercat::analog::Analog;
@@ -334,7 +334,7 @@ impl InputOutput for OnBus {
 fn first<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            let (_granted, _held) = ask(true);
+            let (_granted, _held) = ask(PRIORITY, true);
             work()
         });
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))

@@ -5,7 +5,7 @@
 
 use crate::emulated_axis::{Axis, Place};
 use crate::emulated_wire::{EmulatorRequest, Shared, Terminals, Wire, locked};
-use crate::priority::ask;
+use crate::priority::{PRIORITY, ask};
 use core::sync::atomic::Ordering::Relaxed;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -30,8 +30,8 @@ impl Emulator {
         let shared = Arc::new(Shared::default());
         let sees = Arc::clone(&shared);
         let thread = thread::Builder::new().name("forcefeel-emulator".into()).spawn(move || {
-            // By the clock a machine is not held up by others.
-            let _held = by_clock.then(|| ask(false));
+            // By the clock a machine is not held up by others, nor holds up a loop on this computer.
+            let _held = by_clock.then(|| ask(PRIORITY - 1, false));
             let count = places.len();
             let axes = places.into_iter().zip(1..);
             let axes = axes.map(|(place, number)| Axis::new(place, number == count, power_s)).collect();

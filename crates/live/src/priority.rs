@@ -23,16 +23,16 @@ pub struct Held {
     _awake: Option<std::fs::File>,
 }
 
-/// Asks for all of them, for the thread that calls; `pins`: also for one processor.
+/// Asks for all of them, for the thread that calls, at a priority up to [`PRIORITY`]; `pins`: also for one processor.
 #[cfg(target_os = "linux")]
-pub fn ask(pins: bool) -> (Granted, Held) {
+pub fn ask(priority: u8, pins: bool) -> (Granted, Held) {
     use rustix::mm::{MlockAllFlags, mlockall};
     use thread_priority::{
         RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
         thread_native_id,
     };
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let wanted = PRIORITY.try_into().map(ThreadPriority::Crossplatform);
+    let wanted = priority.try_into().map(ThreadPriority::Crossplatform);
     let fifo = wanted.and_then(|wanted| {
         set_thread_priority_and_policy(thread_native_id(), wanted, policy).map_err(|error| format!("{error:?}"))
     });
@@ -84,7 +84,7 @@ impl Drop for Held {
 
 /// Other systems than Linux are for trying out.
 #[cfg(not(target_os = "linux"))]
-pub fn ask(_: bool) -> (Granted, Held) {
+pub fn ask(_: u8, _: bool) -> (Granted, Held) {
     let none = || Err("only on Linux".to_string());
     (Granted { fifo: none(), locked: none(), awake: none(), pinned: none() }, Held {})
 }

@@ -6,7 +6,7 @@ use crate::controller::Controller;
 use crate::cycle::Cycles;
 use crate::host_link::{self, HostStatus};
 use crate::input_output::{Disturbance, InputOutput};
-use crate::priority::{Granted, ask};
+use crate::priority::{Granted, PRIORITY, ask};
 use crate::record::{Record, WITH_THE_RUN};
 use crate::request::LoopRequest;
 use crate::row::{COLUMNS, Row};
@@ -144,7 +144,7 @@ impl Running {
             let _ends = ends;
             let period_ns = nanoseconds(period_s);
             if real_time {
-                let (given, _held) = ask(true);
+                let (given, _held) = ask(PRIORITY, true);
                 let _ = granted.set(given);
                 run.run(&mut Monotonic::new(period_s), period_ns, beats);
             } else {
