@@ -6,6 +6,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.bus import bench_record
+from forcefeel.commission.findings import glance
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.simulated_bench import BenchTime
 from forcefeel.commission.steps import BENCH
@@ -41,5 +42,6 @@ def test_machine_on_its_bus_is_recorded_once_and_identified(tmp_path, monkeypatc
     assert played[0].law.name == "torque-mode"
     assert (tmp_path / BENCH / "bench.csv").is_file()
     assert found.identified.ok, found.identified
+    assert glance(found)[0].result == "record of the machine"
     for key in hidden:
         assert found.loader[key] == pytest.approx(machine[key], rel=NEAR), key

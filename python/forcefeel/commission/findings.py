@@ -163,11 +163,7 @@ class Row:
 @of_result
 def glance(commission: Commission) -> tuple[Row, ...]:
     """A row for each step."""
-    rows = (
-        [Row("bench, simulated", "record of the simulated machine", "yes", f"{BENCH}/bench.csv")]
-        if BENCH in commission.folders
-        else []
-    )
+    rows = [Row("bench", f"record of {commission.bench}", "yes", f"{BENCH}/bench.csv")] if commission.bench else []
     determined = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
     worst = max((parameter.error for parameter in determined), default=0.0)
     what = (

@@ -188,6 +188,7 @@ class Commission:
         envelope: Result of the envelope; ``None`` without a law.
         tested: Result of the rule's tests.
         folders: Folder of each finished step, within the whole one.
+        bench: What was recorded first, ``the simulated machine`` or ``the machine``; empty if data were given.
         resumed: Steps from an earlier run.
     """
 
@@ -200,6 +201,7 @@ class Commission:
     envelope: EnvelopeResult | None = None
     tested: RuleTests | None = None
     folders: Mapping[str, str] = field(default_factory=dict)
+    bench: str = ""
     resumed: tuple[str, ...] = ()
 
     @property

@@ -135,7 +135,7 @@ def _set_up(
         data = _recorded(state, loader, bench, work.progress)
     text = digest(loader.to_toml(UnitSystem.SI), [_text_of(measurement) for measurement in data], _plan_values(plan))
     identified = state.step(IDENTIFICATION, text, Identified, lambda folder: work.identify(folder, loader, data))
-    commission = Commission(plan, loader, identified, folders=_folders(bench))
+    commission = Commission(plan, loader, identified, folders=_folders(bench), bench=bench.machine if bench else "")
     if input_kind(out / IDENTIFICATION / LOADER) is not Kind.FILE:
         return replace(
             commission, folders=_folders_up_to(commission.folders, IDENTIFICATION), resumed=tuple(state.resumed)
@@ -179,11 +179,13 @@ class _Bench:
     """A machine that is recorded first.
 
     Attributes:
+        machine: What it is.
         inputs: What the record depends on beside the loader.
         task: What is done.
         make: Makes the record.
     """
 
+    machine: str
     inputs: tuple[object, ...]
     task: str
     make: Callable[[], BenchRecord]
@@ -195,10 +197,12 @@ def _bench(
     """A simulated machine, or a real one; ``None`` without either."""
     length = f"{bench_time.time_s:g} s of record"
     if record is not None:
-        return _Bench(("record", bench_time.time_s), length, record)
+        return _Bench("the machine", ("record", bench_time.time_s), length, record)
     if machine is not None:
         inputs = (machine.to_toml(UnitSystem.SI), asdict(bench_time))
-        return _Bench(inputs, length, lambda: simulated_records(loader, machine, bench_time)[0])
+        return _Bench(
+            "the simulated machine", inputs, length, lambda: simulated_records(loader, machine, bench_time)[0]
+        )
     return None
 
 

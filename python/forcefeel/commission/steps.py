@@ -17,7 +17,7 @@ from pydantic import TypeAdapter, ValidationError
 from forcefeel.files import write_whole
 
 BENCH, IDENTIFICATION, LAW, ENVELOPE, TESTS = "0-bench", "1-identification", "2-law", "3-envelope", "4-tests"
-"""Folder of each step; the first with a simulated machine."""
+"""Folder of each step; the first where the machine is recorded, or simulated."""
 
 STEPS = (IDENTIFICATION, LAW, ENVELOPE, TESTS)
 
