@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.bus import bench_record
 from forcefeel.commission.findings import glance
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.simulated_bench import BenchTime
+from forcefeel.commission.simulated_bench import BenchTime, bench_signal
 from forcefeel.commission.steps import BENCH
 from tests.live.test_bus import yoke
 
@@ -45,3 +45,8 @@ def test_machine_on_its_bus_is_recorded_once_and_identified(tmp_path, monkeypatc
     assert glance(found)[0].result == "record of the machine"
     for key in hidden:
         assert found.loader[key] == pytest.approx(machine[key], rel=NEAR), key
+
+
+def test_simulated_machine_of_a_loader_with_a_bus_has_the_signal_of_its_law():
+    """The record is simulated under ``robust``; a signal for the bus would be one for ``torque-mode``."""
+    assert bench_signal(yoke(), BenchTime(4.0, 500.0)).law.name == "robust"

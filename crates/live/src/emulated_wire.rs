@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 const NAP: Duration = Duration::from_micros(250);
 /// Time without a frame after which machines without a clock send by themselves.
 const IDLE: Duration = Duration::from_millis(200);
+/// Most reads of the port before the machines go on.
+const MOST_READS: usize = 64;
 /// Most that the machines catch up at once, in s.
 const MOST_BEHIND_S: f64 = 0.1;
 
@@ -186,13 +188,13 @@ impl Wire {
         }
     }
 
-    /// All frames that have come.
+    /// The frames that have come, of at most [`MOST_READS`] reads: another program may write without end.
     fn received(&mut self, bytes: &mut [u8]) -> Vec<Came> {
         let mut frames = vec![];
-        loop {
+        for _ in 0..MOST_READS {
             let count = self.terminals.read(bytes);
             if count == 0 {
-                return frames;
+                break;
             }
             self.came = Instant::now();
             match &mut self.terminals {
@@ -206,6 +208,7 @@ impl Wire {
                 Terminals::Interface(_) => frames.push(Came::Packet(bytes[..count].to_vec())),
             }
         }
+        frames
     }
 
     fn take(&mut self, asked: EmulatorRequest) {

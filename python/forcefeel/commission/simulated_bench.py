@@ -15,6 +15,7 @@ from forcefeel.bench.excitation.excite import USUAL_FIT, USUAL_TO_HZ
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.grip_sensor import grip_force, moments
+from forcefeel.bench.identification.linear import bench_law
 from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.records import BenchRecord
 from forcefeel.commission.sensor_lag import SENSOR_OF
@@ -65,7 +66,9 @@ def bench_signal(loader: Loader, bench_time: BenchTime) -> Excitation:
     plan = ExcitationPlan(
         time_s=bench_time.time_s, rate_hz=bench_time.rate_hz, to_hz=USUAL_TO_HZ, measured=MEASURED[loader.drive]
     )
-    return excite(loader, USUAL_FIT[loader.drive], _EXPERIMENT[loader.drive], plan)
+    # The machine is simulated under this law, whatever law its bus would take.
+    law = bench_law(None, loader) if loader.drive == ELECTRIC else None
+    return excite(loader, USUAL_FIT[loader.drive], _EXPERIMENT[loader.drive], plan, law)
 
 
 def simulated_records(loader: Loader, truth: Loader, bench_time: BenchTime | None = None) -> list[BenchRecord]:

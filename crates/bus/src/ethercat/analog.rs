@@ -96,7 +96,7 @@ impl Terminals {
     }
 
     /// Share of a range.
-    pub(super) fn share(bytes: &[u8], place: usize) -> Option<f64> {
+    fn share(bytes: &[u8], place: usize) -> Option<f64> {
         let bytes = bytes.get(place..)?.first_chunk()?;
         Some(f64::from(i16::from_le_bytes(*bytes)) / ANALOG)
     }

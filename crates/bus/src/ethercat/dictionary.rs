@@ -2,7 +2,7 @@
 
 use super::cia402::{RATED, TORQUE_MODE, TORQUE_MODE_BIT, object};
 use super::mailbox::{Abort, Object};
-use super::{Units, nearest};
+use super::{ENCODER, Units, nearest};
 use crate::drive::Shown;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -67,7 +67,7 @@ impl Dictionary {
         let analog = |raw: i32| (raw.clamp(-32768, 32767) as i16).to_le_bytes().to_vec();
         if let Some(place) = (0..3).find(|&place| self.units.own(place) == Some(of)) {
             let raw = self.units.raw(place, shown.sensors[place]);
-            return Some((if place == 1 { raw.to_le_bytes().to_vec() } else { analog(raw) }, true));
+            return Some((if place == ENCODER { raw.to_le_bytes().to_vec() } else { analog(raw) }, true));
         }
         let fixed = |bytes: &[u8]| Some((bytes.to_vec(), false));
         let live = |bytes: &[u8]| Some((bytes.to_vec(), true));

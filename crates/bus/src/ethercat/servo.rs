@@ -8,7 +8,7 @@
 //!
 //! A fault of the drive is acknowledged only while the loop has it stopped.
 
-use super::analog::{Mapped, Terminals};
+use super::analog::Mapped;
 use super::axis::{MOST_BYTES, ProcessData};
 use super::cia402::{Power, RATED, TORQUE_MODE};
 use super::{Units, nearest};
@@ -119,9 +119,10 @@ impl ProcessData for Servo {
             rest = after;
             if size == 0 { f64::NAN } else { self.units.sensor(place, signed(bytes)) }
         });
-        for (sensor, place) in sensors.iter_mut().zip(self.terminal.map_or([None; 3], |terminal| terminal.places)) {
-            if let Some(place) = place {
-                *sensor = 0.5 + 0.5 * Terminals::share(others, place)?;
+        let at_terminal = self.terminal.map_or([None; 3], |terminal| terminal.places);
+        for (index, first) in at_terminal.into_iter().enumerate() {
+            if let Some(first) = first {
+                sensors[index] = self.units.sensor(index, signed(others.get(first..first + 2)?));
             }
         }
         let error = rest.first_chunk().map_or(Fault::UNKNOWN.0, |code| u16::from_le_bytes(*code));

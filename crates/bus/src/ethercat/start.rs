@@ -176,8 +176,8 @@ impl Station<'_> {
         Ok(())
     }
 
-    /// Brings a drive to SAFE-OP, with its process data at logical addresses from `base`; `reference` is the station whose clock counts.
-    /// The clock that counts then.
+    /// Brings a drive to SAFE-OP, with its process data at logical addresses from `base`; `reference` is the station of the reference clock.
+    /// Returns the drive, and the station of its reference clock.
     fn start_drive(
         &mut self,
         units: &Units,
@@ -236,8 +236,8 @@ impl Station<'_> {
     }
 }
 
-/// Brings a drive, and the terminal that has its force sensors where its position is another, to SAFE-OP, with process data at logical
-/// addresses from `base`; `reference` is the station whose clock counts.
+/// Brings a drive, and the terminal with its force sensors if it has one, to SAFE-OP, with process data at logical addresses from `base`;
+/// `reference` is the station of the reference clock.
 ///
 /// # Errors
 /// What was expected of them.
