@@ -105,7 +105,9 @@ def test_record_on_full_disk_ends_complete(tmp_path):
         assert record.ended == running.state.record_ended
         assert not record.broken
         assert len(record.rows) + running.state.unrecorded_rows == running.state.cycle
-        # All but the last reservation of 1 MiB. A row has 307 bytes; a busy machine makes more chunks, which end by the clock.
-        assert path.stat().st_size > 8 * 2**20
-        assert len(record.rows) > 23_000
+        # All but the last reservation of 1 MiB and the 64 KiB kept for the end of the file.
+        size = path.stat().st_size
+        assert size > 8 * 2**20 - 2**16
+        # A row has 307 bytes; how many chunks they make, which end by the clock, is up to the machine.
+        assert 307 * len(record.rows) > 0.7 * size
         assert ff.live.replay(path).same

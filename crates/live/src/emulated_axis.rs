@@ -11,6 +11,10 @@ use forcefeel_model::controller::Timing;
 /// Rate in 1/s at which a drive that damps takes the speed off its own rotor.
 const DAMPS_PER_S: f64 = 60.0;
 
+/// Bandwidth in rad/s at which a drive tracks its encoder, as an ODrive's (`encoder_bandwidth`): one step of 30 us would state
+/// mostly noise.
+const TRACKS_AT: f64 = 1000.0;
+
 /// A loader at a node: its setup, the node, and what happens to it.
 pub type Place = (Setup, NodeSettings, Script);
 
@@ -24,7 +28,7 @@ pub(crate) struct Axis {
     settings: (NodeSettings, bool, f64),
     scale: Scale,
     pub shown: Shown,
-    position: f64,
+    rotor: Rotor,
     travel: f64,
     /// Command in A per speed of the motor in rad/s at which it damps, and the most.
     damping: [f64; 2],
@@ -52,7 +56,7 @@ impl Axis {
             settings: (settings, last, power_s),
             scale,
             shown: scale.shown(sensors, 0.0, 0.0),
-            position: sensors[1],
+            rotor: Rotor { position: sensors[1] / parameters.transmission.travel, speed: 0.0 },
             travel: parameters.transmission.travel,
             damping: [damping, parameters.current_loop.current_limit],
             command: 0.0,
@@ -87,11 +91,25 @@ impl Axis {
             self.machine.write(&Command { cycle: 0, command: self.command, enable: true, state: 0 });
             if let Some(sampled) = self.machine.read() {
                 let sensors = sampled.sample.sensors;
-                let speed = (sensors[1] - self.position) / (self.travel * self.machine.step_s());
-                self.position = sensors[1];
-                self.shown = self.scale.shown(sensors, self.command, speed);
+                self.rotor.track(sensors[1] / self.travel, self.machine.step_s());
+                self.shown = self.scale.shown(sensors, self.command, self.rotor.speed);
             }
         }
+    }
+}
+
+/// Angle in rad and speed in rad/s of a rotor as its drive tracks them: a loop of second order, critically damped.
+struct Rotor {
+    position: f64,
+    speed: f64,
+}
+
+impl Rotor {
+    fn track(&mut self, position: f64, step_s: f64) {
+        self.position += self.speed * step_s;
+        let missed = position - self.position;
+        self.position += 2.0 * TRACKS_AT * missed * step_s;
+        self.speed += TRACKS_AT * TRACKS_AT * missed * step_s;
     }
 }
 
