@@ -191,7 +191,7 @@ def simulate(loader, law, pilot, duration, *, start=None, command=None, added=No
             excess, way = (own - answered) / law.command[0, -2], g("controller.antiwindup")
             feels = feels - period * way * excess * np.array([2.0, way])
             if touch is not None:
-                feels = touch.follow(period, feels, (sample[1], sample[2]))
+                feels = touch.follow(feels, sample[2])
             new += own + more
         for begin, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - begin > 1e-12:  # s, far below any delay
@@ -216,9 +216,10 @@ class Touch:
         self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
-        self.lead_side, self.since_lead, self.column_rate = 0.0, 1.0, 0.0
+        self.column_rate = 0.0
+        self.at_limit, self.limit_turns, self.since_limit = 0.0, 0, 1.0  # turns with the sign of the last side
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
-        self.stick_slip_turn = 1.3 * self.least
+        self.stick_slip_turn = 0.8 * self.least
         self.rest, self.rested = None, 0.0  # of known friction
 
     def rubs(self, friction, stiffness, inertia):
@@ -261,10 +262,12 @@ class Touch:
             self.swings = 0
         back = (self.turn[1] - self.torque) * self.way
         sticks = abs(self.rate) < 0.05
-        turned_back = back > (self.stick_slip_turn if sticks else 1.3 * self.least)
+        turned_back = back > (self.stick_slip_turn if sticks else 0.8 * self.least)
         if turned_back:
-            hard_turn = back > self.environment * abs(self.angle - self.turn[0]) and self.since_turn < self.quick
-            self.way, self.turns = -self.way, self.turns + 1 if hard_turn else 0
+            turned_by = self.angle - self.turn[0]
+            hard_turn = back > self.environment * abs(turned_by) and turned_by * self.way >= 0
+            count = 1 if hard_turn else 0.25
+            self.way, self.turns = -self.way, self.turns + count if self.since_turn < self.quick else 0
         self.since_turn = 0.0 if turned_back else min(self.since_turn + h, 1.0)
         if turned_back or back < 0:
             self.turn = (self.angle, self.torque)
@@ -285,7 +288,8 @@ class Touch:
             self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
         if begins or self.torque * self.side > self.extreme[1] * self.side:
             self.extreme = (self.angle, self.torque)
-        return self.swings >= 2 or pushed_on or struck or turned or (swing and self.share > 0)
+        hunts = abs(self.limit_turns) >= 16
+        return self.swings >= 2 or pushed_on or hunts or struck or turned or (swing and self.share > 0)
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
@@ -316,8 +320,21 @@ class Touch:
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
         leaves = self.share < 1 or abs(command) > limit
         self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
+        self.count_limits(h, math.copysign(1.0, command) if abs(command) > limit else 0.0)
         self.acts = 0.0 if at_end else self.acts
         return feels, command, torque
+
+    def count_limits(self, h, side):
+        """How often the drive has gone from its limit on one side to that on the other."""
+        self.at_limit += (side - self.at_limit) * h / 0.002
+        self.since_limit = min(self.since_limit + h, 1.0)
+        there, soon, turns = abs(self.at_limit) > 0.5, self.since_limit < 2 * self.quick, abs(self.limit_turns)
+        if there and self.at_limit * self.limit_turns <= 0:
+            self.limit_turns = math.copysign(turns + 1 if soon else 1, self.at_limit)
+        elif turns >= 16:
+            self.limit_turns = 0
+        if there:
+            self.since_limit = 0.0
 
     def at_end(self, feels, column, hand):
         """Whether feel and column go into an end stop by their motion or a hand, as a sensor at the grip shows it."""
@@ -328,23 +345,12 @@ class Touch:
             return hand > stiffness * delta or rate > 0
         return delta < low and column < low + self.near and (hand < stiffness * delta or rate < 0)
 
-    def follow(self, h, feels, places):
+    def follow(self, feels, column):
         """The feel no farther out than the column by 0.05 rad; its neutral is at zero."""
-        (delta, rate), (position, column) = feels, places
-        self.since_lead = min(self.since_lead + h, 1.0)
-        ahead = delta - column
-        if abs(ahead) <= 0.05:
+        (delta, rate), ahead = feels, feels[0] - column
+        if abs(ahead) <= 0.05 or ahead * delta <= 0:
             return feels
-        side, before, since = math.copysign(1.0, ahead), self.lead_side, self.since_lead
-        self.lead_side = side
-        if side * before < 0:
-            self.since_lead = 0.0
-            if since < 2 * self.quick:
-                was, self.share, self.place = self.share, 1.0, (column, self.torque)
-                if was < 0.5:
-                    return np.array([position / self.per_angle, 0.0])
-        if ahead * delta <= 0:
-            return feels
+        side = math.copysign(1.0, ahead)
         runs_on = (rate - self.column_rate) * side > 0
         return np.array([column + 0.05 * side, self.column_rate if runs_on else rate])
 

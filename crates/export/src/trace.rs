@@ -449,6 +449,13 @@ impl Graph {
         if yes == no {
             return yes;
         }
+        // The same numbers, of whatever rows.
+        if let (Some((x, bank)), Some((y, other))) = (self.value(yes), self.value(no))
+            && bank == other
+            && x.iter().map(|it| it.to_bits()).eq(y.iter().map(|it| it.to_bits()))
+        {
+            return self.folded(&x, bank, &[yes, no]);
+        }
         if let Node::Not(mask) = self.nodes[mask as usize] {
             return self.select(mask, no, yes);
         }

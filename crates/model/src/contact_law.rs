@@ -20,12 +20,13 @@
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
-//! - sixteen turns of the torque in a row by more than `1.3 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
-//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. With known friction a turn of a slow column exceeds `2.5 q`: one that
-//!   friction holds and releases in turn under a slow hand causes smaller ones;
+//! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Of a torque that an arm may cause there are sixty-four: a column that
+//!   decays makes fewer. With known friction a turn of a slow column exceeds `2.5 q`: one that friction holds and releases in turn under a slow
+//!   hand causes smaller ones;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
-//! - a feel that is apart from the column by `theta_l` on one side, on the other, and within `2 t_q` on the first again: the drive swings at its
-//!   limit, as against a soft stop, which the torque does not tell from an arm;
+//! - a drive that is at its limit on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a soft stop,
+//!   which the torque does not tell from an arm;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
 //!   motion, or stopped a fast column to a fifth of its rate: the column struck a stop. The push of another column over a shaft falls while the
 //!   column turns, but rises along its way;
@@ -71,10 +72,13 @@ const SLOW: f64 = 2.0;
 const SLOW_SWING: f64 = 0.125;
 const SLOW_GROWTH: f64 = 0.97;
 
-/// Turns in a row of a torque that stays on one side: what decays has fewer; and how much of `T_min` is one, at half of which the noise
-/// of a column at rest turns too.
+/// Turns in a row of a torque that stays on one side: what decays has fewer; and how much of `T_min` is one. Of a torque estimated with noise
+/// that is eight standard deviations; from six on, what the noise moves of a heavy feel turns too.
 const TURNS: f64 = 16.0;
-const TURN: f64 = 1.3;
+const TURN: f64 = 0.8;
+
+/// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
+const SOFT_TURN: f64 = 0.25;
 
 /// `theta_l` in rad. In releases from the rule's angle the feel is ahead by 0.03 rad at most (`desktop-yoke`, its motor at its limit), of
 /// the other loaders by 0.01; at 0.1 rad a third of the swings on soft stops stay.
@@ -98,6 +102,9 @@ const DISTINCT: f64 = 0.5;
 
 /// Longest push that turns the motion, in `t_q`.
 const SHORT: f64 = 1.0 / 3.0;
+
+/// Least time in s at the limit on one side.
+const LIMITED_S: f64 = 0.0018;
 
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
@@ -174,10 +181,12 @@ pub struct ContactState<S> {
     turns: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
-    /// `theta_l` on the side of the column on which the feel was too far away last, in rad, 0 so far, and the time since it came there from the
-    /// other, in s.
-    lead: S,
-    since_lead: S,
+    /// Turns in a row of a drive that is at its limit on one side and then on the other, with the sign of the last side, and the time in s since it
+    /// was at either.
+    limit_turns: S,
+    since_limit: S,
+    /// How long it has been at its limit, in s, with the sign of the side.
+    at_limit: S,
 }
 
 /// What a sample counts for.
@@ -233,8 +242,9 @@ impl<S: Scalar> ContactState<S> {
             since_turn: one,
             turns: zero,
             offset: zero,
-            lead: zero,
-            since_lead: one,
+            limit_turns: zero,
+            since_limit: one,
+            at_limit: zero,
         }
     }
 
@@ -263,8 +273,9 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_since_turn", &mut self.since_turn);
         visitor.nonlinear("contact_turns", &mut self.turns);
         visitor.nonlinear("contact_offset", &mut self.offset);
-        visitor.nonlinear("contact_lead", &mut self.lead);
-        visitor.nonlinear("contact_since_lead", &mut self.since_lead);
+        visitor.nonlinear("contact_limit_turns", &mut self.limit_turns);
+        visitor.nonlinear("contact_since_limit", &mut self.since_limit);
+        visitor.nonlinear("contact_at_limit", &mut self.at_limit);
     }
 }
 
@@ -320,16 +331,23 @@ impl<S: Scalar> ContactLaw<S> {
 
         let since = S::select(begins, zero, (was.since + h).min(one));
         let touches = zero.less(was.share);
+        let between_limits = !was.limit_turns.abs().less(one.times(TURNS));
         // Alone, a run looks at each change for itself.
         let quiet = S::IN_LANES && {
-            let changes = begins | over | turns_back | touches | !now.swings.less(one.times(SWINGS));
+            let changes = begins | over | turns_back | touches | between_limits | !now.swings.less(one.times(SWINGS));
             !S::any(at_end.map_or(changes, |at_end| changes | at_end))
         };
         let counts = if quiet {
             let place = [was.place, was.place_torque];
             Counts { noticed: begins, share: was.share.max(zero), place, swings: now.swings, turns: was.turns }
         } else {
-            self.counts(&now, [to_other_side, over, turns_back, touches], [now_rate, back, since], (column, at_end), h)
+            self.counts(
+                &now,
+                [to_other_side, over, turns_back, touches, between_limits],
+                [now_rate, back, since],
+                (column, at_end),
+                h,
+            )
         };
 
         let pushed = one.times_sign(torque);
@@ -356,6 +374,8 @@ impl<S: Scalar> ContactLaw<S> {
             turn_angle: S::select(onward, angle, was.turn_angle),
             since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
             turns,
+            // What has been noticed is counted anew.
+            limit_turns: S::select(between_limits, zero, was.limit_turns),
             ..now
         };
         (state, noticed & was.share.less(one.times(0.5)))
@@ -367,7 +387,7 @@ impl<S: Scalar> ContactLaw<S> {
     fn counts(
         &self,
         now: &ContactState<S>,
-        [to_other_side, over, turns_back, touches]: [S::Mask; 4],
+        [to_other_side, over, turns_back, touches, between_limits]: [S::Mask; 5],
         [now_rate, back, since]: [S; 3],
         (column, at_end): (S, Option<S::Mask>),
         h: S,
@@ -404,11 +424,14 @@ impl<S: Scalar> ContactLaw<S> {
             & now.since.less(self.quick.times(SHORT))
             & before.less(-moves)
             & (moves.less(now_rate * now.side) | stopped);
-        let counts_turn =
-            (self.environment * (angle - now.turn_angle).abs()).less(back) & now.since_turn.less(self.quick);
-        let turns = S::select(turns_back, S::select(counts_turn, now.turns + one, zero), now.turns);
+        // The torque of a mass goes with the angle.
+        let turned_by = angle - now.turn_angle;
+        let hard_turn = (self.environment * turned_by.abs()).less(back) & !(turned_by * now.direction).less(zero);
+        let counted = now.turns + S::select(hard_turn, one, one.times(SOFT_TURN));
+        let turns = S::select(turns_back, S::select(now.since_turn.less(self.quick), counted, zero), now.turns);
         let noticed = !swings.less(one.times(SWINGS))
             | (turns_back & !turns.less(one.times(TURNS)))
+            | between_limits
             | struck
             | turned
             | (swing & touches);
@@ -440,40 +463,21 @@ impl<S: Scalar> ContactLaw<S> {
         quotient(position, self.per_angle)
     }
 
-    /// The feel no farther out than the column by `theta_l`. Apart on one side, the other, and soon the first again, it is in contact and stands where
-    /// the drive does.
+    /// The feel no farther out than the column by `theta_l`.
     #[inline(always)]
-    pub fn follow(
-        &self,
-        state: &mut ContactState<S>,
-        [delta, rate]: [S; 2],
-        ([column, column_rate], neutral, stands): ([S; 2], S, S),
-        h: S,
-    ) -> [S; 2] {
-        let (zero, one) = (h.zero(), h.constant(1.0));
-        let (ahead, most) = (delta - column, one.times(LEAD_RAD));
+    pub fn follow(&self, [delta, rate]: [S; 2], ([column, column_rate], neutral): ([S; 2], S)) -> [S; 2] {
+        let (zero, most) = (delta.zero(), delta.constant(LEAD_RAD));
+        let ahead = delta - column;
         let apart = most.less(ahead.abs()) & zero.less(self.threshold);
-        let (since, was) = ((state.since_lead + h).min(one), *state);
-        state.since_lead = since;
         if !S::any(apart) {
             return [delta, rate];
         }
-        // All of it is chosen by `apart` first: exported C then skips it as a whole in a period in which nothing is apart.
-        let if_apart = |then, or| S::select(apart, then, or);
         let lead = most.times_sign(ahead);
-        let turned = (lead * was.lead).less(zero);
-        let touches = turned & was.since_lead.less(self.quick.times(SLOW));
-        state.since_lead = if_apart(S::select(turned, zero, since), since);
-        state.lead = if_apart(lead, was.lead);
-        state.share = if_apart(S::select(touches, one, was.share), was.share);
-        state.place = if_apart(S::select(touches, column, was.place), was.place);
-        state.place_torque = if_apart(S::select(touches, was.torque, was.place_torque), was.place_torque);
-        let begins = touches & was.share.less(one.times(0.5));
         // A hand that is stronger than the drive holds the column farther out than the feel.
-        let cut = zero.less(ahead * (delta - neutral));
+        let cut = apart & zero.less(ahead * (delta - neutral));
         let onward = zero.less((rate - column_rate) * lead);
-        let [behind, slower] = [S::select(cut, column + lead, delta), S::select(cut & onward, column_rate, rate)];
-        [if_apart(S::select(begins, stands, behind), delta), if_apart(S::select(begins, zero, slower), rate)]
+        // Exported C skips it as a whole in a period in which nothing is apart.
+        [S::select(cut, column + lead, delta), S::select(cut & onward, column_rate, rate)]
     }
 
     /// What the command allows for after a sample at which the feel stands at an angle and the column at another, the command `beyond` what the
@@ -484,6 +488,27 @@ impl<S: Scalar> ContactLaw<S> {
         // A hand stronger than the drive would wind the integral up, and the drive would throw the column as the hand lets go.
         let leaves = state.share.less(h.constant(1.0)) | h.zero().less(beyond.abs());
         state.offset + S::select(leaves, -state.offset, column - delta) * slow
+    }
+
+    /// Counts how often the drive has been at its limit on one side and then on the other: the command is `beyond` what it can take.
+    #[inline(always)]
+    pub fn count_limits(&self, state: &mut ContactState<S>, beyond: S, h: S) {
+        let (zero, one) = (h.zero(), h.constant(1.0));
+        let limited = zero.less(beyond.abs());
+        let (since, was) = ((state.since_limit + h).min(one), *state);
+        state.since_limit = since;
+        // All of it is chosen by `limited` first: exported C then skips it as a whole in a period in which the drive follows.
+        let if_limited = |then, or| S::select(limited, then, or);
+        let same = zero.less(beyond * was.at_limit);
+        let lasts = S::select(same, was.at_limit, zero) + h.times_sign(beyond);
+        // Noise alone takes a command beyond the limit for a sample, on either side.
+        let there = !lasts.abs().less(one.times(LIMITED_S));
+        let other = there & !zero.less(beyond * was.limit_turns);
+        let soon = since.less(self.quick.times(SLOW));
+        let next = S::select(soon, was.limit_turns.abs() + one, one).times_sign(beyond);
+        state.at_limit = if_limited(lasts, zero);
+        state.limit_turns = if_limited(S::select(other, next, was.limit_turns), was.limit_turns);
+        state.since_limit = if_limited(S::select(there, zero, since), since);
     }
 
     /// `T_c`.

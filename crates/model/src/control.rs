@@ -229,10 +229,7 @@ impl<S: Scalar> Control<S> {
         self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| requested - e + beyond)), period);
         if shared.effects.contact_law {
             S::section("contact");
-            let law = &self.observer.contact;
-            let state = &mut remembered.contact_state;
-            feeling.motion.at =
-                law.follow(state, feeling.motion.at, (column, feeling.neutral, law.where_drive_stands(piston)), period);
+            feeling.motion.at = self.observer.contact.follow(feeling.motion.at, (column, feeling.neutral));
         }
         S::section("conversion");
         self.converters.write(e)
@@ -325,6 +322,7 @@ impl<S: Scalar> Control<S> {
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);
         let beyond = command - self.converters.within_range(command);
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
+        law.count_limits(state, beyond, period[0]);
         // A feel that moves as the column is not damped.
         let damps = at_end.map_or(share, |at_end| S::select(at_end, share.zero(), share));
         (LawOutput { command, torque, friction_state, ..output }, damps)

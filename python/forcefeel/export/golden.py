@@ -28,10 +28,12 @@ PART = 2500
 _SEED = 20
 RELEASED_RAD = 0.1
 """Where a release begins, of a feel that the drive can hold there."""
+_RESTING = 400
+"""Samples in which friction holds the column before a sweep."""
 _SWINGING = 1400
+"""Samples of swings against a column that is held: slower than those that the law takes for contact at once, and growing."""
 _APART_RAD = 0.2
 """How far a column swings to either side, farther than its feel follows."""
-"""Samples of swings against a column that is held: slower than those that the law takes for contact at once, and growing."""
 _QUICK = 7
 """Place of ``t_q`` among the numbers of the part for contact."""
 _SHARES = (1.0, 0.1, 0.01)
@@ -117,16 +119,13 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     def release(share: float) -> Scenario:
         return Scenario(Release(RELEASED_RAD * share), duration_s=duration, sample_s=period)
 
-    parts = [
-        recorded(own, law, release),
-        recorded(
-            own,
-            law,
-            lambda share: Scenario(
-                Chirp(0.3 * share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period
-            ),
-        ),
-    ]
+    def sweep(share: float) -> Scenario:
+        return Scenario(Chirp(0.3 * share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period)
+
+    swept = recorded(own, law, sweep)
+    if exported.sampled().knows_friction:
+        swept = np.vstack([_resting(loader, swept[0]), swept[:-_RESTING]])
+    parts = [recorded(own, law, release), swept]
     pairs = [(0, 0)] * (2 * PART)
     if exported.tunable:
         for setting, end in ((1, "least"), (2, "greatest")):
@@ -176,6 +175,14 @@ def _stirred(
             swings = np.arange(_SWINGING) * sampled.period_s / (1.5 * sampled.contact[0, _QUICK])
             inputs[:_SWINGING, 0] = size[0] * 1.6 ** np.minimum(swings, 8.0) * np.sin(np.pi * swings)
     return inputs
+
+
+def _resting(loader: Loader, sample: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A column at its neutral (count, 11) under a hand that holds the feel's preload: friction may hold it as well."""
+    samples = np.tile(sample, (_RESTING, 1))
+    lever = loader["linkage.ratio"] * loader["column.base_arm"]
+    samples[:, :3] = [-loader["feel.preload"] * loader["column.grip_arm"] / lever, 0.0, 0.0]
+    return samples
 
 
 def _swinging_apart(exported: Exported, count: int) -> NDArray[np.float64]:

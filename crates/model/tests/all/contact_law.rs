@@ -74,6 +74,9 @@ fn a_soft_swing_is_contact_where_it_grows_and_none_where_it_decays() {
     let column = |growth: f64| move |time: f64| [-torque(growth)(time) / soft, 0.0];
     assert_eq!(after(0.5, torque(6.0), column(6.0), free()).share, 1.0);
     assert_eq!(after(0.5, torque(-3.0), column(-3.0), free()).share, 0.0);
+    assert_eq!(after(2.0, torque(0.0), column(0.0), free()).share, 0.0, "an arm swings for a while");
+    assert_eq!(after(4.0, torque(0.0), column(0.0), free()).share, 1.0, "and not for ever");
+    assert_eq!(after(4.0, torque(-2.0), column(-2.0), free()).share, 0.0);
 }
 
 #[test]
@@ -123,43 +126,37 @@ fn the_noise_of_a_column_at_rest_beside_the_place_gives_nothing_back() {
     assert!(later.share > 0.99, "{}", later.share);
 }
 
-/// The feel at an angle and a rate beside a column that stands, after a period.
-fn beside(feel: [f64; 2], state: &mut ContactState<f64>) -> [f64; 2] {
-    law().follow(state, feel, ([0.0; 2], 0.0, 0.004), H)
-}
-
 #[test]
 fn a_feel_that_runs_ahead_is_held_at_its_lead() {
-    let mut state = free();
-    assert_eq!(beside([0.04, 3.0], &mut state), [0.04, 3.0]);
-    assert_eq!(beside([0.3, 3.0], &mut state), [LEAD_RAD, 0.0]);
-    assert_eq!(beside([0.3, -3.0], &mut state), [LEAD_RAD, -3.0], "on its way back");
-    assert_eq!(state.share, 0.0);
-    assert_eq!(
-        ContactLaw::none(0.0).follow(&mut state, [9.0, 3.0], ([0.0; 2], 0.0, 0.0), H),
-        [9.0, 3.0],
-        "of no contact"
-    );
-    let held_out = law().follow(&mut state, [0.2, 0.0], ([0.4, 0.0], 0.0, 0.004), H);
+    let beside = |feel| law().follow(feel, ([0.0; 2], 0.0));
+    assert_eq!(beside([0.04, 3.0]), [0.04, 3.0]);
+    assert_eq!(beside([0.3, 3.0]), [LEAD_RAD, 0.0]);
+    assert_eq!(beside([0.3, -3.0]), [LEAD_RAD, -3.0], "on its way back");
+    assert_eq!(ContactLaw::none(0.0).follow([9.0, 3.0], ([0.0; 2], 0.0)), [9.0, 3.0], "of no contact");
+    let held_out = law().follow([0.2, 0.0], ([0.4, 0.0], 0.0));
     assert_eq!(held_out, [0.2, 0.0], "by a hand that is stronger than the drive");
 }
 
+/// The share of the contact after two seconds of a command that is so far beyond the drive's limit.
+fn at_limits(beyond: impl Fn(f64) -> f64) -> f64 {
+    let mut state = free();
+    for step in 0..4000 {
+        (state, _) = law().noticed((0.0, None), (0.0, None), state, [H, 1.0 / H]);
+        law().count_limits(&mut state, beyond(f64::from(step) * H), H);
+    }
+    state.share
+}
+
 #[test]
-fn a_feel_that_is_ahead_on_the_one_side_and_on_the_other_and_soon_on_the_one_again_is_in_contact() {
-    let after_pause = |pause: f64| {
-        let mut state = free();
-        beside([-0.3, -3.0], &mut state);
-        beside([0.3, 3.0], &mut state);
-        assert_eq!(state.share, 0.0);
-        let mut time = 0.0;
-        while time < pause {
-            beside([0.0; 2], &mut state);
-            time += H;
-        }
-        (beside([-0.3, -3.0], &mut state), state.share)
-    };
-    assert_eq!(after_pause(0.1), ([0.004, 0.0], 1.0), "it stands where the drive stands");
-    assert_eq!(after_pause(0.5), ([-LEAD_RAD, 0.0], 0.0));
+fn a_drive_that_swings_between_its_limits_is_in_contact() {
+    let swings =
+        |hertz: f64| at_limits(move |time| if swing(hertz)(time).abs() > 5.0 { swing(hertz)(time) } else { 0.0 });
+    assert_eq!(swings(5.0), 1.0);
+    assert_eq!(swings(30.0), 1.0);
+    assert_eq!(swings(1.0), 0.0, "a hand may be as quick");
+    assert_eq!(at_limits(|time| swing(5.0)(time).max(0.0)), 0.0, "on one side");
+    assert_eq!(at_limits(|time| if (time / H).round() % 2.0 == 0.0 { 1.0 } else { -1.0 }), 0.0, "noise");
+    assert_eq!(at_limits(|time| if time < 0.7 { swing(10.0)(time) } else { 0.0 }), 0.0, "a release");
 }
 
 #[test]

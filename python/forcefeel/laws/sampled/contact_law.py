@@ -43,7 +43,7 @@ DAMPING = 2.0, 2.0
 FORCE_N = 6.7
 """Least force at the grip, either way, that counts as a push: 1.5 lb, and what the dry friction may be off."""
 
-SIGMAS = 6.0
+SIGMAS = 10.0
 """The same in standard deviations of the estimate's noise."""
 
 ENVIRONMENT_N_PER_M = 5000.0
