@@ -217,7 +217,7 @@ class Touch:
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
         self.column_rate = 0.0
-        self.at_limit, self.limit_turns, self.since_limit = 0.0, 0, 1.0  # turns with the sign of the last side
+        self.at_limit, self.limit_turns, self.since_limit = 0.0, 0, 1.0  # time and turns with the sign of the side
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
         self.stick_slip_turn = 0.8 * self.least
         self.rest, self.rested = None, 0.0  # of known friction
@@ -326,13 +326,13 @@ class Touch:
 
     def count_limits(self, h, side):
         """How often the drive has gone from its limit on one side to that on the other."""
-        self.at_limit += (side - self.at_limit) * h / 0.002
+        self.at_limit = side * h + (self.at_limit if side * self.at_limit > 0 else 0.0)
         self.since_limit = min(self.since_limit + h, 1.0)
-        there, soon, turns = abs(self.at_limit) > 0.5, self.since_limit < 2 * self.quick, abs(self.limit_turns)
-        if there and self.at_limit * self.limit_turns <= 0:
-            self.limit_turns = math.copysign(turns + 1 if soon else 1, self.at_limit)
-        elif turns >= 16:
+        if abs(self.limit_turns) >= 16:  # it was noticed
             self.limit_turns = 0
+        there, soon, turns = abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick, abs(self.limit_turns)
+        if there and side * self.limit_turns <= 0:
+            self.limit_turns = math.copysign(turns + 1 if soon else 1, side)
         if there:
             self.since_limit = 0.0
 

@@ -177,6 +177,27 @@ def test_engine_matches_witness_as_a_well_damped_stop_catches_a_stick():
 
 
 @pytest.mark.slow
+def test_a_light_column_ends_its_swings_on_a_soft_stop_in_engine_and_witness():
+    """Between the motor's limits, by some 50 deg and in no order: engine and witness agree for half a second, and in that they
+    end. The contact may be given back too soon, and the swings begin again for a while."""
+    stiffness, omega = 0.04 * LOADER["feel.stiffness"], 2 * math.pi * 3
+    feel = {"stiffness": stiffness, "inertia": stiffness / omega**2, "damping": 0.2 * stiffness / omega}
+    light = LOADER.replace({"feel.breakout": None} | {f"feel.{key}": value for key, value in feel.items()}, si=True)
+    stop = ff.envelope.Contact(True, 1e3, 0.1).on(light)
+    law = ff.Law.of("robust", light)
+
+    def pushed(law, duration_s):
+        push = both({}, law.numbers, duration_s, 2.5e-4, lambda time: np.where(time > 0, 8.0, 0.0), of=stop)
+        return push[0].column_angle_rad.values, push[1]["column_angle_rad"]
+
+    swings = pushed(law.without_contact(), 4.0)
+    assert min(np.ptp(angle[-1000:]) for angle in swings) > math.radians(20)
+    engine, expected = pushed(law, 12.0)
+    assert np.abs(engine - expected)[:1000].max() / TRAVEL < SLIPS
+    assert max(np.ptp(angle[-1000:]) for angle in (engine, expected)) < math.radians(1)
+
+
+@pytest.mark.slow
 def test_half_step_reduces_error_by_multiple(law):
     errors = []
     for step_s in (5e-4, 2.5e-4):

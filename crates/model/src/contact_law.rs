@@ -103,8 +103,9 @@ const DISTINCT: f64 = 0.5;
 /// Longest push that turns the motion, in `t_q`.
 const SHORT: f64 = 1.0 / 3.0;
 
-/// Least time in s at the limit on one side.
-const LIMITED_S: f64 = 0.0018;
+/// Least time in s at the limit on one side: a loop whose samples come two cycles late swings between its limits too, but faster, and is no
+/// better in contact.
+const LIMITED_S: f64 = 0.0065;
 
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
@@ -501,7 +502,6 @@ impl<S: Scalar> ContactLaw<S> {
         let if_limited = |then, or| S::select(limited, then, or);
         let same = zero.less(beyond * was.at_limit);
         let lasts = S::select(same, was.at_limit, zero) + h.times_sign(beyond);
-        // Noise alone takes a command beyond the limit for a sample, on either side.
         let there = !lasts.abs().less(one.times(LIMITED_S));
         let other = there & !zero.less(beyond * was.limit_turns);
         let soon = since.less(self.quick.times(SLOW));
