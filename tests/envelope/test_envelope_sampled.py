@@ -161,3 +161,11 @@ def test_analog_loader_accepts_only_the_laws_of_the_report(loader: ff.Loader) ->
         Law.of("robust", ff.elevator())
     with pytest.raises(InputError, match="law: expected original, published"):
         Law.of("best", loader)
+
+
+def test_page_states_that_every_setting_passes(tmp_path):
+    grid = {"stiffness": "10, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 0.7"}
+    few = ff.find_envelope(ff.digital_elevator(), ["robust"], grid, changes={}, arms=(), contacts=())
+    text = ff.envelope.write_envelope(few, tmp_path, ff.UnitSystem.US).read_text(encoding="utf-8")
+    assert "With the nominal plant every setting passes." in text
+    assert "First failure</th>" not in text
