@@ -111,7 +111,8 @@ impl Cycles {
             0 => of_sample,
             fault => u32::from(fault),
         };
-        if fault != 0 || trips == 0 {
+        // A cycle without a sample says nothing of it.
+        if fault != 0 || (trips == 0 && !silent) {
             status.drive_fault.store(fault, Relaxed);
         }
     }
