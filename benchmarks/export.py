@@ -24,7 +24,7 @@ STATED = {
     "C, changing between four settings": 1336,
     "C, so with every part": 2492,
 }
-"""Instructions of laws with a part for contact that notices a drive which swings between its limits: some 50 of them."""
+"""Instructions per period, of laws with a part for contact."""
 MOST = 1.05
 FEEL = {key: value for key, value in NONLINEAR.items() if key.startswith("feel.")}
 PERIODS, TIMES = 1000, 32

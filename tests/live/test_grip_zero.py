@@ -66,8 +66,8 @@ def test_a_stuck_grip_sensor_stops_the_loader_once_the_hand_changes_its_force(la
         assert running.state.name == "active"
         running.hand_force_n = 0.0
         running.wait(1_000)
-        # Once it is stopped, the force that stays may be found to be no hand's either: an offset.
-        assert running.state.trips[0] == "sensor stuck"
+        # The stopped loader may also find that the remaining force is an offset.
+        assert running.state.trips in (("sensor stuck",), ("sensor stuck", "offset at the grip"))
 
 
 def test_a_stuck_grip_sensor_without_noise_in_the_file_stops_the_loader():

@@ -127,7 +127,7 @@ def test_c_machine_uses_same_protocol(run, tmp_path):
 def requires_pilots_force(run, machine, folder):
     """A machine that measures no pilot's force, under a law that feeds it back: named, and nothing moves."""
     record = folder / "run" / "record.mcap"
-    words = ["elevator-2khz", "--law", "original", "--machine", machine, "--headless", "--duration", "1 s"]
+    words = ["elevator-2khz", "--law", "original", "--machine", machine, "--headless", "--duration", "0.5 s"]
     status, out, err = run(*words, "--out", str(record.parent))
     assert (status, err) == (1, ""), out
     assert "drive: no pilot's force in the samples; the law requires it: choose the law robust" in " ".join(out.split())

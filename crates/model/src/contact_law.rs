@@ -21,12 +21,12 @@
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
-//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Of a torque that an arm may cause there are sixty-four: a column that
-//!   decays makes fewer. With known friction a turn of a slow column exceeds `2.5 q`: one that friction holds and releases in turn under a slow
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
+//!   that decays makes fewer. With known friction a turn of a slow column exceeds `2.5 q`: one that friction holds and releases in turn under a slow
 //!   hand causes smaller ones;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
-//! - a drive that is at its limit on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a soft stop,
-//!   which the torque does not tell from an arm;
+//! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
+//!   soft stop, which the torque does not distinguish from an arm;
 //! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
 //!   motion, or stopped a fast column to a fifth of its rate: the column struck a stop. The push of another column over a shaft falls while the
 //!   column turns, but rises along its way;
@@ -81,7 +81,7 @@ const TURN: f64 = 0.8;
 const SOFT_TURN: f64 = 0.25;
 
 /// `theta_l` in rad. In releases from the rule's angle the feel is ahead by 0.03 rad at most (`desktop-yoke`, its motor at its limit), of
-/// the other loaders by 0.01; at 0.1 rad a third of the swings on soft stops stay.
+/// the other loaders by 0.01.
 pub const LEAD_RAD: f64 = 0.05;
 
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
