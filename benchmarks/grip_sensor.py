@@ -163,7 +163,7 @@ def release(loader, laws, m, feel, record, random):
         angle, rate = z[:, kind.angle], z[:, kind.rate]
         if k % every == 0:
             angles[:, k // every] = angle
-        pull = np.where(motion.rests & (k > 0), 0.0, motion.push() + z[:, kind.dry])
+        pull = np.where(motion.rests & (k > 0), 0.0, motion.torque(z) + z[:, kind.dry])
         at_arm = m.arm_inertia / m.turned * pull + m.arm_damping * rate + m.arm_stiffness * angle
         y = np.stack([*motion.shown(), -at_arm / m.grip_arm * kind.force], 1)
         if random:

@@ -5,8 +5,8 @@
 
     T - (C + (B - C) exp(-(w / w_s)^2)) (1 + a s) s  moves it;  at rest it sticks while |T| <= B (1 + a sgn T)
 
-What is linear takes exact steps by a matrix exponential for each machine; friction is constant over a step. Where the column turns
-round in one, it rests at its end, or what is left of the step goes the other way.
+What is linear takes exact steps by a matrix exponential for each machine; friction and hand are constant over a step. Where the
+column turns round in one, it rests at its end, or what is left of the step goes the other way.
 """
 
 from dataclasses import dataclass
@@ -67,6 +67,9 @@ class Rubbing:
         places: What stands where in it.
         step_s: The step.
         friction: That of the column.
+
+    Attributes:
+        hand: Torque of a hand on each column, constant over a step.
     """
 
     def __init__(self, rates, places, step_s, friction):
@@ -76,30 +79,30 @@ class Rubbing:
         exact = (np.array([expm(step_s * rate_matrix)[: places.states] for rate_matrix in of]) for of in (rates, stuck))
         self.slide, self.stick = exact
         self.places, self.friction = places, friction
-        self.z, self.rests = np.zeros((many, size)), np.ones(many, dtype=bool)
+        self.z, self.rests, self.hand = np.zeros((many, size)), np.ones(many, dtype=bool), 0.0
 
     def torque(self, z):
-        """T of vectors; each drive has its own."""
+        """T of vectors beside the hand's; each drive has its own."""
         raise NotImplementedError
 
-    def push(self):
-        """T now."""
-        return self.torque(self.z)
+    def push(self, z):
+        """T."""
+        return self.torque(z) + self.hand
 
     def advance(self):
         """A step under what stands in the vector but the friction."""
         z, rate, states = self.z, self.places.rate, self.places.states
-        torque = self.push()
+        torque = self.push(z)
         self.rests &= self.friction.holds(torque)
         direction = np.where(z[:, rate] != 0, np.sign(z[:, rate]), np.sign(torque))
         level = self.friction.level(direction, z[:, rate])
-        z[:, self.places.dry] = -direction * level
+        z[:, self.places.dry] = self.hand - direction * level
         after = (self.slide @ z[:, :, None])[:, :, 0]
         turned = after[:, rate] * direction < 0
         if self.rests.any():
             after[self.rests] = (self.stick[self.rests] @ z[self.rests][:, :, None])[:, :, 0]
         # A column that turns round goes on with what is left of the step, if friction does not hold it.
-        push = self.torque(after)
+        push = self.push(after)
         held_now = turned & self.friction.holds(push)
         back = self.friction.level(-direction, 0.0)
         slower = np.clip((push + direction * back) / np.where(turned, push - direction * level, 1.0), 0.0, 1.0)

@@ -219,14 +219,14 @@ class Touch:
         self.column_rate = 0.0
         self.at_limit, self.limit_turns, self.since_limit = 0.0, 0, 1.0  # time and turns with the sign of the side
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
-        self.stick_slip_turn = 0.8 * self.least
+        self.rubbing = 0.0  # the most that known friction may be
         self.rest, self.rested = None, 0.0  # of known friction
 
     def rubs(self, friction, stiffness, inertia):
         """Friction is known, by the head of ``crates/model/src/known_friction.rs``."""
         uncertain, most, rate = friction[-10], friction[-4], friction[-1]
         self.rest = uncertain, most, rate, stiffness, min(10 * 2 * rate * inertia / uncertain, 0.06)
-        self.stick_slip_turn = max(self.stick_slip_turn, 2.5 * most)
+        self.rubbing = most
 
     def is_held(self, h, delta):
         """Whether friction holds the column."""
@@ -246,7 +246,8 @@ class Touch:
         turns = (self.angle - before) / h
         self.rate += (turns - self.rate) * h / 0.008
         self.peak = max(abs(self.torque), self.peak * (1 - h / self.quick / 5))
-        pushes = abs(self.torque) > max(self.least, 0.3 * self.peak)
+        rubbing = self.rubbing if abs(self.rate) < 0.05 else 0.0
+        pushes = abs(self.torque) > max(self.least, 0.3 * self.peak, rubbing)
         other = pushes and self.torque * self.side < 0
         over, begins = self.push != 0 and not pushes, other or (pushes and self.push == 0)
         went, fell = self.angle - self.extreme[0], self.torque - self.extreme[1]
@@ -261,8 +262,7 @@ class Touch:
         elif not slow:
             self.swings = 0
         back = (self.turn[1] - self.torque) * self.way
-        sticks = abs(self.rate) < 0.05
-        turned_back = back > (self.stick_slip_turn if sticks else 0.8 * self.least)
+        turned_back = back > max(0.8 * self.least, 2.5 * rubbing)
         if turned_back:
             turned_by = self.angle - self.turn[0]
             hard_turn = back > self.environment * abs(turned_by) and turned_by * self.way >= 0
@@ -385,13 +385,16 @@ def hear(numbers, known, torque, memory):
     heard += leak * ((rest if abs(push) >= hand else 0.0) - heard)
     reach = [share * levels[0 if share < 0 else 1] for share in (least, most)]
     heard = min(max(heard, rest + reach[0] - uncertain), rest + reach[1] + uncertain)
+    one_way = way_now * way_before > 0.8
     for k in (0, 1):
-        if abs(push) >= hand:  # what was learnt of late was the hand's
+        if abs(push) >= (
+            max(abs(friction), hand - abs(friction)) if one_way else hand
+        ):  # what was learnt of late was the hand's
             learnt[k] += blur * (trusted[k] - learnt[k])
-        elif way_now * way_before > 0.8:
+        elif one_way:
             by = (1.0 if k == own else 0.5) * gain * way_now * torque
             before, learnt[k] = learnt[k], min(max(learnt[k] - by, low), high)
-            trusted[k] += trust * (before - trusted[k])
+            trusted[k] += trust * (before - trusted[k]) if abs(rate) > 0.05 else 0.0
     push, way_before = push + blur * (torque - push), way_before + blur * (way_now - way_before)
     return np.array([heard, *learnt, *trusted, push, way_before]), enters * friction
 

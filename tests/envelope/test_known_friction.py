@@ -151,14 +151,14 @@ AS_IT_IS = FRICTION | {
 
 
 def test_friction_by_direction_that_falls_over_a_velocity_is_compensated():
-    """A fifth more than stated, measured: 14 of 18 soft settings; 4 where the law is told of a fast column's friction alone."""
+    """A fifth more than stated, measured: 17 of 18 soft settings; 5 where the law is told of a fast column's friction alone."""
     loader = ff.digital_elevator().replace(AS_IT_IS)
     fast = loader.replace(FRICTION | dict.fromkeys(AS_IT_IS.keys() - FRICTION.keys()))
     told = LawDesign("told", "of a fast column", lambda _, feel: LAW_DESIGNS["robust"].design(fast, feel))
     case = Case("off", Kind.PLANT, dict.fromkeys(FRICTION, 0.2))
     known, level_alone = (rendered(loader, law, SOFT, case) for law in ("robust", told))
-    assert known > 0.7
-    assert level_alone < 0.3
+    assert known > 0.8
+    assert level_alone < 0.4
 
 
 def test_law_of_a_light_column_does_not_depend_on_the_settings_beside_it():
@@ -192,27 +192,63 @@ def test_hand_motion_does_not_change_the_learned_friction():
         moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (history.time_s.values > 5.0)
         push = np.interp(history.time_s.values, time, force) - (20.0 * angle + 3.0 * rate) / loader["column.grip_arm"]
         width = np.mean(push * np.sign(rate), where=moving) / stated["column.coulomb_friction"]
-        assert width == pytest.approx(off, abs=0.07)  # measured: -0.034, 0.067, 0.160; 1 % of it without learning
+        assert width == pytest.approx(off, abs=0.05)  # measured: -0.058, 0.042, 0.143; 1 % of it without learning
+
+
+def beside_feel(friction, share_off, stiffness_share, push_share, releases, period_s):
+    """What a slow hand feels beside the programmed feel after some releases, in N, and the column's rate in rad/s.
+
+    `elevator-2khz`, a feel of 1 Hz and damping 0.5; friction falls over 0.05 rad/s and is off by a share.
+    """
+    loader, omega = ff.digital_elevator(), 2 * np.pi
+    stiffness, falls = stiffness_share * loader["feel.maximum_stiffness"], {"column.stribeck_velocity": 0.05}
+    feel = {"feel.stiffness": stiffness, "feel.inertia": stiffness / omega**2, "feel.damping": stiffness / omega}
+    stated = loader.replace(friction).replace(feel | falls, si=True)
+    machine = stated.replace({key: (1 + share_off) * stated[key] for key in FRICTION}, si=True)
+    start = 6.0 * releases
+    time = np.arange(0.0, start + 1.25 * period_s, 0.01)
+    push = push_share * stiffness / stated["column.grip_arm"]
+    force = np.where(time < start, 0.0, push * np.sin(2 * np.pi * (time - start) / period_s))
+    for k in range(releases):
+        held = (time >= 6.0 * k) & (time < 6.0 * k + 2.0)
+        force[held] = (-1) ** k * 1.5 * push * np.minimum(1.0, (time[held] - 6.0 * k) / 0.8)
+    scenario = ff.Scenario(Recorded(time, force), time[-1], 5e-4, 5e-3)
+    history = ff.simulate(machine, scenario, Law.of("robust", stated)).history
+    angle, rate, at = (history[key].values for key in ("column_angle_rad", "column_velocity_rad_per_s", "time_s"))
+    of_feel = (stiffness * angle + feel["feel.damping"] * rate) / machine["column.grip_arm"]
+    pushed = at > start
+    return np.interp(at, time, force)[pushed] - of_feel[pushed], rate[pushed]
+
+
+LB = 4.4482216152605
 
 
 def test_slow_hand_does_not_make_a_column_heavy_that_friction_holds():
     """A fifth more friction than stated holds the column and lets it go, again and again, as a slow hand turns round. The law took
     that for a stiff contact, damped the feel on its way back, and the hand felt 4.6 lb beside the programmed feel."""
-    loader, omega = ff.digital_elevator(), 2 * np.pi
-    stiffness, falls = 0.2 * loader["feel.maximum_stiffness"], {"column.stribeck_velocity": 0.05}
-    feel = {"feel.stiffness": stiffness, "feel.inertia": stiffness / omega**2, "feel.damping": stiffness / omega}
-    stated = loader.replace(FRICTION | {"column.static_friction": "1.3 lb"}).replace(feel | falls, si=True)
-    machine = stated.replace({key: 1.2 * stated[key] for key in FRICTION}, si=True)
-    time = np.linspace(0.0, 25.0, 4001)
-    force = 0.1 * stiffness / stated["column.grip_arm"] * np.sin(2 * np.pi * time / 20.0)
-    history = ff.simulate(
-        machine, ff.Scenario(Recorded(time, force), 25.0, 5e-4, 5e-3), Law.of("robust", stated)
-    ).history
-    angle, rate = history.column_angle_rad.values, history.column_velocity_rad_per_s.values
-    of_feel = (stiffness * angle + feel["feel.damping"] * rate) / machine["column.grip_arm"]
-    moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (history.time_s.values > 5.0)
-    beside = np.interp(history.time_s.values, time, force) - of_feel
-    assert np.abs(beside[moving]).max() < 1.2 * stated["column.coulomb_friction"]
+    beside, rate = beside_feel(FRICTION | {"column.static_friction": "1.3 lb"}, 0.2, 0.2, 0.1, 0, 20.0)
+    moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (np.arange(len(rate)) > len(rate) // 5)
+    assert np.abs(beside[moving]).max() < 1.2 * LB
+
+
+THREE = {"column.coulomb_friction": "3 lb", "column.static_friction": "3.9 lb"}
+
+
+def test_column_that_friction_stops_after_a_release_is_not_heavy():
+    """While friction holds the column, the loop moves the load cell's force to and fro by less than the friction. The law took
+    that for a stiff contact, and the next push had to overcome 17 lb. Measured: 6.9 lb, 4.7 of them breakaway."""
+    beside, _ = beside_feel(THREE, 0.2, 0.5, 0.1, 2, 8.0)
+    assert np.abs(beside).max() < 8.0 * LB
+
+
+@pytest.mark.parametrize("off", mostly_slow([0.2, -0.2]))
+def test_slow_sweep_after_releases_knows_friction_that_has_drifted(off):
+    """3 lb of friction and a fifth more or less, mean along the motion. Measured: 0.68 and -0.72 lb at once, 0.26 and -0.04 after
+    four releases. Where a slow way through zero torque taught as a release does, 0.9 lb remained."""
+    for releases, felt in ((0, (0.5, 0.9)), (4, (0.0, 0.3))):
+        beside, rate = beside_feel(THREE, off, 0.2, 0.12, releases, 40.0)
+        moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (np.arange(len(rate)) > len(rate) // 5)
+        assert felt[0] < np.sign(off) * np.mean((beside * np.sign(rate))[moving]) / LB < felt[1]
 
 
 @pytest.mark.slow

@@ -135,7 +135,7 @@ def test_emulated_board_matches_bitwise(single, core):
 
 
 MOST_BYTES = 12 * 1024
-"""Of code and data of four settings; docs/how-to/export.md states 11.8 KiB."""
+"""Of code and data of four settings; docs/how-to/export.md states 12.0 KiB."""
 
 
 @pytest.mark.slow

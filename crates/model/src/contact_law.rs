@@ -16,14 +16,14 @@
 //! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
 //!
 //! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
-//! `t_q`, quicker than a hand. Contact is one of
+//! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. Contact is one of
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
 //!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
-//!   that decays makes fewer. With known friction a turn of a slow column exceeds `2.5 q`: one that friction holds and releases in turn under a slow
-//!   hand causes smaller ones;
+//!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
+//!   slow hand causes smaller ones;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
 //!   soft stop, which the torque does not distinguish from an arm;
@@ -76,6 +76,9 @@ const SLOW_GROWTH: f64 = 0.97;
 /// that is eight standard deviations; from six on, what the noise moves of a heavy feel turns too.
 const TURNS: f64 = 16.0;
 const TURN: f64 = 0.8;
+
+/// Largest turn of the torque by stick-slip, over `q`: friction holds the column and releases it, so that it acts one way, then the other.
+const STICK_SLIP: f64 = 2.5;
 
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;
@@ -296,12 +299,12 @@ impl<S: Scalar> ContactLaw<S> {
         Self::take(|| zero)
     }
 
-    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `friction_turn`:
-    /// largest turn of the torque that known friction causes; `at_end`: whether the column is at an end stop that the torque does not show.
+    /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `friction`:
+    /// largest torque of known friction, `q`; `at_end`: whether the column is at an end stop that the torque does not show.
     #[inline(always)]
     pub fn noticed(
         &self,
-        (torque, friction_turn): (S, Option<S>),
+        (torque, friction): (S, Option<S>),
         (column, at_end): (S, Option<S::Mask>),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
@@ -314,7 +317,11 @@ impl<S: Scalar> ContactLaw<S> {
         let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
         let peak = torque.abs().max(was.peak * (one - h * self.per_peak));
 
+        // Stick-slip is slow; a swing against a spring is fastest halfway.
+        let sticks = rate.abs().less(one.times(MOVES_RAD_PER_S));
+        let beyond = |least: S, of_friction: S| least.max(S::select(sticks, of_friction, zero));
         let least = self.threshold.max(peak.times(OF_PEAK));
+        let least = friction.map_or(least, |friction| beyond(least, friction));
         let pushes = least.less(torque.abs()) & zero.less(self.threshold);
         let lasted = zero.less(was.push.abs());
         let to_other_side = pushes & (torque * was.side).less(zero);
@@ -322,9 +329,7 @@ impl<S: Scalar> ContactLaw<S> {
         let over = lasted & !pushes;
         let back = (was.turn - torque) * was.direction;
         let turn = self.threshold.times(TURN);
-        // Stick-slip is slow; a swing against a spring is fastest halfway.
-        let sticks = rate.abs().less(one.times(MOVES_RAD_PER_S));
-        let turn = friction_turn.map_or(turn, |largest| S::select(sticks, turn.max(largest), turn));
+        let turn = friction.map_or(turn, |friction| beyond(turn, friction.times(STICK_SLIP)));
         let turns_back = turn.less(back) & zero.less(self.threshold);
         // A heavy feel swings on a stiff spring as slowly as a hand can.
         let slow = was.since.less(self.quick.times(SLOW));

@@ -290,8 +290,8 @@ impl<S: Scalar> Control<S> {
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
-        let friction_turn = neutral.map(|_| self.observer.friction.largest_turn());
-        let (now, begins) = law.noticed((output.torque, friction_turn), (inputs.angle[0], at_end), *state, period);
+        let friction = neutral.map(|_| self.observer.friction.largest());
+        let (now, begins) = law.noticed((output.torque, friction), (inputs.angle[0], at_end), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;

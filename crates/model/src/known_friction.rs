@@ -15,10 +15,11 @@
 //! | `C s-` to `C s+`, `s- = min(w, sat(2 (v - v_s) / v_s))`, `s+ = max(w, sat(2 (v + v_s) / v_s))`, `C` of either sign's direction | torques of the friction that the rate allows: all at rest, one in motion |
 //! | `T' = T + l (T_m - T)`, `T_m = T_o - f` where `|T_b| >= q`, else 0 | under a hand what is received drifts to what is measured, with the hand off to nothing |
 //! | `T+ = T'`, as near as `T_o - f + C [s-, s+] + U [-1, 1]` lets it | a play: at rest the hand has done nothing until it must have |
-//! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (C - C_true) sgn v` |
+//! | `g+ = sat(g - a w T_o)` where `w w_b > 4/5`, `|T_b| < T_g` | with the hand off `T_o = (C - C_true) sgn v` |
 //! | `g'+ = sat(g' - a w T_o / 2)` there | as warm oil changes both directions, so does half of it the other |
-//! | `h+ = h + d (g - h)` there, of both | trusted once it has held for a while |
-//! | `g+ = g + c (h - g)` where `|T_b| >= q`, of both | the hand was there all along: what was learnt of late was its own |
+//! | `h+ = h + d (g - h)` there if `|v| > v_t`, of both | trusted once it has held for a while, of a column as fast as no slow hand |
+//! | `g+ = g + c (h - g)`, of both, where `|T_b| >= T_g` if `w w_b > 4/5`, else `>= q` | the hand was there all along: what was learnt of late was its own |
+//! | `T_g = max(|f|, q - |f|)` | in motion more is a hand |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
 //! The exponential is `1 / (1 + u + u^2 / 2 + u^3 / 6)`, `u = (v / omega_s)^2`: within 0.025 of it, and four products.
@@ -44,10 +45,10 @@
 //! `s+ = s + (h / t) (1 - s)` if the spring torque is below `U`, else `s - (h / t) s`. At rest `t` is ten times that interval, at most 60 ms: a light
 //! feel shakes the column loose sooner. Otherwise `t` is 2 s, so that a persistent swing within `U` is held at a turning point.
 //!
-//! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
-//! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
-//! down again, so that the last stays. Its push takes that back to `h`, which follows too slowly to see either. A hand that pushes with
-//! less than `q` all along, or drives the column at the feel's own frequency, where its torque goes with the rate, looks like friction:
+//! Nothing is learnt at rest, nor as the column turns round, where friction and estimate turn at different times, nor under a hand that
+//! pushes with more than the friction, or than it may be more. A hand that moves the column to and fro passes through zero torque on its way, and
+//! teaches there: up, then down again, so that the last stays. Its push takes that back to `h`, which follows too slowly to see either. A hand
+//! that pushes with less all along, or drives the column at the feel's own frequency, where its torque goes with the rate, looks like friction:
 //! what it can teach is bounded by `g_-`, `g_+`.
 //!
 //! The set of torques of dry friction: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
@@ -98,11 +99,12 @@ const TURNS: f64 = 10.0;
 /// `t` in motion in s.
 const MOVES_S: f64 = 2.0;
 
-/// Largest turn of the torque that friction causes, over `q`: held and released, it acts one way, then the other.
-const STICK_SLIP: f64 = 2.5;
-
 /// `w w_b` from which on the column moves one way.
 const ONE_WAY: f64 = 0.8;
+
+/// Rate of the column in rad/s from which on what it teaches is trusted. A slow hand moves it through zero torque for as long as a release takes
+/// to settle.
+const TRUSTED_RAD_PER_S: f64 = 0.05;
 
 /// Share of what one direction learns that the other does too. By all of it they could not differ; by none an error of both, the usual
 /// one, would be there again each time that the column turns.
@@ -238,10 +240,10 @@ impl<S: Scalar> KnownFriction<S> {
         (rests & one.times(0.5).less(rested), rested)
     }
 
-    /// Largest turn in N m of the estimated torque that stick-slip causes under a constant hand.
+    /// The most that the friction may be, in N m.
     #[inline(always)]
-    pub fn largest_turn(&self) -> S {
-        self.hand.times(STICK_SLIP)
+    pub fn largest(&self) -> S {
+        self.hand
     }
 
     /// What the load cell's torque may be of a column that rests, under a push of late.
@@ -272,7 +274,11 @@ impl<S: Scalar> KnownFriction<S> {
         let drifted = measured + (state.feel_torque - measured) * (one - self.leak);
         let [low, high] = [along(low) - self.uncertain, along(high) + self.uncertain];
         let feel_torque = total + (drifted - total).clamp(low, high);
-        let ([g, g_positive], [h, h_positive]) = self.learnt((estimated, off), way, state);
+        // A column at rest may show all of its friction; one that moves shows what is told of it, or what it may be more.
+        let one_way = v.constant(ONE_WAY).less(way * state.way);
+        let moved = friction.abs().max(self.hand - friction.abs());
+        let alone = state.push.abs().less(S::select(one_way, moved, self.hand));
+        let ([g, g_positive], [h, h_positive]) = self.learnt(estimated * way, v, (one_way, alone), state);
         let push = state.push + (estimated - state.push) * self.blur;
         let way = state.way + (way - state.way) * self.blur;
         [feel_torque, g, g_positive, h, h_positive, push, way, friction]
@@ -291,20 +297,28 @@ impl<S: Scalar> KnownFriction<S> {
         one + self.breakaway / series
     }
 
-    /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
+    /// What is known beyond `F` after a sample, and trusted: what is estimated along the motion of a column that moves one way, alone, was the
+    /// friction's.
     #[inline(always)]
-    fn learnt(&self, (estimated, off): (S, S::Mask), way: S, state: &FrictionState<S>) -> ([S; 2], [S; 2]) {
-        let free = off & way.constant(ONE_WAY).less(way * state.way);
-        let own = estimated * way * self.gain;
+    fn learnt(
+        &self,
+        estimated: S,
+        v: S,
+        (one_way, alone): (S::Mask, S::Mask),
+        state: &FrictionState<S>,
+    ) -> ([S; 2], [S; 2]) {
+        let teaches = one_way & alone;
+        let trust = S::select(v.constant(TRUSTED_RAD_PER_S).less(v.abs()), self.trust, v.zero());
+        let own = estimated * self.gain;
         let other = own.times(SHARED);
-        let negative = way.less(way.zero());
+        let negative = v.less(v.zero());
         let less = [S::select(negative, own, other), S::select(negative, other, own)];
         let next = |k: usize| {
             let (was, held) = (state.learnt[k], state.trusted[k]);
             let learnt = (was - less[k]).clamp(self.least, self.most);
             let back = was + (held - was) * self.blur;
-            let trusted = held + (was - held) * self.trust;
-            (S::select(free, learnt, S::select(off, was, back)), S::select(free, trusted, held))
+            let trusted = held + (was - held) * trust;
+            (S::select(teaches, learnt, S::select(alone, was, back)), S::select(teaches, trusted, held))
         };
         let [(g, h), (g_positive, h_positive)] = [next(0), next(1)];
         ([g, g_positive], [h, h_positive])

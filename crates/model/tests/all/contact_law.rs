@@ -21,9 +21,9 @@ fn after(
     after_with(None, seconds, torque, column, from)
 }
 
-/// The same with known friction that causes turns of this size.
+/// The same with known friction of at most this torque.
 fn after_with(
-    friction_turn: Option<f64>,
+    friction: Option<f64>,
     seconds: f64,
     torque: impl Fn(f64) -> f64,
     column: impl Fn(f64) -> [f64; 2],
@@ -32,7 +32,7 @@ fn after_with(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed((torque(time), friction_turn), (column(time)[0], None), state, [H, 1.0 / H]).0;
+        state = law().noticed((torque(time), friction), (column(time)[0], None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -93,12 +93,21 @@ fn a_short_push_that_turns_the_motion_is_contact_and_one_along_it_is_none() {
 #[test]
 fn small_turns_under_a_push_are_contact_but_of_a_column_that_known_friction_holds() {
     let torque = |time: f64| 20.0 + 0.2 * swing(12.0)(time);
-    let share =
-        |friction_turn, column: fn(f64) -> [f64; 2]| after_with(friction_turn, 1.0, torque, column, free()).share;
+    let share = |friction, column: fn(f64) -> [f64; 2]| after_with(friction, 1.0, torque, column, free()).share;
     assert_eq!(share(None, still), 1.0);
-    assert_eq!(share(Some(10.0), still), 0.0);
-    assert_eq!(share(Some(7.0), still), 1.0, "friction causes smaller ones");
-    assert_eq!(share(Some(10.0), |time| [-1.5e-3 / 20.0 * swing(12.0)(time), 0.0]), 1.0, "too fast to stick");
+    assert_eq!(share(Some(4.0), still), 0.0);
+    assert_eq!(share(Some(2.8), still), 1.0, "friction causes smaller ones");
+    assert_eq!(share(Some(4.0), |time| [-1.5e-3 / 20.0 * swing(12.0)(time), 0.0]), 1.0, "too fast to stick");
+}
+
+#[test]
+fn swings_against_known_friction_are_no_contact_and_larger_ones_are() {
+    let share = |friction, column: fn(f64) -> [f64; 2]| {
+        after_with(Some(friction), 1.0, |time| 0.5 * swing(12.0)(time), column, free()).share
+    };
+    assert_eq!(share(11.0, still), 0.0);
+    assert_eq!(share(9.0, still), 1.0);
+    assert_eq!(share(11.0, |time| [-1.5e-3 / 20.0 * swing(12.0)(time), 0.0]), 1.0, "too fast to stick");
 }
 
 #[test]

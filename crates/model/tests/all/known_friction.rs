@@ -18,7 +18,7 @@ const SLOW: f64 = 1e-3;
 const LEAST: f64 = -0.1;
 const MOST: f64 = 0.2;
 const GAIN: f64 = 0.003;
-const HAND: f64 = 3.0;
+const HAND: f64 = 5.5;
 const BLUR: f64 = 0.05;
 /// `d`.
 const TRUST: f64 = 2e-3;
@@ -262,6 +262,13 @@ fn what_has_held_for_a_while_is_trusted_and_a_push_takes_back_the_rest() {
 }
 
 #[test]
+fn what_a_slow_column_teaches_is_not_trusted() {
+    let taught = |rate| learnt(FrictionState::initial(0.0), 400, |_| -0.5, rate);
+    assert!(taught(0.03).learnt[1] > 0.1 && taught(0.07).trusted[1] > 0.0);
+    assert_within(taught(0.03).trusted[1], 0.0, 0.0);
+}
+
+#[test]
 fn it_stays_within_its_bounds() {
     for (torque, bound) in [(-2.0, MOST), (2.0, LEAST)] {
         assert_within(learnt(FrictionState::initial(0.0), 2000, |_| torque, 1.0).learnt[1], bound, 1e-14);
@@ -277,6 +284,10 @@ fn nothing_is_learnt_at_rest_or_under_a_hand() {
     // A hand that has pushed for a while; until then it may have been the friction.
     let pushed = learnt(FrictionState::initial(2.0 * HAND), 1, |_| 2.0 * HAND, 1.0);
     assert_within(learnt(pushed, 500, |_| 2.0 * HAND, 1.0).learnt[1], pushed.learnt[1], 0.0);
+    // In motion one with more than the friction.
+    let hand = 1.1 * LEVEL;
+    let moved = FrictionState { push: hand, way: 1.0, learnt: [0.05; 2], ..initial };
+    assert_within(learnt(moved, 500, |_| hand, 1.0).learnt[1], 0.05 * (1.0 - BLUR).powi(500), 1e-15);
     // One that has turned round has to go on for a while.
     let forth = learnt(initial, 500, |_| 0.0, 1.0);
     assert_within(learnt(forth, 20, |_| 1.0, -1.0).learnt[0], 0.0, 0.0);
