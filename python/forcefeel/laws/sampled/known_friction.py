@@ -44,8 +44,9 @@ BLUR_S = 0.005
 fewer pass where the friction is a fifth more."""
 
 TRUSTED_S = 1.0
-"""1 / d in time of a fast column: long beside the moments in which a hand that moves it passes through zero torque. At twice that a
-slow hand feels 0.4 of a drift of 0.6 lb after two releases, here 0.2; at half, of 1 lb a push of 20 N at 0.1 Hz feels 7, not 3 %."""
+"""1 / d in time of a fast column: long beside the moments in which a hand that moves it passes through zero torque. At twice that
+a slow hand feels 0.4 of a drift of 0.6 lb after two releases, here 0.2; at half, of 1 lb a push of 20 N at 0.1 Hz feels 7 %, here
+3 %."""
 
 _OTHERS = SAMPLED + 2 + OF_FRICTION
 """y, delta, delta', and the single numbers."""
