@@ -1,6 +1,7 @@
 //! The loop in real time.
 
 mod axes;
+mod drive_fault;
 mod histogram;
 mod host;
 mod loader;
