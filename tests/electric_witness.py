@@ -210,7 +210,8 @@ class Touch:
         self.per_angle, self.k_x, self.k_v, self.damping, self.fastest, self.least, *more = numbers
         self.environment, self.quick, self.near, self.travel = more
         self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
-        self.place = self.extreme = (0.0, 0.0)  # angle, torque
+        self.place, self.extreme = (0.0, 0.0), (0.0, 0.0, 0.0)  # angle, torque, lead of the feel
+        self.lead = 0.0
         self.offset = 0.0
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
         self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
@@ -238,11 +239,23 @@ class Touch:
         self.rested += (float(weak) - self.rested) * min(h / (lasts if rests else 2.0), 1.0)
         return rests and self.rested > 0.5
 
-    def notice(self, h, torque, column):
+    def count_swing(self, other, times, stiff, went):
+        """Swings in a row, ``other`` where the torque now pushes to the other side."""
+        (quick, slow), peak = times, abs(self.extreme[1])
+        by_hand = abs(self.lead - self.extreme[2]) < 0.03 * went
+        if other and quick:
+            self.swings = self.swings + 1 if not by_hand and (stiff or peak >= 1.2 * self.last) else 0
+        elif other:
+            self.swings = self.swings + 0.125 if slow and stiff and not by_hand and peak > 0.97 * self.last else 0
+        elif not slow:
+            self.swings = 0
+
+    def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""
         before = self.angle
         self.torque += (torque - self.torque) * h / 0.004
         self.angle += (column - self.angle) * h / 0.004
+        self.lead += (feel - column - self.lead) * h / 0.004
         turns = (self.angle - before) / h
         self.rate += (turns - self.rate) * h / 0.008
         self.peak = max(abs(self.torque), self.peak * (1 - h / self.quick / 5))
@@ -255,12 +268,7 @@ class Touch:
         stiff, quick = hard and fell * went <= 0, self.since < self.quick
         swing = other and quick
         slow, peak_before = self.since < 2 * self.quick, abs(self.extreme[1])
-        if swing:
-            self.swings = self.swings + 1 if stiff or peak_before >= 1.2 * self.last else 0
-        elif other:
-            self.swings = self.swings + 0.125 if slow and stiff and peak_before > 0.97 * self.last else 0
-        elif not slow:
-            self.swings = 0
+        self.count_swing(other, (quick, slow), stiff, abs(went))
         back = (self.turn[1] - self.torque) * self.way
         turned_back = back > max(0.8 * self.least, 2.5 * rubbing)
         if turned_back:
@@ -287,7 +295,7 @@ class Touch:
         else:
             self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
         if begins or self.torque * self.side > self.extreme[1] * self.side:
-            self.extreme = (self.angle, self.torque)
+            self.extreme = (self.angle, self.torque, self.lead)
         hunts = abs(self.limit_turns) >= 16
         return self.swings >= 2 or pushed_on or hunts or struck or turned or (swing and self.share > 0)
 
@@ -297,7 +305,7 @@ class Touch:
         column_rate, self.column = (column - self.column) / h, column
         self.column_rate = column_rate
         at_end = self.at_end(feels, column, own[1])
-        noticed, was = self.notice(h, own[1], column) or at_end, self.share
+        noticed, was = self.notice(h, own[1], column, feels[0]) or at_end, self.share
         if noticed:
             self.place = (column if at_end else self.struck_at, self.torque)
         away = column - self.place[0]

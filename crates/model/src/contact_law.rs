@@ -16,7 +16,8 @@
 //! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
 //!
 //! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
-//! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. Contact is one of
+//! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. A swing in
+//! which the column followed the feel to 3 % of its way was a hand's. Contact is one of
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
@@ -79,6 +80,10 @@ const TURN: f64 = 0.8;
 
 /// Largest turn of the torque by stick-slip, over `q`: friction holds the column and releases it, so that it acts one way, then the other.
 const STICK_SLIP: f64 = 2.5;
+
+/// Share of the column's way by which the feel is apart from it at most where it follows. A hand that pushes with up to 60 lb at up to 3 Hz is then
+/// never taken for contact; its quick swings have shares from 0.006 on.
+const FOLLOWS: f64 = 0.03;
 
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;
@@ -156,6 +161,8 @@ pub struct ContactState<S> {
     angle: S,
     /// Rate of that angle in rad/s, smoothed once more.
     pub rate: S,
+    /// How far the feel is beyond the column in rad, smoothed likewise.
+    lead: S,
     /// Peak of the torque of late in N m.
     peak: S,
     /// Side to which the torque pushed last, -1, 0 or 1.
@@ -170,8 +177,9 @@ pub struct ContactState<S> {
     began_angle: S,
     /// Largest torque of it in N m.
     extreme: S,
-    /// Angle there in rad.
+    /// Angle and lead there in rad.
     extreme_angle: S,
+    extreme_lead: S,
     /// Largest torque of the push before, in N m.
     last: S,
     /// Swings in a row that count.
@@ -229,6 +237,7 @@ impl<S: Scalar> ContactState<S> {
             torque,
             angle,
             rate: zero,
+            lead: zero,
             peak: torque.abs(),
             // Not the sign of a zero, which exported C does not keep.
             side: S::select(torque.less(zero), -one, one),
@@ -238,6 +247,7 @@ impl<S: Scalar> ContactState<S> {
             began_angle: angle,
             extreme: torque,
             extreme_angle: angle,
+            extreme_lead: zero,
             last: zero,
             swings: zero,
             direction: one,
@@ -261,6 +271,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_torque", &mut self.torque);
         visitor.nonlinear("contact_angle", &mut self.angle);
         visitor.nonlinear("contact_rate", &mut self.rate);
+        visitor.nonlinear("contact_lead", &mut self.lead);
         visitor.nonlinear("contact_peak", &mut self.peak);
         visitor.nonlinear("contact_side", &mut self.side);
         visitor.nonlinear("contact_since", &mut self.since);
@@ -269,6 +280,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_began_angle", &mut self.began_angle);
         visitor.nonlinear("contact_extreme", &mut self.extreme);
         visitor.nonlinear("contact_extreme_angle", &mut self.extreme_angle);
+        visitor.nonlinear("contact_extreme_lead", &mut self.extreme_lead);
         visitor.nonlinear("contact_last", &mut self.last);
         visitor.nonlinear("contact_swings", &mut self.swings);
         visitor.nonlinear("contact_direction", &mut self.direction);
@@ -305,7 +317,7 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn noticed(
         &self,
         (torque, friction): (S, Option<S>),
-        (column, at_end): (S, Option<S::Mask>),
+        ([column, feel], at_end): ([S; 2], Option<S::Mask>),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
@@ -313,6 +325,7 @@ impl<S: Scalar> ContactLaw<S> {
         let smoothing = h.times(1.0 / SMOOTHING_S).min(one);
         let (torque, angle) =
             (was.torque + (torque - was.torque) * smoothing, was.angle + (column - was.angle) * smoothing);
+        let lead = was.lead + (feel - column - was.lead) * smoothing;
         let now_rate = (angle - was.angle) * per_h;
         let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
         let peak = torque.abs().max(was.peak * (one - h * self.per_peak));
@@ -333,7 +346,7 @@ impl<S: Scalar> ContactLaw<S> {
         let turns_back = turn.less(back) & zero.less(self.threshold);
         // A heavy feel swings on a stiff spring as slowly as a hand can.
         let slow = was.since.less(self.quick.times(SLOW));
-        let now = ContactState { torque, angle, rate, peak, swings: S::select(slow, was.swings, zero), ..was };
+        let now = ContactState { torque, angle, rate, lead, peak, swings: S::select(slow, was.swings, zero), ..was };
 
         let since = S::select(begins, zero, (was.since + h).min(one));
         let touches = zero.less(was.share);
@@ -373,6 +386,7 @@ impl<S: Scalar> ContactLaw<S> {
             began_angle: S::select(begins, angle, was.began_angle),
             extreme: S::select(larger, torque, was.extreme),
             extreme_angle: S::select(larger, angle, was.extreme_angle),
+            extreme_lead: S::select(larger, lead, was.extreme_lead),
             last: S::select(to_other_side, was.extreme.abs(), was.last),
             swings,
             direction: S::select(turns_back, -was.direction, was.direction),
@@ -404,12 +418,14 @@ impl<S: Scalar> ContactLaw<S> {
         let (fell, went) = (torque - now.extreme, angle - now.extreme_angle);
         let hard = (self.environment * went.abs()).less(fell.abs());
         let stiff = hard & !zero.less(fell * went);
+        // Then the torque was a hand's, however little a heavy feel moves.
+        let follows = (now.lead - now.extreme_lead).abs().less(went.abs().times(FOLLOWS));
         let swing = to_other_side & quick;
         let peak_before = now.extreme.abs();
-        let counts = stiff | !peak_before.less(now.last.times(GROWTH));
+        let counts = !follows & (stiff | !peak_before.less(now.last.times(GROWTH)));
         // A hand does not push harder each time.
         let slow_counts =
-            stiff & now.last.times(SLOW_GROWTH).less(peak_before) & now.since.less(self.quick.times(SLOW));
+            !follows & stiff & now.last.times(SLOW_GROWTH).less(peak_before) & now.since.less(self.quick.times(SLOW));
         let swings = S::select(
             to_other_side,
             S::select(

@@ -32,7 +32,7 @@ fn after_with(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed((torque(time), friction), (column(time)[0], None), state, [H, 1.0 / H]).0;
+        state = law().noticed((torque(time), friction), ([column(time)[0], 0.0], None), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -77,6 +77,23 @@ fn a_soft_swing_is_contact_where_it_grows_and_none_where_it_decays() {
     assert_eq!(after(2.0, torque(0.0), column(0.0), free()).share, 0.0, "an arm swings for a while");
     assert_eq!(after(4.0, torque(0.0), column(0.0), free()).share, 1.0, "and not for ever");
     assert_eq!(after(4.0, torque(-2.0), column(-2.0), free()).share, 0.0);
+}
+
+#[test]
+fn a_quick_swing_in_which_the_column_follows_the_feel_is_a_hand_however_little_it_moves() {
+    let (torque, column) = (swing(12.0), |time: f64| -1e-5 * swing(12.0)(time));
+    let share = |feel: &dyn Fn(f64) -> f64| {
+        let (mut state, mut time) = (free(), 0.0);
+        while time < 0.5 {
+            let angles = [column(time), feel(time)];
+            state = law().noticed((torque(time), None), (angles, None), state, [H, 1.0 / H]).0;
+            time += H;
+        }
+        state.share
+    };
+    assert_eq!(share(&|time| 1.02 * column(time)), 0.0);
+    assert_eq!(share(&|time| 1.05 * column(time)), 1.0);
+    assert_eq!(share(&|_| 0.0), 1.0);
 }
 
 #[test]
@@ -150,7 +167,7 @@ fn a_feel_that_runs_ahead_is_held_at_its_lead() {
 fn at_limits(beyond: impl Fn(f64) -> f64) -> f64 {
     let mut state = free();
     for step in 0..4000 {
-        (state, _) = law().noticed((0.0, None), (0.0, None), state, [H, 1.0 / H]);
+        (state, _) = law().noticed((0.0, None), ([0.0; 2], None), state, [H, 1.0 / H]);
         law().count_limits(&mut state, beyond(f64::from(step) * H), H);
     }
     state.share
