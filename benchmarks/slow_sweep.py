@@ -23,7 +23,7 @@ from commission_curves import SEED, SENSORS, ExportedLaw, Shown
 from grip_sensor import KINDS
 
 import forcefeel as ff
-from commission import ENCODER, LAG
+from commission import ENCODER, LAG, after_drift
 from forcefeel.laws.law import Law
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.simulation.inputs import Recorded
@@ -82,12 +82,6 @@ def stated(friction_lb):
     return ff.digital_elevator().replace(rows).replace(LAG | ENCODER | {"column.stribeck_velocity": STRIBECK}, si=True)
 
 
-def drifted(loader, share):
-    """The loader with friction that has changed by a share."""
-    rows = ("column.coulomb_friction", "column.static_friction")
-    return loader.replace({row: (1 + share) * loader[row] for row in rows}, si=True)
-
-
 def feels(loader):
     """I, B, G."""
     stiffness = np.array(STIFFNESS) * loader["feel.maximum_stiffness"]
@@ -118,7 +112,7 @@ def felt(loader):
     feel = np.tile(own, (len(cases), 1))
     time_s = np.arange(0.0, RELEASES * RELEASE_S + 1.25 * SWEEP_S, witness.PERIOD_S)
     push = np.repeat([pushes(time_s, releases) for releases, _ in cases], len(own), axis=0) * feel[:, 2:] / arm
-    machines = [drifted(loader, drift) for _, drift in cases for _ in own]
+    machines = [after_drift(loader, drift) for _, drift in cases for _ in own]
     angle = moved(loader, machines, Law.of("robust", loader, feel), push, np.random.default_rng(SEED))
     # Five periods at a time: the encoder's way, not its steps.
     rate = np.gradient(angle[:, ::5], time_s[::5], axis=1)

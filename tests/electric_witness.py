@@ -394,10 +394,9 @@ def hear(numbers, known, torque, memory):
     reach = [share * levels[0 if share < 0 else 1] for share in (least, most)]
     heard = min(max(heard, rest + reach[0] - uncertain), rest + reach[1] + uncertain)
     one_way = way_now * way_before > 0.8
+    of_friction = max(abs(friction), hand - abs(friction)) if one_way else hand
     for k in (0, 1):
-        if abs(push) >= (
-            max(abs(friction), hand - abs(friction)) if one_way else hand
-        ):  # what was learnt of late was the hand's
+        if abs(push) >= of_friction:  # what was learnt of late was the hand's
             learnt[k] += blur * (trusted[k] - learnt[k])
         elif one_way:
             by = (1.0 if k == own else 0.5) * gain * way_now * torque
