@@ -239,10 +239,9 @@ class Touch:
         self.rested += (float(weak) - self.rested) * min(h / (lasts if rests else 2.0), 1.0)
         return rests and self.rested > 0.5
 
-    def count_swing(self, other, times, stiff, went):
+    def count_swing(self, other, times, stiff, by_hand):
         """Swings in a row, ``other`` where the torque now pushes to the other side."""
         (quick, slow), peak = times, abs(self.extreme[1])
-        by_hand = abs(self.lead - self.extreme[2]) < 0.03 * went
         if other and quick:
             self.swings = self.swings + 1 if not by_hand and (stiff or peak >= 1.2 * self.last) else 0
         elif other:
@@ -268,7 +267,8 @@ class Touch:
         stiff, quick = hard and fell * went <= 0, self.since < self.quick
         swing = other and quick
         slow, peak_before = self.since < 2 * self.quick, abs(self.extreme[1])
-        self.count_swing(other, (quick, slow), stiff, abs(went))
+        by_hand = abs(self.lead - self.extreme[2]) < 0.04 * abs(went)
+        self.count_swing(other, (quick, slow), stiff, by_hand)
         back = (self.turn[1] - self.torque) * self.way
         turned_back = back > max(0.8 * self.least, 2.5 * rubbing)
         if turned_back:
@@ -282,7 +282,9 @@ class Touch:
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
-        struck = blow and quick and stiff and self.push > 0
+        came, thrown = -self.before * self.side, turns * self.side
+        by_hand = thrown > 1.15 * came or (by_hand and thrown < came)
+        struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
         stopped = self.before * self.side < -1 and turns * self.side > 0.2 * self.before * self.side
         turned = self.before * self.side < -0.05 and (turns * self.side > 0.05 or stopped)
         turned = turned and blow and self.since < self.quick / 3

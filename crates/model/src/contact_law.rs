@@ -17,7 +17,7 @@
 //!
 //! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
 //! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. A swing in
-//! which the column followed the feel to 3 % of its way was a hand's. Contact is one of
+//! which the column followed the feel to 4 % of its way was a hand's. Contact is one of
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
@@ -28,9 +28,10 @@
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
 //!   soft stop, which the torque does not distinguish from an arm;
-//! - a push against the motion that rises and falls as stiffly and is over within `t_q`, or within a third of that and has turned the
-//!   motion, or stopped a fast column to a fifth of its rate: the column struck a stop. The push of another column over a shaft falls while the
-//!   column turns, but rises along its way;
+//! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.15 times as fast as it came at
+//!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
+//!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
+//!   along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
@@ -83,7 +84,10 @@ const STICK_SLIP: f64 = 2.5;
 
 /// Share of the column's way by which the feel is apart from it at most where it follows. Of 240 settings of five loaders a hand that pushes with up
 /// to 60 lb is then taken for contact in none at up to 2 Hz, in one at up to 3 Hz.
-const FOLLOWS: f64 = 0.03;
+const FOLLOWS: f64 = 0.04;
+
+/// Largest rate at which a stop throws a column back, of the rate before, with what the drive adds: a hand that taps one may do so faster.
+const REBOUND: f64 = 1.15;
 
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;
@@ -107,6 +111,9 @@ const BEFORE_S: f64 = 0.008;
 
 /// Share of its largest torque by which a blow falls: one about the threshold is none.
 const DISTINCT: f64 = 0.5;
+
+/// Longest push that is a blow, in `t_q`: half a period of the quickest hand is no shorter.
+const BRIEF: f64 = 0.9;
 
 /// Longest push that turns the motion, in `t_q`.
 const SHORT: f64 = 1.0 / 3.0;
@@ -438,14 +445,16 @@ impl<S: Scalar> ContactLaw<S> {
         let moves = one.times(MOVES_RAD_PER_S);
         let rose = (self.environment * (now.extreme_angle - now.began_angle).abs()).less(peak_before);
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
-        let struck = blow & quick & stiff & zero.less(now.push);
+        let (before, after) = (now.before * now.side, now_rate * now.side);
+        let brief = now.since.less(self.quick.times(BRIEF));
+        let thrown = before.times(-REBOUND).less(after);
+        // Against a stop it follows well where the loop is stable, and then it loses rate.
+        let by_hand = thrown | (follows & after.less(-before));
+        let struck = blow & brief & stiff & !by_hand & zero.less(now.push);
         // A well damped stop does not throw the column back.
-        let before = now.before * now.side;
-        let stopped = before.less(-one.times(FAST_RAD_PER_S)) & before.times(LEFT).less(now_rate * now.side);
-        let turned = blow
-            & now.since.less(self.quick.times(SHORT))
-            & before.less(-moves)
-            & (moves.less(now_rate * now.side) | stopped);
+        let stopped = before.less(-one.times(FAST_RAD_PER_S)) & before.times(LEFT).less(after);
+        let turned =
+            blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & (moves.less(after) | stopped);
         // The torque of a mass goes with the angle.
         let turned_by = angle - now.turn_angle;
         let hard_turn = (self.environment * turned_by.abs()).less(back) & !(turned_by * now.direction).less(zero);

@@ -108,6 +108,14 @@ fn a_short_push_that_turns_the_motion_is_contact_and_one_along_it_is_none() {
 }
 
 #[test]
+fn a_longer_push_that_throws_the_column_back_faster_than_it_came_is_a_hand() {
+    let push = |time: f64| if (0.1..0.15).contains(&time) { -60.0 } else { 0.0 };
+    let thrown = |back: f64| move |time: f64| [0.1 * time.min(0.12) - 0.1 * back * (time - 0.12).max(0.0), 0.0];
+    assert_eq!(after(0.3, push, thrown(1.0), free()).share, 1.0);
+    assert_eq!(after(0.3, push, thrown(1.6), free()).share, 0.0);
+}
+
+#[test]
 fn small_turns_under_a_push_are_contact_but_of_a_column_that_known_friction_holds() {
     let torque = |time: f64| 20.0 + 0.2 * swing(12.0)(time);
     let share = |friction, column: fn(f64) -> [f64; 2]| after_with(friction, 1.0, torque, column, free()).share;
