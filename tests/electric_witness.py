@@ -249,6 +249,15 @@ class Touch:
         elif not slow:
             self.swings = 0
 
+    def strikes(self, blow, stiff, by_hand, rate):
+        """Whether a push that is over was a blow that the column struck, or one that turned or stopped it."""
+        came, thrown = -self.before * self.side, rate * self.side
+        by_hand = thrown > 1.15 * came or (by_hand and thrown < came)
+        struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
+        stopped = came > 1 and thrown > -0.2 * came
+        turned = blow and came > 0.05 and (thrown > 0.05 or stopped) and self.since < self.quick / 3
+        return struck, turned
+
     def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""
         before = self.angle
@@ -271,6 +280,7 @@ class Touch:
         self.count_swing(other, (quick, slow), stiff, by_hand)
         back = (self.turn[1] - self.torque) * self.way
         turned_back = back > max(0.8 * self.least, 2.5 * rubbing)
+        turns_before = self.turns
         if turned_back:
             turned_by = self.angle - self.turn[0]
             hard_turn = back > self.environment * abs(turned_by) and turned_by * self.way >= 0
@@ -282,18 +292,14 @@ class Touch:
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
-        came, thrown = -self.before * self.side, turns * self.side
-        by_hand = thrown > 1.15 * came or (by_hand and thrown < came)
-        struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
-        stopped = self.before * self.side < -1 and turns * self.side > 0.2 * self.before * self.side
-        turned = self.before * self.side < -0.05 and (turns * self.side > 0.05 or stopped)
-        turned = turned and blow and self.since < self.quick / 3
+        struck, turned = self.strikes(blow, stiff, by_hand, turns)
         self.struck_at = self.extreme[0]
         if other:
             self.last = peak_before
         if begins:
-            self.side, self.since, self.before = math.copysign(1.0, self.torque), 0.0, self.rate
-            self.push, self.began = 1 if self.rate * self.side < -0.05 else -1, self.angle
+            self.side, alone = math.copysign(1.0, self.torque), self.since >= 0.3 or turns_before == 0
+            self.push = 1 if self.rate * self.side < -0.05 else -1 if alone else -0.5
+            self.since, self.before, self.began = 0.0, self.rate, self.angle
         else:
             self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
         if begins or self.torque * self.side > self.extreme[1] * self.side:
@@ -310,11 +316,14 @@ class Touch:
         noticed, was = self.notice(h, own[1], column, feels[0]) or at_end, self.share
         if noticed:
             self.place = (column if at_end else self.struck_at, self.torque)
+        elif was > 0 and abs(column - self.place[0]) < self.near:
+            here, torque = self.place
+            self.place = here + (column - here) * h / 0.5, torque + (self.torque - torque) * h / 0.5
         away = column - self.place[0]
         held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
-        if noticed or (was > 0 and abs(away) < self.near):
+        if noticed or (was > 0 and abs(away) < self.near / 5):
             self.share = 1.0
-        elif abs(away) > self.near and self.rate * away > 0 and not held and self.since >= 0.3:
+        elif abs(away) > self.near / 5 and self.rate * away > 0 and not held and (self.since >= 0.3 or self.push == -1):
             self.share = max(was - abs(self.rate) * h / self.travel, 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])

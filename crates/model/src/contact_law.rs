@@ -36,8 +36,9 @@
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
-//! farther from it than `theta_n`, where no push has begun for a while and the torque has not gone on falling as against a spring, `m` falls by
-//! `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or swings, has all of it.
+//! farther from it than `theta_n / 5`, where no push has begun for 0.3 s, or one along the motion after a rest of the torque, and the torque has
+//! not gone on falling as against a spring, `m` falls by `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or
+//! swings, has all of it. Within `theta_n` the place follows the column in 0.5 s, and so does the torque from which it falls.
 //!
 //! The feel is farther out than the column by `theta_l` at most, in contact or not: a column that follows is nearer, and a feel that runs on while
 //! the drive is at its limit would come back with all the force of its spring.
@@ -125,11 +126,15 @@ const LIMITED_S: f64 = 0.0065;
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
 
-/// Time in s without a new push, after which motion away gives the contact back.
+/// Time in s without a new push, after which the torque has rested, as it has if its last turn was slower than `t_q`: then motion away, and a push
+/// along it, give the contact back.
 const SETTLED_S: f64 = 0.3;
 
-/// `t_b` in s: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
+/// `t_b` in s, and the time in which the place of the contact follows: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
 const OFFSET_S: f64 = 0.5;
+
+/// Distance from the place of the contact in `theta_n`, up to which a column is still there.
+const HERE: f64 = 0.2;
 
 /// Share of `K_e` by which the torque falls with the motion where the column is still held.
 const HELD: f64 = 0.25;
@@ -176,7 +181,7 @@ pub struct ContactState<S> {
     side: S,
     /// Time since that push began, in s.
     since: S,
-    /// Whether it lasts: 0 if not, 1 if it went against the motion when it began, else -1.
+    /// Whether it lasts: 0 if not, 1 if it went against the motion when it began, else -0.5 in a swing, -1 if the torque had rested.
     push: S,
     /// Rate before it in rad/s.
     before: S,
@@ -379,7 +384,9 @@ impl<S: Scalar> ContactLaw<S> {
         let pushed = one.times_sign(torque);
         let side = S::select(begins, pushed, was.side);
         let larger = begins | (was.extreme * side).less(torque * side);
-        let against = S::select((rate * pushed).less(-one.times(MOVES_RAD_PER_S)), one, -one);
+        let swings_on = was.since.less(one.times(SETTLED_S)) & zero.less(was.turns);
+        let along = S::select(swings_on, one.times(-0.5), -one);
+        let against = S::select((rate * pushed).less(-one.times(MOVES_RAD_PER_S)), one, along);
         let onward = turns_back | back.less(zero);
         let Counts { noticed, share, place: [place, place_torque], swings, turns } = counts;
         let state = ContactState {
@@ -469,21 +476,26 @@ impl<S: Scalar> ContactLaw<S> {
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
         // Where the push was largest: a column that is thrown back has left the place before the push is over.
-        let place = S::select(noticed, now.extreme_angle, now.place);
+        // It comes to where the column rests, and a hand that leans on a stop changes the torque there.
+        let here = touches & (column - now.place).abs().less(self.near);
+        let slow = S::select(here, h.times(1.0 / OFFSET_S).min(one), zero);
+        let place = S::select(noticed, now.extreme_angle, now.place + (column - now.place) * slow);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
-        let place_torque = S::select(noticed, torque, now.place_torque);
+        let place_torque = S::select(noticed, torque, now.place_torque + (torque - now.place_torque) * slow);
 
-        let from = column - place;
+        let (from, near) = (column - place, self.near.times(HERE));
         let gone = if S::any(touches) {
             let held = ((torque - place_torque + self.environment.times(HELD) * from) * from).less(zero);
-            let away = self.near.less(from.abs()) & zero.less(rate * from);
-            let leaves = away & !held & !since.less(one.times(SETTLED_S));
+            let away = near.less(from.abs()) & zero.less(rate * from);
+            // A push of its own is a hand's that takes the column away, not a swing.
+            let settled = !since.less(one.times(SETTLED_S)) | !one.times(-0.75).less(now.push);
+            let leaves = away & !held & settled;
             // A rate without its noise, which would give the contact of a column at rest back.
             S::select(leaves, rate.abs() * quotient(h, self.travel), zero)
         } else {
             zero
         };
-        let whole = noticed | (touches & from.abs().less(self.near));
+        let whole = noticed | (touches & from.abs().less(near));
         let share = S::select(whole, one, (now.share - gone).max(zero));
         Counts { noticed, share, place: [place, place_torque], swings, turns }
     }

@@ -152,6 +152,26 @@ fn a_column_that_stays_keeps_it_and_one_that_goes_away_gives_it_back() {
 }
 
 #[test]
+fn a_hand_that_pulls_the_column_away_after_a_rest_gets_it_at_once_and_the_next_swing_does_not() {
+    let touched = after(1.0, swing(12.0), still, free());
+    let leaves = |time: f64| [-0.1 * time, -0.1];
+    let rested = after(1.0, |_| 10.0, still, touched);
+    assert_eq!(after(0.25, |time| 10.0 - 200.0 * time, leaves, rested).share, 0.0);
+    let swung = after(0.05, |_| 10.0, still, touched);
+    assert_eq!(after(0.25, |time| 10.0 - 200.0 * time, leaves, swung).share, 1.0);
+}
+
+#[test]
+fn a_column_is_held_by_what_the_torque_falls_from_its_rest() {
+    let touched = after(1.0, swing(12.0), still, free());
+    let leaves = |time: f64| [-0.1 * time, -0.1];
+    let leant_on = after(1.0, |_| 60.0, still, touched);
+    assert_eq!(after(0.6, |_| 60.0, leaves, leant_on).share, 0.0, "a stiff feel takes it back");
+    let spring = |time: f64| 60.0 + 4e3 * 0.1 * time;
+    assert!(after(0.6, spring, leaves, leant_on).share > 0.98);
+}
+
+#[test]
 fn the_noise_of_a_column_at_rest_beside_the_place_gives_nothing_back() {
     let touched = after(1.0, swing(12.0), still, free());
     let step = |time: f64| (time / H).round() % 2.0;
