@@ -252,7 +252,7 @@ class Touch:
     def strikes(self, blow, stiff, by_hand, rate):
         """Whether a push that is over was a blow that the column struck, or one that turned or stopped it."""
         came, thrown = -self.before * self.side, rate * self.side
-        by_hand = thrown > 1.15 * came or (by_hand and thrown < came)
+        by_hand = thrown > 1.6 * came or (by_hand and thrown < came)
         struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
         stopped = came > 1 and thrown > -0.2 * came
         turned = blow and came > 0.05 and (thrown > 0.05 or stopped) and self.since < self.quick / 3
@@ -276,7 +276,7 @@ class Touch:
         stiff, quick = hard and fell * went <= 0, self.since < self.quick
         swing = other and quick
         slow, peak_before = self.since < 2 * self.quick, abs(self.extreme[1])
-        by_hand = abs(self.lead - self.extreme[2]) < 0.04 * abs(went)
+        by_hand = abs(self.lead - self.extreme[2]) < 0.03 * abs(went)
         self.count_swing(other, (quick, slow), stiff, by_hand)
         back = (self.turn[1] - self.torque) * self.way
         turned_back = back > max(0.8 * self.least, 2.5 * rubbing)

@@ -74,7 +74,7 @@ def beside_ideal(name: str, setting: tuple[float, float, float], push: NDArray[n
             ("elevator-2khz", (0.33, 1.5, 0.7), 3.0, PUSH_N),
             ("elevator-2khz", (0.33, 2.2, 0.7), 2.0, PUSH_N),
             ("rudder-pedals", (0.35, 0.8, 0.7), 3.0, PUSH_N),
-            ("elevator-2khz", (0.33, 1.5, 0.3), 5.0, SHAKE_N),
+            ("elevator-2khz", (0.33, 1.5, 0.1), 5.0, SHAKE_N),
             ("rudder-pedals", (0.1, 0.8, 0.7), 5.0, SHAKE_N),
             ("elevator-2khz", (0.1, 0.8, 0.3), 4.0, SHAKE_N),
         ]
@@ -94,7 +94,7 @@ def test_quick_hand_is_no_contact(
             ("elevator-2khz", (0.33, 2.2, 0.1), 0.08),
             ("rudder-pedals", (0.03, 0.8, 0.7), 0.04),
             ("elevator-2khz", (0.33, 3.0, 0.1), 0.04),
-            ("elevator-2khz", (0.03, 0.8, 0.1), 0.08),
+            ("rudder-pedals", (0.33, 3.0, 0.1), 0.08),
         ]
     ),
 )

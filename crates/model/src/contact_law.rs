@@ -17,7 +17,7 @@
 //!
 //! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
 //! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. A swing in
-//! which the column followed the feel to 4 % of its way was a hand's. Contact is one of
+//! which the column followed the feel to 3 % of its way was a hand's. Contact is one of
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
@@ -28,7 +28,7 @@
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
 //!   soft stop, which the torque does not distinguish from an arm;
-//! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.15 times as fast as it came at
+//! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
 //!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
 //!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
 //!   along its way;
@@ -85,10 +85,11 @@ const STICK_SLIP: f64 = 2.5;
 
 /// Share of the column's way by which the feel is apart from it at most where it follows. Of 240 settings of five loaders a hand that pushes with up
 /// to 60 lb is then taken for contact in none at up to 2 Hz, in one at up to 3 Hz.
-const FOLLOWS: f64 = 0.04;
+const FOLLOWS: f64 = 0.03;
 
-/// Largest rate at which a stop throws a column back, of the rate before, with what the drive adds: a hand that taps one may do so faster.
-const REBOUND: f64 = 1.15;
+/// Largest rate at which a stop throws a column back, of the rate before, with what the drive adds: a hand that taps one may do so faster. At 1.15
+/// light columns that rub swing between stops.
+const REBOUND: f64 = 1.6;
 
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;

@@ -112,7 +112,7 @@ fn a_longer_push_that_throws_the_column_back_faster_than_it_came_is_a_hand() {
     let push = |time: f64| if (0.1..0.15).contains(&time) { -60.0 } else { 0.0 };
     let thrown = |back: f64| move |time: f64| [0.1 * time.min(0.12) - 0.1 * back * (time - 0.12).max(0.0), 0.0];
     assert_eq!(after(0.3, push, thrown(1.0), free()).share, 1.0);
-    assert_eq!(after(0.3, push, thrown(1.6), free()).share, 0.0);
+    assert_eq!(after(0.3, push, thrown(2.2), free()).share, 0.0);
 }
 
 #[test]
