@@ -6,6 +6,7 @@ frequencies x 3 damping ratios, from a twenty-fifth of the loader's own stiffnes
     python benchmarks/contact.py [LOADER ...] [--law robust] [--sensors "500 Hz"] [--friction "1 lb"]
 
 ``--sensors`` gives load cell, encoder and column sensor a bandwidth, ``--friction`` the column dry friction, both known to the law.
+Run both options, too, after a change of the contact rules: light columns with friction and slow sensors lose most by it.
 """
 
 import argparse

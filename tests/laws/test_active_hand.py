@@ -7,6 +7,7 @@ from scipy.signal import cont2discrete, dlsim
 
 import forcefeel as ff
 from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs import Recorded
 from tests.parametrization import mostly_slow
 
@@ -15,7 +16,6 @@ LARGEST_RAD, PUSH_N, SHAKE_N, TAP_N = np.radians(6.0), 267.0, 44.0, 178.0
 FIRST_TAP_S, BETWEEN_TAPS_S = 0.5, 0.9
 OFF = 0.05
 """Of the largest angle; measured: 0.03 and less. Where the law takes the hand for contact 0.6 to 1."""
-
 
 TIME_S = np.arange(0.0, SECONDS + STEP_S, KEPT * STEP_S)
 
@@ -49,9 +49,7 @@ def with_feel(loader: ff.Loader, setting: tuple[float, float, float]) -> tuple[f
     share, hertz, ratio = setting
     stiffness, omega = share * loader["feel.maximum_stiffness"], 2 * np.pi * hertz
     feel = stiffness / omega**2, 2 * ratio * stiffness / omega, stiffness
-    return loader.replace(
-        dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), feel, strict=True)), si=True
-    ), feel
+    return loader.replace(dict(zip(FEEL_SETTING, feel, strict=True)), si=True), feel
 
 
 def beside_ideal(name: str, setting: tuple[float, float, float], push: NDArray[np.float64], largest_n: float) -> float:

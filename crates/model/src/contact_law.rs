@@ -131,8 +131,11 @@ const PEAK_LASTS: f64 = 5.0;
 /// along it, give the contact back.
 const SETTLED_S: f64 = 0.3;
 
-/// `t_b` in s, and the time in which the place of the contact follows: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
+/// `t_b` in s: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
 const OFFSET_S: f64 = 0.5;
+
+/// Time constant in s of the place of the contact and of the torque there: longer than a swing, shorter than a hand leans on a stop.
+const PLACE_S: f64 = 0.5;
 
 /// Distance from the place of the contact in `theta_n`, up to which a column is still there.
 const HERE: f64 = 0.2;
@@ -476,10 +479,10 @@ impl<S: Scalar> ContactLaw<S> {
             | (swing & touches);
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
-        // Where the push was largest: a column that is thrown back has left the place before the push is over.
-        // It comes to where the column rests, and a hand that leans on a stop changes the torque there.
+        // It follows a column that rests beside it, and a hand that leans on a stop, which changes the torque.
         let here = touches & (column - now.place).abs().less(self.near);
-        let slow = S::select(here, h.times(1.0 / OFFSET_S).min(one), zero);
+        let slow = S::select(here, h.times(1.0 / PLACE_S).min(one), zero);
+        // Where the push was largest: a column that is thrown back has left the place before the push is over.
         let place = S::select(noticed, now.extreme_angle, now.place + (column - now.place) * slow);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
         let place_torque = S::select(noticed, torque, now.place_torque + (torque - now.place_torque) * slow);
@@ -488,8 +491,8 @@ impl<S: Scalar> ContactLaw<S> {
         let gone = if S::any(touches) {
             let held = ((torque - place_torque + self.environment.times(HELD) * from) * from).less(zero);
             let away = near.less(from.abs()) & zero.less(rate * from);
-            // A push of its own is a hand's that takes the column away, not a swing.
-            let settled = !since.less(one.times(SETTLED_S)) | !one.times(-0.75).less(now.push);
+            // A push after a rest is a hand's that takes the column away, not a swing.
+            let settled = !since.less(one.times(SETTLED_S)) | !(-one).less(now.push);
             let leaves = away & !held & settled;
             // A rate without its noise, which would give the contact of a column at rest back.
             S::select(leaves, rate.abs() * quotient(h, self.travel), zero)

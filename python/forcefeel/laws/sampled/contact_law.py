@@ -56,8 +56,8 @@ QUICK_S, OF_PERIOD = 0.1, 0.25
 """Longest time between two sides of a swing, and the same as a share of the feel's period: no hand is as quick."""
 
 NEAR_RAD, TRAVEL_RAD = radians(0.5), radians(1.0)
-"""Distance from an end stop up to which a column is at it, five times that up to which one is at the place of a contact; and the
-travel away from there over which the contact is given back."""
+"""Distance from an end stop, or from the place of a contact, within which the column counts as near, and the travel away from the
+contact over which its law is given back."""
 
 
 _MOST_SPEED = 1e6
