@@ -214,7 +214,8 @@ class Touch:
         self.lead = 0.0
         self.offset = 0.0
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
-        self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0), 1.0, 0
+        self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0, 0.0), 1.0, 0
+        self.bounces = 0
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
         self.column_rate = 0.0
@@ -248,6 +249,20 @@ class Touch:
             self.swings = self.swings + 0.125 if slow and stiff and not by_hand and peak > 0.97 * self.last else 0
         elif not slow:
             self.swings = 0
+
+    def count_turn(self, stiff, apart):
+        """Turns in a row; of a slow one the feel's own way tells."""
+        if self.since_turn < self.quick or (self.since_turn < 3 * self.quick and stiff and apart):
+            return self.turns + (1 if stiff else 0.25)
+        return max(self.turns - 0.25, 0) if self.since_turn < 3 * self.quick else 0
+
+    def bounces_on(self, over, rate):
+        """Whether the column bounces the fourth time in a row."""
+        if over and self.push > 0 and self.since < self.quick and self.before * self.side < -1 and rate * self.side > 1:
+            self.bounces = self.side + (self.bounces if self.bounces * self.side > 0 else 0)
+        on = abs(self.bounces) >= 4
+        self.bounces = 0 if on else self.bounces
+        return on
 
     def strikes(self, blow, stiff, by_hand, rate):
         """Whether a push that is over was a blow that the column struck, or one that turned or stopped it."""
@@ -284,16 +299,19 @@ class Touch:
         if turned_back:
             turned_by = self.angle - self.turn[0]
             hard_turn = back > self.environment * abs(turned_by) and turned_by * self.way >= 0
-            count = 1 if hard_turn else 0.25
-            self.way, self.turns = -self.way, self.turns + count if self.since_turn < self.quick else 0
+            apart = not by_hand and abs(self.lead - self.turn[2]) > 0.3 * abs(turned_by)
+            self.way, self.turns = -self.way, self.count_turn(hard_turn, apart)
         self.since_turn = 0.0 if turned_back else min(self.since_turn + h, 1.0)
         if turned_back or back < 0:
-            self.turn = (self.angle, self.torque)
+            self.turn = (self.angle, self.torque, self.lead)
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
         struck, turned = self.strikes(blow, stiff, by_hand, turns)
         self.struck_at = self.extreme[0]
+        if begins and self.since >= 0.4:
+            self.bounces = 0
+        bounces = self.bounces_on(over, turns)
         if other:
             self.last = peak_before
         if begins:
@@ -305,7 +323,7 @@ class Touch:
         if begins or self.torque * self.side > self.extreme[1] * self.side:
             self.extreme = (self.angle, self.torque, self.lead)
         hunts = abs(self.limit_turns) >= 16
-        return self.swings >= 2 or pushed_on or hunts or struck or turned or (swing and self.share > 0)
+        return self.swings >= 2 or pushed_on or hunts or bounces or struck or turned or (swing and self.share > 0)
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
@@ -345,13 +363,18 @@ class Touch:
 
     def count_limits(self, h, side):
         """How often the drive has gone from its limit on one side to that on the other."""
-        self.at_limit = side * h + (self.at_limit if side * self.at_limit > 0 else 0.0)
+        if side:
+            self.at_limit = side * h + (self.at_limit if side * self.at_limit > 0 else 0.0)
         self.since_limit = min(self.since_limit + h, 1.0)
         if abs(self.limit_turns) >= 16:  # it was noticed
             self.limit_turns = 0
-        there, soon, turns = abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick, abs(self.limit_turns)
+        there, soon, turns = side and abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick, abs(self.limit_turns)
         if there and side * self.limit_turns <= 0:
             self.limit_turns = math.copysign(turns + 1 if soon else 1, side)
+        elif there and abs(self.at_limit) < 0.05:
+            self.limit_turns += 70 * h * side
+        if there and abs(self.at_limit) >= 0.25:
+            self.limit_turns = side
         if there:
             self.since_limit = 0.0
 

@@ -55,6 +55,30 @@ def test_a_light_feel_is_quiet_against_a_stop_and_in_a_clamp(clamped: bool) -> N
     assert _range_at_the_end(there, law, "1.8 lb") < QUIET_RAD
 
 
+@pytest.mark.parametrize(
+    ("name", "share", "hertz", "stiffness_n_per_m"),
+    mostly_slow(
+        [
+            ("elevator-2khz", 0.01, 3.0, 3e3),
+            ("elevator-electric", 0.01, 4.0, 1e4),
+            ("aileron-wheel", 0.01, 2.0, 3e3),
+            ("elevator-2khz", 0.01, 2.0, 3e3),
+            ("elevator-electric", 0.025, 2.0, 3e3),
+        ]
+    ),
+)
+def test_a_light_feel_does_not_bounce_on_a_soft_stop(
+    name: str, share: float, hertz: float, stiffness_n_per_m: float
+) -> None:
+    """It strikes the stop for longer than a blow lasts, with 29 to 684 lb, and the drive of the second is always at its limit."""
+    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    stiffness, omega = share * loader["feel.maximum_stiffness"], 2 * np.pi * hertz
+    feel = np.array([[stiffness / omega**2, 0.2 * stiffness / omega, stiffness]])
+    law, stop = ff.Law.of("robust", loader, feel), Contact(True, stiffness_n_per_m, 0.02)
+    assert swings_on(loader, law.without_contact(), feel, stop)[0].all()
+    assert not swings_on(loader, law, feel, stop)[0].any()
+
+
 @pytest.mark.parametrize(("force_n", "rise_s"), [(150.0, 0.05), (200.0, 0.3), (300.0, 1.0)])
 def test_a_stop_is_quiet_under_a_hand_that_pushes_on(force_n: float, rise_s: float) -> None:
     """The torque stays on one side; the hand is stronger than the drive, 146 N."""

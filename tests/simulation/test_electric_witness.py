@@ -177,13 +177,16 @@ def test_engine_matches_witness_as_a_well_damped_stop_catches_a_stick():
 
 
 @pytest.mark.slow
-def test_a_light_column_ends_its_swings_on_a_soft_stop_in_engine_and_witness():
-    """Between the motor's limits, by some 50 deg and in no order: engine and witness agree for half a second, and in that they
-    end. The contact may be given back too soon, and the swings begin again for a while."""
-    stiffness, omega = 0.04 * LOADER["feel.stiffness"], 2 * math.pi * 3
+@pytest.mark.parametrize(("hertz", "stiffness_n_per_m", "ratio"), [(3.0, 1e3, 0.1), (2.0, 3e3, 0.02)])
+def test_a_light_column_ends_its_swings_on_a_soft_stop_in_engine_and_witness(
+    hertz: float, stiffness_n_per_m: float, ratio: float
+) -> None:
+    """Between the motor's limits or against the stop, and in no order: engine and witness agree for half a second, and in that
+    they end. The contact may be given back too soon, and the swings begin again for a while."""
+    stiffness, omega = 0.04 * LOADER["feel.stiffness"], 2 * math.pi * hertz
     feel = {"stiffness": stiffness, "inertia": stiffness / omega**2, "damping": 0.2 * stiffness / omega}
     light = LOADER.replace({"feel.breakout": None} | {f"feel.{key}": value for key, value in feel.items()}, si=True)
-    stop = ff.envelope.Contact(True, 1e3, 0.1).on(light)
+    stop = ff.envelope.Contact(True, stiffness_n_per_m, ratio).on(light)
     law = ff.Law.of("robust", light)
 
     def pushed(law, duration_s):

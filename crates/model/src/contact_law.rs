@@ -24,10 +24,14 @@
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
 //!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
 //!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
-//!   slow hand causes smaller ones;
+//!   slow hand causes smaller ones. Slower turns, up to `3 t_q`, are neither: a stiff one counts where the feel moved apart from the column by 0.3
+//!   of its way, any other takes a quarter back;
+//! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column from beyond
+//!   1 rad/s to beyond 1 rad/s. A light feel swings against a soft stop like that, and follows as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
-//!   soft stop, which the torque does not distinguish from an arm;
+//!   soft stop, which the torque does not distinguish from an arm. A stay of 50 ms counts four times, one of 250 ms
+//!   is a hand's;
 //! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
 //!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
 //!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
@@ -94,6 +98,15 @@ const REBOUND: f64 = 1.6;
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;
 
+/// Longest time between two turns in `t_q` up to which slow ones count, and the share of the column's way by which the feel moved apart from it in
+/// one that does: a feel that a hand moves is followed. One that does not count takes back a soft turn.
+const SLOW_TURN: f64 = 3.0;
+const APART: f64 = 0.3;
+
+/// Bounces in a row that no hand makes, and the longest time in s from one push to the next.
+const BOUNCES: f64 = 3.5;
+const BETWEEN_BOUNCES_S: f64 = 0.4;
+
 /// `theta_l` in rad. In releases from the rule's angle the feel is ahead by 0.03 rad at most (`desktop-yoke`, its motor at its limit), of
 /// the other loaders by 0.01.
 pub const LEAD_RAD: f64 = 0.05;
@@ -101,7 +114,8 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// A blow that does not turn the column counts above this rate in rad/s, if at most this share of the rate remains.
+/// A bounce turns the column from beyond this rate in rad/s to beyond it. A blow that does not turn it counts above this rate, if at most this share
+/// of the rate remains.
 const FAST_RAD_PER_S: f64 = 1.0;
 const LEFT: f64 = 0.2;
 
@@ -123,6 +137,12 @@ const SHORT: f64 = 1.0 / 3.0;
 /// Least time in s at the limit on one side: a loop whose samples come two cycles late swings between its limits too, but faster, and is no
 /// better in contact.
 const LIMITED_S: f64 = 0.0065;
+
+/// What a drive that stays there counts for beyond that, in turns a second, and until when in s: with four times, a column that swings far and slowly
+/// has gone to and fro twice. One that stays for longer than the last of these is held there by a hand.
+const LIMITED_TURNS_PER_S: f64 = 70.0;
+const LIMITED_LONG_S: f64 = 0.05;
+const LIMITED_BY_HAND_S: f64 = 0.25;
 
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
@@ -200,20 +220,23 @@ pub struct ContactState<S> {
     last: S,
     /// Swings in a row that count.
     swings: S,
-    /// Direction in which the torque changes, -1 or 1, its extreme so far, the angle there, and the time in s since the last turn.
+    /// Direction in which the torque changes, -1 or 1, its extreme so far, angle and lead there, and the time in s since the last turn.
     direction: S,
     turn: S,
     turn_angle: S,
+    turn_lead: S,
     since_turn: S,
     /// Turns in a row that count.
     turns: S,
+    /// Bounces in a row, with the sign of their side.
+    bounces: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
-    /// Turns in a row of a drive that is at its limit on one side and then on the other, with the sign of the last side, and the time in s since it
+    /// Turns in a row, or the same in time, of a drive that is at its limit on one side and then on the other, with the sign of the last side, and the time in s since it
     /// was at either.
     limit_turns: S,
     since_limit: S,
-    /// How long it has been at its limit, in s, with the sign of the side.
+    /// How long it has been at the limit of the last side, in s, with the sign of the side.
     at_limit: S,
 }
 
@@ -226,6 +249,7 @@ struct Counts<S: Scalar> {
     place: [S; 2],
     swings: S,
     turns: S,
+    bounces: S,
 }
 
 /// What the law is told at a sample.
@@ -269,8 +293,10 @@ impl<S: Scalar> ContactState<S> {
             direction: one,
             turn: torque,
             turn_angle: angle,
+            turn_lead: zero,
             since_turn: one,
             turns: zero,
+            bounces: zero,
             offset: zero,
             limit_turns: zero,
             since_limit: one,
@@ -302,8 +328,10 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_direction", &mut self.direction);
         visitor.nonlinear("contact_turn", &mut self.turn);
         visitor.nonlinear("contact_turn_angle", &mut self.turn_angle);
+        visitor.nonlinear("contact_turn_lead", &mut self.turn_lead);
         visitor.nonlinear("contact_since_turn", &mut self.since_turn);
         visitor.nonlinear("contact_turns", &mut self.turns);
+        visitor.nonlinear("contact_bounces", &mut self.bounces);
         visitor.nonlinear("contact_offset", &mut self.offset);
         visitor.nonlinear("contact_limit_turns", &mut self.limit_turns);
         visitor.nonlinear("contact_since_limit", &mut self.since_limit);
@@ -374,11 +402,25 @@ impl<S: Scalar> ContactLaw<S> {
         };
         let counts = if quiet {
             let place = [was.place, was.place_torque];
-            Counts { noticed: begins, share: was.share.max(zero), place, swings: now.swings, turns: was.turns }
+            Counts {
+                noticed: begins,
+                share: was.share.max(zero),
+                place,
+                swings: now.swings,
+                turns: was.turns,
+                bounces: was.bounces,
+            }
         } else {
             self.counts(
                 &now,
-                [to_other_side, over, turns_back, touches, between_limits],
+                [
+                    to_other_side,
+                    over,
+                    turns_back,
+                    touches,
+                    between_limits,
+                    begins & !was.since.less(one.times(BETWEEN_BOUNCES_S)),
+                ],
                 [now_rate, back, since],
                 (column, at_end),
                 h,
@@ -392,7 +434,7 @@ impl<S: Scalar> ContactLaw<S> {
         let along = S::select(swings_on, one.times(-0.5), -one);
         let against = S::select((rate * pushed).less(-one.times(MOVES_RAD_PER_S)), one, along);
         let onward = turns_back | back.less(zero);
-        let Counts { noticed, share, place: [place, place_torque], swings, turns } = counts;
+        let Counts { noticed, share, place: [place, place_torque], swings, turns, bounces } = counts;
         let state = ContactState {
             share,
             place,
@@ -410,8 +452,10 @@ impl<S: Scalar> ContactLaw<S> {
             direction: S::select(turns_back, -was.direction, was.direction),
             turn: S::select(onward, torque, was.turn),
             turn_angle: S::select(onward, angle, was.turn_angle),
+            turn_lead: S::select(onward, lead, was.turn_lead),
             since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
             turns,
+            bounces,
             // What has been noticed is counted anew.
             limit_turns: S::select(between_limits, zero, was.limit_turns),
             ..now
@@ -425,7 +469,7 @@ impl<S: Scalar> ContactLaw<S> {
     fn counts(
         &self,
         now: &ContactState<S>,
-        [to_other_side, over, turns_back, touches, between_limits]: [S::Mask; 5],
+        [to_other_side, over, turns_back, touches, between_limits, began_late]: [S::Mask; 6],
         [now_rate, back, since]: [S; 3],
         (column, at_end): (S, Option<S::Mask>),
         h: S,
@@ -470,8 +514,19 @@ impl<S: Scalar> ContactLaw<S> {
         let turned_by = angle - now.turn_angle;
         let hard_turn = (self.environment * turned_by.abs()).less(back) & !(turned_by * now.direction).less(zero);
         let counted = now.turns + S::select(hard_turn, one, one.times(SOFT_TURN));
-        let turns = S::select(turns_back, S::select(now.since_turn.less(self.quick), counted, zero), now.turns);
+        // Of a slow turn the feel tells whether a hand made it.
+        let apart = turned_by.abs().times(APART).less((now.lead - now.turn_lead).abs());
+        let slow_turns = S::select(hard_turn & apart & !follows, counted, (now.turns - one.times(SOFT_TURN)).max(zero));
+        let turned_soon = now.since_turn.less(self.quick.times(SLOW_TURN));
+        let slow_turns = S::select(turned_soon, slow_turns, zero);
+        let turns = S::select(turns_back, S::select(now.since_turn.less(self.quick), counted, slow_turns), now.turns);
+        let fast = one.times(FAST_RAD_PER_S);
+        let bounced = over & quick & zero.less(now.push) & before.less(-fast) & fast.less(after);
+        let in_a_row = one.times_sign(now.side) + S::select(zero.less(now.bounces * now.side), now.bounces, zero);
+        let bounces = S::select(bounced, in_a_row, S::select(began_late, zero, now.bounces));
+        let bounces_on = one.times(BOUNCES).less(bounces.abs());
         let noticed = !swings.less(one.times(SWINGS))
+            | bounces_on
             | (turns_back & !turns.less(one.times(TURNS)))
             | between_limits
             | struck
@@ -501,7 +556,8 @@ impl<S: Scalar> ContactLaw<S> {
         };
         let whole = noticed | (touches & from.abs().less(near));
         let share = S::select(whole, one, (now.share - gone).max(zero));
-        Counts { noticed, share, place: [place, place_torque], swings, turns }
+        let bounces = S::select(bounces_on, zero, bounces);
+        Counts { noticed, share, place: [place, place_torque], swings, turns, bounces }
     }
 
     /// Displacement of the feel at which the drive stands.
@@ -552,8 +608,12 @@ impl<S: Scalar> ContactLaw<S> {
         let other = there & !zero.less(beyond * was.limit_turns);
         let soon = since.less(self.quick.times(SLOW));
         let next = S::select(soon, was.limit_turns.abs() + one, one).times_sign(beyond);
-        state.at_limit = if_limited(lasts, zero);
-        state.limit_turns = if_limited(S::select(other, next, was.limit_turns), was.limit_turns);
+        state.at_limit = if_limited(lasts, was.at_limit);
+        let (long, hand) = (one.times(LIMITED_LONG_S), one.times(LIMITED_BY_HAND_S));
+        let stays = there & lasts.abs().less(long);
+        let longer = was.limit_turns + S::select(stays, h.times(LIMITED_TURNS_PER_S), zero).times_sign(beyond);
+        let longer = S::select(lasts.abs().less(hand), longer, one.times_sign(beyond));
+        state.limit_turns = if_limited(S::select(other, next, longer), was.limit_turns);
         state.since_limit = if_limited(S::select(there, zero, since), since);
     }
 

@@ -210,7 +210,48 @@ fn a_drive_that_swings_between_its_limits_is_in_contact() {
     assert_eq!(swings(1.0), 0.0, "a hand may be as quick");
     assert_eq!(at_limits(|time| swing(5.0)(time).max(0.0)), 0.0, "on one side");
     assert_eq!(at_limits(|time| if (time / H).round() % 2.0 == 0.0 { 1.0 } else { -1.0 }), 0.0, "noise");
-    assert_eq!(at_limits(|time| if time < 0.7 { swing(10.0)(time) } else { 0.0 }), 0.0, "a release");
+    assert_eq!(at_limits(|time| if time < 0.35 { swing(4.0)(time) } else { 0.0 }), 0.0, "a release");
+    assert_eq!(at_limits(|time| if time < 0.7 { swing(4.0)(time) } else { 0.0 }), 1.0, "twice to and fro");
+    assert_eq!(
+        at_limits(|time| if time < 0.14 { swing(30.0)(time) } else { 0.0 }),
+        0.0,
+        "as often, each for less long"
+    );
+}
+
+/// Whether pushes of 60 ms are a contact's that throw a column of 6 rad/s back, so many, one each period, on one side or on either in turn.
+fn bounces_on(count: f64, period: f64, sides: f64) -> bool {
+    let (mut state, mut angle, mut touched) = (free(), 0.0, false);
+    for step in 0..6000 {
+        let time = f64::from(step) * H;
+        let (which, since) = ((time / period).floor(), time % period);
+        let side = if which % sides < 1.0 { 1.0 } else { -1.0 };
+        let next = if (which + 1.0) % sides < 1.0 { 1.0 } else { -1.0 };
+        // It moves before the first.
+        let pushed = since < 0.06 && which > 0.0 && which <= count;
+        let phase = core::f64::consts::PI * since / 0.06;
+        let torque = if pushed { 80.0 * side * phase.sin() } else { 0.0 };
+        let rate = if pushed {
+            -6.0 * side * phase.cos()
+        } else if since < 0.5 * period {
+            6.0 * side
+        } else {
+            -6.0 * next
+        };
+        angle += rate * H;
+        let now;
+        (state, now) = law().noticed((torque, None), ([angle, angle], None), state, [H, 1.0 / H]);
+        touched |= now;
+    }
+    touched
+}
+
+#[test]
+fn a_column_that_bounces_on_is_in_contact() {
+    assert!(bounces_on(4.0, 0.2, 1.0));
+    assert!(!bounces_on(3.0, 0.2, 1.0), "three");
+    assert!(!bounces_on(9.0, 0.2, 2.0), "a hand that shakes, on both sides");
+    assert!(!bounces_on(5.0, 0.6, 1.0), "a hand that taps");
 }
 
 #[test]
