@@ -260,9 +260,8 @@ class Touch:
         """Whether the column bounces the fourth time in a row."""
         if over and self.push > 0 and self.since < self.quick and self.before * self.side < -1 and rate * self.side > 1:
             self.bounces = self.side + (self.bounces if self.bounces * self.side > 0 else 0)
-        on = abs(self.bounces) >= 4
-        self.bounces = 0 if on else self.bounces
-        return on
+            return abs(self.bounces) >= 4
+        return False
 
     def strikes(self, blow, stiff, by_hand, rate):
         """Whether a push that is over was a blow that the column struck, or one that turned or stopped it."""
@@ -368,9 +367,9 @@ class Touch:
         self.since_limit = min(self.since_limit + h, 1.0)
         if abs(self.limit_turns) >= 16:  # it was noticed
             self.limit_turns = 0
-        there, soon, turns = side and abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick, abs(self.limit_turns)
+        there, soon = side and abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick
         if there and side * self.limit_turns <= 0:
-            self.limit_turns = math.copysign(turns + 1 if soon else 1, side)
+            self.limit_turns = math.copysign(abs(self.limit_turns) + 1 if soon else 1, side)
         elif there and abs(self.at_limit) < 0.05:
             self.limit_turns += 70 * h * side
         if there and abs(self.at_limit) >= 0.25:

@@ -521,10 +521,10 @@ impl<S: Scalar> ContactLaw<S> {
         let slow_turns = S::select(turned_soon, slow_turns, zero);
         let turns = S::select(turns_back, S::select(now.since_turn.less(self.quick), counted, slow_turns), now.turns);
         let fast = one.times(FAST_RAD_PER_S);
-        let bounced = over & quick & zero.less(now.push) & before.less(-fast) & fast.less(after);
+        let bounced = over & (quick & zero.less(now.push) & before.less(-fast) & fast.less(after));
         let in_a_row = one.times_sign(now.side) + S::select(zero.less(now.bounces * now.side), now.bounces, zero);
         let bounces = S::select(bounced, in_a_row, S::select(began_late, zero, now.bounces));
-        let bounces_on = one.times(BOUNCES).less(bounces.abs());
+        let bounces_on = bounced & one.times(BOUNCES).less(bounces.abs());
         let noticed = !swings.less(one.times(SWINGS))
             | bounces_on
             | (turns_back & !turns.less(one.times(TURNS)))
@@ -556,7 +556,6 @@ impl<S: Scalar> ContactLaw<S> {
         };
         let whole = noticed | (touches & from.abs().less(near));
         let share = S::select(whole, one, (now.share - gone).max(zero));
-        let bounces = S::select(bounces_on, zero, bounces);
         Counts { noticed, share, place: [place, place_torque], swings, turns, bounces }
     }
 
