@@ -1,12 +1,13 @@
-"""Contact: settings of a loader against 30 clamps and 15 end stops, with and without the law's part for contact.
+"""Contact: settings of a loader against 30 clamps and 18 end stops, with and without the law's part for contact.
 
 Contacts and verdict are those of ``forcefeel.envelope.contact``, with more damping ratios. The settings are 4 stiffnesses x 4
 frequencies x 3 damping ratios, from a twenty-fifth of the loader's own stiffness on.
 
-    python benchmarks/contact.py [LOADER ...] [--law robust] [--sensors "500 Hz"] [--friction "1 lb"]
+    python benchmarks/contact.py [LOADER ...] [--law robust] [--sensors "500 Hz"] [--friction "1 lb"] [--light]
 
 ``--sensors`` gives load cell, encoder and column sensor a bandwidth, ``--friction`` the column dry friction, both known to the law.
-Run both options, too, after a change of the contact rules: light columns with friction and slow sensors lose most by it.
+``--light`` takes 1 to 5 % of the largest stiffness, which is softer than the softest contact.
+Run all options, too, after a change of the contact rules: light feels, friction and slow sensors lose most by it.
 """
 
 import argparse
@@ -15,7 +16,7 @@ from itertools import product
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.envelope.contact import STIFFNESSES, Contact, swings_on
+from forcefeel.envelope.contact import SOFT_STOP, STIFFNESSES, Contact, swings_on
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 
@@ -33,15 +34,27 @@ FRICTION = "column.coulomb_friction", "column.static_friction"
 DAMPING_RATIOS = (0.02, 0.1, 0.5)
 CONTACTS = {
     "clamp": [Contact(False, k, ratio, mass) for mass, k, ratio in product((0.0, 3.0), STIFFNESSES, DAMPING_RATIOS)],
-    "stop": [Contact(True, k, ratio) for k, ratio in product(STIFFNESSES, DAMPING_RATIOS)],
+    "stop": [Contact(True, k, ratio) for k, ratio in product((SOFT_STOP, *STIFFNESSES), DAMPING_RATIOS)],
 }
+
+
+RATIOS = 0.1, 0.3, 0.7
 
 
 def settings(loader: Loader) -> np.ndarray:
     """I, B, G in SI units, a row each."""
+    return _rows(loader["feel.stiffness"], (0.04, 0.1, 0.3, 1.0), (0.8, 1.5, 2.2, 3.0))
+
+
+def light_settings(loader: Loader) -> np.ndarray:
+    """The same of light feels."""
+    return _rows(loader["feel.maximum_stiffness"], (0.01, 0.025, 0.05), (1.0, 2.0, 3.0, 4.0))
+
+
+def _rows(most: float, shares: tuple[float, ...], frequencies: tuple[float, ...]) -> np.ndarray:
     rows = []
-    for share, frequency, ratio in product((0.04, 0.1, 0.3, 1.0), (0.8, 1.5, 2.2, 3.0), (0.1, 0.3, 0.7)):
-        stiffness, omega = share * loader["feel.stiffness"], 2 * np.pi * frequency
+    for share, frequency, ratio in product(shares, frequencies, RATIOS):
+        stiffness, omega = share * most, 2 * np.pi * frequency
         inertia = stiffness / omega**2
         rows.append((inertia, 2 * ratio * omega * inertia, stiffness))
     return np.array(rows)
@@ -53,6 +66,7 @@ def main() -> None:
     parser.add_argument("--law", default="robust")
     parser.add_argument("--sensors", help="their bandwidth, in place of ideal ones")
     parser.add_argument("--friction", help="dry friction at the grip, known to the law")
+    parser.add_argument("--light", action="store_true", help="light feels")
     given = parser.parse_args()
     changes = dict.fromkeys(BANDWIDTHS, given.sensors) if given.sensors else {}
     changes |= dict.fromkeys(FRICTION, given.friction) if given.friction else {}
@@ -60,7 +74,7 @@ def main() -> None:
     for name in given.loaders:
         loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
         loader = loader.replace(changes)
-        feel = settings(loader)
+        feel = (light_settings if given.light else settings)(loader)
         law = Law.of(given.law, loader, feel)
         for (where, contacts), (kind, one) in product(
             CONTACTS.items(), (("free", law.without_contact()), ("contact", law))

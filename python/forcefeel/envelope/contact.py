@@ -101,6 +101,9 @@ class Contact:
 STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
 """N/m at the grip: from a firm arm's to a steel stop's."""
 
+SOFT_STOP = 3e3
+"""N/m at the grip of a stop that a light column strikes as long as a hand would: against softer and harder ones fewer swing on."""
+
 _LITTLE, _SOME, _MUCH = 0.02, 0.1, 0.5
 """Damping ratios: of steel, of a hand, of rubber."""
 
@@ -119,10 +122,10 @@ _DAMPED = (
 
 CONTACTS = (
     *(Contact(False, k, _LITTLE, mass) for mass, k in product((0.0, 3.0), STIFFNESSES)),
-    *(Contact(True, k, _LITTLE) for k in (1e3, 1e4, 1e5, 1e6)),
+    *(Contact(True, k, _LITTLE) for k in (1e3, SOFT_STOP, 1e4, 1e5, 1e6)),
     *_DAMPED,
 )
-"""Those of an envelope: every setting that swings on in one of the 45 of ``benchmarks/contact.py`` does so in one of these."""
+"""Those of an envelope: every setting that swings on in one of the 48 of ``benchmarks/contact.py`` does so in one of these."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
 """Those by which laws are compared."""
