@@ -371,7 +371,7 @@ class Touch:
         if there and side * self.limit_turns <= 0:
             self.limit_turns = math.copysign(abs(self.limit_turns) + 1 if soon else 1, side)
         elif there and abs(self.at_limit) < 0.05:
-            self.limit_turns += 70 * h * side
+            self.limit_turns += 20 * h * side
         if there and abs(self.at_limit) >= 0.25:
             self.limit_turns = side
         if there:

@@ -30,8 +30,8 @@
 //!   1 rad/s to beyond 1 rad/s. A light feel swings against a soft stop like that, and follows as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
-//!   soft stop, which the torque does not distinguish from an arm. A stay of 50 ms counts four times, one of 250 ms
-//!   is a hand's;
+//!   soft stop, which the torque does not distinguish from an arm. A stay of 50 ms counts twice, one of 250 ms is a
+//!   hand's;
 //! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
 //!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
 //!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
@@ -138,9 +138,10 @@ const SHORT: f64 = 1.0 / 3.0;
 /// better in contact.
 const LIMITED_S: f64 = 0.0065;
 
-/// What a drive that stays there counts for beyond that, in turns a second, and until when in s: with four times, a column that swings far and slowly
-/// has gone to and fro twice. One that stays for longer than the last of these is held there by a hand.
-const LIMITED_TURNS_PER_S: f64 = 70.0;
+/// What a drive that stays there counts for beyond that, in turns a second, and until when in s: a column that swings far and slowly swings less
+/// often. At 70 a bench signal that drives a valve to its limits is taken for contact. One that stays for longer than the last of these is held there
+/// by a hand.
+const LIMITED_TURNS_PER_S: f64 = 20.0;
 const LIMITED_LONG_S: f64 = 0.05;
 const LIMITED_BY_HAND_S: f64 = 0.25;
 

@@ -210,8 +210,8 @@ fn a_drive_that_swings_between_its_limits_is_in_contact() {
     assert_eq!(swings(1.0), 0.0, "a hand may be as quick");
     assert_eq!(at_limits(|time| swing(5.0)(time).max(0.0)), 0.0, "on one side");
     assert_eq!(at_limits(|time| if (time / H).round() % 2.0 == 0.0 { 1.0 } else { -1.0 }), 0.0, "noise");
-    assert_eq!(at_limits(|time| if time < 0.35 { swing(4.0)(time) } else { 0.0 }), 0.0, "a release");
-    assert_eq!(at_limits(|time| if time < 0.7 { swing(4.0)(time) } else { 0.0 }), 1.0, "twice to and fro");
+    assert_eq!(at_limits(|time| if time < 0.7 { swing(4.0)(time) } else { 0.0 }), 0.0, "a release");
+    assert_eq!(at_limits(|time| if time < 1.4 { swing(4.0)(time) } else { 0.0 }), 1.0, "five times to and fro");
     assert_eq!(
         at_limits(|time| if time < 0.14 { swing(30.0)(time) } else { 0.0 }),
         0.0,
