@@ -18,10 +18,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR, USUAL
 
 STATED = {
-    "C, I, B, G": 908,
-    "C, every nonlinear part of the feel": 1310,
-    "C, law's friction and converters too": 1631,
-    "C, changing between four settings": 1420,
+    "C, I, B, G": 918,
+    "C, every nonlinear part of the feel": 1311,
+    "C, law's friction and converters too": 1636,
+    "C, changing between four settings": 1418,
     "C, so with every part": 2586,
 }
 """Instructions per period, of laws with a part for contact."""
