@@ -6,8 +6,8 @@ frequencies x 3 damping ratios, from a twenty-fifth of the loader's own stiffnes
     python benchmarks/contact.py [LOADER ...] [--law robust] [--sensors "500 Hz"] [--friction "1 lb"] [--light]
 
 ``--sensors`` gives load cell, encoder and column sensor a bandwidth, ``--friction`` the column dry friction, both known to the law.
-``--light`` takes 1 to 5 % of the largest stiffness, which is softer than the softest contact.
-Run all options, too, after a change of the contact rules: light feels, friction and slow sensors lose most by it.
+``--light`` takes 1 to 5 % of the largest stiffness, softer than each of the contacts.
+After a change of the contact rules run all options, too: light feels, friction and slow sensors lose most.
 """
 
 import argparse
@@ -15,9 +15,10 @@ from itertools import product
 
 import numpy as np
 
-import forcefeel as ff
 from forcefeel.envelope.contact import SOFT_STOP, STIFFNESSES, Contact, swings_on
+from forcefeel.envelope.settings import Settings
 from forcefeel.laws.law import Law
+from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.loader import Loader
 
 LOADERS = (
@@ -38,26 +39,12 @@ CONTACTS = {
 }
 
 
-RATIOS = 0.1, 0.3, 0.7
-
-
-def settings(loader: Loader) -> np.ndarray:
+def settings(loader: Loader, *, light: bool) -> np.ndarray:
     """I, B, G in SI units, a row each."""
-    return _rows(loader["feel.stiffness"], (0.04, 0.1, 0.3, 1.0), (0.8, 1.5, 2.2, 3.0))
-
-
-def light_settings(loader: Loader) -> np.ndarray:
-    """The same of light feels."""
-    return _rows(loader["feel.maximum_stiffness"], (0.01, 0.025, 0.05), (1.0, 2.0, 3.0, 4.0))
-
-
-def _rows(most: float, shares: tuple[float, ...], frequencies: tuple[float, ...]) -> np.ndarray:
-    rows = []
-    for share, frequency, ratio in product(shares, frequencies, RATIOS):
-        stiffness, omega = share * most, 2 * np.pi * frequency
-        inertia = stiffness / omega**2
-        rows.append((inertia, 2 * ratio * omega * inertia, stiffness))
-    return np.array(rows)
+    own = loader["feel.stiffness"] / loader["feel.maximum_stiffness"]
+    shares = (0.01, 0.025, 0.05) if light else (0.04 * own, 0.1 * own, 0.3 * own, own)
+    hertz = (1.0, 2.0, 3.0, 4.0) if light else (0.8, 1.5, 2.2, 3.0)
+    return Settings((0.1, 0.3, 0.7), tuple(2 * np.pi * frequency for frequency in hertz), shares).feel(loader)
 
 
 def main() -> None:
@@ -66,15 +53,14 @@ def main() -> None:
     parser.add_argument("--law", default="robust")
     parser.add_argument("--sensors", help="their bandwidth, in place of ideal ones")
     parser.add_argument("--friction", help="dry friction at the grip, known to the law")
-    parser.add_argument("--light", action="store_true", help="light feels")
+    parser.add_argument("--light", action="store_true", help="light feels: 1 to 5 % of the largest stiffness")
     given = parser.parse_args()
     changes = dict.fromkeys(BANDWIDTHS, given.sensors) if given.sensors else {}
     changes |= dict.fromkeys(FRICTION, given.friction) if given.friction else {}
     print("loader             contact  law        swings on     largest force, lb")
     for name in given.loaders:
-        loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
-        loader = loader.replace(changes)
-        feel = (light_settings if given.light else settings)(loader)
+        loader = BUILT_IN[name]().replace(changes)
+        feel = settings(loader, light=given.light)
         law = Law.of(given.law, loader, feel)
         for (where, contacts), (kind, one) in product(
             CONTACTS.items(), (("free", law.without_contact()), ("contact", law))

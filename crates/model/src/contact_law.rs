@@ -24,14 +24,14 @@
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
 //!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
 //!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
-//!   slow hand causes smaller ones. Slower turns, up to `3 t_q`, are neither: a stiff one counts where the feel moved apart from the column by 0.3
-//!   of its way, any other takes a quarter back;
+//!   slow hand causes smaller ones. Of slower turns, up to `3 t_q` apart, a stiff one counts if the feel moved relative to
+//!   the column by 0.3 of the column's way; any other subtracts a quarter;
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column from beyond
-//!   1 rad/s to beyond 1 rad/s. A light feel swings against a soft stop like that, and follows as well as under a hand;
+//!   1 rad/s to beyond 1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
-//!   soft stop, which the torque does not distinguish from an arm. A stay of 50 ms counts twice, one of 250 ms is a
-//!   hand's;
+//!   soft stop, which the torque does not distinguish from an arm. 50 ms on one side count as two turns, 250 ms are a hand that is stronger
+//!   than the drive;
 //! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
 //!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
 //!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
@@ -98,12 +98,12 @@ const REBOUND: f64 = 1.6;
 /// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
 const SOFT_TURN: f64 = 0.25;
 
-/// Longest time between two turns in `t_q` up to which slow ones count, and the share of the column's way by which the feel moved apart from it in
-/// one that does: a feel that a hand moves is followed. One that does not count takes back a soft turn.
+/// Longest time between two slow turns that count, in `t_q`, and the least motion of the feel relative to the column in one, as a share of the
+/// column's way: the column follows a feel that a hand moves. A slow turn that does not count subtracts a soft one.
 const SLOW_TURN: f64 = 3.0;
 const APART: f64 = 0.3;
 
-/// Bounces in a row that no hand makes, and the longest time in s from one push to the next.
+/// Between three bounces in a row and four, which are contact, and the longest time in s from one push to the next.
 const BOUNCES: f64 = 3.5;
 const BETWEEN_BOUNCES_S: f64 = 0.4;
 
@@ -138,9 +138,8 @@ const SHORT: f64 = 1.0 / 3.0;
 /// better in contact.
 const LIMITED_S: f64 = 0.0065;
 
-/// What a drive that stays there counts for beyond that, in turns a second, and until when in s: a column that swings far and slowly swings less
-/// often. At 70 a bench signal that drives a valve to its limits is taken for contact. One that stays for longer than the last of these is held there
-/// by a hand.
+/// Turns that count per second at the limit beyond that, up to the second of these in s: a column that swings far swings slowly. At 70 a bench signal
+/// that drives a valve to its limits is mistaken for contact. A drive that is there for the third was pushed there by a hand.
 const LIMITED_TURNS_PER_S: f64 = 20.0;
 const LIMITED_LONG_S: f64 = 0.05;
 const LIMITED_BY_HAND_S: f64 = 0.25;
@@ -233,11 +232,11 @@ pub struct ContactState<S> {
     bounces: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
-    /// Turns in a row, or the same in time, of a drive that is at its limit on one side and then on the other, with the sign of the last side, and the time in s since it
-    /// was at either.
+    /// Turns in a row of a drive that is at its limit on one side and then on the other, or the same in time, with the sign of the last side, and
+    /// the time in s since it was at either.
     limit_turns: S,
     since_limit: S,
-    /// How long it has been at the limit of the last side, in s, with the sign of the side.
+    /// Time in s at the limit since it came from the other side, with the sign of the side.
     at_limit: S,
 }
 

@@ -102,7 +102,7 @@ STIFFNESSES = (1e3, 1e4, 3e4, 1e5, 1e6)
 """N/m at the grip: from a firm arm's to a steel stop's."""
 
 SOFT_STOP = 3e3
-"""N/m at the grip of a stop that a light column strikes as long as a hand would: against softer and harder ones fewer swing on."""
+"""N/m at the grip of a stop against which the most light feels swing on: it pushes the column for as long as a hand would."""
 
 _LITTLE, _SOME, _MUCH = 0.02, 0.1, 0.5
 """Damping ratios: of steel, of a hand, of rubber."""
@@ -125,7 +125,8 @@ CONTACTS = (
     *(Contact(True, k, _LITTLE) for k in (1e3, SOFT_STOP, 1e4, 1e5, 1e6)),
     *_DAMPED,
 )
-"""Those of an envelope: every setting that swings on in one of the 48 of ``benchmarks/contact.py`` does so in one of these."""
+"""Contacts of an envelope. Of 10 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 9 do so in one of these;
+with 1 lb of dry friction, 92 of 101."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
 """Those by which laws are compared."""
