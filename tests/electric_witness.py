@@ -207,8 +207,8 @@ class Touch:
     """What a law does in contact, by the table at the head of ``crates/model/src/contact_law.rs``."""
 
     def __init__(self, numbers):
-        self.per_angle, self.k_x, self.k_v, self.damping, self.fastest, self.least, *more = numbers
-        self.environment, self.quick, self.near, self.travel = more
+        self.per_angle, self.k_x, self.k_v, self.damping, self.fastest, self.ripple, *more = numbers
+        self.least, self.environment, self.quick, self.near, self.travel = more
         self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
         self.place, self.extreme = (0.0, 0.0), (0.0, 0.0, 0.0)  # angle, torque, lead of the feel
         self.lead = 0.0
@@ -293,7 +293,8 @@ class Touch:
         by_hand = abs(self.lead - self.extreme[2]) < 0.03 * abs(went)
         self.count_swing(other, (quick, slow), stiff, by_hand)
         back = (self.turn[1] - self.torque) * self.way
-        turned_back = back > max(0.8 * self.least, 2.5 * rubbing)
+        ripples = self.share < 0.5 and (self.since_turn < 0.04 or self.since_turn >= 1)
+        turned_back = back > max(self.ripple if ripples else 0.8 * self.least, 2.5 * rubbing)
         turns_before = self.turns
         if turned_back:
             turned_by = self.angle - self.turn[0]
@@ -370,8 +371,8 @@ class Touch:
         there, soon = side and abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick
         if there and side * self.limit_turns <= 0:
             self.limit_turns = math.copysign(abs(self.limit_turns) + 1 if soon else 1, side)
-        elif there and abs(self.at_limit) < 0.05:
-            self.limit_turns += 20 * h * side
+        elif there and 0.05 < abs(self.at_limit) < 0.1:
+            self.limit_turns += 70 * h * side
         if there and abs(self.at_limit) >= 0.25:
             self.limit_turns = side
         if there:

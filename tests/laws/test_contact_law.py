@@ -1,6 +1,7 @@
 """The part of a law for contact: quiet against a stop and a clamp, where the law alone swings."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -78,6 +79,53 @@ def test_a_light_feel_does_not_bounce_on_a_soft_stop(
     law, stop = ff.Law.of("robust", loader, feel), Contact(True, stiffness_n_per_m, 0.02)
     assert swings_on(loader, law.without_contact(), feel, stop)[0].all()
     assert not swings_on(loader, law, feel, stop)[0].any()
+
+
+def _on(name: str, setting: tuple[float, float, float], contact: Contact) -> ff.Loader:
+    """A motor without noise, with a feel of a share of its largest stiffness, Hz and a damping ratio, in a contact."""
+    free = ff.loader.electric(name).replace(QUIET | {"motor.cogging_torque": 0.0}, si=True)
+    share, hertz, ratio = setting
+    feel = ListedSettings(np.array([[ratio, 2 * np.pi * hertz, share]])).feel(free)[0]
+    rows = dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), feel, strict=True))
+    return contact.on(free).replace(rows, si=True).replace({"feel.breakout": None})
+
+
+def _with(law: ff.Law, place: int, number: float) -> ff.Law:
+    """The law with another number in its part for contact."""
+    contact = law.sampled.contact.copy()
+    contact[:, place] = number
+    return replace(law, numbers=replace(law.sampled, contact=contact))
+
+
+_DAMPING, _RIPPLE = 3, 5  # places of B_c and T_r
+
+
+@pytest.mark.parametrize("witnessed", mostly_slow([False, True]))
+def test_a_motor_does_not_buzz_on_steel_under_a_light_feel(witnessed: bool) -> None:
+    """Damping by the link and the position loop alone, 2 K / w, lets it buzz with all of its current."""
+    there = _on("elevator-electric", (0.01, 4.0, 0.3), Contact(True, 1e6, 0.1))
+    made = ff.Law.of("robust", there)
+    for law, buzzes in ((made, False), (_with(made, _DAMPING, 155.0), True)):
+        if witnessed:
+            current = witness.simulate(there, law.sampled, lambda _: 8.0, 0.6, rtol=WITNESS_RTOL)["motor_current_a"]
+        else:
+            scenario = ff.Scenario(ff.Step("8 N"), 0.6, 5e-4, 5e-4)
+            current = ff.simulate(there, scenario, law).history["motor_current_a"].to_numpy()
+        assert (np.ptp(current[-100:]) > there["current_loop.current_limit"]) == buzzes
+
+
+@pytest.mark.parametrize("witnessed", mostly_slow([False, True]))
+def test_a_weak_swing_that_goes_on_ends(witnessed: bool) -> None:
+    """Against a stop as soft as a firm arm a stick swung on by 1.5 deg, with less torque at the grip than a push has."""
+    there = _on("sidestick-pitch", (0.01, 3.0, 0.7), Contact(True, 1e3, 0.5))
+    made = ff.Law.of("robust", there)
+    for law, swings in ((made, False), (_with(made, _RIPPLE, 1e9), True)):
+        run = ff.simulate(there, ff.Scenario(ff.Step("8 N"), 2.0, 1.25e-4, 5e-4), law).history["column_angle_rad"]
+        angle = run.to_numpy()
+        assert (np.ptp(angle[-200:]) > np.radians(1)) == swings
+        if witnessed:
+            found = witness.simulate(there, law.sampled, lambda _: 8.0, 2.0, rtol=WITNESS_RTOL)["column_angle_rad"]
+            assert np.abs(angle - found).max() < SAME_SHARE * np.ptp(angle)
 
 
 @pytest.mark.parametrize(("force_n", "rise_s"), [(150.0, 0.05), (200.0, 0.3), (300.0, 1.0)])

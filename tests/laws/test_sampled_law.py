@@ -42,7 +42,7 @@ def says(one, xi, y, feel):
 
 def read(row):
     """T, e and next as the engine reads a row: in the order of its documentation; nothing of the force at the grip."""
-    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (38,), (10,)]
+    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (2,), (38,), (11,)]
     ends = np.cumsum([np.prod(size) for size in sizes])
     parts = [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
     places = [None, 3, 12, 12, 3, None, 12, None]

@@ -228,6 +228,7 @@ impl Controller {
         let pilot_force = self.pilot_force;
         let sample = supervision.admit(&seen).map(|sensors| Sample { sensors, pilot_force });
         let active = supervision.last().is_some_and(|allowed| allowed.state == SupervisorState::Active);
+        self.shared.effects.excited = self.test_signal.is_ahead();
         let test_signal = self.test_signal.next(active);
         let written = self.followed.step((&self.shared, &self.control), &inputs, sample.as_ref(), |answer| {
             let asked = answer.command + test_signal;

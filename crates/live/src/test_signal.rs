@@ -16,6 +16,11 @@ impl TestSignal {
         Self { samples, active: 0, settles }
     }
 
+    /// Whether a sample is still to come.
+    pub fn is_ahead(&self) -> bool {
+        self.active < self.settles + self.samples.len() && !self.samples.is_empty()
+    }
+
     /// What is added in this cycle. Once begun it does not begin again: where the feel goes it is over.
     pub fn next(&mut self, active: bool) -> f64 {
         if active {

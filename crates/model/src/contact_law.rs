@@ -24,13 +24,14 @@
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
 //!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
 //!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
-//!   slow hand causes smaller ones. Of slower turns, up to `3 t_q` apart, a stiff one counts if the feel moved relative to
+//!   slow hand causes smaller ones. From a turn to the next within 40 ms, quicker than a hand, `T_r` is enough, and so it is for the first after a
+//!   second: so a light feel swings in a firm arm, whose force is weak, since the column's own inertia drives the load cell. Of slower turns, up to `3 t_q` apart, a stiff one counts if the feel moved relative to
 //!   the column by 0.3 of the column's way; any other subtracts a quarter;
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column from beyond
 //!   1 rad/s to beyond 1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
-//!   soft stop, which the torque does not distinguish from an arm. 50 ms on one side count as two turns, 250 ms are a hand that is stronger
+//!   soft stop, which the torque does not distinguish from an arm. 100 ms on one side count as four turns, 250 ms are a hand that is stronger
 //!   than the drive;
 //! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
 //!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
@@ -57,9 +58,9 @@ use crate::Scalar;
 use crate::law_vector::quotient;
 use crate::memory::MemoryVisitor;
 
-/// Numbers of it, in the order of [`ContactLaw::take`]: `alpha R_b` in m, `k_x`, `k_v`, `B_c` in N m s/rad, `v_m` in rad/s, `T_min` in
-/// N m, `K_e` in N m/rad, `t_q` in s, `theta_n` and `theta_t` in rad.
-pub const CONTACT_NUMBERS: usize = 10;
+/// Numbers of it, in the order of [`ContactLaw::take`]: `alpha R_b` in m, `k_x`, `k_v`, `B_c` in N m s/rad, `v_m` in rad/s, `T_r` and `T_min`
+/// in N m, `K_e` in N m/rad, `t_q` in s, `theta_n` and `theta_t` in rad.
+pub const CONTACT_NUMBERS: usize = 11;
 
 /// Place of `T_min` among them, from the end: zero in a law that knows of no contact.
 pub const THRESHOLD_FROM_END: usize = 5;
@@ -83,6 +84,9 @@ const SLOW_GROWTH: f64 = 0.97;
 /// that is eight standard deviations; from six on, what the noise moves of a heavy feel turns too.
 const TURNS: f64 = 16.0;
 const TURN: f64 = 0.8;
+
+/// Longest time in s between turns that count from `T_r` on: a hand shakes at up to 12 Hz.
+const RIPPLE_S: f64 = 0.04;
 
 /// Largest turn of the torque by stick-slip, over `q`: friction holds the column and releases it, so that it acts one way, then the other.
 const STICK_SLIP: f64 = 2.5;
@@ -134,14 +138,18 @@ const BRIEF: f64 = 0.9;
 /// Longest push that turns the motion, in `t_q`.
 const SHORT: f64 = 1.0 / 3.0;
 
+/// Factor on `T_min` while a bench signal moves the column beside the law: the observer takes what the machine is off by for a hand.
+const BESIDE: f64 = 5.0;
+
 /// Least time in s at the limit on one side: a loop whose samples come two cycles late swings between its limits too, but faster, and is no
 /// better in contact.
 const LIMITED_S: f64 = 0.0065;
 
-/// Turns that count per second at the limit beyond that, up to the second of these in s: a column that swings far swings slowly. At 70 a bench signal
-/// that drives a valve to its limits is mistaken for contact. A drive that is there for the third was pushed there by a hand.
-const LIMITED_TURNS_PER_S: f64 = 20.0;
-const LIMITED_LONG_S: f64 = 0.05;
+/// Turns that count per second at the limit, from the second of these in s to the third: a column that swings far swings slowly, and one that is
+/// released from the drive's limit quickly. A drive that is there for the fourth was pushed there by a hand.
+const LIMITED_TURNS_PER_S: f64 = 70.0;
+const LIMITED_SOME_S: f64 = 0.05;
+const LIMITED_LONG_S: f64 = 0.1;
 const LIMITED_BY_HAND_S: f64 = 0.25;
 
 /// Time constant of the peak, in `t_q`.
@@ -171,6 +179,7 @@ pub struct ContactLaw<S> {
     rate: S,
     damping: S,
     speed: S,
+    ripple: S,
     threshold: S,
     environment: S,
     quick: S,
@@ -344,9 +353,23 @@ impl<S: Scalar> ContactLaw<S> {
     #[inline(always)]
     pub fn take(mut next: impl FnMut() -> S) -> Self {
         let (per_angle, stiffness, rate, damping, speed) = (next(), next(), next(), next(), next());
-        let (threshold, environment, quick, near, travel) = (next(), next(), next(), next(), next());
+        let (ripple, threshold, environment, quick) = (next(), next(), next(), next());
+        let (near, travel) = (next(), next());
         let per_peak = quotient(quick.constant(1.0 / PEAK_LASTS), quick);
-        Self { per_angle, stiffness, rate, damping, speed, threshold, environment, quick, per_peak, near, travel }
+        Self {
+            per_angle,
+            stiffness,
+            rate,
+            damping,
+            speed,
+            ripple,
+            threshold,
+            environment,
+            quick,
+            per_peak,
+            near,
+            travel,
+        }
     }
 
     /// A law that knows of no contact.
@@ -356,12 +379,13 @@ impl<S: Scalar> ContactLaw<S> {
     }
 
     /// The contact after a sample at which the hand's torque is estimated as `torque`, and whether it begins at this one; `friction`:
-    /// largest torque of known friction, `q`; `at_end`: whether the column is at an end stop that the torque does not show.
+    /// largest torque of known friction, `q`; `at_end`: whether the column is at an end stop that the torque does not show; `alone`: whether
+    /// nothing is added to the command of which the observer, and so its torque, knows nothing.
     #[inline(always)]
     pub fn noticed(
         &self,
         (torque, friction): (S, Option<S>),
-        ([column, feel], at_end): ([S; 2], Option<S::Mask>),
+        ([column, feel], at_end, alone): ([S; 2], Option<S::Mask>, bool),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
@@ -377,7 +401,8 @@ impl<S: Scalar> ContactLaw<S> {
         // Stick-slip is slow; a swing against a spring is fastest halfway.
         let sticks = rate.abs().less(one.times(MOVES_RAD_PER_S));
         let beyond = |least: S, of_friction: S| least.max(S::select(sticks, of_friction, zero));
-        let least = self.threshold.max(peak.times(OF_PEAK));
+        let threshold = if alone { self.threshold } else { self.threshold.times(BESIDE) };
+        let least = threshold.max(peak.times(OF_PEAK));
         let least = friction.map_or(least, |friction| beyond(least, friction));
         let pushes = least.less(torque.abs()) & zero.less(self.threshold);
         let lasted = zero.less(was.push.abs());
@@ -385,7 +410,13 @@ impl<S: Scalar> ContactLaw<S> {
         let begins = to_other_side | (pushes & !lasted);
         let over = lasted & !pushes;
         let back = (was.turn - torque) * was.direction;
-        let turn = self.threshold.times(TURN);
+        let turn = threshold.times(TURN);
+        let turn = if alone {
+            let soon_or_first = was.since_turn.less(one.times(RIPPLE_S)) | !was.since_turn.less(one);
+            S::select(soon_or_first & was.share.less(one.times(0.5)), self.ripple, turn)
+        } else {
+            turn
+        };
         let turn = friction.map_or(turn, |friction| beyond(turn, friction.times(STICK_SLIP)));
         let turns_back = turn.less(back) & zero.less(self.threshold);
         // A heavy feel swings on a stiff spring as slowly as a hand can.
@@ -608,8 +639,8 @@ impl<S: Scalar> ContactLaw<S> {
         let soon = since.less(self.quick.times(SLOW));
         let next = S::select(soon, was.limit_turns.abs() + one, one).times_sign(beyond);
         state.at_limit = if_limited(lasts, was.at_limit);
-        let (long, hand) = (one.times(LIMITED_LONG_S), one.times(LIMITED_BY_HAND_S));
-        let stays = there & lasts.abs().less(long);
+        let [some, long, hand] = [LIMITED_SOME_S, LIMITED_LONG_S, LIMITED_BY_HAND_S].map(|time| one.times(time));
+        let stays = there & some.less(lasts.abs()) & lasts.abs().less(long);
         let longer = was.limit_turns + S::select(stays, h.times(LIMITED_TURNS_PER_S), zero).times_sign(beyond);
         let longer = S::select(lasts.abs().less(hand), longer, one.times_sign(beyond));
         state.limit_turns = if_limited(S::select(other, next, longer), was.limit_turns);

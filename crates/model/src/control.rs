@@ -184,7 +184,8 @@ impl<S: Scalar> Control<S> {
             let at_end = at_end.then(|| self.at_end(output.torque, feeling, inputs));
             let neutral = known.map(|_| neutral);
             let state = (&mut *feeling, &mut remembered.contact_state);
-            self.in_contact(output, state, (inputs, neutral, at_end), [period, per_period])
+            let alone = !shared.effects.excited;
+            self.in_contact(output, state, (inputs, neutral, at_end, alone), [period, per_period])
         } else {
             (output, period.zero())
         };
@@ -286,13 +287,13 @@ impl<S: Scalar> Control<S> {
         &self,
         output: LawOutput<S>,
         (feeling, state): (&mut FeelState<S>, &mut ContactState<S>),
-        (inputs, neutral, at_end): (ContactInputs<S>, Option<S>, Option<S::Mask>),
+        (inputs, neutral, at_end, alone): (ContactInputs<S>, Option<S>, Option<S::Mask>, bool),
         period: [S; 2],
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
         let friction = neutral.map(|_| self.observer.friction.largest());
         let (now, begins) =
-            law.noticed((output.torque, friction), ([inputs.angle[0], inputs.feel[0]], at_end), *state, period);
+            law.noticed((output.torque, friction), ([inputs.angle[0], inputs.feel[0]], at_end, alone), *state, period);
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;
@@ -323,7 +324,9 @@ impl<S: Scalar> Control<S> {
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);
         let beyond = command - self.converters.within_range(command);
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
-        law.count_limits(state, beyond, period[0]);
+        if alone {
+            law.count_limits(state, beyond, period[0]);
+        }
         // A feel that moves as the column is not damped.
         let damps = at_end.map_or(share, |at_end| S::select(at_end, share.zero(), share));
         (LawOutput { command, torque, friction_state, ..output }, damps)

@@ -103,6 +103,8 @@ effects! {
     surroundings = true;
     /// A test signal at the amplifier, or one on the command.
     test_signal = true;
+    /// A bench signal beside the law's command, of which its observer is not told.
+    excited, no_slope = false;
     /// A link to another column.
     linked = false;
     /// Something that moves the column from neutral while nobody touches it.

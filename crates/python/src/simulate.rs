@@ -279,7 +279,7 @@ impl Simulation {
     pub fn job<'a>(&'a self, values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
         let all = self.changes.iter().map(|change| &change.values).chain(values);
         let mut effects = effects_of(all, &law);
-        (effects.surroundings, effects.test_signal) = (self.stirred, self.tested);
+        (effects.surroundings, effects.test_signal, effects.excited) = (self.stirred, self.tested, self.tested);
         Job {
             shared: Shared {
                 effects,

@@ -34,7 +34,7 @@ _SWINGING = 1400
 """Samples of swings against a column that is held: slower than those that the law takes for contact at once, and growing."""
 _APART_RAD = 0.2
 """How far a column swings to either side, farther than its feel follows."""
-_QUICK = 7
+_QUICK = 8
 """Place of ``t_q`` among the numbers of the part for contact."""
 _SHARES = (1.0, 0.1, 0.01)
 """Factors on release and sweep: with a feel that is heavy for the drive, a large one can diverge."""

@@ -239,7 +239,7 @@ def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> I
 
 
 def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
-    """Part of a law for contact: alpha R_b, k_x, k_v, B_c, v_m, T_min, K_e, t_q, theta_n, theta_t."""
+    """Part of a law for contact: alpha R_b, k_x, k_v, B_c, v_m, T_r, T_min, K_e, t_q, theta_n, theta_t."""
     radian = Unit("rad", "rad", "rad")
     units = (
         Unit("m", "m", "in"),
@@ -247,6 +247,7 @@ def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
         Unit(f"{command} s/m", f"{command} s/m", f"{command} s/in"),
         Unit("N m s/rad", "N m s/rad", "lb in s/rad"),
         Unit("rad/s", "rad/s", "rad/s"),
+        Unit("N m", "N m", "lb in"),
         Unit("N m", "N m", "lb in"),
         Unit("N m/rad", "N m/rad", "lb in/rad"),
         SECONDS,
@@ -259,6 +260,7 @@ def _contact(setting: int, numbers: list[float], command: str) -> Iterator[Row]:
         "rate",
         "damping",
         "speed",
+        "ripple",
         "threshold",
         "environment",
         "quick",

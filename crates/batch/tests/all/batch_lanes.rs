@@ -181,7 +181,7 @@ struct ContactNoticed;
 impl Part for ContactNoticed {
     const SIZES: &'static [f64] = &[20.0, 30.0, 0.01, 0.02];
     fn results<S: Scalar>(x: &[S]) -> Vec<S> {
-        let mut numbers = [0.15, 890.0, 0.0, 555.0, 3.6, 5.3, 3180.0, 0.1, 0.0087, 0.0175].into_iter();
+        let mut numbers = [0.15, 890.0, 0.0, 555.0, 3.6, 3.4, 5.3, 3180.0, 0.1, 0.0087, 0.0175].into_iter();
         let law = ContactLaw::take(|| x[0].constant(numbers.next().expect("a number of the law")));
         let period = [1e-3, 1e3].map(|number| x[0].constant(number));
         let mut state = ContactState::free(x[0].zero(), x[2]);
@@ -189,7 +189,7 @@ impl Part for ContactNoticed {
         for k in 0..120_u32 {
             let swing = if k < 40 { 0.0 } else { 1.0 - f64::from(k % 20) / 10.0 };
             let (torque, column) = (x[0] + x[1].times(swing), x[2] + x[3].times(swing));
-            let (now, begins) = law.noticed((torque, None), ([column, x[2]], None), state, period);
+            let (now, begins) = law.noticed((torque, None), ([column, x[2]], None, true), state, period);
             (state, begun) = (now, begun + number(begins, x[0]));
         }
         let mut found = Numbers(vec![begun]);

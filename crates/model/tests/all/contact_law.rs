@@ -7,7 +7,7 @@ use forcefeel_model::contact_law::{ContactLaw, ContactState, LEAD_RAD};
 const H: f64 = 5e-4;
 
 fn law() -> ContactLaw<f64> {
-    let mut numbers = [0.15, 900.0, 0.0, 500.0, 40.0, 4.0, 1900.0, 0.1, 0.01, 0.02].into_iter();
+    let mut numbers = [0.15, 900.0, 0.0, 500.0, 40.0, 1.0, 4.0, 1900.0, 0.1, 0.01, 0.02].into_iter();
     ContactLaw::take(|| numbers.next().unwrap())
 }
 
@@ -32,7 +32,7 @@ fn after_with(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed((torque(time), friction), ([column(time)[0], 0.0], None), state, [H, 1.0 / H]).0;
+        state = law().noticed((torque(time), friction), ([column(time)[0], 0.0], None, true), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -54,6 +54,28 @@ fn free() -> ContactState<f64> {
 fn a_quick_swing_against_something_stiff_is_contact_and_a_hand_is_none() {
     assert_eq!(after(1.0, swing(12.0), still, free()).share, 1.0);
     assert_eq!(after(3.0, swing(2.0), still, free()).share, 0.0);
+}
+
+/// The share after a blow, then a weak swing of so many seconds in something as soft as an arm.
+fn after_ripple(hertz: f64, peak: f64, seconds: f64, alone: bool) -> f64 {
+    let mut state = after(1.2, |_| 0.0, still, after(0.1, swing(5.0), still, free()));
+    let mut time = 0.0;
+    while time < seconds {
+        let torque = 0.05 * peak * swing(hertz)(time);
+        (state, _) = law().noticed((torque, None), ([-torque / 500.0, 0.0], None, alone), state, [H, 1.0 / H]);
+        time += H;
+    }
+    state.share
+}
+
+#[test]
+fn a_weak_swing_is_contact_where_it_is_quicker_than_a_hand_and_goes_on() {
+    assert_eq!(after_ripple(30.0, 1.0, 2.0, true), 1.0);
+    assert_eq!(after_ripple(30.0, 1.0, 1.0, true), 0.0, "sixty turns");
+    assert_eq!(after_ripple(30.0, 0.4, 4.0, true), 0.0, "noise");
+    assert_eq!(after_ripple(10.0, 1.0, 20.0, true), 0.0, "a hand that shakes");
+    assert_eq!(after_ripple(30.0, 1.0, 4.0, false), 0.0, "a bench signal");
+    assert_eq!(after_ripple(30.0, 30.0, 4.0, false), 1.0, "a stop on the bench");
 }
 
 #[test]
@@ -86,7 +108,7 @@ fn a_quick_swing_in_which_the_column_follows_the_feel_is_a_hand_however_little_i
         let (mut state, mut time) = (free(), 0.0);
         while time < 0.5 {
             let angles = [column(time), feel(time)];
-            state = law().noticed((torque(time), None), (angles, None), state, [H, 1.0 / H]).0;
+            state = law().noticed((torque(time), None), (angles, None, true), state, [H, 1.0 / H]).0;
             time += H;
         }
         state.share
@@ -195,7 +217,7 @@ fn a_feel_that_runs_ahead_is_held_at_its_lead() {
 fn at_limits(beyond: impl Fn(f64) -> f64) -> f64 {
     let mut state = free();
     for step in 0..4000 {
-        (state, _) = law().noticed((0.0, None), ([0.0; 2], None), state, [H, 1.0 / H]);
+        (state, _) = law().noticed((0.0, None), ([0.0; 2], None, true), state, [H, 1.0 / H]);
         law().count_limits(&mut state, beyond(f64::from(step) * H), H);
     }
     state.share
@@ -210,7 +232,7 @@ fn a_drive_that_swings_between_its_limits_is_in_contact() {
     assert_eq!(swings(1.0), 0.0, "a hand may be as quick");
     assert_eq!(at_limits(|time| swing(5.0)(time).max(0.0)), 0.0, "on one side");
     assert_eq!(at_limits(|time| if (time / H).round() % 2.0 == 0.0 { 1.0 } else { -1.0 }), 0.0, "noise");
-    assert_eq!(at_limits(|time| if time < 0.7 { swing(4.0)(time) } else { 0.0 }), 0.0, "a release");
+    assert_eq!(at_limits(|time| if time < 0.7 { swing(10.0)(time) } else { 0.0 }), 0.0, "a release");
     assert_eq!(at_limits(|time| if time < 1.4 { swing(4.0)(time) } else { 0.0 }), 1.0, "five times to and fro");
     assert_eq!(
         at_limits(|time| if time < 0.14 { swing(30.0)(time) } else { 0.0 }),
@@ -240,7 +262,7 @@ fn bounces_on(count: f64, period: f64, sides: f64) -> bool {
         };
         angle += rate * H;
         let now;
-        (state, now) = law().noticed((torque, None), ([angle, angle], None), state, [H, 1.0 / H]);
+        (state, now) = law().noticed((torque, None), ([angle, angle], None, true), state, [H, 1.0 / H]);
         touched |= now;
     }
     touched

@@ -15,6 +15,9 @@ Whatever the column touches, seen from the drive it is at most as stiff as the l
 the loop, and a ``B_c`` of some ``K / w`` and ``sqrt(K I)`` is enough for each contact. ``w`` is the lower the more the loop lags by
 drive, delay, hold and the slower sensor: on steel the lag of a 500 Hz encoder alone makes the loop swing at 130 Hz. Damping in
 proportion to the stiffness of the environment: J. E. Colgate, G. G. Schenkel, J. Robotic Systems 14(1) (1997) 37-47.
+
+A motor's rotor is a mass between this loop and the link, so that a light feel closes another loop at some 150 Hz: the load cell's
+force moves the feel, ``delta'`` asks for current at once, and the rotor pulls at the load cell. ``damping_of_rotor`` bounds it.
 ``crates/model/src/contact_law.rs`` says when it acts and how it is given back.
 """
 
@@ -40,11 +43,26 @@ DAMPING_RATIO = 0.8
 DAMPING = 2.0, 2.0
 """``B_c w / K`` and ``B_c^2 / (K I)``; the larger ``B_c`` counts. At a quarter of both contacts begin to swing."""
 
+MARGIN = 1.5
+"""Least gain margin of a motor's loop in contact. Without one light feels buzz at 120 to 160 Hz with all of the motor's current."""
+
+_TOUCHED_N_PER_M, _TOUCHED_DAMPING = np.geomspace(1e3, 1e6, 7), 0.02
+"""Stiffness at the grip and damping ratio of the contacts for which it holds."""
+
+_FREQUENCIES = 400
+"""At which it is looked for."""
+
 FORCE_N = 6.7
 """Least force at the grip, either way, that counts as a push: 1.5 lb, and what the dry friction may be off."""
 
 SIGMAS = 10.0
 """The same in standard deviations of the estimate's noise."""
+
+RIPPLE = 0.12
+"""Least change of that force between two turns that are quicker than a hand, of ``FORCE_N``."""
+
+RIPPLE_SIGMAS = 8.0
+"""The same in standard deviations of the noise."""
 
 ENVIRONMENT_N_PER_M = 5000.0
 """Stiffness at the grip that no arm has: five times the firm arm's."""
@@ -76,6 +94,43 @@ def position_gains(loader: Loader, bandwidth: float) -> tuple[float, float, floa
     # A x' = K_2 C_i e                                                                              eqs. (2), (5)
     per_volt = loader["amplifier.admittance"] * loader["valve.current_gain"] / loader["actuator.area"]
     return bandwidth / per_volt, 0.0, bandwidth
+
+
+def damping_of_rotor(loader: Loader, bandwidth: float, inertia: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``B_c`` in N m s/rad by which a motor's loop in contact has its gain margin ``m``, for each inertia of a feel.
+
+    The loop is ``L = H / (I s + B_c)``. ``J_m`` is the rotor at the column and ``N`` its position loop. ``D`` is the lag of the
+    current, ``P`` of the encoder, ``C`` of the load cell. ``K_e`` is the link in series with the column and what that touches:
+
+        H = K_e C D N / (s (J_m s^2 + K_e + D P N)),   N = J_m (w^2 + 2 z w s),   K_e = K Z / (Z + K),   Z = J s^2 + c s + K_c
+
+    At the frequency at which ``L`` is ``-1 / m``, ``I = -m Im(H) / w`` and ``B_c = -m Re(H)``: a curve over the frequency, which
+    gives the ``B_c`` of each ``I``. Of several the largest counts. Of a valve, whose piston no force of the link moves, it is 0.
+    """
+    if loader.drive != ELECTRIC:
+        return np.zeros_like(inertia)
+    period, arm = loader["controller.period"], loader["column.grip_arm"]
+    link, column = link_stiffness(loader), loader["column.inertia"]
+    rotor = (
+        loader["motor.inertia"]
+        * (loader["linkage.ratio"] * loader["column.base_arm"] / loader["transmission.travel"]) ** 2
+    )
+    s = 1j * np.geomspace(bandwidth / 30, pi / period, _FREQUENCIES)
+    held = np.exp(-s * (loader["controller.delay"] + period / 2)) / (1 + s / loader["current_loop.bandwidth"])
+    load_cell, encoder = (1 / (1 + s / loader[f"{sensor}.bandwidth"]) for sensor in ("load_cell", "potentiometer"))
+    # The rate of the position is the last period's difference.
+    stiff, damped = rotor * bandwidth**2, 2 * DAMPING_RATIO * rotor * bandwidth
+    answered = held * encoder * (stiff + damped * (1 - np.exp(-s * period)) / period)
+    enough = np.zeros_like(inertia)
+    for touched in _TOUCHED_N_PER_M * arm**2:
+        free = column * s**2 + 2 * _TOUCHED_DAMPING * np.sqrt(touched * column) * s + touched
+        spring = link * free / (free + link)
+        h = spring * load_cell * held * (stiff + damped * s) / (s * (rotor * s**2 + spring + answered))
+        beyond = -MARGIN * h.imag / s.imag - inertia[:, None]
+        crosses = beyond[:, 1:] * beyond[:, :-1] <= 0
+        needed = np.maximum(-MARGIN * h.real, 0.0)
+        enough = np.maximum(enough, (crosses * np.maximum(needed[1:], needed[:-1])).max(axis=1))
+    return enough
 
 
 def fastest(loader: Loader, bandwidth: float) -> float:
@@ -127,18 +182,21 @@ def with_contact(law: SampledLaw, loader: Loader, feel: NDArray[np.float64]) -> 
     k_x, k_v, bandwidth = position_gains(loader, own)
     link = link_stiffness(loader)
     enough = np.maximum(DAMPING[0] * link / bandwidth, np.sqrt(DAMPING[1] * link * inertia))
+    enough = np.maximum(enough, damping_of_rotor(loader, own, inertia))
     quick = np.minimum(QUICK_S, OF_PERIOD * 2 * pi * np.sqrt(inertia / stiffness))
     # A stick shaker swings a hand that holds the grip.
     arm = loader["column.grip_arm"]
-    force = max(FORCE_N + max(friction_off(loader)), 2 * loader["feel.shaker_force"]) * arm
-    least = np.maximum(force, SIGMAS * torque_noise(law, loader))
+    shaken = 2 * loader["feel.shaker_force"]
+    push = FORCE_N + max(friction_off(loader))
+    noise = torque_noise(law, loader)
     columns = (
         loader["linkage.ratio"] * loader["column.base_arm"],
         k_x,
         k_v,
         np.maximum(enough - damping, 0.0),
         min(SPEED * fastest(loader, own), _MOST_SPEED),
-        least,
+        np.maximum(max(RIPPLE * push, shaken) * arm, RIPPLE_SIGMAS * noise),
+        np.maximum(max(push, shaken) * arm, SIGMAS * noise),
         ENVIRONMENT_N_PER_M * arm**2,
         quick,
         NEAR_RAD,

@@ -41,7 +41,7 @@ _FEEL = 2
 OF_FRICTION = 14
 """F_-, F_+, beta, 1 / omega_s, U, v_s, l, of learning g_-, g_+, a, q, c, d, and of rest v_r."""
 
-OF_CONTACT, _THRESHOLD = 10, 5
+OF_CONTACT, _THRESHOLD = 11, 5
 """alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t; and the place of T_min from the end."""
 
 _AT_ONE = 1e-11
@@ -65,9 +65,9 @@ class SampledLaw:
             of none.
         neutral: (settings, 2), c_n in V or A and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros
             where it is not given.
-        contact: (settings, 10), what it does in contact: alpha R_b in m, k_x, k_v, B_c in N m s/rad, v_m in rad/s, T_min in N m,
-            K_e in N m/rad, t_q in s, theta_n and theta_t in rad; see ``laws.sampled.contact_law``. Zeros where it is not given: it
-            knows of none.
+        contact: (settings, 11), what it does in contact: alpha R_b in m, k_x, k_v, B_c in N m s/rad, v_m in rad/s, T_r and T_min in
+            N m, K_e in N m/rad, t_q in s, theta_n and theta_t in rad; see ``laws.sampled.contact_law``. Zeros where it is not
+            given: it knows of none.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
@@ -188,7 +188,7 @@ class SampledLaw:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
         transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5), neutral (2), friction (34) and
-        contact (10), row by row, with zeros for the states, and for the force at the grip, that the law has not.
+        contact (11), row by row, with zeros for the states, and for the force at the grip, that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states
         grip = [SAMPLED] * (SAMPLED_AT_GRIP - self.sampled)
