@@ -128,6 +128,15 @@ def test_a_weak_swing_that_goes_on_ends(witnessed: bool) -> None:
             assert np.abs(angle - found).max() < SAME_SHARE * np.ptp(angle)
 
 
+def test_a_column_that_shakes_in_a_firm_arm_swings_on_though_the_arm_hardly_shows_it() -> None:
+    """By 1.5 deg at 50 Hz, with 15 lb at the load cell and 1 lb in the arm."""
+    loader = ff.loader.electric("sidestick-roll")
+    feel = ListedSettings(np.array([[0.7, 2 * np.pi * 3.0, 0.015]])).feel(loader)
+    law, arm = ff.Law.of("robust", loader, feel), Contact(False, 1e3, 0.1)
+    assert swings_on(loader, law.without_contact(), feel, arm)[0].all()
+    assert not swings_on(loader, law, feel, arm)[0].any()
+
+
 @pytest.mark.parametrize(("force_n", "rise_s"), [(150.0, 0.05), (200.0, 0.3), (300.0, 1.0)])
 def test_a_stop_is_quiet_under_a_hand_that_pushes_on(force_n: float, rise_s: float) -> None:
     """The torque stays on one side; the hand is stronger than the drive, 146 N."""

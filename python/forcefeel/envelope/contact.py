@@ -3,9 +3,12 @@
 A clamp holds the grip by a spring and a damper and is tapped; into a stop the grip is pushed without end. A setting swings on if
 the force of the contact varies by ``QUIET_N`` or more over the last part of the run, and by no less than ``DECAYED`` of that over
 the part before: a spring without damping rings for long, and that is no fault of the loop. One that does is run twice as long.
+
+The load cell's force at the grip is judged likewise, since a column may hold still while its motor buzzes. It has to vary by twice
+what the sensors' noise makes of it while nothing touches the column, and by what compensating the column's dry friction takes.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from math import pi, radians, sqrt
@@ -19,6 +22,7 @@ from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Pulse, Step
+from forcefeel.tables.labeled_arrays import LabeledArrays
 from forcefeel.units import FORCE, MASS, PERCENT, RATIO, Unit
 
 _STIFFNESS = Unit("N/m", "N/m", "lb/in")
@@ -36,6 +40,14 @@ STOP_RAD = radians(5.0)
 
 _CLAMP_S, _STOP_S = 2.0, 4.0
 """Durations. Of their quarters, the last two are compared; then the same of runs twice as long."""
+
+_STOPS = "column.stop", "feel.soft_stop", "feel.hard_stop"
+
+_FREE_S = 3.0
+"""Duration of the run without a contact that shows the noise."""
+
+_OF_NOISE = 2.0
+"""Least swing of the load cell's force that is not noise, of the noise's own."""
 
 CONTACT_TIME = 0.35
 """Usual time of a run in contact, as a share of a release, for progress: 0.34 ms beside 0.93 to 1.04 ms on ``elevator-2khz``."""
@@ -125,8 +137,8 @@ CONTACTS = (
     *(Contact(True, k, _LITTLE) for k in (1e3, SOFT_STOP, 1e4, 1e5, 1e6)),
     *_DAMPED,
 )
-"""Contacts of an envelope. Of 10 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 9 do so in one of these;
-with 1 lb of dry friction, 92 of 101."""
+"""Contacts of an envelope. Of 14 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 10 do so in one of these;
+with 1 lb of dry friction, 104 of 118."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
 """Those by which laws are compared."""
@@ -174,7 +186,7 @@ def swings_on(
         >>> [bool(ff.envelope.swings_on(loader, one, feel, clamp)[0][0]) for one in (law, law.without_contact())]
         [False, True]
     """
-    touched = touch(loader, law, feel, contact, threads)
+    touched = touch(loader, law, feel, contact, noise_n(loader, law, feel, threads), threads)
     return touched.swings_on, touched.largest_force_n
 
 
@@ -185,7 +197,7 @@ class Touched:
     Attributes:
         swings_on: Whether each swings on.
         largest_force_n: Largest force of the contact.
-        margin: How far the swing of its force in the end is below ``QUIET_N``, as a share of that.
+        margin: How far the swing in the end is below its limit, as a share of that.
     """
 
     swings_on: NDArray[np.bool_]
@@ -193,48 +205,99 @@ class Touched:
     margin: NDArray[np.float64]
 
 
-def touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, threads: int | None) -> Touched:
-    """What ``swings_on`` tells, and by how much; the same arguments."""
+def touch(
+    loader: Loader,
+    law: Law,
+    feel: NDArray[np.float64],
+    contact: Contact,
+    noise: NDArray[np.float64],
+    threads: int | None,
+) -> Touched:
+    """What ``swings_on`` tells, and by how much; the same arguments, and ``noise_n`` of the settings."""
     duration = _STOP_S if contact.stop else _CLAMP_S
-    touched = _run(loader, law, feel, contact, duration, threads)
+    touched = _run(loader, law, feel, contact, noise, duration, threads)
     # A damped column may come to its stop as late as in the last quarter, and strike it once.
     still = np.flatnonzero(touched.swings_on)
     if still.size:
-        later = _run(loader, law.some(still), feel[still], contact, 2 * duration, threads)
+        later = _run(loader, law.some(still), feel[still], contact, noise[still], 2 * duration, threads)
         touched.swings_on[still], touched.margin[still] = later.swings_on, later.margin
         touched.largest_force_n[still] = np.maximum(touched.largest_force_n[still], later.largest_force_n)
     return touched
 
 
-def _run(
-    loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, duration_s: float, threads: int | None
-) -> Touched:
-    """``touch`` by runs of one duration."""
-    there = contact.on(loader)
-    force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=TAP_S)
-    scenario = Scenario(force, duration_s=duration_s)
-    rows = there.rows(FEEL_SETTING, feel)
-    swings, forces, margins = np.zeros(len(feel), dtype=bool), np.zeros(len(feel)), np.zeros(len(feel))
+def noise_n(loader: Loader, law: Law, feel: NDArray[np.float64], threads: int | None) -> NDArray[np.float64]:
+    """Swing of the load cell's force at the grip in N by the sensors' noise, of each setting, while nothing touches the column."""
+    scenario = Scenario(Step(PUSH_N, start_s=_FREE_S / 3), duration_s=_FREE_S)
+    noise = np.zeros(len(feel))
+    # A light feel gives way farther than to the loader's own stops.
+    endless = loader.replace({f"{stop}_{side}": None for stop in _STOPS for side in ("low", "high")})
+    for which, runs in _batches(endless, law, feel, scenario, threads):
+        # Sixths of it: the second, before the push, and the last.
+        sixth = np.ceil(6 * runs["time_s"] / _FREE_S)
+        swings = [np.ptp(runs["load_cell_force_n"][:, sixth == k], axis=1) for k in (2, 6)]
+        noise[which] = np.nan_to_num(np.maximum(*swings), nan=np.inf) * _at_grip(loader)
+    return noise
+
+
+def _batches(
+    loader: Loader, law: Law, feel: NDArray[np.float64], scenario: Scenario, threads: int | None
+) -> Iterator[tuple[NDArray[np.intp], LabeledArrays]]:
+    """Histories of some settings after the other."""
+    rows = loader.rows(FEEL_SETTING, feel)
+    keep = ["column_angle_rad", "load_cell_force_n"]
     for first in range(0, len(feel), _BATCH):
         which = np.arange(first, min(first + _BATCH, len(feel)))
-        runs = batch_outputs(
-            there, scenario, rows[which], law.some(which), keep=["column_angle_rad"], first_run=None, threads=threads
-        )
-        angle = runs["column_angle_rad"]
+        law_of = law.some(which)
+        yield which, batch_outputs(loader, scenario, rows[which], law_of, keep=keep, first_run=None, threads=threads)
+
+
+def _run(
+    loader: Loader,
+    law: Law,
+    feel: NDArray[np.float64],
+    contact: Contact,
+    noise: NDArray[np.float64],
+    duration_s: float,
+    threads: int | None,
+) -> Touched:
+    """``touch`` by runs of one duration."""
+    force = Step(PUSH_N) if contact.stop else Pulse(TAP_N, start_s=0.05, width_s=TAP_S)
+    scenario = Scenario(force, duration_s=duration_s)
+    swings, forces, margins = np.zeros(len(feel), dtype=bool), np.zeros(len(feel)), np.zeros(len(feel))
+    for which, runs in _batches(contact.on(loader), law, feel, scenario, threads):
+        angle, cell = runs["column_angle_rad"], runs["load_cell_force_n"] * _at_grip(loader)
         diverged = ~np.isfinite(angle[:, -1])
         angle[diverged] = np.nan_to_num(angle[diverged], nan=np.pi, posinf=np.pi, neginf=-np.pi)
         # Quarters from the end, which is 0.
         quarter = np.ceil(4 * (scenario.duration_s - runs["time_s"]) / scenario.duration_s)
-        parts = [angle[:, quarter == k] for k in (4, 3, 2, 1, 0)]
+        lowest, highest = _limits(angle, quarter)
         # The force rises with the angle: its limits are those of the angle.
-        lowest, highest = (
-            _force(contact, loader, np.stack([limit(part, axis=1) for part in parts])) for limit in (np.min, np.max)
-        )
-        before, after = (highest - lowest)[2:4]
-        swings[which] = diverged | ((after >= QUIET_N) & (after > DECAYED * before))
+        lowest, highest = _force(contact, loader, lowest), _force(contact, loader, highest)
+        swing, limit = highest - lowest, np.full(len(which), QUIET_N)
         forces[which] = np.maximum(np.abs(lowest), np.abs(highest)).max(axis=0)
-        margins[which] = 1 - after / QUIET_N
+        swings[which], margins[which] = diverged, 1.0
+        cell_lowest, cell_highest = _limits(cell, quarter)
+        cell_limit = np.maximum(QUIET_N, _OF_NOISE * noise[which]) + 2 * _friction_n(loader)
+        for (before, after), most in ((swing[2:4], limit), ((cell_highest - cell_lowest)[2:4], cell_limit)):
+            swings[which] |= (after >= most) & (after > DECAYED * before)
+            margins[which] = np.minimum(margins[which], 1 - after / most)
     return Touched(swings, forces, margins)
+
+
+def _limits(history: NDArray[np.float64], quarter: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Least and largest values of each quarter and at the end, (5, settings) each."""
+    parts = [history[:, quarter == k] for k in (4, 3, 2, 1, 0)]
+    return tuple(np.stack([limit(part, axis=1) for part in parts]) for limit in (np.min, np.max))
+
+
+def _friction_n(loader: Loader) -> float:
+    """Dry friction of the column: a law that compensates it moves the load cell's force by twice that as the column turns round."""
+    return float(max(loader["column.coulomb_friction"], loader["column.static_friction"]))
+
+
+def _at_grip(loader: Loader) -> float:
+    """Force at the grip that the load cell's balances, ``alpha R_b / R_p``."""
+    return float(loader["linkage.ratio"] * loader["column.base_arm"] / loader["column.grip_arm"])
 
 
 def _force(contact: Contact, loader: Loader, angle: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -247,5 +310,6 @@ def swings_on_in_few(
     loader: Loader, law: Law, feel: NDArray[np.float64], *, threads: int | None = None
 ) -> NDArray[np.bool_]:
     """Whether each setting swings on in any of ``FEW_CONTACTS``; arguments as in ``swings_on``."""
-    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
+    noise = noise_n(loader, law, feel, threads)
+    swings = [touch(loader, law, feel, contact, noise, threads).swings_on for contact in FEW_CONTACTS]
     return np.asarray(np.any(swings, axis=0))
