@@ -15,7 +15,7 @@ from itertools import product
 
 import numpy as np
 
-from forcefeel.envelope.contact import SOFT_STOP, STIFFNESSES, Contact, noise_n, touch
+from forcefeel.envelope.contact import SOFT_STOP, STIFFNESSES, Contact, swings_on
 from forcefeel.envelope.settings import Settings
 from forcefeel.laws.law import Law
 from forcefeel.loader.built_in import BUILT_IN
@@ -65,11 +65,9 @@ def main() -> None:
         for (where, contacts), (kind, one) in product(
             CONTACTS.items(), (("free", law.without_contact()), ("contact", law))
         ):
-            noise = noise_n(loader, one, feel, None)
-            touched = [touch(loader, one, feel, contact, noise, None) for contact in contacts]
-            counts = f"{sum(np.sum(each.swings_on) for each in touched):5d} of {len(feel) * len(contacts):5d}"
-            largest = max(each.largest_force_n.max() for each in touched)
-            print(f"{name:18s} {where:8s} {kind:8s} {counts} {largest / 4.4482:10.0f}")
+            swings, forces = zip(*(swings_on(loader, one, feel, contact) for contact in contacts), strict=True)
+            counts = f"{np.sum(swings):5d} of {np.size(swings):5d}"
+            print(f"{name:18s} {where:8s} {kind:8s} {counts} {np.max(forces) / 4.4482:10.0f}")
 
 
 if __name__ == "__main__":

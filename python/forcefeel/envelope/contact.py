@@ -138,7 +138,7 @@ CONTACTS = (
     *_DAMPED,
 )
 """Contacts of an envelope. Of 14 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 10 do so in one of these;
-with 1 lb of dry friction, 104 of 118."""
+with 1 lb of dry friction, 105 of 119."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
 """Those by which laws are compared."""
@@ -186,7 +186,7 @@ def swings_on(
         >>> [bool(ff.envelope.swings_on(loader, one, feel, clamp)[0][0]) for one in (law, law.without_contact())]
         [False, True]
     """
-    touched = touch(loader, law, feel, contact, noise_n(loader, law, feel, threads), threads)
+    touched = touch(loader, law, feel, contact, threads)
     return touched.swings_on, touched.largest_force_n
 
 
@@ -205,27 +205,21 @@ class Touched:
     margin: NDArray[np.float64]
 
 
-def touch(
-    loader: Loader,
-    law: Law,
-    feel: NDArray[np.float64],
-    contact: Contact,
-    noise: NDArray[np.float64],
-    threads: int | None,
-) -> Touched:
-    """What ``swings_on`` tells, and by how much; the same arguments, and ``noise_n`` of the settings."""
+def touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, threads: int | None) -> Touched:
+    """What ``swings_on`` tells, and by how much; the same arguments."""
     duration = _STOP_S if contact.stop else _CLAMP_S
-    touched = _run(loader, law, feel, contact, noise, duration, threads)
-    # A damped column may come to its stop as late as in the last quarter, and strike it once.
+    touched = _run(loader, law, feel, contact, np.zeros(len(feel)), duration, threads)
+    # A damped column may come to its stop as late as in the last quarter, and strike it once. What swings may be noise.
     still = np.flatnonzero(touched.swings_on)
     if still.size:
-        later = _run(loader, law.some(still), feel[still], contact, noise[still], 2 * duration, threads)
+        again = law.some(still), feel[still]
+        later = _run(loader, *again, contact, _noise_n(loader, *again, threads), 2 * duration, threads)
         touched.swings_on[still], touched.margin[still] = later.swings_on, later.margin
         touched.largest_force_n[still] = np.maximum(touched.largest_force_n[still], later.largest_force_n)
     return touched
 
 
-def noise_n(loader: Loader, law: Law, feel: NDArray[np.float64], threads: int | None) -> NDArray[np.float64]:
+def _noise_n(loader: Loader, law: Law, feel: NDArray[np.float64], threads: int | None) -> NDArray[np.float64]:
     """Swing of the load cell's force at the grip in N by the sensors' noise, of each setting, while nothing touches the column."""
     scenario = Scenario(Step(PUSH_N, start_s=_FREE_S / 3), duration_s=_FREE_S)
     noise = np.zeros(len(feel))
@@ -310,6 +304,5 @@ def swings_on_in_few(
     loader: Loader, law: Law, feel: NDArray[np.float64], *, threads: int | None = None
 ) -> NDArray[np.bool_]:
     """Whether each setting swings on in any of ``FEW_CONTACTS``; arguments as in ``swings_on``."""
-    noise = noise_n(loader, law, feel, threads)
-    swings = [touch(loader, law, feel, contact, noise, threads).swings_on for contact in FEW_CONTACTS]
+    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
     return np.asarray(np.any(swings, axis=0))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, Case
-from forcefeel.envelope.contact import noise_n, touch
+from forcefeel.envelope.contact import touch
 from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.outcomes import FIGURES, PASSED, find_outcomes
 from forcefeel.envelope.passivity import passivity
@@ -154,14 +154,13 @@ def _touch(
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
     swings = np.full((len(laws), len(plan.contacts), len(feel)), UNKNOWN, dtype=np.int8)
     forces, margins = np.full(swings.shape, np.nan), np.full(swings.shape, np.nan, dtype=np.float32)
-    noises = [noise_n(plan.loader, law, feel, threads) for law in laws.values()]
     for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
         # Of views, which share their memory.
         outcome, margin = (array[k, j].reshape(1, *plan.settings.shape) for array in (swings, margins))
         wanted = rounds(outcome, margin, _NEVER, SMALL_STRIDES) if plan.inferring else [np.ones(outcome.shape, bool)]
         for each in wanted:
             which = np.flatnonzero(each)
-            touched = touch(plan.loader, law.some(which), feel[which], contact, noises[k][which], threads)
+            touched = touch(plan.loader, law.some(which), feel[which], contact, threads)
             swings[k, j, which], forces[k, j, which] = touched.swings_on, touched.largest_force_n
             margins[k, j, which] = touched.margin
         advance(plan.contact_releases)
