@@ -1,8 +1,10 @@
 """The part of a law for contact: quiet against a stop and a clamp, where the law alone swings."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -381,6 +383,8 @@ def test_a_law_file_keeps_it(tmp_path: object) -> None:
     path = f"{tmp_path}/law.json"
     law.save(path)
     np.testing.assert_array_equal(ff.Law.of(path, loader).sampled.contact, law.sampled.contact)
+    stated = json.loads(Path(path).read_text(encoding="utf-8"))
+    assert len(stated["units"]["contact"]) == len(stated["contact"][0])
 
 
 def test_a_law_of_gains_has_none() -> None:

@@ -91,6 +91,7 @@ def _numbers_units(numbers: LawNumbers, drive: str) -> dict[str, object]:
             f"{unit} s per m",
             "damping in N m s/rad",
             "fastest feel in rad/s",
+            "least torque of a quick turn in N m",
             "least torque in N m",
             "least stiffness in N m/rad",
             "longest time between sides in s",

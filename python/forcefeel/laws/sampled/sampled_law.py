@@ -42,7 +42,7 @@ OF_FRICTION = 14
 """F_-, F_+, beta, 1 / omega_s, U, v_s, l, of learning g_-, g_+, a, q, c, d, and of rest v_r."""
 
 OF_CONTACT, _THRESHOLD = 11, 5
-"""alpha R_b, k_x, k_v, B_c, T_min, t_q, theta_n, theta_t; and the place of T_min from the end."""
+"""Numbers of the part for contact, and the place of T_min among them from the end."""
 
 _AT_ONE = 1e-11
 """A pole of the law, left to itself, that is nearer to 1 may be one: rounding moves poles by 1e-13."""
