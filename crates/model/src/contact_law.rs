@@ -24,9 +24,9 @@
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
 //!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
 //!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
-//!   slow hand causes smaller ones. From a turn to the next within 40 ms, quicker than a hand, `T_r` is enough, and so it is for the first after a
-//!   second: so a light feel swings in a firm arm, whose force is weak, since the column's own inertia drives the load cell. Of slower turns, up to `3 t_q` apart, a stiff one counts if the feel moved relative to
-//!   the column by 0.3 of the column's way; any other subtracts a quarter;
+//!   slow hand causes smaller ones. Within 40 ms of the last turn, quicker than a hand, a turn counts from `T_r` on, and so does the first after
+//!   a second. So a light feel swings in a firm arm: the arm's force is weak, and the column's own inertia drives the load cell. Of slower turns, up
+//!   to `3 t_q` apart, a stiff one counts if the feel moved relative to the column by 0.3 of the column's way; any other subtracts a quarter;
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column from beyond
 //!   1 rad/s to beyond 1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;

@@ -41,10 +41,11 @@ STOP_RAD = radians(5.0)
 _CLAMP_S, _STOP_S = 2.0, 4.0
 """Durations. Of their quarters, the last two are compared; then the same of runs twice as long."""
 
-_STOPS = "column.stop", "feel.soft_stop", "feel.hard_stop"
-
 _FREE_S = 3.0
 """Duration of the run without a contact that shows the noise."""
+
+_STOPS = "column.stop", "feel.soft_stop", "feel.hard_stop"
+"""Rows of the loader's own stops, which that run omits."""
 
 _OF_NOISE = 2.0
 """Least swing of the load cell's force that is not noise, of the noise's own."""
@@ -267,12 +268,12 @@ def _run(
         lowest, highest = _limits(angle, quarter)
         # The force rises with the angle: its limits are those of the angle.
         lowest, highest = _force(contact, loader, lowest), _force(contact, loader, highest)
-        swing, limit = highest - lowest, np.full(len(which), QUIET_N)
         forces[which] = np.maximum(np.abs(lowest), np.abs(highest)).max(axis=0)
-        swings[which], margins[which] = diverged, 1.0
         cell_lowest, cell_highest = _limits(cell, quarter)
         cell_limit = np.maximum(QUIET_N, _OF_NOISE * noise[which]) + 2 * _friction_n(loader)
-        for (before, after), most in ((swing[2:4], limit), ((cell_highest - cell_lowest)[2:4], cell_limit)):
+        swings[which], margins[which] = diverged, 1.0
+        for swing, most in ((highest - lowest, QUIET_N), (cell_highest - cell_lowest, cell_limit)):
+            before, after = swing[2:4]
             swings[which] |= (after >= most) & (after > DECAYED * before)
             margins[which] = np.minimum(margins[which], 1 - after / most)
     return Touched(swings, forces, margins)
