@@ -89,6 +89,9 @@ class Plant:
         theta, rate = x_b / self.arm, v_b / self.arm
         on_column = self.grip * pilot + self.alpha * self.arm * force - g("column.viscous_friction") * rate
         on_column -= self.grip * g("column.coulomb_friction") * math.tanh(v_b / CREEP)
+        # What holds the grip.
+        on_column -= self.grip**2 * (g("pilot.arm_stiffness") * theta + g("pilot.arm_damping") * rate)
+        inertia = g("column.inertia") + self.grip**2 * g("pilot.arm_mass")
         for side, stop in ((1, g("column.stop_high")), (-1, g("column.stop_low"))):
             depth = side * (theta - stop)
             if depth > 0:
@@ -112,7 +115,7 @@ class Plant:
             torque * self.r / g("motor.inertia"),
             self.current_rate(i, omega, warm, e),
             v_b,
-            on_column * self.arm / g("column.inertia"),
+            on_column * self.arm / inertia,
             *warmer,
             *lags,
         ]
@@ -212,7 +215,7 @@ class Touch:
         self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
         self.place, self.extreme = (0.0, 0.0), (0.0, 0.0, 0.0)  # angle, torque, lead of the feel
         self.lead = 0.0
-        self.offset = 0.0
+        self.offset = self.loose = 0.0
         self.side, self.push, self.since, self.swings = 1.0, -1, 1.0, 0
         self.way, self.turn, self.since_turn, self.turns = 1.0, (0.0, 0.0, 0.0), 1.0, 0
         self.bounces = 0
@@ -256,9 +259,17 @@ class Touch:
             return self.turns + (1 if stiff else 0.25)
         return max(self.turns - 0.25, 0) if self.since_turn < 3 * self.quick else 0
 
-    def bounces_on(self, over, rate):
+    def bounces_on(self, over, rate, begins):
         """Whether the column bounces the fourth time in a row."""
-        if over and self.push > 0 and self.since < self.quick and self.before * self.side < -1 and rate * self.side > 1:
+        if begins and self.since >= 0.4:
+            self.bounces = 0
+        if (
+            over
+            and self.push > 0
+            and self.since < self.quick
+            and self.before * self.side < -1
+            and rate * self.side > 0.05
+        ):
             self.bounces = self.side + (self.bounces if self.bounces * self.side > 0 else 0)
             return abs(self.bounces) >= 4
         return False
@@ -302,16 +313,15 @@ class Touch:
             apart = not by_hand and abs(self.lead - self.turn[2]) > 0.3 * abs(turned_by)
             self.way, self.turns = -self.way, self.count_turn(hard_turn, apart)
         self.since_turn = 0.0 if turned_back else min(self.since_turn + h, 1.0)
+        turn_before = self.turn
         if turned_back or back < 0:
             self.turn = (self.angle, self.torque, self.lead)
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
         struck, turned = self.strikes(blow, stiff, by_hand, turns)
-        self.struck_at = self.extreme[0]
-        if begins and self.since >= 0.4:
-            self.bounces = 0
-        bounces = self.bounces_on(over, turns)
+        self.struck_at = (turn_before if pushed_on else self.extreme)[:2]
+        bounces = self.bounces_on(over, turns, begins)
         if other:
             self.last = peak_before
         if begins:
@@ -333,16 +343,21 @@ class Touch:
         at_end = self.at_end(feels, column, own[1])
         noticed, was = self.notice(h, own[1], column, feels[0]) or at_end, self.share
         if noticed:
-            self.place = (column if at_end else self.struck_at, self.torque)
-        elif was > 0 and abs(column - self.place[0]) < self.near:
+            self.place = (column if at_end else self.struck_at[0], self.struck_at[1])
+        elif was > 0:
             here, torque = self.place
-            self.place = here + (column - here) * h / 0.5, torque + (self.torque - torque) * h / 0.5
+            follows = (column - here) * h / 0.5 if abs(column - here) < self.near else 0.0
+            self.place = here + follows, torque + (self.torque - torque) * h / 0.5
         away = column - self.place[0]
-        held = (self.torque - self.place[1]) * away < -0.25 * self.environment * away**2
+        held = (self.torque - self.place[1]) * away < -0.05 * self.environment * away**2
+        slowed = self.damping * abs(feels[1]) > 2 * (abs(self.torque) + self.rubbing)
+        self.loose = self.loose + h if was > 0 and slowed and feels[1] * away > 0 else 0.0
         if noticed or (was > 0 and abs(away) < self.near / 5):
             self.share = 1.0
-        elif abs(away) > self.near / 5 and self.rate * away > 0 and not held and (self.since >= 0.3 or self.push == -1):
-            self.share = max(was - abs(self.rate) * h / self.travel, 0.0)
+        else:
+            leaves = self.rate * away > 0 and not held and (self.since >= 0.3 or self.push == -1)
+            by_way = abs(self.rate) * h / self.travel if leaves else 0.0
+            self.share = max(was - max(by_way, h / 0.2 if self.loose > 0.06 else 0.0), 0.0)
         if noticed and was < 0.5:
             feels = np.array([position / self.per_angle, 0.0])
         rate = feels[1]
@@ -355,7 +370,7 @@ class Touch:
         self.acts, most = (1.0, self.rest[1] + abs(push)) if rubs else (self.share, math.inf)
         contact = (command, min(max(-self.per_angle * force, -most), most))
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
-        leaves = self.share < 1 or abs(command) > limit
+        leaves = self.share < 0.9 or abs(command) > limit
         self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
         self.count_limits(h, math.copysign(1.0, command) if abs(command) > limit else 0.0)
         self.acts = 0.0 if at_end else self.acts

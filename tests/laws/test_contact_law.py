@@ -105,7 +105,7 @@ _DAMPING, _RIPPLE = 3, 5  # places of B_c and T_r
 @pytest.mark.parametrize("witnessed", mostly_slow([False, True]))
 def test_a_motor_does_not_buzz_on_steel_under_a_light_feel(witnessed: bool) -> None:
     """Damping by the link and the position loop alone, 2 K / w, lets it buzz with all of its current."""
-    there = _on("elevator-electric", (0.01, 4.0, 0.3), Contact(True, 1e6, 0.1))
+    there = _on("elevator-electric", (0.01, 4.0, 0.3), Contact(False, 1e6, 0.1))
     made = ff.Law.of("robust", there)
     for law, buzzes in ((made, False), (_with(made, _DAMPING, 155.0), True)):
         if witnessed:
@@ -128,6 +128,36 @@ def test_a_weak_swing_that_goes_on_ends(witnessed: bool) -> None:
         if witnessed:
             found = witness.simulate(there, law.sampled, lambda _: 8.0, 2.0, rtol=WITNESS_RTOL)["column_angle_rad"]
             assert np.abs(angle - found).max() < SAME_SHARE * np.ptp(angle)
+
+
+@pytest.mark.parametrize(
+    ("name", "setting", "witnessed"),
+    mostly_slow(
+        [
+            ("rudder-pedals", (0.05, 1.5, 0.3), False),
+            ("rudder-pedals", (0.05, 1.5, 0.3), True),
+            ("elevator-electric", (0.05, 2.0, 0.3), True),
+        ]
+    ),
+)
+def test_a_column_that_is_let_go_at_a_stop_comes_back_soon(
+    name: str, setting: tuple[float, float, float], witnessed: bool
+) -> None:
+    """Under the damping of the contact alone a light feel creeps away from the stop, at 1 deg/s or less."""
+    there = _on(name, setting, Contact(True, 1e6, 0.02))
+    hold = there["feel.stiffness"] * np.radians(5.0) / there["column.grip_arm"] + 20.0
+    time = np.arange(0, 1.601, 0.01)
+    force = [0.0, 0.3, 0.6, 0.61], [0.0, hold, hold, 0.0]
+    law = ff.Law.of("robust", there)
+    scenario = ff.Scenario(ff.Recorded(time, np.interp(time, *force)), 1.6, 5e-4, 5e-4)
+    angle = ff.simulate(there, scenario, law).history["column_angle_rad"].to_numpy()
+    held, back = angle[1200], angle[2400]  # at 0.6 and 1.2 s
+    assert held > np.radians(4.6)
+    assert back < 0
+    if witnessed:
+        found = witness.simulate(there, law.sampled, lambda t: np.interp(t, *force), 1.6, rtol=WITNESS_RTOL)
+        found = found["column_angle_rad"]
+        assert np.abs(angle - found).max() < SAME_SHARE * np.ptp(angle)
 
 
 def test_a_column_that_shakes_in_a_firm_arm_swings_on_though_the_arm_hardly_shows_it() -> None:

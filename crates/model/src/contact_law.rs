@@ -10,7 +10,7 @@
 //! | | |
 //! |---|---|
 //! | `e_c = k_x (alpha R_b (delta - b) - x) + k_v (alpha R_b delta' - x')` | command in contact |
-//! | `b+ = b + (theta - delta) h / t_b`, with `m < 1` or the drive at its limit `b - b h / t_b` | stretch of the link and droop of the drive: a column that leaves the contact and stays near it rests where the feel does |
+//! | `b+ = b + (theta - delta) h / t_b`, with `m < 0.9` or the drive at its limit `b - b h / t_b` | stretch of the link and droop of the drive: a column that leaves the contact and stays near it rests where the feel does |
 //! | `T_c = -alpha R_b F_c` | torque in contact |
 //! | `e = e_o + m (e_c - e_o)`, `T = T_o + m (T_c - T_o)` | between free motion and contact |
 //! | `delta'+ = delta' / (1 + m B_c h / I)`, at most `v_m / m` | damping, at the end of the feel's step, and a rate that the drive can follow |
@@ -27,8 +27,8 @@
 //!   slow hand causes smaller ones. Within 40 ms of the last turn, quicker than a hand, a turn counts from `T_r` on, and so does the first after
 //!   a second. So a light feel swings in a firm arm: the arm's force is weak, and the column's own inertia drives the load cell. Of slower turns, up
 //!   to `3 t_q` apart, a stiff one counts if the feel moved relative to the column by 0.3 of the column's way; any other subtracts a quarter;
-//! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column from beyond
-//!   1 rad/s to beyond 1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
+//! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column round from beyond
+//!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
 //!   soft stop, which the torque does not distinguish from an arm. 100 ms on one side count as four turns, 250 ms are a hand that is stronger
@@ -43,7 +43,10 @@
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n / 5`, where no push has begun for 0.3 s, or one along the motion after a rest of the torque, and the torque has
 //! not gone on falling as against a spring, `m` falls by `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or
-//! swings, has all of it. Within `theta_n` the place follows the column in 0.5 s, and so does the torque from which it falls.
+//! swings, has all of it. The torque from which it falls follows in 0.5 s, and so does the place within `theta_n`.
+//!
+//! A column that is let go moves away slowly: `B_c` alone slows it, `B_c |delta'| > 2 |T|`. After 60 ms of that `m` falls to 0 in 0.2 s. A swing in
+//! contact, whose torque is zero in turn, is never loose for as long.
 //!
 //! The feel is farther out than the column by `theta_l` at most, in contact or not: a column that follows is nearer, and a feel that runs on while
 //! the drive is at its limit would come back with all the force of its spring.
@@ -118,7 +121,7 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// A bounce turns the column from beyond this rate in rad/s to beyond it. A blow that does not turn it counts above this rate, if at most this share
+/// A bounce turns the column from beyond this rate in rad/s. A blow that does not turn it counts above this rate, if at most this share
 /// of the rate remains.
 const FAST_RAD_PER_S: f64 = 1.0;
 const LEFT: f64 = 0.2;
@@ -162,14 +165,23 @@ const SETTLED_S: f64 = 0.3;
 /// `t_b` in s: long beside the drive's lag, so that this integral adds no phase where the contact's own loop crosses.
 const OFFSET_S: f64 = 0.5;
 
+/// Share of the contact below which the integral is given up: at rest away from the place, noise alone takes a little of the share.
+const OFFSET_SHARE: f64 = 0.9;
+
 /// Time constant in s of the place of the contact and of the torque there: longer than a swing, shorter than a hand leans on a stop.
 const PLACE_S: f64 = 0.5;
 
 /// Distance from the place of the contact in `theta_n`, up to which a column is still there.
 const HERE: f64 = 0.2;
 
-/// Share of `K_e` by which the torque falls with the motion where the column is still held.
-const HELD: f64 = 0.25;
+/// Share of `K_e` by which the torque falls with the motion where the column is still held: in the softest arm that swings on, it falls by a fifth.
+const HELD: f64 = 0.05;
+
+/// Least torque of the damping, over that of what touches, by which a column is loose; how long in s it has to be, and how long in s the contact then
+/// takes to end.
+const LOOSE: f64 = 2.0;
+const LOOSE_S: f64 = 0.06;
+const LET_GO_S: f64 = 0.2;
 
 /// What a law does in contact.
 #[derive(Debug, Clone, Copy)]
@@ -247,6 +259,8 @@ pub struct ContactState<S> {
     since_limit: S,
     /// Time in s at the limit since it came from the other side, with the sign of the side.
     at_limit: S,
+    /// Time in s since the column has been loose.
+    loose: S,
 }
 
 /// What a sample counts for.
@@ -259,6 +273,7 @@ struct Counts<S: Scalar> {
     swings: S,
     turns: S,
     bounces: S,
+    loose: S,
 }
 
 /// What the law is told at a sample.
@@ -310,6 +325,7 @@ impl<S: Scalar> ContactState<S> {
             limit_turns: zero,
             since_limit: one,
             at_limit: zero,
+            loose: zero,
         }
     }
 
@@ -345,6 +361,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_limit_turns", &mut self.limit_turns);
         visitor.nonlinear("contact_since_limit", &mut self.since_limit);
         visitor.nonlinear("contact_at_limit", &mut self.at_limit);
+        visitor.nonlinear("contact_loose", &mut self.loose);
     }
 }
 
@@ -385,7 +402,7 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn noticed(
         &self,
         (torque, friction): (S, Option<S>),
-        ([column, feel], at_end, alone): ([S; 2], Option<S::Mask>, bool),
+        ([column, feel, feel_rate], at_end, alone): ([S; 3], Option<S::Mask>, bool),
         was: ContactState<S>,
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
@@ -440,6 +457,7 @@ impl<S: Scalar> ContactLaw<S> {
                 swings: now.swings,
                 turns: was.turns,
                 bounces: was.bounces,
+                loose: zero,
             }
         } else {
             self.counts(
@@ -453,7 +471,7 @@ impl<S: Scalar> ContactLaw<S> {
                     begins & !was.since.less(one.times(BETWEEN_BOUNCES_S)),
                 ],
                 [now_rate, back, since],
-                (column, at_end),
+                ([column, feel_rate], friction.unwrap_or(zero), at_end),
                 h,
             )
         };
@@ -465,7 +483,7 @@ impl<S: Scalar> ContactLaw<S> {
         let along = S::select(swings_on, one.times(-0.5), -one);
         let against = S::select((rate * pushed).less(-one.times(MOVES_RAD_PER_S)), one, along);
         let onward = turns_back | back.less(zero);
-        let Counts { noticed, share, place: [place, place_torque], swings, turns, bounces } = counts;
+        let Counts { noticed, share, place: [place, place_torque], swings, turns, bounces, loose } = counts;
         let state = ContactState {
             share,
             place,
@@ -487,6 +505,7 @@ impl<S: Scalar> ContactLaw<S> {
             since_turn: S::select(turns_back, zero, (was.since_turn + h).min(one)),
             turns,
             bounces,
+            loose,
             // What has been noticed is counted anew.
             limit_turns: S::select(between_limits, zero, was.limit_turns),
             ..now
@@ -502,7 +521,7 @@ impl<S: Scalar> ContactLaw<S> {
         now: &ContactState<S>,
         [to_other_side, over, turns_back, touches, between_limits, began_late]: [S::Mask; 6],
         [now_rate, back, since]: [S; 3],
-        (column, at_end): (S, Option<S::Mask>),
+        ([column, feel_rate], friction, at_end): ([S; 2], S, Option<S::Mask>),
         h: S,
     ) -> Counts<S> {
         let (zero, one) = (h.zero(), h.constant(1.0));
@@ -552,13 +571,14 @@ impl<S: Scalar> ContactLaw<S> {
         let slow_turns = S::select(turned_soon, slow_turns, zero);
         let turns = S::select(turns_back, S::select(now.since_turn.less(self.quick), counted, slow_turns), now.turns);
         let fast = one.times(FAST_RAD_PER_S);
-        let bounced = over & (quick & zero.less(now.push) & before.less(-fast) & fast.less(after));
+        let bounced = over & (quick & zero.less(now.push) & before.less(-fast) & moves.less(after));
         let in_a_row = one.times_sign(now.side) + S::select(zero.less(now.bounces * now.side), now.bounces, zero);
         let bounces = S::select(bounced, in_a_row, S::select(began_late, zero, now.bounces));
         let bounces_on = bounced & one.times(BOUNCES).less(bounces.abs());
+        let turns_on = turns_back & !turns.less(one.times(TURNS));
         let noticed = !swings.less(one.times(SWINGS))
             | bounces_on
-            | (turns_back & !turns.less(one.times(TURNS)))
+            | turns_on
             | between_limits
             | struck
             | turned
@@ -566,28 +586,36 @@ impl<S: Scalar> ContactLaw<S> {
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
         // It follows a column that rests beside it, and a hand that leans on a stop, which changes the torque.
-        let here = touches & (column - now.place).abs().less(self.near);
-        let slow = S::select(here, h.times(1.0 / PLACE_S).min(one), zero);
-        // Where the push was largest: a column that is thrown back has left the place before the push is over.
-        let place = S::select(noticed, now.extreme_angle, now.place + (column - now.place) * slow);
+        let slow = S::select(touches, h.times(1.0 / PLACE_S).min(one), zero);
+        let here = (column - now.place).abs().less(self.near);
+        // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn may be too weak for a push,
+        // and the last push long over.
+        let [largest, largest_torque] = [(now.turn_angle, now.extreme_angle), (now.turn, now.extreme)]
+            .map(|(at_turn, at_push)| S::select(turns_on, at_turn, at_push));
+        let follows_place = S::select(here, (column - now.place) * slow, zero);
+        let place = S::select(noticed, largest, now.place + follows_place);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
-        let place_torque = S::select(noticed, torque, now.place_torque + (torque - now.place_torque) * slow);
+        let place_torque = S::select(noticed, largest_torque, now.place_torque + (torque - now.place_torque) * slow);
 
         let (from, near) = (column - place, self.near.times(HERE));
-        let gone = if S::any(touches) {
+        let (gone, loose) = if S::any(touches) {
             let held = ((torque - place_torque + self.environment.times(HELD) * from) * from).less(zero);
             let away = near.less(from.abs()) & zero.less(rate * from);
             // A push after a rest is a hand's that takes the column away, not a swing.
             let settled = !since.less(one.times(SETTLED_S)) | !(-one).less(now.push);
             let leaves = away & !held & settled;
             // A rate without its noise, which would give the contact of a column at rest back.
-            S::select(leaves, rate.abs() * quotient(h, self.travel), zero)
+            let by_way = S::select(leaves, rate.abs() * quotient(h, self.travel), zero);
+            let slowed = (torque.abs() + friction).times(LOOSE).less((self.damping * feel_rate).abs());
+            let loose = S::select(touches & slowed & zero.less(feel_rate * from), now.loose + h, zero);
+            let let_go = one.times(LOOSE_S).less(loose) & near.less(from.abs());
+            (by_way.max(S::select(let_go, h.times(1.0 / LET_GO_S), zero)), loose)
         } else {
-            zero
+            (zero, zero)
         };
         let whole = noticed | (touches & from.abs().less(near));
         let share = S::select(whole, one, (now.share - gone).max(zero));
-        Counts { noticed, share, place: [place, place_torque], swings, turns, bounces }
+        Counts { noticed, share, place: [place, place_torque], swings, turns, bounces, loose }
     }
 
     /// Displacement of the feel at which the drive stands.
@@ -619,7 +647,7 @@ impl<S: Scalar> ContactLaw<S> {
     pub fn next_offset(&self, state: &ContactState<S>, [delta, column]: [S; 2], (beyond, h): (S, S)) -> S {
         let slow = h.times(1.0 / OFFSET_S).min(h.constant(1.0));
         // A hand stronger than the drive would wind the integral up, and the drive would throw the column as the hand lets go.
-        let leaves = state.share.less(h.constant(1.0)) | h.zero().less(beyond.abs());
+        let leaves = state.share.less(h.constant(OFFSET_SHARE)) | h.zero().less(beyond.abs());
         state.offset + S::select(leaves, -state.offset, column - delta) * slow
     }
 

@@ -292,8 +292,12 @@ impl<S: Scalar> Control<S> {
     ) -> (LawOutput<S>, S) {
         let law = &self.observer.contact;
         let friction = neutral.map(|_| self.observer.friction.largest());
-        let (now, begins) =
-            law.noticed((output.torque, friction), ([inputs.angle[0], inputs.feel[0]], at_end, alone), *state, period);
+        let (now, begins) = law.noticed(
+            (output.torque, friction),
+            ([inputs.angle[0], inputs.feel[0], inputs.feel[1]], at_end, alone),
+            *state,
+            period,
+        );
         let [delta, rate] = inputs.feel;
         let stands = law.where_drive_stands(inputs.position[0]);
         *state = now;

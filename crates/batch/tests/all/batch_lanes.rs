@@ -189,7 +189,7 @@ impl Part for ContactNoticed {
         for k in 0..120_u32 {
             let swing = if k < 40 { 0.0 } else { 1.0 - f64::from(k % 20) / 10.0 };
             let (torque, column) = (x[0] + x[1].times(swing), x[2] + x[3].times(swing));
-            let (now, begins) = law.noticed((torque, None), ([column, x[2]], None, true), state, period);
+            let (now, begins) = law.noticed((torque, None), ([column, x[2], -x[3]], None, true), state, period);
             (state, begun) = (now, begun + number(begins, x[0]));
         }
         let mut found = Numbers(vec![begun]);

@@ -32,7 +32,8 @@ fn after_with(
     let mut state = from;
     let mut time = 0.0;
     while time < seconds {
-        state = law().noticed((torque(time), friction), ([column(time)[0], 0.0], None, true), state, [H, 1.0 / H]).0;
+        state =
+            law().noticed((torque(time), friction), ([column(time)[0], 0.0, 0.0], None, true), state, [H, 1.0 / H]).0;
         time += H;
     }
     state
@@ -62,7 +63,7 @@ fn after_ripple(hertz: f64, peak: f64, seconds: f64, alone: bool) -> f64 {
     let mut time = 0.0;
     while time < seconds {
         let torque = 0.05 * peak * swing(hertz)(time);
-        (state, _) = law().noticed((torque, None), ([-torque / 500.0, 0.0], None, alone), state, [H, 1.0 / H]);
+        (state, _) = law().noticed((torque, None), ([-torque / 500.0, 0.0, 0.0], None, alone), state, [H, 1.0 / H]);
         time += H;
     }
     state.share
@@ -107,7 +108,7 @@ fn a_quick_swing_in_which_the_column_follows_the_feel_is_a_hand_however_little_i
     let share = |feel: &dyn Fn(f64) -> f64| {
         let (mut state, mut time) = (free(), 0.0);
         while time < 0.5 {
-            let angles = [column(time), feel(time)];
+            let angles = [column(time), feel(time), 0.0];
             state = law().noticed((torque(time), None), (angles, None, true), state, [H, 1.0 / H]).0;
             time += H;
         }
@@ -217,7 +218,7 @@ fn a_feel_that_runs_ahead_is_held_at_its_lead() {
 fn at_limits(beyond: impl Fn(f64) -> f64) -> f64 {
     let mut state = free();
     for step in 0..4000 {
-        (state, _) = law().noticed((0.0, None), ([0.0; 2], None, true), state, [H, 1.0 / H]);
+        (state, _) = law().noticed((0.0, None), ([0.0; 3], None, true), state, [H, 1.0 / H]);
         law().count_limits(&mut state, beyond(f64::from(step) * H), H);
     }
     state.share
@@ -262,7 +263,7 @@ fn bounces_on(count: f64, period: f64, sides: f64) -> bool {
         };
         angle += rate * H;
         let now;
-        (state, now) = law().noticed((torque, None), ([angle, angle], None, true), state, [H, 1.0 / H]);
+        (state, now) = law().noticed((torque, None), ([angle, angle, 0.0], None, true), state, [H, 1.0 / H]);
         touched |= now;
     }
     touched
@@ -282,6 +283,43 @@ fn a_column_that_a_spring_pushes_back_keeps_it() {
     let spring = 4e3;
     let pushed_back = after(2.0, |time| 60.0 - spring * 0.1 * time, |time| [0.1 * time, 0.1], touched);
     assert_eq!(pushed_back.share, 1.0);
+}
+
+/// The contact 0.4 s after swings beyond 0.02 rad, during which the column creeps away at 0.02 rad/s under a torque and `B_c`.
+fn crept(torque: f64) -> ContactState<f64> {
+    let mut state = after(1.0, swing(12.0), |_| [0.02, 0.0], free());
+    for step in 0..800 {
+        let angle = 0.02 - 0.02 * f64::from(step) * H;
+        (state, _) = law().noticed((torque, None), ([angle, angle, -0.02], None, true), state, [H, 1.0 / H]);
+    }
+    state
+}
+
+#[test]
+fn a_column_that_is_let_go_is_free_though_it_creeps() {
+    assert_eq!(crept(0.0).share, 0.0);
+    assert_eq!(crept(-4.0).share, 0.0, "a hand that holds less than half of the damping");
+    assert!(crept(-7.0).share > 0.5, "of the damping, 10 N m, it is more than half");
+    let mut swings = after(1.0, swing(12.0), |_| [0.02, 0.0], free());
+    for step in 0..800 {
+        let time = f64::from(step) * H;
+        let angle = 0.02 - 0.02 * time;
+        (swings, _) = law().noticed(
+            (7.0 * swing(20.0)(time).signum(), None),
+            ([angle, angle, -0.02], None, true),
+            swings,
+            [H, 1.0 / H],
+        );
+    }
+    assert!(swings.share > 0.5, "the torque is small for less than 60 ms at a time");
+}
+
+#[test]
+fn a_ripple_is_a_contact_where_the_column_is_and_not_where_a_push_was_before() {
+    let pushed = after(0.2, |time| if time < 0.1 { 60.0 } else { 0.0 }, |time| [0.2 * time, 0.2], free());
+    let ripples = after(3.0, |time| 0.05 * swing(60.0)(time), |_| [0.04, 0.0], pushed);
+    assert_eq!(ripples.share, 1.0);
+    assert!((ripples.place - 0.04).abs() < 1e-9);
 }
 
 #[test]
