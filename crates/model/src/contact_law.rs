@@ -121,8 +121,8 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// A bounce turns the column from beyond this rate in rad/s. A blow that does not turn it counts above this rate, if at most this share
-/// of the rate remains.
+/// A bounce turns the column round from beyond this rate in rad/s. A blow that does not turn it counts above this rate, if at most this share of the
+/// rate remains.
 const FAST_RAD_PER_S: f64 = 1.0;
 const LEFT: f64 = 0.2;
 
@@ -259,7 +259,7 @@ pub struct ContactState<S> {
     since_limit: S,
     /// Time in s at the limit since it came from the other side, with the sign of the side.
     at_limit: S,
-    /// Time in s since the column has been loose.
+    /// Time in s for which the column has been loose.
     loose: S,
 }
 
