@@ -1,12 +1,12 @@
 """Letting go: how soon the column follows its feel again after a hand has pushed it into an end stop.
 
-A hand pushes a column into a stop at 5 deg, then lets go, eases to half of what the feel takes there, pulls it back, or has struck
-the stop for 0.35 s and lets go. The reference is the programmed feel itself with a stop that gives nothing back:
+A hand pushes a column into a stop at 5 deg, then lets go, eases to half the force of the feel there, or pulls the column back. Or
+it strikes the stop, pushes for 0.35 s and lets go. The reference is the programmed feel with a stop that returns no energy:
 
     I delta'' + B delta' + G delta = R_p F,   delta <= 5 deg
 
-Printed is the time integral of what lies between the column and that, over the 1.5 s after, as a share of 5 deg: mean and largest
-of 16 settings, with the law's part for contact.
+The benchmark prints the time integral of the difference between column and reference over the next 1.5 s, divided by 5 deg: mean
+and maximum of 16 settings.
 
     python benchmarks/let_go.py [LOADER ...] [--law robust] [--friction "1 lb"]
 """
@@ -24,10 +24,11 @@ from forcefeel.simulation import Scenario
 from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Recorded
 
-MORE_N, STRIKE_N, PULL = 20.0, 40.0, -0.5
+MORE_N, STRIKE_N = 20.0, 40.0
+"""Force of a push and of a strike beyond the spring of the feel at the stop."""
 STRUCK_S, HELD_S, AFTER_S, STEP_S = 0.4, 1.5, 1.5, 1e-3
-HANDS = {"lets go": (0.0, 0.05), "eases": (0.5, 0.3), "pulls": (PULL, 0.2), "strikes": None}
-"""Force in the end, as a share of what the feel takes at the stop, and the time in s that it takes to get there."""
+HANDS = {"lets go": (0.0, 0.05), "eases": (0.5, 0.3), "pulls": (-0.5, 0.2), "strikes": None}
+"""Final force as a share of that spring's, and the time in s that it takes to reach it."""
 STOPS = Contact(True, 1e6, 0.02), Contact(True, 1e4, 0.1)
 TIME = np.arange(0.0, HELD_S + AFTER_S + STEP_S / 2, STEP_S)
 
@@ -45,15 +46,15 @@ def push(hand: str, at_stop_n: float) -> tuple[np.ndarray, float]:
 def ideal(torque: np.ndarray, feel: np.ndarray) -> np.ndarray:
     """Displacement of the feel, by small steps."""
     (inertia, damping, stiffness), (delta, rate), parts = feel, (0.0, 0.0), 4
-    found = np.zeros_like(torque)
+    displacement = np.zeros_like(torque)
     for k, now in enumerate(torque):
-        found[k] = delta
+        displacement[k] = delta
         for _ in range(parts):
             rate += STEP_S / parts * (now - damping * rate - stiffness * delta) / inertia
             delta += STEP_S / parts * rate
             if delta > STOP_RAD:
                 delta, rate = STOP_RAD, min(rate, 0.0)
-    return found
+    return displacement
 
 
 def main() -> None:
@@ -61,12 +62,12 @@ def main() -> None:
     parser.add_argument("loaders", nargs="*", default=LOADERS)
     parser.add_argument("--law", default="robust")
     parser.add_argument("--friction", help="dry friction at the grip, known to the law")
-    given = parser.parse_args()
+    options = parser.parse_args()
     print("loader             hand       stop, N/m   mean, largest time lost, ms")
-    for name in given.loaders:
-        loader = BUILT_IN[name]().replace(dict.fromkeys(FRICTION, given.friction) if given.friction else {})
+    for name in options.loaders:
+        loader = BUILT_IN[name]().replace(dict.fromkeys(FRICTION, options.friction) if options.friction else {})
         feels = settings(loader, light=False)[::3]
-        law = Law.of(given.law, loader, feels)
+        law = Law.of(options.law, loader, feels)
         for hand in HANDS:
             for stop in STOPS:
                 there, lost = stop.on(loader), np.zeros(len(feels))
@@ -82,8 +83,10 @@ def main() -> None:
                     )
                     time = run["time_s"]
                     after = (time > leaves_s) & (time < leaves_s + AFTER_S)
-                    off = np.interp(time, TIME, ideal(force * loader["column.grip_arm"], feel))
-                    lost[i] = np.trapezoid(np.abs(run["column_angle_rad"][0] - off)[after], time[after]) / STOP_RAD
+                    reference = np.interp(time, TIME, ideal(force * loader["column.grip_arm"], feel))
+                    lost[i] = (
+                        np.trapezoid(np.abs(run["column_angle_rad"][0] - reference)[after], time[after]) / STOP_RAD
+                    )
                 print(
                     f"{name:18s} {hand:8s} {stop.stiffness_n_per_m:10,.0f} {lost.mean() * 1e3:10.0f} {lost.max() * 1e3:7.0f}"
                 )

@@ -101,9 +101,11 @@ def test_json_has_no_limits_where_there_are_none(forcefeel, tmp_path):
 
 def test_link_that_swings_on_in_the_hand_of_the_second_pilot_fails():
     axes = project("linked-sticks")
-    # Of 20 ms; 2.5 times its largest stable stiffness. Of a stiffer one the part for contact breaks the swing now and then.
-    swings = by_name(with_link(axes, "stick-pitch", delay=0.02, stiffness=500.0, breakout=1e4), "stick-pitch")
-    assert not any(swings[f"swing left, first released, second held: {arm}"].passed for arm in ("loose", "firm"))
+    # Of 20 ms; 2.5 and ten times its largest stable stiffness. Of the stiffer one the part for contact interrupts one swing.
+    for stiffness, fail in ((500.0, 2), (2000.0, 1)):
+        checks = by_name(with_link(axes, "stick-pitch", delay=0.02, stiffness=stiffness, breakout=1e4), "stick-pitch")
+        swings = [checks[f"swing left, first released, second held: {arm}"] for arm in ("loose", "firm")]
+        assert sum(not swing.passed for swing in swings) >= fail
     assert by_name(axes, "stick-pitch")["swing left, first released, second held: loose"].passed
 
 

@@ -174,7 +174,7 @@ const PLACE_S: f64 = 0.5;
 /// Distance from the place of the contact in `theta_n`, up to which a column is still there.
 const HERE: f64 = 0.2;
 
-/// Share of `K_e` by which the torque falls with the motion where the column is still held: in the softest arm that swings on, it falls by a fifth.
+/// Share of `K_e` by which the torque falls with the motion where the column is still held. In the softest clamp of an envelope it falls by a fifth.
 const HELD: f64 = 0.05;
 
 /// Least torque of the damping, over that of what touches, by which a column is loose; how long in s it has to be, and how long in s the contact then
@@ -590,12 +590,12 @@ impl<S: Scalar> ContactLaw<S> {
         let here = (column - now.place).abs().less(self.near);
         // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn may be too weak for a push,
         // and the last push long over.
-        let [largest, largest_torque] = [(now.turn_angle, now.extreme_angle), (now.turn, now.extreme)]
-            .map(|(at_turn, at_push)| S::select(turns_on, at_turn, at_push));
-        let follows_place = S::select(here, (column - now.place) * slow, zero);
-        let place = S::select(noticed, largest, now.place + follows_place);
+        let largest = |of_turn, of_push| S::select(turns_on, of_turn, of_push);
+        let beside = now.place + S::select(here, (column - now.place) * slow, zero);
+        let place = S::select(noticed, largest(now.turn_angle, now.extreme_angle), beside);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
-        let place_torque = S::select(noticed, largest_torque, now.place_torque + (torque - now.place_torque) * slow);
+        let settling = now.place_torque + (torque - now.place_torque) * slow;
+        let place_torque = S::select(noticed, largest(now.turn, now.extreme), settling);
 
         let (from, near) = (column - place, self.near.times(HERE));
         let (gone, loose) = if S::any(touches) {
