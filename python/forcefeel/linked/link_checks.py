@@ -6,7 +6,7 @@
 | stiffness | likewise, below the breakout | torque beyond the feel's per angle: 10 % of the row |
 | re-engagement | likewise, on the way back | largest step of the link's force between two samples: 2 lb |
 | release | both columns are released from one angle | position difference: 0.5 deg |
-| release of the first | an arm holds the second, loosely and firmly | swing of its fourth second: 0.9 of the third |
+| release of the first | an arm holds the second, loosely and firmly | seconds 7 to 10: 0.9 of swing 3 s before, half of the first |
 | uncoupling | opposite hands open the link and push on | none: how far a column swings beyond where it comes to rest |
 
 The force of a feel at rest is the model's (``_core.feel_held_along``).
@@ -39,8 +39,11 @@ BREAKOUT, STIFFNESS = 0.05, 0.1
 STEP_N, DIFFERENCE_RAD = 8.896, radians(0.5)
 """Largest step of the force at re-engagement, 2 lb, and largest difference of two released columns."""
 
-LEFT = 0.9
-"""Largest swing of the fourth second after a release, as a share of the third second's: what swings on has all of it."""
+LEFT, AT_END = 0.9, 0.5
+"""Largest swing of the last three seconds of ten after a release: shares of the three before and of the first second.
+
+What swings on has all of it; what swings in bursts may have less than in the three seconds before, but not than in the first.
+"""
 
 _RAMP_S, _BEYOND = 8.0, 1.4
 """Time of a slow push to its largest force, and that force as a share of what the breakout takes."""
@@ -53,7 +56,7 @@ _FEWEST = 8
 
 _RELEASE_RAD, _RELEASE_S = radians(5.0), 2.0
 
-_LETS_GO_S, _LET_GO_S = 3.0, 7.0
+_LETS_GO_S, _LET_GO_S = 3.0, 13.0
 """When the first hand lets go, and the end of that run."""
 
 _STILL_RAD = 1e-4
@@ -76,7 +79,7 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
     Example:
         >>> project = ff.loader.read_project("examples/cockpit/transport-column.toml")
         >>> [check.passed for check in ff.linked.check_link(project, "pitch", "robust")]
-        [True, True, True, True, True, True, True]
+        [True, True, True, True, True, True, True, True, True]
     """
     if name not in project.pilot_links:
         known = ", ".join(project.pilot_links) or "a link of two pilots in [links]"
@@ -98,8 +101,7 @@ def check_link(project: Project, name: str, law: LawLike = None) -> tuple[OwnChe
     checks += _of_run(released, [OwnCheck("position difference, both released", apart, 0.0, DIFFERENCE_RAD, ANGLE)])
     for arm in (Arm.LOOSE, Arm.FIRM):
         held = simulate_linked(_second_held(project, link, arm), name, _let_go(first), law)
-        swing = OwnCheck(f"swing left, first released, second held: {arm}", _swing_left(held), 0.0, LEFT, RATIO)
-        checks += _of_run(held, [swing])
+        checks += _of_run(held, _swing_left(held, f"first released, second held: {arm}"))
     if isfinite(link["breakout"]) and link.after_breakout is AfterBreakout.UNCOUPLE:
         opposed = run(_opposed(link, first))
         checks += _of_run(opposed, [OwnCheck("swing beyond rest, uncoupling", _swing(opposed), nan, nan, ANGLE)])
@@ -152,19 +154,27 @@ def _second_held(project: Project, link: Link, arm: Arm) -> Project:
 def _let_go(loader: Loader) -> LinkedScenario:
     """A hand that pushes the first column as far as its feel alone goes to the angle of a release, and lets go."""
     force = float(_feel_force(loader, np.array([_RELEASE_RAD]), 1.0)[0])
-    times = np.array([0.0, 2.0, _LETS_GO_S, _LETS_GO_S + 0.001, _LET_GO_S])
-    return LinkedScenario(Scenario(Recorded(times, np.array([0.0, force, force, 0.0, 0.0])), _LET_GO_S))
+    let_go = _LETS_GO_S + 0.001
+    times = np.sort(np.append(np.arange(_LET_GO_S + 1), let_go))
+    hand = np.interp(times, [0.0, 2.0, _LETS_GO_S, let_go], [0.0, force, force, 0.0])
+    return LinkedScenario(Scenario(Recorded(times, hand), _LET_GO_S))
 
 
-def _swing_left(run: LinkedRun) -> float:
-    """Swing of both columns in the fourth second after the release, as a share of that in the third."""
-    time = run.outputs["time_s"]
-    angles = [run.outputs[f"{side}_column_angle_rad"] for side in SIDES]
-    third, fourth = (
-        max(float(np.ptp(angle[(time >= begin) & (time < begin + 1)])) for angle in angles)
-        for begin in (_LET_GO_S - 2, _LET_GO_S - 1)
-    )
-    return 0.0 if fourth < _STILL_RAD else fourth / third if isfinite(fourth) else inf
+def _swing_left(run: LinkedRun, what: str) -> list[OwnCheck]:
+    """Swing of both columns at the end of ten seconds after the release, beside that before and that of the first."""
+    first, before, end = (_largest_swing(run, *part) for part in ((0, 1), (4, 7), (7, 10)))
+    left = 0.0 if end < _STILL_RAD else end / before if isfinite(end) else inf
+    return [
+        OwnCheck(f"swing left, {what}", left, 0.0, LEFT, RATIO),
+        OwnCheck(f"swing at the end, {what}", end, 0.0, AT_END * first, ANGLE),
+    ]
+
+
+def _largest_swing(run: LinkedRun, begin: float, end: float) -> float:
+    """From peak to peak, of that column which swings more, between two times after the release."""
+    since = run.outputs["time_s"] - _LETS_GO_S
+    part = (since >= begin) & (since < end)
+    return max(float(np.ptp(run.outputs[f"{side}_column_angle_rad"][part])) for side in SIDES)
 
 
 def _pushed_checks(run: LinkedRun, sign: float) -> list[OwnCheck]:
