@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.envelope.contact import touch
 from forcefeel.envelope.findings import renders
 from forcefeel.loader.loader import FEEL_SETTING
 
@@ -64,6 +65,18 @@ def test_swings_are_those_of_single_runs(envelope):
     held = 1e5 * loader["column.grip_arm"] * run["column_angle_rad"].to_numpy()
     assert np.ptp(held[-500:]) > 100
     assert np.abs(held).max() == pytest.approx(float(forces.max()), rel=0.2)  # its noise is another
+
+
+def test_a_column_that_rubs_and_never_comes_to_the_stop_is_in_no_contact():
+    """Pushed with less than its friction, it hunts short of the stop, and its load cell shows it: no fault in contact."""
+    lag = {f"{sensor}.bandwidth": "500 Hz" for sensor in ("load_cell", "potentiometer", "column_sensor")}
+    rubs = dict.fromkeys(("column.coulomb_friction", "column.static_friction"), "2.7 lb")
+    loader = ff.digital_elevator().replace(lag | rubs)
+    inertia, rate = 0.068 * loader["column.inertia"], 2 * np.pi * 4
+    feel = np.array([[inertia, 0.2 * rate * inertia, rate**2 * inertia]])
+    touched = touch(loader, ff.Law.of("robust", loader, feel), feel, STOP, None)
+    assert touched.largest_force_n == 0
+    assert not touched.swings_on.any()
 
 
 def test_contacts_are_named_on_the_page_and_in_the_results(envelope, tmp_path):

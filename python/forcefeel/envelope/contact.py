@@ -6,6 +6,7 @@ the part before: a spring without damping rings for long, and that is no fault o
 
 The load cell's force at the grip is judged likewise, since a column may hold still while its motor buzzes. It has to vary by twice
 what the sensors' noise makes of it while nothing touches the column, and by what compensating the column's dry friction takes.
+A column that friction or a firm feel holds before the stop is in no contact, whatever its load cell shows.
 """
 
 from collections.abc import Iterator, Mapping
@@ -271,6 +272,8 @@ def _run(
         forces[which] = np.maximum(np.abs(lowest), np.abs(highest)).max(axis=0)
         cell_lowest, cell_highest = _limits(cell, quarter)
         cell_limit = np.maximum(QUIET_N, _OF_NOISE * noise[which]) + 2 * _friction_n(loader)
+        if contact.stop:
+            cell_limit[highest[3] <= 0] = np.inf
         swings[which], margins[which] = diverged, 1.0
         for swing, most in ((highest - lowest, QUIET_N), (cell_highest - cell_lowest, cell_limit)):
             before, after = swing[2:4]
