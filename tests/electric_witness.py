@@ -256,8 +256,8 @@ class Touch:
     def count_turn(self, stiff, apart):
         """Turns in a row; of a slow one the feel's own way tells."""
         if self.since_turn < self.quick or (self.since_turn < 3 * self.quick and stiff and apart):
-            return self.turns + (1 if stiff else 0.25)
-        return max(self.turns - 0.25, 0) if self.since_turn < 3 * self.quick else 0
+            return self.turns + (1 if stiff else 0.5)
+        return max(self.turns - 0.5, 0) if self.since_turn < 3 * self.quick else 0
 
     def bounces_on(self, over, rate, begins):
         """Whether the column bounces the fourth time in a row."""

@@ -22,11 +22,11 @@
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
 //! - sixteen turns of the torque in a row by more than `0.8 T_min`, as quick and as stiff: a hand that pushes on while the loop swings against a
-//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, sixty-four are required: a column
+//!   stop keeps the torque on one side, and a weak swing stays below `T_min`. Where an arm can cause the torque, thirty-two are required: a column
 //!   that decays makes fewer. Of a slow column with known friction a turn exceeds `2.5 q`: one that friction holds and releases in turn under a
 //!   slow hand causes smaller ones. Within 40 ms of the last turn, quicker than a hand, a turn counts from `T_r` on, and so does the first after
 //!   a second. So a light feel swings in a firm arm: the arm's force is weak, and the column's own inertia drives the load cell. Of slower turns, up
-//!   to `3 t_q` apart, a stiff one counts if the feel moved relative to the column by 0.3 of the column's way; any other subtracts a quarter;
+//!   to `3 t_q` apart, a stiff one counts if the feel moved relative to the column by 0.3 of the column's way; any other subtracts half of one;
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column round from beyond
 //!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
@@ -102,8 +102,8 @@ const FOLLOWS: f64 = 0.03;
 /// light columns that rub swing between stops.
 const REBOUND: f64 = 1.6;
 
-/// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than sixty-four, and no hand makes as many.
-const SOFT_TURN: f64 = 0.25;
+/// What a quick turn counts against something as soft as an arm: a swing that decays makes fewer than thirty-two, and no hand makes as many.
+const SOFT_TURN: f64 = 0.5;
 
 /// Longest time between two slow turns that count, in `t_q`, and the least motion of the feel relative to the column in one, as a share of the
 /// column's way: the column follows a feel that a hand moves. A slow turn that does not count subtracts a soft one.
