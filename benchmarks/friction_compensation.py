@@ -40,7 +40,6 @@ from itertools import product
 
 import numpy as np
 
-import forcefeel as ff
 from forcefeel.choice.score import COARSE
 from forcefeel.envelope.cases import NOMINAL, Case, Kind
 from forcefeel.envelope.ideal import ideal_releases
@@ -50,6 +49,7 @@ from forcefeel.envelope.releases import carrying, measured, pieces, released
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.laws.sampled.sampled_law import OF_FRICTION
+from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.qualification.batch_verdicts import judge_releases
@@ -240,7 +240,7 @@ def show(name, passes, swings):
 
 def main():
     name, *pounds = sys.argv[1:] or ["elevator-2khz"]
-    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    loader = BUILT_IN[name]()
     for pound in map(float, pounds or LOADERS[name]):
         values = {ROWS[0]: f"{pound} lb", ROWS[1]: f"{BREAKS_AWAY * pound} lb"}
         rubbed = loader.replace(values)

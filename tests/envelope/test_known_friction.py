@@ -39,7 +39,7 @@ PLAIN = LawDesign(
 
 @pytest.mark.parametrize("name", ["elevator-2khz", "elevator-electric"])
 def test_friction_known_to_the_law_is_compensated(name):
-    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    loader = BUILT_IN[name]()
     loader = loader.replace(FRICTION)
     assert rendered(loader, PLAIN) < 0.5
     assert rendered(loader, "robust") > 0.8  # of 12 settings 12 and 10

@@ -15,6 +15,7 @@ from forcefeel.cli.envelope import EnvelopeOptions
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.refinement import FEWEST, UNKNOWN, rounds
 from forcefeel.envelope.result import Envelope
+from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.loader import Loader
 
 PASSES, UNSTABLE, FAILS = 0, 1, 2
@@ -114,7 +115,7 @@ def test_stable_settings_beside_unstable_ones_are_run() -> None:
 )
 def maps(request: pytest.FixtureRequest) -> tuple[Envelope, Envelope]:
     """Inferred and full map of a loader without noise, whose runs do not depend on their index in a batch."""
-    loader = ff.digital_elevator() if request.param == "elevator-2khz" else ff.loader.electric(request.param)
+    loader = BUILT_IN[request.param]()
     noise = {key: 0.0 for key in loader.given if key.endswith("noise")}
     loader = loader.replace(noise, si=True)
     inferred, full = (

@@ -9,6 +9,7 @@ from forcefeel.envelope.outcomes import run_settings
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.worst_case import worst_case_shares
 from forcefeel.frontier.tolerance_levels import level_releases, run_levels
+from forcefeel.loader.built_in import BUILT_IN
 from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "5..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.2, 0.7"}
@@ -17,7 +18,7 @@ FACTORS = (1.0, 0.5, 0.25, 0.1)
 
 
 def plan_of(name: str) -> Plan:
-    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    loader = BUILT_IN[name]()
     return make_plan(loader, ("robust",), GRID, changes=CHANGES)
 
 

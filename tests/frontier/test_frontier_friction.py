@@ -5,6 +5,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.friction import smallest_friction
+from forcefeel.loader.built_in import BUILT_IN
 from tests.parametrization import mostly_slow
 
 GRID = {"stiffness": "50, 100 %", "frequency": "2, 3 Hz", "damping": "0.5, 1"}
@@ -29,7 +30,7 @@ def test_column_friction_is_fully_felt():
 @pytest.mark.parametrize(("loader", "left"), mostly_slow([("elevator-2khz", 0.05), ("elevator-electric", 0.15)]))
 def test_friction_known_to_the_law_is_hardly_felt(loader, left):
     """Measured: 0.026 and 0.114, with a friction that is known to 1 %."""
-    loader = ff.digital_elevator() if loader == "elevator-2khz" else ff.loader.electric(loader)
+    loader = BUILT_IN[loader]()
     known = loader.replace(DRY).with_tolerances({"column.coulomb_friction": "1 %"})
     found = smallest_friction(make_plan(known, ("robust",), GRID))
     assert found.felt_n < left * found.column_n

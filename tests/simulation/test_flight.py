@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import forcefeel as ff
+from forcefeel.loader.built_in import BUILT_IN
 from tests.parametrization import mostly_slow
 
 SURFACE = {
@@ -60,7 +61,7 @@ def alone(loader, release, table=lambda _: (1.0, 1.0, 1.0), of_angle=lambda delt
 
 @pytest.mark.parametrize("name", mostly_slow(["elevator-2khz", "elevator-electric"]))
 def test_column_with_a_surface_follows_hinge_moment_in_flight(name):
-    loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(SURFACE, si=True)
+    loader = BUILT_IN[name]().replace(SURFACE, si=True)
     flight = ff.simulation.Flight(TIMES, STATES)
     scenario = ff.Scenario(ff.Release(0.08), duration_s=4.0, flight=flight)
     run = ff.simulate(loader, scenario, "robust")
@@ -97,9 +98,7 @@ TABLE |= {f"surface.coefficient_{k}": coefficient for k, coefficient in enumerat
 
 @pytest.mark.parametrize("name", mostly_slow(["elevator-electric", "elevator-2khz"]))
 def test_column_follows_a_hinge_moment_that_steepens_with_the_angle(name):
-    loader = (ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)).replace(
-        SURFACE | TABLE | {"surface.per_deflection": None}, si=True
-    )
+    loader = BUILT_IN[name]().replace(SURFACE | TABLE | {"surface.per_deflection": None}, si=True)
     assert max(ANGLES) > 1.3 * 0.08, "the table is as wide as the motion"
     must = alone(loader, 0.08, of_angle=lambda delta: np.interp(delta, ANGLES, COEFFICIENTS))
     scenario = ff.Scenario(ff.Release(0.08), duration_s=4.0, flight=ff.simulation.Flight(TIMES, STATES))
