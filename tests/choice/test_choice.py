@@ -217,3 +217,12 @@ def test_conclusions_are_for_the_loader_of_the_plan():
     assert any("feel.breakout" in line for line in design_conclusions(found, UnitSystem.US).findings)
     bare = own_setting(make_plan(DIGITAL, ("robust",), GRID), found.plan.laws["robust"], 1)
     assert found.scores[0].own.margins == bare.margins
+
+
+def test_robust_is_eligible_for_a_column_that_rubs():
+    """Short of the stop such a column hunts, which once counted as a swing in contact: no law was eligible."""
+    lag = {f"{sensor}.bandwidth": "500 Hz" for sensor in ("load_cell", "potentiometer", "column_sensor")}
+    rubs = dict.fromkeys(("column.coulomb_friction", "column.static_friction"), "2.7 lb")
+    grid = {"stiffness": "2.5, 6.3, 16, 100 %", "frequency": "0.5, 1, 2, 4 Hz", "damping": "0.1, 0.3, 0.7"}
+    scored = ff.choice.score_laws(ff.digital_elevator().replace(lag | rubs), ("robust",), grid, changes={}, arms=())
+    assert ff.choice.choose(scored).chosen == "robust"
