@@ -105,7 +105,7 @@ QUIET = Noise(1e-5, 0.1)
 
 def _score(name, worst, nominal, *, stable=1.0, margins=GOOD, noise=QUIET, own_stable=True, quiet=1.0):  # noqa: PLR0913
     own = SimpleNamespace(stable=own_stable, margins=margins, noise=noise)
-    over = OverEnvelope(Shares(name, stable, nominal, worst, worst), None, quiet, Demand(0.5, 0.5, 0.5), margins)
+    over = OverEnvelope(Shares(name, stable, nominal, worst, worst), None, quiet, 96, Demand(0.5, 0.5, 0.5), margins)
     return Score(name, "", own, over)
 
 
@@ -217,6 +217,13 @@ def test_conclusions_are_for_the_loader_of_the_plan():
     assert any("feel.breakout" in line for line in design_conclusions(found, UnitSystem.US).findings)
     bare = own_setting(make_plan(DIGITAL, ("robust",), GRID), found.plan.laws["robust"], 1)
     assert found.scores[0].own.margins == bare.margins
+
+
+def test_of_few_settings_two_may_swing_on_in_contact():
+    few = [_score("a", 0.5, 0.5, quiet=1 - swings / 18) for swings in (2, 3)]
+    two, three = (replace(score, over=replace(score.over, settings=18)) for score in few)
+    assert _chosen(two).chosen == "a"
+    assert _chosen(three).chosen is None
 
 
 def test_robust_is_eligible_for_a_column_that_rubs():

@@ -94,3 +94,9 @@ def test_design_command_finds_the_qualifying_law(run, tmp_path, monkeypatch):
     assert "forcefeel qualify elevator-2khz --law robust --out tests" in page
     assert "forcefeel law elevator-2khz --law auto --out laws" in page
     assert re.search(r"robust +the best .* qualifies: 7 of 7 tests passed", page)
+
+
+def test_the_first_command_of_the_readme_finds_a_law(forcefeel, tmp_path):
+    status, out, _ = forcefeel("design", "elevator-2khz", "--out", str(tmp_path / "report"))
+    assert status == 0
+    assert "law robust qualifies: 7 of 7" in " ".join(out.split())

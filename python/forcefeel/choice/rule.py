@@ -17,7 +17,7 @@ cost.
 """
 
 from dataclasses import dataclass
-from math import degrees, inf, radians
+from math import ceil, degrees, inf, radians
 
 from forcefeel.choice.score import LawScores, Score
 from forcefeel.conclusions import capital, share_text
@@ -34,7 +34,7 @@ LEAST_PERIODS = 1.0
 
 
 LEAST_QUIET = 0.9
-"""Required share of the settings that do not swing on in contact."""
+"""Required share of the settings that do not swing on in contact. Of few settings the others are rounded up: two of 18."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
         sentences.append(
             f"it is stable at only {share_text(score.over.shares.stable)} of the settings with the nominal plant"
         )
-    if score.over is not None and score.over.quiet is not None and score.over.quiet < LEAST_QUIET:
+    if score.over is not None and score.over.quiet is not None and _swings(score.over.quiet, score.over.settings):
         sentences.append(
             f"only {share_text(score.over.quiet)} of the settings are quiet in contact, clamped or against a stop"
         )
@@ -144,6 +144,11 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
             f"its delay margin is {to_text(1e3 * margins.delay_s, 3)} ms, less than a period of {to_text(1e3 * period_s, 3)} ms"
         )
     return sentences
+
+
+def _swings(quiet: float, settings: int) -> bool:
+    """Whether more settings swing on in contact than may."""
+    return round((1 - quiet) * settings) > ceil(round((1 - LEAST_QUIET) * settings, 9))
 
 
 def _best(able: list[Score]) -> Score | None:

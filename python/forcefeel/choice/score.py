@@ -49,6 +49,7 @@ class OverEnvelope:
         shares: Shares that are stable and that pass, nominally and in every case.
         worst_case: Case with the largest loss of nominal passes; ``None`` without a loss.
         quiet: Share that is quiet in ``FEW_CONTACTS``; ``None`` for an analog loader, whose laws have no part for contact.
+        settings: Number of settings.
         demand: Largest demand over the stable settings, nominal plant.
         margins: Smallest of each over the loader's own setting and the corners of the grid.
     """
@@ -56,6 +57,7 @@ class OverEnvelope:
     shares: Shares
     worst_case: CaseShares | None
     quiet: float | None
+    settings: int
     demand: AnyDemand
     margins: LoopMargins
 
@@ -187,6 +189,7 @@ def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None
         shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
         quiet=_quiet(plan, laws, feel, threads) if plan.loader["controller.period"] else None,
+        settings=len(feel),
         demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
         margins=minimum_margins(margins),
     )
