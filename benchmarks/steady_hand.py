@@ -30,15 +30,14 @@ LIMITS_DEG = 0.05, 0.2, 1.0
 STOPS = [f"{stop}_{side}" for stop in ("column.stop", "feel.soft_stop", "feel.hard_stop") for side in ("low", "high")]
 
 
-def motions_deg(loader: Loader, law: str, feel: np.ndarray, force_n: float, arm: Arm | None) -> np.ndarray:
+def motions_deg(loader: Loader, law: Law, feel: np.ndarray, force_n: float, arm: Arm | None) -> np.ndarray:
     """How far the column of each setting still moves in the end."""
     there = loader.replace(dict.fromkeys(STOPS))
     if arm is not None:
         there = there.replace(dict(zip(ARM_ROWS, ARMS[arm], strict=True)), si=True)
     scenario = Scenario(Step(force_n), duration_s=DURATION_S)
     rows = there.rows(FEEL_SETTING, feel)
-    keep = ["column_angle_rad"]
-    run = batch_outputs(there, scenario, rows, Law.of(law, loader, feel), keep=keep, first_run=None)
+    run = batch_outputs(there, scenario, rows, law, keep=["column_angle_rad"], first_run=None)
     motions = np.degrees(np.ptp(run["column_angle_rad"][:, run["time_s"] > DURATION_S - LAST_S], axis=1))
     return np.nan_to_num(motions, nan=np.inf)
 
@@ -56,8 +55,11 @@ def main() -> None:
         loader = BUILT_IN[name]()
         feel = settings(loader, light=given.light)
         rubs = loader.replace(dict.fromkeys(FRICTION, given.friction))
-        for force, arm, (what, one) in product(FORCES_N, HANDS, (("none", loader), (given.friction, rubs))):
-            motions = motions_deg(one, given.law, feel, force, arm)
+        columns = [
+            (what, one, Law.of(given.law, one, feel)) for what, one in (("none", loader), (given.friction, rubs))
+        ]
+        for force, arm, (what, one, law) in product(FORCES_N, HANDS, columns):
+            motions = motions_deg(one, law, feel, force, arm)
             counts = " ".join(f"{np.sum(motions > limit):5d}" for limit in LIMITS_DEG)
             print(
                 f"{name:18s} {force:8g}  {arm or 'none':6s} {what:8s}  {counts} {len(feel):12d} {np.max(motions):12.2f}"

@@ -6,7 +6,7 @@ the part before: a spring without damping rings for long, and that is no fault o
 
 The load cell's force at the grip is judged likewise, since a column may hold still while its motor buzzes. It has to vary by twice
 what the sensors' noise makes of it while nothing touches the column, and by what compensating the column's dry friction takes.
-A column that friction or a firm feel holds before the stop is in no contact, whatever its load cell shows.
+A column that friction or a firm feel holds short of the stop is in no contact, whatever its load cell shows.
 """
 
 from collections.abc import Iterator, Mapping

@@ -6,7 +6,7 @@
 | stiffness | likewise, below the breakout | torque beyond the feel's per angle: 10 % of the row |
 | re-engagement | likewise, on the way back | largest step of the link's force between two samples: 2 lb |
 | release | both columns are released from one angle | position difference: 0.5 deg |
-| release of the first | an arm holds the second, loosely and firmly | seconds 7 to 10: 0.9 of swing 3 s before, half of the first |
+| release of the first | an arm holds the second, loosely and firmly | swing at 7 to 10 s: 0.9 of 4 to 7 s, half of 0 to 1 s |
 | uncoupling | opposite hands open the link and push on | none: how far a column swings beyond where it comes to rest |
 
 The force of a feel at rest is the model's (``_core.feel_held_along``).
