@@ -14,7 +14,7 @@ RUNS = 1200
 
 GRIP = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
 
-KIND, STOPPED, WRONG, ABOVE, EXCESS = 0, 3, 5, 10, 12
+KIND, STOPPED, WRONG, ABOVE, FORCE, EXCESS = 0, 3, 5, 10, 11, 12
 """Columns of the outcomes."""
 
 
@@ -60,6 +60,18 @@ def test_column_that_runs_into_its_end_stop_under_a_grip_sensor_is_not_stopped(l
     electric = tuple(rows[4:5] for rows in loaders)
     outcomes = _core.supervised_faults(*electric, seed=7, first=9479, count=1, faults=0)
     assert (outcomes[:, STOPPED] < 0).all()
+
+
+def test_loop_begins_without_a_jolt_between_near_end_stops() -> None:
+    """What the sensors show at rest was taken beyond the stops, and the column was thrown with up to 318 N, hands off."""
+    loader = open_loader("sidestick-pitch").replace({"column.stop_low": "-5 deg", "column.stop_high": "5 deg"})
+    law = ff.Law.of("robust", loader).sampled
+    assert law is not None
+    of = np.array([loader.si_values]), law.rows()
+    # Every fifth run has no hand. A few begin pressed into a stop.
+    runs = [_core.supervised_faults(*of, seed=1, first=5 * k, count=1, faults=0)[0] for k in range(30)]
+    assert all(run[STOPPED] < 0 for run in runs)
+    assert np.mean([run[FORCE] < 2.0 for run in runs]) > 0.8
 
 
 def test_fault_on_one_side_of_a_link_leaves_the_other_side_within_its_limits() -> None:

@@ -273,6 +273,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// straight between the two.
     pub fn sensors_at_rest(&self, effects: &Effects) -> [[S; SENSORS]; 2] {
         let zero = self.control.per_base.zero();
+        // The other angle may be beyond an end stop, which would push back with more than the drive has.
+        let effects = &Effects { column_stops: false, ..*effects };
         [0.0, ELSEWHERE_RAD].map(|angle| {
             let x_b = zero.constant(angle) / self.control.per_base;
             // alpha R_b F_c + loads = 0: what pulls the column hangs on the drive.                       eq. (6) at rest

@@ -186,6 +186,21 @@ fn stop_carries_what_pilot_and_link_leave() {
 }
 
 #[test]
+fn sensors_at_rest_show_no_end_stop_however_near() {
+    let mut p = Parameters::with_every_row();
+    let shown = |p: &Parameters<f64>| {
+        let run = Run::new(p, None, Some(TIMING));
+        run.machine.sensors_at_rest(&run.shared.effects)
+    };
+    (p.column.stop_low, p.column.stop_high) = (-0.3, 0.3);
+    let far = shown(&p);
+    (p.column.stop_low, p.column.stop_high) = (-0.01, 0.01);
+    for (near, far) in shown(&p).as_flattened().iter().zip(far.as_flattened()) {
+        assert_within(*near, *far, 0.0);
+    }
+}
+
+#[test]
 fn digital_command_stays_between_its_arrivals() {
     let timing = Timing { period: 4, delay: 3 };
     let mut p = Parameters::elevator();
