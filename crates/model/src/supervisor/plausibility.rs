@@ -61,6 +61,9 @@ crate::logic::memory! {
 /// Slack where it begins: of a column at the speed limit, whose rate is not known, the filter's lag comes to six times what is plausible.
 const SLACK_AT_FIRST: f64 = 10.0;
 
+/// Slack where the column is at an end stop, of which nothing here knows: thrown at 3 rad/s against one of steel it comes to 1.5.
+const SLACK_AT_STOP: f64 = 3.0;
+
 impl<S: Logic> Plausibility<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
@@ -117,6 +120,9 @@ impl<S: Logic> Plausibility<S> {
     #[inline(always)]
     fn judge(&mut self, limits: &Limits<S>, &[force, position, base, grip]: &[S; SENSORS]) {
         let y = [force, position, base / limits.base_arm];
+        let [low, high] = limits.stops;
+        let slack = self.slack.max(force.constant(SLACK_AT_STOP));
+        self.slack = S::select(below(y[2], low) | below(high, y[2]), slack, self.slack);
         let predicted = [self.link[0], self.drive[0], self.column[0]];
         let (mut used, mut plausible) = (y, [S::mask(true); OF_LINK]);
         for k in 0..OF_LINK {

@@ -281,6 +281,18 @@ fn a_column_held_still_by_a_force_that_changes_is_no_stuck_sensor() {
 }
 
 #[test]
+fn the_load_cell_of_a_column_at_an_end_stop_may_be_off_by_thrice_as_much() {
+    for (stop_high, off, stops) in [(0.3, 2.0, true), (-1e-6, 2.0, false), (-1e-6, 4.0, true)] {
+        let mut parameters = Parameters::elevator();
+        (parameters.column.stop_low, parameters.column.stop_high) = (-0.3, stop_high);
+        let of = Limits::new(&parameters, DriveKind::Hydraulic, PERIOD).expect("limits");
+        let (mut supervisor, mut input) = active_under(&of);
+        input.sensed[0] = off * of.plausible[0];
+        assert_eq!((0..5).any(|_| supervisor.step(&input).acting.has(Function::LoadCell)), stops, "{stop_high}, {off}");
+    }
+}
+
+#[test]
 fn a_command_is_held_to_its_limit_and_to_its_rate() {
     let (mut supervisor, mut input) = active();
     let of = *supervisor.limits();
