@@ -4,7 +4,6 @@
 //!
 //! While the feel comes, the command has `s_0 + (1 - s_0) s` of its limit: a valve that much of its speed, a motor that much of its torque.
 
-use super::debounce::Debounce;
 use super::function::Function;
 use super::limits::Limits;
 use super::numbers::below;
@@ -18,24 +17,28 @@ const AT_LIMIT: f64 = 0.99;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Command<S: Logic> {
     pub(super) last: S,
-    saturated: Debounce<S>,
+    /// Samples at its limit less samples that were not, so that a command to and fro between both limits counts too.
+    saturated: S,
     /// Whether the last step towards zero came there.
     pub(super) is_zero: S::Mask,
 }
 
-crate::logic::memory! { Command { number last; part saturated; flag is_zero; } }
+crate::logic::memory! { Command { number last, saturated; flag is_zero; } }
 
 impl<S: Logic> Command<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
-        Self { last: like.zero(), saturated: Debounce::new(), is_zero: S::mask(true) }
+        Self { last: like.zero(), saturated: like.zero(), is_zero: S::mask(true) }
     }
 
-    /// Whether the command that was given last has been at its limit for too long; while the feel comes it may be.
+    /// Whether commands have been at their limit for too long, the last one included; while the feel comes they may be.
     #[inline(always)]
     pub(super) fn saturated(&mut self, limits: &Limits<S>, active: S::Mask) -> S::Mask {
         let at = limits.command.times(AT_LIMIT);
-        self.saturated.holds(active & !below(self.last.abs(), at), limits.saturation)
+        let one = at.constant(1.0);
+        let more = S::select(active & !below(self.last.abs(), at), one, -one);
+        self.saturated = (self.saturated + more).max(one.zero());
+        !below(self.saturated, one.times(f64::from(limits.saturation)))
     }
 
     /// The law's command as far as it is allowed.
