@@ -98,7 +98,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let safe = stopped.and_then(|from| safe_from(rows, from));
     let mut wrong = Violation::default();
     // A drive that has stopped carries out no command.
-    let cuts = |k: usize| rows[k].input.emergency_stop || rows[k].allowed.acting.has(Function::DriveStopped);
+    let cutting = [Function::EmergencyStop, Function::DriveStopped, Function::AbsoluteForce, Function::Energy];
+    let cuts = |k: usize| cutting.iter().any(|&function| rows[k].allowed.acting.has(function));
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);
         let stopping = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };

@@ -113,7 +113,7 @@ functions! {
     Force: "force at the grip", Stop, |limits| limits.force,
         "The force at the grip stayed above its limit. Let go; if no hand pushed, look at the load cell's zero.";
     /// The force at the grip is beyond what the controls are made for.
-    AbsoluteForce: "largest force", Stop, |_| CONFIRMED,
+    AbsoluteForce: "largest force", Cut, |_| CONFIRMED,
         "The force at the grip came to its absolute limit. Check linkage and stops before going on.";
     /// The force at the grip changes too fast.
     ForceRate: "rate of force", Stop, |_| CONFIRMED,
@@ -128,7 +128,7 @@ functions! {
     Runaway: "runaway", Stop, |limits| limits.runaway,
         "The column moved against its feel with no hand on it. Do not start again before law and valve or motor are checked.";
     /// The column gives energy to the hand that its feel does not.
-    Energy: "energy at the grip", Stop, |_| CONFIRMED,
+    Energy: "energy at the grip", Cut, |_| CONFIRMED,
         "The column moved against the hand otherwise than its feel. Check law, valve or motor before starting again.";
     /// The force sensor at the grip shows too much with no hand on it.
     GripOffset: "offset at the grip", Stop, |limits| limits.grip_zero,

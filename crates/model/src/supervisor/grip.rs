@@ -13,9 +13,8 @@
 //! | `P_f = s J a_f v` | power that the feel gives to a free column, eqs. (6), (11) |
 //!
 //! What a hand is given by a column that moves otherwise than its feel, `E' = P_g - max(0, -tau v_f) - E / 1 s` with `P_g = -tau v`, no less than
-//! zero, is a fault's: a law or a drive that pushes against it. A feel that is followed gives back what it was given. What the hand will be
-//! given while the loader is stopped, `P_g t_z / 2`, counts as given. A column that is faster than its feel, `J (v^2 - v_f^2) / 2` beyond
-//! `motion_limit`, would throw itself at the link when it is stopped.
+//! zero, is a fault's: a law or a drive that pushes against it. A feel that is followed gives back what it was given. A column that is faster than
+//! its feel, `J (v^2 - v_f^2) / 2` beyond `motion_limit`, would throw itself at the link when it is stopped.
 //!
 //! A column that swings with no hand on it from side to side by more than `swing_limit`, each time by nine tenths of the last, swings on for
 //! good: a hand that kept it swinging, its own or another pilot's over a link, would have a tenth of the drive's torque.
@@ -44,7 +43,7 @@ pub struct GripEstimate<S> {
     pub hand_force: S,
     /// Angular velocity of the column in rad/s.
     pub rate: S,
-    /// Energy in J that the hand is given otherwise than by the feel, what a stop from now on gives included.
+    /// Energy in J that the hand is given otherwise than by the feel.
     pub energy: S,
 }
 
@@ -217,16 +216,16 @@ impl<S: Logic> GripMonitor<S> {
         below(limits.motion, (rate * rate - feel_rate * feel_rate) * limits.inertia.times(0.5))
     }
 
-    /// What the hand is given otherwise than by the feel, while that is known, and what a stop gives.
+    /// What the hand is given otherwise than by the feel, while that is known.
     #[inline(always)]
     fn given(&mut self, limits: &Limits<S>, known: S::Mask, time: S) -> S {
-        let [_, forgets, ahead] = limits.energy;
+        let [_, forgets] = limits.energy;
         let [rate, .., feel_rate] = self.lagged;
         let zero = time.zero();
         let of_feel = (-(self.torque * feel_rate)).max(zero);
         let power = S::select(known, -(self.torque * rate) - of_feel, zero);
         self.energy = (self.energy + power * time - self.energy * forgets).max(zero);
-        self.energy + power.max(zero) * ahead
+        self.energy
     }
 }
 

@@ -154,8 +154,8 @@ limits! {
     hand_torque: S,
     /// In W.
     runaway_power: S,
-    /// Energy to the hand in J, the share of it that is forgotten in a sample, and the time in s in which a stop gives as much again.
-    energy: [S; 3],
+    /// Energy to the hand in J, and the share of it that is forgotten in a sample.
+    energy: [S; 2],
     /// Energy in J of a column's motion beyond its feel's.
     motion: S,
     /// Swing of a column with no hand on it, from side to side, in rad.
@@ -291,7 +291,7 @@ impl Limits {
             friction: column.coulomb_friction * column.grip_arm,
             hand_torque: safety.hand_force * column.grip_arm,
             runaway_power: safety.runaway_power,
-            energy: [safety.energy_limit, (period / FORGETS_S).min(1.0), 0.5 * f64::from(stop) * period],
+            energy: [safety.energy_limit, (period / FORGETS_S).min(1.0)],
             motion: safety.motion_limit,
             swing: safety.swing_limit,
             grip_sensor: grip_sensor.gain > 0.0,

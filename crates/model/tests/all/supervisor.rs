@@ -550,8 +550,8 @@ fn a_column_that_pushes_against_the_hand_otherwise_than_its_feel_is_stopped_by_t
             }
         }
         assert_eq!(stopped.is_some(), stops, "{stopped:?}");
-        // 200 N at 0.8 m/s: 4 J take 25 ms, of which the stop has 10 ms; the estimate lags by 5 ms.
-        assert!(stopped.is_none_or(|k| k < 50 + 40), "{stopped:?}");
+        // 200 N at 0.8 m/s: 4 J take 25 ms; rate and torque lag by 5 ms each, and two samples confirm it.
+        assert!(stopped.is_none_or(|k| k < 50 + 42), "{stopped:?}");
     }
 }
 
