@@ -19,6 +19,8 @@ pub struct Case {
     pub hand: Hand,
     /// Where the column stands when the loop begins, and its neutral, in rad.
     pub angle: f64,
+    /// Whether its arm is a clamp, to which no energy is given that a person feels.
+    pub clamped: bool,
     /// Samples.
     pub samples: usize,
     /// Noise of the sensors: the numbers after those that drew the case.
@@ -44,6 +46,8 @@ const FADE: (f64, f64) = (20.0, 80.0);
 const SILENCE: (f64, f64) = (3.0, 20.0);
 const STOP: (f64, f64) = (1.0, 20.0);
 const LONG: (f64, f64) = (40.0, 120.0);
+/// A column that bounces off a stop has its drive at its limit for up to 110.
+const LONGER: (f64, f64) = (120.0, 240.0);
 /// Angle in rad to either side, within the travel of every loader.
 const FARTHEST_RAD: f64 = 0.1;
 /// Samples in which a fault may begin, and in which it must come to its end.
@@ -74,7 +78,7 @@ impl Case {
         let safety = &mut parameters.safety;
         (safety.stuck_time, safety.fade_time, safety.silence_time) = (time(STUCK), time(FADE), time(SILENCE));
         (safety.stop_time, safety.overrun_time, safety.agreement_time) = (time(STOP), time(SILENCE), time(SILENCE));
-        (safety.force_time, safety.saturation_time) = (time(LONG), time(LONG));
+        (safety.force_time, safety.saturation_time) = (time(LONG), time(LONGER));
         safety.power_time = time(LONG);
         (safety.host_time, safety.host_fade) = (time(SILENCE), time(FADE));
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
@@ -99,7 +103,7 @@ impl Case {
         let angle = between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 };
         let last = faults.iter().map(|fault| if fault.kind == Kind::None { 0 } else { fault.from }).max().unwrap_or(0);
         let values = parameters.values();
-        Self { loader, values, faults, hand, angle, samples: last + GOES_ON, noise: stream }
+        Self { loader, values, faults, hand, angle, clamped: false, samples: last + GOES_ON, noise: stream }
     }
 
     /// Whether the loader is to go on in spite of its faults. Two that are bridged may be more than one that is.
@@ -138,7 +142,7 @@ const LEGAL_SAMPLES: usize = 4000;
 /// Share of the force that may last to which a hand pushes.
 pub(crate) const HARDEST: f64 = 0.9;
 /// Arms by which the envelope judges a law: mass in kg, damping in N s/m and stiffness in N/m at the grip; light, loose, firm.
-const ARMS: [[f64; 3]; 3] = [[0.8, 5.5, 30.0], [1.0, 10.0, 50.0], [3.0, 40.0, 1000.0]];
+pub(crate) const ARMS: [[f64; 3]; 3] = [[0.8, 5.5, 30.0], [1.0, 10.0, 50.0], [3.0, 40.0, 1000.0]];
 
 impl Case {
     /// The case of a number without a fault: every other is on a cold day, with twice the dry friction.
@@ -189,6 +193,7 @@ impl Case {
             faults: [none; 2],
             hand,
             angle: between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 },
+            clamped: false,
             samples: LEGAL_SAMPLES,
             noise: stream,
         }

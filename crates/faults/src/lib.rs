@@ -8,6 +8,7 @@
 //! |---|---|
 //! | the kinds of fault, and what each does to what is sampled or commanded | [`fault`] |
 //! | a case, drawn from a seed | [`case`] |
+//! | what holds or stops its column | `surroundings` |
 //! | the loop in virtual time | [`run`](mod@run) |
 //! | when the supervisor had to act, and what it never may do | [`oracle`] |
 //! | two loaders on a link, faults on one side | [`pair`] |
@@ -20,3 +21,4 @@ pub mod fault;
 pub mod oracle;
 pub mod pair;
 pub mod run;
+mod surroundings;

@@ -162,7 +162,7 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
         state: rows[from].allowed.state,
         wrong,
         energy: [given, bound],
-        excess: excess(limits, by_hand, &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
+        excess: excess(limits, (by_hand, case.clamped), &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
         above: f64::from(longest) * limits.period,
         force: rows[from..].iter().map(grip).fold(0.0, f64::max),
         cause: rows.last().and_then(|row| row.allowed.cause),
@@ -170,11 +170,12 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
 }
 
 /// Most energy to the hand beyond what the feel gives it; of a hand that is the fault, what it put in itself is left out.
-fn excess(limits: &Limits, by_hand: bool, rows: &[Row]) -> f64 {
+fn excess(limits: &Limits, (by_hand, clamped): (bool, bool), rows: &[Row]) -> f64 {
     let (mut sum, mut most) = (0.0_f64, 0.0_f64);
     for two in rows.windows(2) {
         let row = &two[0];
-        let of_feel = -row.hand * limits.grip_arm * row.input.feel_rate * limits.period;
+        let hand = row.hand + if clamped { 0.0 } else { row.arm };
+        let of_feel = -hand * limits.grip_arm * row.input.feel_rate * limits.period;
         let of_feel = if row.allowed.follows && of_feel.is_finite() { of_feel.max(0.0) } else { 0.0 };
         sum += two[1].given - row.given - of_feel;
         sum = if by_hand { sum } else { sum.max(0.0) };
@@ -353,12 +354,16 @@ fn grip_stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     // Until the estimate and the lagged reading have settled, and then as long as the reading has to rest.
     let settles = samples(2.0 * SETTLES_S / limits.period) + limits.grip_stuck as usize;
     let from = fault.from.max(WATCHED) + settles;
-    let started = fault.from > 2 && !matches!(rows[fault.from - 1].allowed.state, SupervisorState::Off);
-    let hands = || rows[fault.from..=from].iter().map(|row| row.hand);
+    let free = |row: &Row| row.angle > limits.stops[0] && row.angle < limits.stops[1];
+    // At a stop the hand is not known, and so not what the reading came to rest under.
+    let started = fault.from > 2
+        && !matches!(rows[fault.from - 1].allowed.state, SupervisorState::Off)
+        && rows[fault.from..=from].iter().all(free);
+    let at_grip = |row: &Row| row.hand + row.arm;
+    let hands = || rows[fault.from..=from].iter().map(at_grip);
     let (low, high) = (hands().fold(f64::INFINITY, f64::min), hands().fold(f64::NEG_INFINITY, f64::max));
     let most = 3.0 * limits.grip_apart / limits.grip_arm;
-    let free = |row: &Row| row.angle > limits.stops[0] && row.angle < limits.stops[1];
-    let apart = |row: &Row| free(row) && (row.hand > high + most || row.hand < low - most);
+    let apart = |row: &Row| free(row) && (at_grip(row) > high + most || at_grip(row) < low - most);
     let lasts = 2 * limits.grip_stuck as usize + settles;
     (from + lasts..rows.len()).find(|&k| started && rows[k - lasts..=k].iter().all(apart))
 }

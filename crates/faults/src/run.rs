@@ -35,6 +35,8 @@ pub struct Row {
     pub force: f64,
     /// Force of the hand in N.
     pub hand: f64,
+    /// Force of the arm or clamp at the grip in N.
+    pub arm: f64,
     /// Torque of a shaft on the column in N m.
     pub shaft: f64,
     /// Torque of an electronic link on the feel in N m.
@@ -218,6 +220,12 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
         }
     }
 
+    /// Force at the grip in N of the arm's spring and damper.
+    fn arm(&self, [angle, rate]: [f64; 2]) -> f64 {
+        let Parameters { pilot, column, .. } = &self.parameters;
+        -(pilot.arm_stiffness * angle + pilot.arm_damping * rate) * column.grip_arm
+    }
+
     fn cycle(&mut self, arrived: &SamplingPoint<f64, D>, inputs: &Inputs) -> Option<()> {
         let Self { case, limits, shared, machine, state, noise, supervisor, control, followed, .. } = self;
         let (now, sample) = (&arrived.now, self.rows.len());
@@ -263,9 +271,23 @@ impl<'a, D: Drive<f64>> Loop<'a, D> {
         self.under_way.send(sample, if allowed.enable { acts } else { 0.0 });
         let [angle, rate] = [now.base, now.base_rate].map(|along| along / self.parameters.column.base_arm);
         let (given, stored) = (self.given, self.moving.stored(rate, now.force));
+        let arm = self.arm([angle, rate]);
         let [hand, shaft, link] = [inputs.force[0], inputs.link_torque[0], self.link[0]];
         let force = now.force;
-        self.rows.push(Row { input, used: admitted, allowed, angle, rate, force, hand, shaft, link, given, stored });
+        self.rows.push(Row {
+            input,
+            used: admitted,
+            allowed,
+            angle,
+            rate,
+            force,
+            hand,
+            arm,
+            shaft,
+            link,
+            given,
+            stored,
+        });
         Some(())
     }
 }
@@ -330,7 +352,8 @@ impl<D: Drive<f64>> Side for Loop<'_, D> {
         let start = self.machine.set_out(&self.shared, &mut self.state, &inputs, arrived);
         let column = &self.parameters.column;
         let rate = start.now.base_rate / column.base_arm;
-        self.given -= inputs.force[0] * rate * column.grip_arm * self.shared.step_s;
+        let arm = if self.case.clamped { 0.0 } else { self.arm([start.now.base / column.base_arm, rate]) };
+        self.given -= (inputs.force[0] + arm) * rate * column.grip_arm * self.shared.step_s;
         self.step = Some(Step { inputs, start, before: self.state });
     }
 
