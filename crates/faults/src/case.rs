@@ -46,8 +46,8 @@ const FADE: (f64, f64) = (20.0, 80.0);
 const SILENCE: (f64, f64) = (3.0, 20.0);
 const STOP: (f64, f64) = (1.0, 20.0);
 const LONG: (f64, f64) = (40.0, 120.0);
-/// A column that bounces off a stop has its drive at its limit for up to 110.
-const LONGER: (f64, f64) = (120.0, 240.0);
+/// A column that bounces off a stop has its drive at its limit for up to 130.
+const LONGER: (f64, f64) = (160.0, 280.0);
 /// Angle in rad to either side, within the travel of every loader.
 const FARTHEST_RAD: f64 = 0.1;
 /// Samples in which a fault may begin, and in which it must come to its end.

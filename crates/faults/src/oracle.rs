@@ -98,7 +98,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let safe = stopped.and_then(|from| safe_from(rows, from));
     let mut wrong = Violation::default();
     // A drive that has stopped carries out no command.
-    let cutting = [Function::EmergencyStop, Function::DriveStopped, Function::AbsoluteForce, Function::Energy];
+    let too_much = [Function::AbsoluteForce, Function::Speed, Function::Energy];
+    let cutting = [[Function::EmergencyStop, Function::DriveStopped].as_slice(), &too_much].concat();
     let cuts = |k: usize| cutting.iter().any(|&function| rows[k].allowed.acting.has(function));
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);

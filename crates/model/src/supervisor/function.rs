@@ -119,7 +119,7 @@ functions! {
     ForceRate: "rate of force", Stop, |_| CONFIRMED,
         "The force at the grip changed faster than its limit. Look for a hard stop, a collision or a law too quick.";
     /// The column moves too fast.
-    Speed: "speed", Stop, |_| CONFIRMED,
+    Speed: "speed", Cut, |_| CONFIRMED,
         "The column moved faster than its limit. If no hand threw it, check law and feel in a simulation first.";
     /// The column is beyond its end stops.
     Travel: "travel", Stop, |_| CONFIRMED,
