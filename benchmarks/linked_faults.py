@@ -3,7 +3,7 @@
     python benchmarks/linked_faults.py [cases] [threads]
 
 The pairs are those of the projects in ``examples/cockpit``, under the law ``robust``: hands on both sides, one or two faults on one
-of them, whose column is held by an arm or a clamp or pushed into an end stop in half of the cases; see ``crates/faults/src/pair.rs``.
+of them, whose column is held by an arm or a clamp, or pushed into an end stop, every other time; see ``crates/faults/src/pair.rs``.
 It fails where ``benchmarks/faults.py`` would, on either side, and further if an electronic link stops the other side, if the link
 pushes the other hand with more than the largest legal force, or if a run without a fault is stopped. A hand that pushes beyond the
 limits itself does so over a link, too.
