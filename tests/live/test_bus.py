@@ -276,7 +276,7 @@ def test_silence_damps_the_column_and_nothing_re_engages_by_itself(kind, fault, 
         session.wait(100)
         assert session.state.name in ("off", "tripped")
         assert emulator.commands[0] == 0.0
-        assert session.state.drive_fault == ""
+        until(lambda: session.state.drive_fault == "")  # a busy machine misses an answer now and then
 
 
 @pytest.mark.parametrize(
