@@ -5,7 +5,7 @@
 Half of the cases have one fault, half have two; a tenth as many runs have none. Loaders are the built-in ones under a sampled
 controller, each under its laws, with its own feel and with feels drawn about it; without a fault, with its own feel and the law
 ``robust``. Each case has safety times, a hand, and faults of drawn kinds at drawn moments; see ``crates/faults``. Half of the
-columns are held by an arm or a clamp, or pushed into an end stop.
+columns with a fault, and a quarter of the others, are held by an arm or a clamp, or pushed into an end stop.
 
 It fails if a loader is stopped too late or without a fault, a command is beyond its limit or no number, the hand is given more
 energy than the physical bound, or if with one fault it is given more than 10 J beyond the feel, or the force at the grip is above

@@ -14,6 +14,7 @@ from itertools import product
 import numpy as np
 from contact import FRICTION, LOADERS, settings
 
+from forcefeel.envelope.contact import STOPS
 from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.loader.built_in import BUILT_IN
@@ -27,7 +28,6 @@ FORCES_N = 4.0, 8.0, 20.0
 HANDS = None, Arm.LOOSE, Arm.FIRM
 DURATION_S, LAST_S = 16.0, 2.0
 LIMITS_DEG = 0.05, 0.2, 1.0
-STOPS = [f"{stop}_{side}" for stop in ("column.stop", "feel.soft_stop", "feel.hard_stop") for side in ("low", "high")]
 
 
 def motions_deg(loader: Loader, law: Law, feel: np.ndarray, force_n: float, arm: Arm | None) -> np.ndarray:

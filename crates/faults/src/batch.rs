@@ -13,10 +13,10 @@ impl Loaders<'_> {
     /// The case of a number with so many faults, 0 to 2; nothing where the loader cannot be supervised.
     pub fn outcome(&self, seed: (u64, u64), faults: u8) -> Option<Outcome> {
         let case = match faults {
-            // What a hand does goes by the last digit.
-            0 if (seed.1 / 5).is_multiple_of(2) => Case::legal(self.values, seed).surrounded(),
+            // Five numbers in a row have the five things that a hand does: of every other five.
+            0 if (seed.1 / 5).is_multiple_of(2) => Case::legal(self.values, seed).in_environment(),
             0 => Case::legal(self.values, seed),
-            count => Case::drawn(self.values, seed, count > 1).surrounded(),
+            count => Case::drawn(self.values, seed, count > 1).in_environment(),
         };
         let law = self.observers.map(|laws| &laws[case.loader]);
         let kind = DriveKind::of(&case.values);

@@ -19,7 +19,7 @@ pub struct Case {
     pub hand: Hand,
     /// Where the column stands when the loop begins, and its neutral, in rad.
     pub angle: f64,
-    /// Whether its arm is a clamp, to which no energy is given that a person feels.
+    /// Whether its arm is a clamp, which no person feels.
     pub clamped: bool,
     /// Samples.
     pub samples: usize,
@@ -110,6 +110,11 @@ impl Case {
     pub fn is_bridged(&self, limits: &Limits) -> bool {
         let faults = self.faults.iter().filter(|fault| fault.kind != Kind::None);
         faults.clone().count() < 2 && faults.clone().all(|fault| fault.is_bridged(limits))
+    }
+
+    /// Of the force of its arm or clamp, that which a person feels.
+    pub fn felt(&self, arm: f64) -> f64 {
+        if self.clamped { 0.0 } else { arm }
     }
 
     /// First sample of a fault.

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | the kinds of fault, and what each does to what is sampled or commanded | [`fault`] |
 //! | a case, drawn from a seed | [`case`] |
-//! | what holds or stops its column | `surroundings` |
+//! | what holds or stops its column | `environment` |
 //! | the loop in virtual time | [`run`](mod@run) |
 //! | when the supervisor had to act, and what it never may do | [`oracle`] |
 //! | two loaders on a link, faults on one side | [`pair`] |
@@ -17,8 +17,8 @@
 
 pub mod batch;
 pub mod case;
+mod environment;
 pub mod fault;
 pub mod oracle;
 pub mod pair;
 pub mod run;
-mod surroundings;

@@ -98,8 +98,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let safe = stopped.and_then(|from| safe_from(rows, from));
     let mut wrong = Violation::default();
     // A drive that has stopped carries out no command.
-    let too_much = [Function::AbsoluteForce, Function::Speed, Function::Energy];
-    let cutting = [[Function::EmergencyStop, Function::DriveStopped].as_slice(), &too_much].concat();
+    let [force, speed, energy] = [Function::AbsoluteForce, Function::Speed, Function::Energy];
+    let cutting = [Function::EmergencyStop, Function::DriveStopped, force, speed, energy];
     let cuts = |k: usize| cutting.iter().any(|&function| rows[k].allowed.acting.has(function));
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);
@@ -163,7 +163,7 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
         state: rows[from].allowed.state,
         wrong,
         energy: [given, bound],
-        excess: excess(limits, (by_hand, case.clamped), &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
+        excess: excess(case, limits, by_hand, &rows[from..=safe.map_or(rows.len() - 1, |at| at.max(from))]),
         above: f64::from(longest) * limits.period,
         force: rows[from..].iter().map(grip).fold(0.0, f64::max),
         cause: rows.last().and_then(|row| row.allowed.cause),
@@ -171,12 +171,11 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
 }
 
 /// Most energy to the hand beyond what the feel gives it; of a hand that is the fault, what it put in itself is left out.
-fn excess(limits: &Limits, (by_hand, clamped): (bool, bool), rows: &[Row]) -> f64 {
+fn excess(case: &Case, limits: &Limits, by_hand: bool, rows: &[Row]) -> f64 {
     let (mut sum, mut most) = (0.0_f64, 0.0_f64);
     for two in rows.windows(2) {
         let row = &two[0];
-        let hand = row.hand + if clamped { 0.0 } else { row.arm };
-        let of_feel = -hand * limits.grip_arm * row.input.feel_rate * limits.period;
+        let of_feel = -(row.hand + case.felt(row.arm)) * limits.grip_arm * row.input.feel_rate * limits.period;
         let of_feel = if row.allowed.follows && of_feel.is_finite() { of_feel.max(0.0) } else { 0.0 };
         sum += two[1].given - row.given - of_feel;
         sum = if by_hand { sum } else { sum.max(0.0) };

@@ -77,9 +77,9 @@ fn drawn(
         // What a hand does is drawn by the number: each with each on the two sides.
         let drawn = if side == faulty { (seed, number) } else { (seed.wrapping_add(1), number + number / 5) };
         match faults {
-            0 if side == faulty => Case::legal(of, drawn).surrounded(),
+            0 if side == faulty => Case::legal(of, drawn).in_environment(),
             0 => Case::legal(of, drawn),
-            _ if side == faulty => Case::drawn(of, drawn, faults > 1).surrounded(),
+            _ if side == faulty => Case::drawn(of, drawn, faults > 1).in_environment(),
             _ => Case { faults: [none; 2], ..Case::drawn(of, drawn, false) },
         }
     });

@@ -352,7 +352,7 @@ impl<D: Drive<f64>> Side for Loop<'_, D> {
         let start = self.machine.set_out(&self.shared, &mut self.state, &inputs, arrived);
         let column = &self.parameters.column;
         let rate = start.now.base_rate / column.base_arm;
-        let arm = if self.case.clamped { 0.0 } else { self.arm([start.now.base / column.base_arm, rate]) };
+        let arm = self.case.felt(self.arm([start.now.base / column.base_arm, rate]));
         self.given -= (inputs.force[0] + arm) * rate * column.grip_arm * self.shared.step_s;
         self.step = Some(Step { inputs, start, before: self.state });
     }

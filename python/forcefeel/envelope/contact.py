@@ -45,7 +45,7 @@ _CLAMP_S, _STOP_S = 2.0, 4.0
 _FREE_S = 3.0
 """Duration of the run without a contact that shows the noise."""
 
-_STOPS = "column.stop", "feel.soft_stop", "feel.hard_stop"
+STOPS = [f"{stop}_{side}" for stop in ("column.stop", "feel.soft_stop", "feel.hard_stop") for side in ("low", "high")]
 """Rows of the loader's own stops, which that run omits."""
 
 _OF_NOISE = 2.0
@@ -226,7 +226,7 @@ def _noise_n(loader: Loader, law: Law, feel: NDArray[np.float64], threads: int |
     scenario = Scenario(Step(PUSH_N, start_s=_FREE_S / 3), duration_s=_FREE_S)
     noise = np.zeros(len(feel))
     # A light feel gives way farther than to the loader's own stops.
-    endless = loader.replace({f"{stop}_{side}": None for stop in _STOPS for side in ("low", "high")})
+    endless = loader.replace(dict.fromkeys(STOPS))
     for which, runs in _batches(endless, law, feel, scenario, threads):
         # Sixths of it: the second, before the push, and the last.
         sixth = np.ceil(6 * runs["time_s"] / _FREE_S)

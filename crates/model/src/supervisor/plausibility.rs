@@ -120,9 +120,8 @@ impl<S: Logic> Plausibility<S> {
     #[inline(always)]
     fn judge(&mut self, limits: &Limits<S>, &[force, position, base, grip]: &[S; SENSORS]) {
         let y = [force, position, base / limits.base_arm];
-        let [low, high] = limits.stops;
         let slack = self.slack.max(force.constant(SLACK_AT_STOP));
-        self.slack = S::select(below(y[2], low) | below(high, y[2]), slack, self.slack);
+        self.slack = S::select(limits.is_free(y[2]), self.slack, slack);
         let predicted = [self.link[0], self.drive[0], self.column[0]];
         let (mut used, mut plausible) = (y, [S::mask(true); OF_LINK]);
         for k in 0..OF_LINK {

@@ -6,7 +6,7 @@ use forcefeel_model::parameters::Parameters;
 
 /// What holds or stops the column of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Surroundings {
+enum Environment {
     /// Nothing.
     Free,
     /// A hand that holds it with an arm.
@@ -17,7 +17,7 @@ enum Surroundings {
     Stop,
 }
 
-impl Surroundings {
+impl Environment {
     const ALL: [Self; 6] = [Self::Free, Self::Free, Self::Free, Self::Arm, Self::Clamp, Self::Stop];
 }
 
@@ -38,15 +38,15 @@ const STOP_RAD: (f64, f64) = (0.0, 0.1);
 impl Case {
     /// The same, half of them with something that holds or stops the column.
     #[must_use]
-    pub fn surrounded(mut self) -> Self {
+    pub fn in_environment(mut self) -> Self {
         let mut draw = || self.noise.uniform();
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
         let mut choose = |count: u8| between((0.0, f64::from(count))) as usize;
-        let there = Surroundings::ALL[choose(6).min(5)];
+        let there = Environment::ALL[choose(6).min(5)];
         // What is the hand's own fault comes back from a clamp.
         let by_hand = self.faults.iter().any(|fault| fault.kind.is_of_hand());
-        let there = if by_hand && there == Surroundings::Clamp { Surroundings::Free } else { there };
+        let there = if by_hand && there == Environment::Clamp { Environment::Free } else { there };
         let arm = ARMS[choose(3).min(2)];
         let mut decades = |(low, high): (f64, f64)| low * (high / low).powf(between((0.0, 1.0)));
         let ratio = decades(DAMPING_RATIOS);
@@ -57,9 +57,9 @@ impl Case {
         let pilot = &mut parameters.pilot;
         let mut most = f64::INFINITY;
         match there {
-            Surroundings::Free => {}
-            Surroundings::Arm => [pilot.arm_mass, pilot.arm_damping, pilot.arm_stiffness] = arm,
-            Surroundings::Clamp => {
+            Environment::Free => {}
+            Environment::Arm => [pilot.arm_mass, pilot.arm_damping, pilot.arm_stiffness] = arm,
+            Environment::Clamp => {
                 let stiffness = decades(CLAMPS);
                 let mass = between(CLAMPED_KG);
                 [pilot.arm_mass, pilot.arm_damping, pilot.arm_stiffness] =
@@ -68,7 +68,7 @@ impl Case {
                 (self.angle, self.clamped) = (0.0, true);
                 most = CLAMPED_RAD * stiffness * grip_arm;
             }
-            Surroundings::Stop => {
+            Environment::Stop => {
                 let stiffness = decades(END_STOPS);
                 let column = &mut parameters.column;
                 column.stop_high = between(STOP_RAD);
