@@ -18,11 +18,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR, USUAL
 
 STATED = {
-    "C, I, B, G": 959,
-    "C, every nonlinear part of the feel": 1366,
-    "C, law's friction and converters too": 1679,
-    "C, changing between four settings": 1460,
-    "C, so with every part": 2651,
+    "C, I, B, G": 892,
+    "C, every nonlinear part of the feel": 1294,
+    "C, law's friction and converters too": 1602,
+    "C, changing between four settings": 1395,
+    "C, so with every part": 2555,
 }
 """Instructions per period, of laws with a part for contact."""
 MOST = 1.05

@@ -222,7 +222,6 @@ class Touch:
         self.began = 0.0
         self.acts = 0.0  # the share, or all of it at rest
         self.column_rate = 0.0
-        self.at_limit, self.limit_turns, self.since_limit = 0.0, 0, 1.0  # time and turns with the sign of the side
         self.ends = None  # of the column, and the feel's stiffness, under a sensor at the grip
         self.rubbing = 0.0  # the most that known friction may be
         self.rest, self.rested = None, 0.0  # of known friction
@@ -275,17 +274,23 @@ class Touch:
         return False
 
     def strikes(self, blow, stiff, by_hand, rate):
-        """Whether a push that is over was a blow that the column struck, or one that turned or stopped it."""
+        """Whether a push that is over was a blow that the column struck, or one that turned it."""
         came, thrown = -self.before * self.side, rate * self.side
         by_hand = thrown > 1.6 * came or (by_hand and thrown < came)
         struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
-        stopped = came > 1 and thrown > -0.2 * came
-        turned = blow and came > 0.05 and (thrown > 0.05 or stopped) and self.since < self.quick / 3
+        turned = blow and came > 0.05 and thrown > 0.05 and self.since < self.quick / 3
         return struck, turned
+
+    def is_thrown(self, h, lead_before, turns):
+        """Whether the feel turns round before a column that struck something."""
+        rises = abs(self.torque) > self.environment * abs(self.angle - self.began)
+        ahead, slower = (self.lead - lead_before) / h * self.side, (turns - self.rate) * self.side
+        slows = slower > 0.05 and self.rate * self.side < 0
+        return self.push > 0 and self.since < 0.9 * self.quick and rises and ahead > 0.1 and slows
 
     def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""
-        before = self.angle
+        before, lead_before = self.angle, self.lead
         self.torque += (torque - self.torque) * h / 0.004
         self.angle += (column - self.angle) * h / 0.004
         self.lead += (feel - column - self.lead) * h / 0.004
@@ -321,7 +326,7 @@ class Touch:
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
         struck, turned = self.strikes(blow, stiff, by_hand, turns)
         self.struck_at = (turn_before if pushed_on else self.extreme)[:2]
-        bounces = self.bounces_on(over, turns, begins)
+        noticed = self.bounces_on(over, turns, begins) or self.is_thrown(h, lead_before, turns) or struck or turned
         if other:
             self.last = peak_before
         if begins:
@@ -332,8 +337,7 @@ class Touch:
             self.since, self.push = min(self.since + h, 1.0), self.push if pushes else 0
         if begins or self.torque * self.side > self.extreme[1] * self.side:
             self.extreme = (self.angle, self.torque, self.lead)
-        hunts = abs(self.limit_turns) >= 16
-        return self.swings >= 2 or pushed_on or hunts or bounces or struck or turned or (swing and self.share > 0)
+        return self.swings >= 2 or pushed_on or noticed or (swing and self.share > 0)
 
     def step(self, h, sample, feels, own, bounds):
         """The feel, the command and its torque at a sample, from those of free motion."""
@@ -372,26 +376,8 @@ class Touch:
         command, torque = (a + self.acts * (b - a) for a, b in zip(own, contact, strict=True))
         leaves = self.share < 0.9 or abs(command) > limit
         self.offset += (-self.offset if leaves else column - feels[0]) * h / 0.5
-        self.count_limits(h, math.copysign(1.0, command) if abs(command) > limit else 0.0)
         self.acts = 0.0 if at_end else self.acts
         return feels, command, torque
-
-    def count_limits(self, h, side):
-        """How often the drive has gone from its limit on one side to that on the other."""
-        if side:
-            self.at_limit = side * h + (self.at_limit if side * self.at_limit > 0 else 0.0)
-        self.since_limit = min(self.since_limit + h, 1.0)
-        if abs(self.limit_turns) >= 16:  # it was noticed
-            self.limit_turns = 0
-        there, soon = side and abs(self.at_limit) >= 0.0065, self.since_limit < 2 * self.quick
-        if there and side * self.limit_turns <= 0:
-            self.limit_turns = math.copysign(abs(self.limit_turns) + 1 if soon else 1, side)
-        elif there and 0.05 < abs(self.at_limit) < 0.1:
-            self.limit_turns += 70 * h * side
-        if there and abs(self.at_limit) >= 0.25:
-            self.limit_turns = side
-        if there:
-            self.since_limit = 0.0
 
     def at_end(self, feels, column, hand):
         """Whether feel and column go into an end stop by their motion or a hand, as a sensor at the grip shows it."""

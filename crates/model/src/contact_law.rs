@@ -30,13 +30,12 @@
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column round from beyond
 //!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
-//! - a drive that is at its limit for 6.5 ms on one side, then on the other, sixteen times in a row within `2 t_q` each: it swings, as against a
-//!   soft stop, which the torque does not distinguish from an arm. 100 ms on one side count as four turns, 250 ms are a hand that is stronger
-//!   than the drive;
-//! - a push against the motion that rises and falls as stiffly: over within `0.9 t_q`, the column thrown back 1.6 times as fast as it came at
-//!   most, and not slower than it came if it followed the feel; or over within a third of `t_q`, and it has turned the motion, or stopped a fast
-//!   column to a fifth of its rate. The column struck a stop. The push of another column over a shaft falls while the column turns, but rises
-//!   along its way;
+//! - a push against the motion, shorter than `0.9 t_q`, that has risen by more than `K_e` per radian since it began, while the feel turns round
+//!   faster than the column by 0.1 rad/s and the column slows down: it struck something. A stop takes the momentum of the whole column, which
+//!   throws a feel of less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
+//! - such a push that has fallen as stiffly, the column thrown back 1.6 times as fast as it came at most, and not slower than it came if it
+//!   followed the feel; or over within a third of `t_q`, and it has turned the motion: a feel that is heavier than the column. The push of another
+//!   column over a shaft falls while the column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
@@ -121,10 +120,15 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
-/// A bounce turns the column round from beyond this rate in rad/s. A blow that does not turn it counts above this rate, if at most this share of the
-/// rate remains.
+/// A bounce turns the column round from beyond this rate in rad/s.
 const FAST_RAD_PER_S: f64 = 1.0;
-const LEFT: f64 = 0.2;
+
+/// By how much in rad/s a feel turns round faster than a column that struck something. At half of it the feel of a light yoke does so under taps
+/// of 2 lb.
+const THROWN_RAD_PER_S: f64 = 0.1;
+
+/// By how much in rad/s a column that struck something is slower than `BEFORE_S` ago. A light one that swings with an arm may still go faster.
+const SLOWS_RAD_PER_S: f64 = 0.05;
 
 /// Time constant in s over which torque and angle are smoothed: long beside a sample, short beside the swings of a contact.
 pub const SMOOTHING_S: f64 = 0.004;
@@ -143,17 +147,6 @@ const SHORT: f64 = 1.0 / 3.0;
 
 /// Factor on `T_min` while a bench signal moves the column beside the law: the observer takes what the machine is off by for a hand.
 const BESIDE: f64 = 5.0;
-
-/// Least time in s at the limit on one side: a loop whose samples come two cycles late swings between its limits too, but faster, and is no
-/// better in contact.
-const LIMITED_S: f64 = 0.0065;
-
-/// Turns that count per second at the limit, from the second of these in s to the third: a column that swings far swings slowly, and one that is
-/// released from the drive's limit quickly. A drive that is there for the fourth was pushed there by a hand.
-const LIMITED_TURNS_PER_S: f64 = 70.0;
-const LIMITED_SOME_S: f64 = 0.05;
-const LIMITED_LONG_S: f64 = 0.1;
-const LIMITED_BY_HAND_S: f64 = 0.25;
 
 /// Time constant of the peak, in `t_q`.
 const PEAK_LASTS: f64 = 5.0;
@@ -253,12 +246,6 @@ pub struct ContactState<S> {
     bounces: S,
     /// Angle in rad by which the command allows for the link's stretch and the drive's droop.
     pub offset: S,
-    /// Turns in a row of a drive that is at its limit on one side and then on the other, or the same in time, with the sign of the last side, and
-    /// the time in s since it was at either.
-    limit_turns: S,
-    since_limit: S,
-    /// Time in s at the limit since it came from the other side, with the sign of the side.
-    at_limit: S,
     /// Time in s for which the column has been loose.
     loose: S,
 }
@@ -322,9 +309,6 @@ impl<S: Scalar> ContactState<S> {
             turns: zero,
             bounces: zero,
             offset: zero,
-            limit_turns: zero,
-            since_limit: one,
-            at_limit: zero,
             loose: zero,
         }
     }
@@ -358,9 +342,6 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_turns", &mut self.turns);
         visitor.nonlinear("contact_bounces", &mut self.bounces);
         visitor.nonlinear("contact_offset", &mut self.offset);
-        visitor.nonlinear("contact_limit_turns", &mut self.limit_turns);
-        visitor.nonlinear("contact_since_limit", &mut self.since_limit);
-        visitor.nonlinear("contact_at_limit", &mut self.at_limit);
         visitor.nonlinear("contact_loose", &mut self.loose);
     }
 }
@@ -442,10 +423,10 @@ impl<S: Scalar> ContactLaw<S> {
 
         let since = S::select(begins, zero, (was.since + h).min(one));
         let touches = zero.less(was.share);
-        let between_limits = !was.limit_turns.abs().less(one.times(TURNS));
+        let thrown = self.throws_back(&was, &now, [now_rate, per_h]);
         // Alone, a run looks at each change for itself.
         let quiet = S::IN_LANES && {
-            let changes = begins | over | turns_back | touches | between_limits | !now.swings.less(one.times(SWINGS));
+            let changes = begins | over | turns_back | touches | thrown | !now.swings.less(one.times(SWINGS));
             !S::any(at_end.map_or(changes, |at_end| changes | at_end))
         };
         let counts = if quiet {
@@ -467,7 +448,7 @@ impl<S: Scalar> ContactLaw<S> {
                     over,
                     turns_back,
                     touches,
-                    between_limits,
+                    thrown,
                     begins & !was.since.less(one.times(BETWEEN_BOUNCES_S)),
                 ],
                 [now_rate, back, since],
@@ -506,11 +487,21 @@ impl<S: Scalar> ContactLaw<S> {
             turns,
             bounces,
             loose,
-            // What has been noticed is counted anew.
-            limit_turns: S::select(between_limits, zero, was.limit_turns),
             ..now
         };
         (state, noticed & was.share.less(one.times(0.5)))
+    }
+
+    /// Whether the column struck something that turns its feel round: a push against its motion that still rises.
+    #[inline(always)]
+    fn throws_back(&self, was: &ContactState<S>, now: &ContactState<S>, [now_rate, per_h]: [S; 2]) -> S::Mask {
+        let (zero, one) = (per_h.zero(), per_h.constant(1.0));
+        let rises = (self.environment * (now.angle - was.began_angle).abs()).less(now.torque.abs());
+        let turns_faster = one.times(THROWN_RAD_PER_S).less((now.lead - was.lead) * per_h * was.side);
+        // Once the column has turned round too, the way is short again.
+        let slows =
+            one.times(SLOWS_RAD_PER_S).less((now_rate - now.rate) * was.side) & (now.rate * was.side).less(zero);
+        zero.less(was.push) & was.since.less(self.quick.times(BRIEF)) & rises & turns_faster & slows
     }
 
     /// What a sample counts for where a push or a turn begins or ends, or something touches. `now` has the torque, angle, rate and peak of the sample
@@ -519,7 +510,7 @@ impl<S: Scalar> ContactLaw<S> {
     fn counts(
         &self,
         now: &ContactState<S>,
-        [to_other_side, over, turns_back, touches, between_limits, began_late]: [S::Mask; 6],
+        [to_other_side, over, turns_back, touches, thrown, began_late]: [S::Mask; 6],
         [now_rate, back, since]: [S; 3],
         ([column, feel_rate], friction, at_end): ([S; 2], S, Option<S::Mask>),
         h: S,
@@ -552,14 +543,11 @@ impl<S: Scalar> ContactLaw<S> {
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
         let (before, after) = (now.before * now.side, now_rate * now.side);
         let brief = now.since.less(self.quick.times(BRIEF));
-        let thrown = before.times(-REBOUND).less(after);
+        let hurled = before.times(-REBOUND).less(after);
         // Against a stop it follows well where the loop is stable, and then it loses rate.
-        let by_hand = thrown | (follows & after.less(-before));
+        let by_hand = hurled | (follows & after.less(-before));
         let struck = blow & brief & stiff & !by_hand & zero.less(now.push);
-        // A well damped stop does not throw the column back.
-        let stopped = before.less(-one.times(FAST_RAD_PER_S)) & before.times(LEFT).less(after);
-        let turned =
-            blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & (moves.less(after) | stopped);
+        let turned = blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & moves.less(after);
         // The torque of a mass goes with the angle.
         let turned_by = angle - now.turn_angle;
         let hard_turn = (self.environment * turned_by.abs()).less(back) & !(turned_by * now.direction).less(zero);
@@ -576,13 +564,8 @@ impl<S: Scalar> ContactLaw<S> {
         let bounces = S::select(bounced, in_a_row, S::select(began_late, zero, now.bounces));
         let bounces_on = bounced & one.times(BOUNCES).less(bounces.abs());
         let turns_on = turns_back & !turns.less(one.times(TURNS));
-        let noticed = !swings.less(one.times(SWINGS))
-            | bounces_on
-            | turns_on
-            | between_limits
-            | struck
-            | turned
-            | (swing & touches);
+        let noticed =
+            !swings.less(one.times(SWINGS)) | bounces_on | turns_on | thrown | struck | turned | (swing & touches);
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
         // It follows a column that rests beside it, and a hand that leans on a stop, which changes the torque.
@@ -649,30 +632,6 @@ impl<S: Scalar> ContactLaw<S> {
         // A hand stronger than the drive would wind the integral up, and the drive would throw the column as the hand lets go.
         let leaves = state.share.less(h.constant(OFFSET_SHARE)) | h.zero().less(beyond.abs());
         state.offset + S::select(leaves, -state.offset, column - delta) * slow
-    }
-
-    /// Counts how often the drive has been at its limit on one side and then on the other: the command is `beyond` what it can take.
-    #[inline(always)]
-    pub fn count_limits(&self, state: &mut ContactState<S>, beyond: S, h: S) {
-        let (zero, one) = (h.zero(), h.constant(1.0));
-        let limited = zero.less(beyond.abs());
-        let (since, was) = ((state.since_limit + h).min(one), *state);
-        state.since_limit = since;
-        // All of it is chosen by `limited` first: exported C then skips it as a whole in a period in which the drive follows.
-        let if_limited = |then, or| S::select(limited, then, or);
-        let same = zero.less(beyond * was.at_limit);
-        let lasts = S::select(same, was.at_limit, zero) + h.times_sign(beyond);
-        let there = !lasts.abs().less(one.times(LIMITED_S));
-        let other = there & !zero.less(beyond * was.limit_turns);
-        let soon = since.less(self.quick.times(SLOW));
-        let next = S::select(soon, was.limit_turns.abs() + one, one).times_sign(beyond);
-        state.at_limit = if_limited(lasts, was.at_limit);
-        let [some, long, hand] = [LIMITED_SOME_S, LIMITED_LONG_S, LIMITED_BY_HAND_S].map(|time| one.times(time));
-        let stays = there & some.less(lasts.abs()) & lasts.abs().less(long);
-        let longer = was.limit_turns + S::select(stays, h.times(LIMITED_TURNS_PER_S), zero).times_sign(beyond);
-        let longer = S::select(lasts.abs().less(hand), longer, one.times_sign(beyond));
-        state.limit_turns = if_limited(S::select(other, next, longer), was.limit_turns);
-        state.since_limit = if_limited(S::select(there, zero, since), since);
     }
 
     /// `T_c`.

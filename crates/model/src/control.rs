@@ -328,9 +328,6 @@ impl<S: Scalar> Control<S> {
         let [command, torque] = law.output([share, now.offset], [output.command, output.torque], touching, &inputs);
         let beyond = command - self.converters.within_range(command);
         state.offset = law.next_offset(&now, [inputs.feel[0], inputs.angle[0]], (beyond, period[0]));
-        if alone {
-            law.count_limits(state, beyond, period[0]);
-        }
         // A feel that moves as the column is not damped.
         let damps = at_end.map_or(share, |at_end| S::select(at_end, share.zero(), share));
         (LawOutput { command, torque, friction_state, ..output }, damps)
