@@ -355,7 +355,7 @@ class Touch:
         away = column - self.place[0]
         held = (self.torque - self.place[1]) * away < -0.05 * self.environment * away**2
         slowed = self.damping * abs(feels[1]) > 2 * (abs(self.torque) + self.rubbing)
-        self.loose = self.loose + h if was > 0 and slowed and feels[1] * away > 0 else 0.0
+        self.loose = self.loose + h if was > 0 and slowed and self.rate * away > 0 else 0.0
         if noticed or (was > 0 and abs(away) < self.near / 5):
             self.share = 1.0
         else:

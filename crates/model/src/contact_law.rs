@@ -590,7 +590,8 @@ impl<S: Scalar> ContactLaw<S> {
             // A rate without its noise, which would give the contact of a column at rest back.
             let by_way = S::select(leaves, rate.abs() * quotient(h, self.travel), zero);
             let slowed = (torque.abs() + friction).times(LOOSE).less((self.damping * feel_rate).abs());
-            let loose = S::select(touches & slowed & zero.less(feel_rate * from), now.loose + h, zero);
+            // By the column's rate: after a blow that of a light feel trembles.
+            let loose = S::select(touches & slowed & zero.less(rate * from), now.loose + h, zero);
             let let_go = one.times(LOOSE_S).less(loose) & near.less(from.abs());
             (by_way.max(S::select(let_go, h.times(1.0 / LET_GO_S), zero)), loose)
         } else {
