@@ -12,6 +12,7 @@ The benchmark counts those of 48, with and without the law's part for contact, a
 """
 
 import argparse
+from itertools import product
 
 import numpy as np
 from contact import LOADERS, settings
@@ -78,12 +79,11 @@ def main() -> None:
         loader = BUILT_IN[name]()
         feels = settings(loader, light=False)
         law = Law.of(options.law, loader, feels)
+        laws = ("free", law.without_contact()), ("contact", law)
         struck = {rate: [strike(feel, loader["column.grip_arm"], rate) for feel in feels] for rate in RATES}
         for stop in STOPS:
             there = stop.on(loader)
-            for rate, (kind, one) in (
-                (r, each) for r in RATES for each in (("free", law.without_contact()), ("contact", law))
-            ):
+            for rate, (kind, one) in product(RATES, laws):
                 found = [
                     thrown_back(there, one.some(np.array([i])), feel, how)
                     for i, (feel, how) in enumerate(zip(feels, struck[rate], strict=True))

@@ -123,8 +123,7 @@ const MOVES_RAD_PER_S: f64 = 0.05;
 /// A bounce turns the column round from beyond this rate in rad/s.
 const FAST_RAD_PER_S: f64 = 1.0;
 
-/// By how much in rad/s a feel turns round faster than a column that struck something. At half of it the feel of a light yoke does so under taps
-/// of 2 lb.
+/// By how much in rad/s a feel turns round faster than a column that struck something.
 const THROWN_RAD_PER_S: f64 = 0.1;
 
 /// By how much in rad/s a column that struck something is slower than `BEFORE_S` ago. A light one that swings with an arm may still go faster.
@@ -543,9 +542,9 @@ impl<S: Scalar> ContactLaw<S> {
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
         let (before, after) = (now.before * now.side, now_rate * now.side);
         let brief = now.since.less(self.quick.times(BRIEF));
-        let hurled = before.times(-REBOUND).less(after);
+        let fast_rebound = before.times(-REBOUND).less(after);
         // Against a stop it follows well where the loop is stable, and then it loses rate.
-        let by_hand = hurled | (follows & after.less(-before));
+        let by_hand = fast_rebound | (follows & after.less(-before));
         let struck = blow & brief & stiff & !by_hand & zero.less(now.push);
         let turned = blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & moves.less(after);
         // The torque of a mass goes with the angle.
