@@ -212,7 +212,8 @@ class Touch:
     def __init__(self, numbers):
         self.per_angle, self.k_x, self.k_v, self.damping, self.fastest, self.ripple, *more = numbers
         self.least, self.environment, self.quick, self.near, self.travel = more
-        self.share = self.torque = self.angle = self.rate = self.peak = self.before = self.last = self.column = 0.0
+        self.share = self.torque = self.torque_before = self.angle = self.rate = self.peak = 0.0
+        self.before = self.last = self.column = 0.0
         self.place, self.extreme = (0.0, 0.0), (0.0, 0.0, 0.0)  # angle, torque, lead of the feel
         self.lead = 0.0
         self.offset = self.loose = 0.0
@@ -273,20 +274,20 @@ class Touch:
             return abs(self.bounces) >= 4
         return False
 
-    def strikes(self, blow, stiff, by_hand, rate):
+    def strikes(self, blow, stiff, rate):
         """Whether a push that is over was a blow that the column struck, or one that turned it."""
         came, thrown = -self.before * self.side, rate * self.side
-        by_hand = thrown > 1.6 * came or (by_hand and thrown < came)
-        struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and not by_hand
+        struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and thrown <= 1.6 * came
         turned = blow and came > 0.05 and thrown > 0.05 and self.since < self.quick / 3
         return struck, turned
 
     def is_thrown(self, h, lead_before, turns):
         """Whether the feel turns round before a column that struck something."""
-        rises = abs(self.torque) > self.environment * abs(self.angle - self.began)
-        ahead, slower = (self.lead - lead_before) / h * self.side, (turns - self.rate) * self.side
-        slows = slower > 0.05 and self.rate * self.side < 0
-        return self.push > 0 and self.since < 0.9 * self.quick and rises and ahead > 0.1 and slows
+        way = math.copysign(1.0, self.rate)
+        against, risen = -self.torque * way, (self.torque_before - self.torque) * way
+        pushes = against > 0.5 * self.least and risen > 0.4 * self.environment * 0.008 * abs(self.rate)
+        slows = abs(self.rate) > 0.05 and (self.rate - turns) * way > 0.05
+        return pushes and slows and (lead_before - self.lead) / h * way > 0.1
 
     def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""
@@ -296,6 +297,7 @@ class Touch:
         self.lead += (feel - column - self.lead) * h / 0.004
         turns = (self.angle - before) / h
         self.rate += (turns - self.rate) * h / 0.008
+        self.torque_before += (self.torque - self.torque_before) * h / 0.008
         self.peak = max(abs(self.torque), self.peak * (1 - h / self.quick / 5))
         rubbing = self.rubbing if abs(self.rate) < 0.05 else 0.0
         pushes = abs(self.torque) > max(self.least, 0.3 * self.peak, rubbing)
@@ -324,7 +326,7 @@ class Touch:
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
-        struck, turned = self.strikes(blow, stiff, by_hand, turns)
+        struck, turned = self.strikes(blow, stiff, turns)
         self.struck_at = (turn_before if pushed_on else self.extreme)[:2]
         noticed = self.bounces_on(over, turns, begins) or self.is_thrown(h, lead_before, turns) or struck or turned
         if other:

@@ -135,7 +135,7 @@ def test_emulated_board_matches_bitwise(single, core):
 
 
 MOST_BYTES = 13_600
-"""Of code and data of four settings; docs/how-to/export.md states 13.2 KiB."""
+"""Of code and data of four settings; docs/how-to/export.md states 13.1 KiB."""
 
 
 @pytest.mark.slow

@@ -30,12 +30,12 @@
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column round from beyond
 //!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
-//! - a push against the motion, shorter than `0.9 t_q`, that has risen by more than `K_e` per radian since it began, while the feel turns round
-//!   faster than the column by 0.1 rad/s and the column slows down: it struck something. A stop takes the momentum of the whole column, which
-//!   throws a feel of less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
-//! - such a push that has fallen as stiffly, the column thrown back 1.6 times as fast as it came at most, and not slower than it came if it
-//!   followed the feel; or over within a third of `t_q`, and it has turned the motion: a feel that is heavier than the column. The push of another
-//!   column over a shaft falls while the column turns, but rises along its way;
+//! - a torque beyond `T_min / 2` against the motion that rises by more than `0.4 K_e` per radian, while the feel turns round faster than the
+//!   column by 0.1 rad/s and the column slows down: it struck something. A stop takes the momentum of the whole column, which throws a feel of
+//!   less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
+//! - a push against the motion, shorter than `0.9 t_q`, that has risen by more than `K_e` per radian since it began and has fallen as stiffly, the
+//!   column thrown back 1.6 times as fast as it came at most; or over within a third of `t_q`, and it has turned the motion: a feel that is
+//!   heavier than the column. The push of another column over a shaft falls while the column turns, but rises along its way;
 //! - where a force sensor at the grip drives the feel, which shows no stop of the column: feel and column at an end stop of the loader file, the
 //!   hand pushing into it or the feel moving on. While that is so, the feel moves as the column.
 //!
@@ -123,6 +123,11 @@ const MOVES_RAD_PER_S: f64 = 0.05;
 /// A bounce turns the column round from beyond this rate in rad/s.
 const FAST_RAD_PER_S: f64 = 1.0;
 
+/// Share of `T_min` from which on a torque is a blow, and of `K_e` by which it rises per radian. A light column that strikes a soft stop causes
+/// less than `T_min`; an arm of such a column, 0.4 of it.
+const BLOW: f64 = 0.5;
+const RISES: f64 = 0.4;
+
 /// By how much in rad/s a feel turns round faster than a column that struck something.
 const THROWN_RAD_PER_S: f64 = 0.1;
 
@@ -204,8 +209,9 @@ pub struct ContactState<S> {
     pub place: S,
     /// Torque there in N m.
     place_torque: S,
-    /// Torque without its noise in N m.
+    /// Torque without its noise in N m, and smoothed as the rate is.
     torque: S,
+    torque_before: S,
     /// Angle smoothed likewise, in rad.
     angle: S,
     /// Rate of that angle in rad/s, smoothed once more.
@@ -285,6 +291,7 @@ impl<S: Scalar> ContactState<S> {
             place: angle,
             place_torque: torque,
             torque,
+            torque_before: torque,
             angle,
             rate: zero,
             lead: zero,
@@ -319,6 +326,7 @@ impl<S: Scalar> ContactState<S> {
         visitor.nonlinear("contact_place", &mut self.place);
         visitor.nonlinear("contact_place_torque", &mut self.place_torque);
         visitor.nonlinear("contact_torque", &mut self.torque);
+        visitor.nonlinear("contact_torque_before", &mut self.torque_before);
         visitor.nonlinear("contact_angle", &mut self.angle);
         visitor.nonlinear("contact_rate", &mut self.rate);
         visitor.nonlinear("contact_lead", &mut self.lead);
@@ -387,13 +395,8 @@ impl<S: Scalar> ContactLaw<S> {
         [h, per_h]: [S; 2],
     ) -> (ContactState<S>, S::Mask) {
         let (zero, one) = (torque.zero(), torque.constant(1.0));
-        let smoothing = h.times(1.0 / SMOOTHING_S).min(one);
-        let (torque, angle) =
-            (was.torque + (torque - was.torque) * smoothing, was.angle + (column - was.angle) * smoothing);
-        let lead = was.lead + (feel - column - was.lead) * smoothing;
-        let now_rate = (angle - was.angle) * per_h;
-        let rate = was.rate + (now_rate - was.rate) * h.times(1.0 / BEFORE_S).min(one);
-        let peak = torque.abs().max(was.peak * (one - h * self.per_peak));
+        let (now, now_rate) = self.smoothed(torque, [column, feel], &was, [h, per_h]);
+        let ContactState { torque, angle, rate, lead, peak, .. } = now;
 
         // Stick-slip is slow; a swing against a spring is fastest halfway.
         let sticks = rate.abs().less(one.times(MOVES_RAD_PER_S));
@@ -416,13 +419,9 @@ impl<S: Scalar> ContactLaw<S> {
         };
         let turn = friction.map_or(turn, |friction| beyond(turn, friction.times(STICK_SLIP)));
         let turns_back = turn.less(back) & zero.less(self.threshold);
-        // A heavy feel swings on a stiff spring as slowly as a hand can.
-        let slow = was.since.less(self.quick.times(SLOW));
-        let now = ContactState { torque, angle, rate, lead, peak, swings: S::select(slow, was.swings, zero), ..was };
-
         let since = S::select(begins, zero, (was.since + h).min(one));
         let touches = zero.less(was.share);
-        let thrown = self.throws_back(&was, &now, [now_rate, per_h]);
+        let thrown = self.throws_back(&now, [now_rate, (lead - was.lead) * per_h], threshold);
         // Alone, a run looks at each change for itself.
         let quiet = S::IN_LANES && {
             let changes = begins | over | turns_back | touches | thrown | !now.swings.less(one.times(SWINGS));
@@ -491,16 +490,50 @@ impl<S: Scalar> ContactLaw<S> {
         (state, noticed & was.share.less(one.times(0.5)))
     }
 
-    /// Whether the column struck something that turns its feel round: a push against its motion that still rises.
+    /// The state with what is smoothed of a sample, without swings that are too old, and the rate of the smoothed angle.
     #[inline(always)]
-    fn throws_back(&self, was: &ContactState<S>, now: &ContactState<S>, [now_rate, per_h]: [S; 2]) -> S::Mask {
-        let (zero, one) = (per_h.zero(), per_h.constant(1.0));
-        let rises = (self.environment * (now.angle - was.began_angle).abs()).less(now.torque.abs());
-        let turns_faster = one.times(THROWN_RAD_PER_S).less((now.lead - was.lead) * per_h * was.side);
-        // Once the column has turned round too, the way is short again.
-        let slows =
-            one.times(SLOWS_RAD_PER_S).less((now_rate - now.rate) * was.side) & (now.rate * was.side).less(zero);
-        zero.less(was.push) & was.since.less(self.quick.times(BRIEF)) & rises & turns_faster & slows
+    fn smoothed(
+        &self,
+        torque: S,
+        [column, feel]: [S; 2],
+        was: &ContactState<S>,
+        [h, per_h]: [S; 2],
+    ) -> (ContactState<S>, S) {
+        let (zero, one) = (torque.zero(), torque.constant(1.0));
+        let [soon, later] = [SMOOTHING_S, BEFORE_S].map(|time| h.times(1.0 / time).min(one));
+        let follow = |was: S, now: S, share: S| was + (now - was) * share;
+        let (torque, angle) = (follow(was.torque, torque, soon), follow(was.angle, column, soon));
+        let now_rate = (angle - was.angle) * per_h;
+        // A heavy feel swings on a stiff spring as slowly as a hand can.
+        let slow = was.since.less(self.quick.times(SLOW));
+        let now = ContactState {
+            torque,
+            torque_before: follow(was.torque_before, torque, later),
+            angle,
+            rate: follow(was.rate, now_rate, later),
+            lead: follow(was.lead, feel - column, soon),
+            peak: torque.abs().max(was.peak * (one - h * self.per_peak)),
+            swings: S::select(slow, was.swings, zero),
+            ..*was
+        };
+        (now, now_rate)
+    }
+
+    /// Whether the column struck something that turns its feel round: a torque against its motion that still rises. `now_rate` is that of the
+    /// smoothed angle, `lead_rate` of the feel relative to the column.
+    #[inline(always)]
+    fn throws_back(&self, now: &ContactState<S>, [now_rate, lead_rate]: [S; 2], threshold: S) -> S::Mask {
+        let one = now_rate.constant(1.0);
+        let pushes = threshold.times(BLOW).less(now.torque.abs()) & one.zero().less(self.threshold);
+        // The way back, which the feel begins.
+        let back = one.times_sign(now.torque);
+        let turns_faster = one.times(THROWN_RAD_PER_S).less(lead_rate * back);
+        let moves = (now.rate * back).less(-one.times(MOVES_RAD_PER_S));
+        let slows = one.times(SLOWS_RAD_PER_S).less((now_rate - now.rate) * back);
+        // While the torque rises from the one before, the column moves by its rate times this constant.
+        let risen = (now.torque - now.torque_before) * back;
+        let rises = (self.environment.times(RISES * BEFORE_S) * now.rate.abs()).less(risen);
+        pushes & turns_faster & moves & slows & rises
     }
 
     /// What a sample counts for where a push or a turn begins or ends, or something touches. `now` has the torque, angle, rate and peak of the sample
@@ -543,9 +576,7 @@ impl<S: Scalar> ContactLaw<S> {
         let (before, after) = (now.before * now.side, now_rate * now.side);
         let brief = now.since.less(self.quick.times(BRIEF));
         let fast_rebound = before.times(-REBOUND).less(after);
-        // Against a stop it follows well where the loop is stable, and then it loses rate.
-        let by_hand = fast_rebound | (follows & after.less(-before));
-        let struck = blow & brief & stiff & !by_hand & zero.less(now.push);
+        let struck = blow & brief & stiff & !fast_rebound & zero.less(now.push);
         let turned = blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & moves.less(after);
         // The torque of a mass goes with the angle.
         let turned_by = angle - now.turn_angle;
