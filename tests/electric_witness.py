@@ -285,9 +285,12 @@ class Touch:
         """Whether the feel turns round before a column that struck something."""
         way = math.copysign(1.0, self.rate)
         against, risen = -self.torque * way, (self.torque_before - self.torque) * way
-        pushes = against > 0.5 * self.least and risen > 0.4 * self.environment * 0.008 * abs(self.rate)
+        rises, turns_faster = (
+            risen > 0.2 * self.environment * 0.008 * abs(self.rate),
+            (lead_before - self.lead) / h * way,
+        )
         slows = abs(self.rate) > 0.05 and (self.rate - turns) * way > 0.05
-        return pushes and slows and (lead_before - self.lead) / h * way > 0.1
+        return rises and slows and turns_faster > 0.1 and against * turns_faster > 0.12 * self.least
 
     def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""

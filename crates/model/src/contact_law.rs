@@ -30,9 +30,9 @@
 //! - four bounces in a row, each within 0.4 s of the last and on the same side: a push of less than `t_q` that turns the column round from beyond
 //!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
-//! - a torque beyond `T_min / 2` against the motion that rises by more than `0.4 K_e` per radian, while the feel turns round faster than the
-//!   column by 0.1 rad/s and the column slows down: it struck something. A stop takes the momentum of the whole column, which throws a feel of
-//!   less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
+//! - a torque against the motion that rises by more than `0.2 K_e` per radian and turns the feel round faster than the column, by 0.1 rad/s and
+//!   with a power beyond `0.12 T_min` times 1 rad/s, while the column slows down: it struck something. A stop takes the momentum of the whole
+//!   column, which throws a feel of less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
 //! - a push against the motion, shorter than `0.9 t_q`, that has risen by more than `K_e` per radian since it began and has fallen as stiffly, the
 //!   column thrown back 1.6 times as fast as it came at most; or over within a third of `t_q`, and it has turned the motion: a feel that is
 //!   heavier than the column. The push of another column over a shaft falls while the column turns, but rises along its way;
@@ -123,13 +123,15 @@ const MOVES_RAD_PER_S: f64 = 0.05;
 /// A bounce turns the column round from beyond this rate in rad/s.
 const FAST_RAD_PER_S: f64 = 1.0;
 
-/// Share of `T_min` from which on a torque is a blow, and of `K_e` by which it rises per radian. A light column that strikes a soft stop causes
-/// less than `T_min`; an arm of such a column, 0.4 of it.
-const BLOW: f64 = 0.5;
-const RISES: f64 = 0.4;
-
 /// By how much in rad/s a feel turns round faster than a column that struck something.
 const THROWN_RAD_PER_S: f64 = 0.1;
+
+/// Power that does so, over `T_min` times 1 rad/s: a light column that strikes a soft stop causes less torque than `T_min`, and throws its feel all the
+/// faster. An arm of such a column causes 0.1.
+const THROWS: f64 = 0.12;
+
+/// Share of `K_e` by which the torque rises per radian: an arm alone is softer, one that swings with its column looks stiffer.
+const RISES: f64 = 0.2;
 
 /// By how much in rad/s a column that struck something is slower than `BEFORE_S` ago. A light one that swings with an arm may still go faster.
 const SLOWS_RAD_PER_S: f64 = 0.05;
@@ -524,7 +526,7 @@ impl<S: Scalar> ContactLaw<S> {
     #[inline(always)]
     fn throws_back(&self, now: &ContactState<S>, [now_rate, lead_rate]: [S; 2], threshold: S) -> S::Mask {
         let one = now_rate.constant(1.0);
-        let pushes = threshold.times(BLOW).less(now.torque.abs()) & one.zero().less(self.threshold);
+        let throws = threshold.times(THROWS).less(now.torque * lead_rate) & one.zero().less(self.threshold);
         // The way back, which the feel begins.
         let back = one.times_sign(now.torque);
         let turns_faster = one.times(THROWN_RAD_PER_S).less(lead_rate * back);
@@ -533,7 +535,7 @@ impl<S: Scalar> ContactLaw<S> {
         // While the torque rises from the one before, the column moves by its rate times this constant.
         let risen = (now.torque - now.torque_before) * back;
         let rises = (self.environment.times(RISES * BEFORE_S) * now.rate.abs()).less(risen);
-        pushes & turns_faster & moves & slows & rises
+        throws & turns_faster & moves & slows & rises
     }
 
     /// What a sample counts for where a push or a turn begins or ends, or something touches. `now` has the torque, angle, rate and peak of the sample

@@ -140,7 +140,7 @@ CONTACTS = (
     *_DAMPED,
 )
 """Contacts of an envelope. Of 3 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 2 do so in one of these;
-with 1 lb of dry friction, 43 of 53."""
+with 1 lb of dry friction, 41 of 55."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
 """Those by which laws are compared."""
