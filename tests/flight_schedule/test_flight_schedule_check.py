@@ -18,7 +18,7 @@ from forcefeel.flight_schedule import (
     second_order_feel,
 )
 from forcefeel.flight_schedule.findings import schedule_conclusions
-from forcefeel.flight_schedule.releases import PASSES, SWINGS_ON
+from forcefeel.flight_schedule.releases import NOT_QUIET, PASSES
 from forcefeel.flight_schedule.result import Part
 from forcefeel.flight_schedule.transitions import Transitions, blended_feel
 from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
@@ -243,7 +243,7 @@ def test_a_place_that_swings_on_in_contact_does_not_count() -> None:
         {release.outcome for release in check_schedule(given, 2, changes={}, arms=()).releases}
         for given in (schedule, alone)
     ]
-    assert outcomes == [{PASSES}, {SWINGS_ON}]
+    assert outcomes == [{PASSES}, {NOT_QUIET}]
 
 
 def test_a_schedule_whose_releases_all_fail_is_checked() -> None:
@@ -252,4 +252,4 @@ def test_a_schedule_whose_releases_all_fail_is_checked() -> None:
     feel = second_order_feel(np.array([3000.0, 6000.0]), [1.0, 1.5], 0.6)
     schedule = design_schedule(ff.loader.electric("sidestick-pitch"), [axis], feel)
     outcomes = [release.outcome for release in check_schedule(schedule, 2, changes={}, arms=()).releases]
-    assert not {PASSES, SWINGS_ON} & set(outcomes)
+    assert not {PASSES, NOT_QUIET} & set(outcomes)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.choice.demand import AnyDemand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
-from forcefeel.envelope.contact import swings_on_in_few
+from forcefeel.envelope.contact import quiet_in_few
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
@@ -198,7 +198,7 @@ def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None
 
 def _quiet(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int | None) -> float:
     """Share of the settings that swing on in none of ``FEW_CONTACTS``."""
-    return float(1 - swings_on_in_few(plan.loader, laws, feel, threads=threads).mean())
+    return float(quiet_in_few(plan.loader, laws, feel, threads=threads).mean())
 
 
 def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> AnyDemand:

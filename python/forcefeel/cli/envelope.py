@@ -1,6 +1,7 @@
 """``forcefeel envelope``."""
 
 from dataclasses import dataclass
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +15,7 @@ from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
 from forcefeel.cli.terminal import Terminal, answer, titled
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
-from forcefeel.units import FORCE, UnitSystem
+from forcefeel.units import FORCE, UnitSystem, to_text
 
 if TYPE_CHECKING:
     from forcefeel.envelope import CockpitEnvelope, Envelope
@@ -205,15 +206,19 @@ def _softened(envelope: "Envelope") -> Table:
 
 
 def _in_contact(envelope: "Envelope", units: UnitSystem) -> Table:
-    """Quiet settings; the largest force is that of a contact at the grip."""
-    from forcefeel.page.typography import quantity_text
+    """Quiet settings; the largest force is that of a contact at the grip, the fastest return that from a stop."""
+    from forcefeel.page.typography import NONE, quantity_text
 
-    numbers = ("quiet in every contact", "least share in a contact", "largest force")
+    numbers = ("quiet in every contact", "least share in a contact", "thrown back", "fastest return", "largest force")
     table = titled(f"Settings in {len(envelope.plan.contacts)} contacts, clamps and stops", "law", numbers=numbers)
     for name in envelope.laws:
         shares = envelope.contact_shares(name)
-        least = share_text(min(shares.by_contact.values()))
-        table.add_row(name, share_text(shares.quiet), least, quantity_text(shares.largest_force_n, FORCE, units, 3))
+        least, fastest = min(shares.by_contact.values()), shares.fastest_return
+        row = (
+            *map(share_text, (shares.quiet, least, shares.thrown_back)),
+            NONE if isnan(fastest) else f"{to_text(fastest, 2)} times",
+        )
+        table.add_row(name, *row, quantity_text(shares.largest_force_n, FORCE, units, 3))
     return table
 
 

@@ -1,4 +1,4 @@
-"""Contact: whether a setting swings on while the grip is clamped or the column is pushed into a stop.
+"""Contact: whether a setting is quiet while the grip is clamped or the column is pushed into a stop.
 
 A clamp holds the grip by a spring and a damper and is tapped; into a stop the grip is pushed without end. A setting swings on if
 the force of the contact varies by ``QUIET_N`` or more over the last part of the run, and by no less than ``DECAYED`` of that over
@@ -7,10 +7,12 @@ the part before: a spring without damping rings for long, and that is no fault o
 The load cell's force at the grip is judged likewise, since a column may hold still while its motor buzzes. It has to vary by twice
 what the sensors' noise makes of it while nothing touches the column, and by what compensating the column's dry friction takes.
 A column that friction or a firm feel holds short of the stop is in no contact, whatever its load cell shows.
+
+A setting is quiet that does not swing on, and that the stop does not throw back as it strikes it.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import pi, radians, sqrt
 from typing import Annotated
@@ -18,6 +20,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.envelope.strike import strikes
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import Scenario
@@ -152,7 +155,9 @@ class ContactShares:
 
     Attributes:
         law: Its name.
-        quiet: Share of the settings that swing on in no contact.
+        quiet: Share of the settings that swing on in no contact, and that no stop throws back.
+        thrown_back: Share of the settings that a stop throws back.
+        fastest_return: Largest rate away from a stop, of that with which the setting strikes it; NaN if none strikes one.
         largest_force_n: Largest force of any contact with any setting.
         by_contact: Share of the settings that are quiet, by the name of the contact.
 
@@ -166,6 +171,8 @@ class ContactShares:
 
     law: str
     quiet: Annotated[float, PERCENT]
+    thrown_back: Annotated[float, PERCENT]
+    fastest_return: Annotated[float, RATIO]
     largest_force_n: Annotated[float, FORCE]
     by_contact: Mapping[str, float]
 
@@ -188,7 +195,7 @@ def swings_on(
         >>> [bool(ff.envelope.swings_on(loader, one, feel, clamp)[0][0]) for one in (law, law.without_contact())]
         [False, True]
     """
-    touched = touch(loader, law, feel, contact, threads)
+    touched = _touch(loader, law, feel, contact, threads)
     return touched.swings_on, touched.largest_force_n
 
 
@@ -199,16 +206,35 @@ class Touched:
     Attributes:
         swings_on: Whether each swings on.
         largest_force_n: Largest force of the contact.
-        margin: How far the swing in the end is below its limit, as a share of that.
+        margin: How far the swing in the end, or the rate away from a stop, is below its limit, as a share of that.
+        thrown_back: Whether a stop throws each back.
+        returns: Rate away from a stop, of that with which each strikes it; NaN where none is struck.
     """
 
     swings_on: NDArray[np.bool_]
     largest_force_n: NDArray[np.float64]
     margin: NDArray[np.float64]
+    thrown_back: NDArray[np.bool_]
+    returns: NDArray[np.float64]
+
+    @property
+    def quiet(self) -> NDArray[np.bool_]:
+        """Whether each is quiet."""
+        return np.asarray(~(self.swings_on | self.thrown_back))
 
 
 def touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, threads: int | None) -> Touched:
-    """What ``swings_on`` tells, and by how much; the same arguments."""
+    """What ``swings_on`` tells, by how much, and how fast a stop throws each back; the same arguments."""
+    touched = _touch(loader, law, feel, contact, threads)
+    if not contact.stop:
+        return touched
+    struck = strikes(contact.on(loader), law, feel, STOP_RAD, threads=threads)
+    margin = np.fmin(touched.margin, 1 - struck.of_limit)
+    return replace(touched, margin=margin, thrown_back=struck.thrown_back, returns=struck.back / struck.came)
+
+
+def _touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact, threads: int | None) -> Touched:
+    """The same without a strike."""
     duration = _STOP_S if contact.stop else _CLAMP_S
     touched = _run(loader, law, feel, contact, np.zeros(len(feel)), duration, threads)
     # A damped column may come to its stop as late as in the last quarter, and strike it once. What swings may be noise.
@@ -279,7 +305,7 @@ def _run(
             before, after = swing[2:4]
             swings[which] |= (after >= most) & (after > DECAYED * before)
             margins[which] = np.minimum(margins[which], 1 - after / most)
-    return Touched(swings, forces, margins)
+    return Touched(swings, forces, margins, np.zeros_like(swings), np.full_like(forces, np.nan))
 
 
 def _limits(history: NDArray[np.float64], quarter: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -304,9 +330,8 @@ def _force(contact: Contact, loader: Loader, angle: NDArray[np.float64]) -> NDAr
     return np.asarray(depth * contact.stiffness_n_per_m * loader["column.grip_arm"])
 
 
-def swings_on_in_few(
+def quiet_in_few(
     loader: Loader, law: Law, feel: NDArray[np.float64], *, threads: int | None = None
 ) -> NDArray[np.bool_]:
-    """Whether each setting swings on in any of ``FEW_CONTACTS``; arguments as in ``swings_on``."""
-    swings = [swings_on(loader, law, feel, contact, threads=threads)[0] for contact in FEW_CONTACTS]
-    return np.asarray(np.any(swings, axis=0))
+    """Whether each setting is quiet in all of ``FEW_CONTACTS``; arguments as in ``swings_on``."""
+    return np.asarray(np.all([touch(loader, law, feel, contact, threads).quiet for contact in FEW_CONTACTS], axis=0))

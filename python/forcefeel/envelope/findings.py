@@ -1,7 +1,7 @@
 """Conclusions from an envelope, in sentences."""
 
 from collections.abc import Sequence
-from math import inf, isfinite
+from math import inf, isfinite, isnan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,17 +111,33 @@ def _feels(envelope: Envelope) -> str:
 
 
 def _in_contact(envelope: Envelope, name: str, units: UnitSystem) -> str:
-    """Whether the settings are quiet against something stiff, and where fewest are."""
+    """Whether the settings are quiet against something stiff, where fewest are, and how fast a stop throws a column back."""
     shares = envelope.contact_shares(name)
     count = len(envelope.plan.contacts)
     if shares.quiet == 1:
-        return f"With {name_text(name)} every setting is quiet in all {count} contacts, clamps and stops of 1e3 to 1e6 N/m."
+        returns = (
+            f" A stop returns a column with up to {_times(shares.fastest_return)} its rate."
+            if not isnan(shares.fastest_return)
+            else ""
+        )
+        quiet = f"With {name_text(name)} every setting is quiet in all {count} contacts, clamps and stops of 1e3 to 1e6 N/m."
+        return quiet + returns
     worst = min(shares.by_contact, key=shares.by_contact.__getitem__)
     force = f"{to_text(FORCE.from_si(shares.largest_force_n, units), 3)} {FORCE.shown(units)}"
+    thrown = (
+        f" A stop throws {share_text(shares.thrown_back)} of the settings back, with up to {_times(shares.fastest_return)} "
+        "the rate with which they struck it."
+        if shares.thrown_back
+        else ""
+    )
     return (
         f"With {name_text(name)} {share_text(shares.quiet)} of the settings are quiet in all {count} contacts; fewest, "
-        f"{share_text(shares.by_contact[worst])}, in: {worst}. The largest force is {force}."
+        f"{share_text(shares.by_contact[worst])}, in: {worst}. The largest force is {force}.{thrown}"
     )
+
+
+def _times(ratio: float) -> str:
+    return f"{to_text(ratio, 2)} times"
 
 
 def _softened(shares: SoftenedShares) -> str:

@@ -224,8 +224,9 @@ class Envelope:
         arrays: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the smallest
             margin as a share of its tolerance: 1 exact, 0 at the limit, NaN if not measurable. With drawn machines also
             ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
-            parameter as a share of its value. With contacts also ``swings_on``, ``contact_inferred`` and ``largest_force_n`` (law,
-            contact, ..), the last NaN where inferred.
+            parameter as a share of its value. With contacts also, over (law,
+            contact, ..), ``swings_on``, ``thrown_back`` and ``contact_inferred``, and NaN where inferred: ``largest_force_n`` and
+            ``returns``, the rate away from a stop, of that with which the column strikes it, NaN in a clamp too.
             ``data`` is the same as a data set of xarray.
         outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
         passivity: Passivity of the grip, by law.
@@ -348,11 +349,17 @@ class Envelope:
                 "contacts: the envelope was made without; give find_envelope some, such as Contact(True, 1e6, 0.02)"
             )
         row = self.laws.index(law)
-        quiet = ~self.arrays["swings_on"][row].reshape(len(self.plan.contacts), -1)
+        swings, thrown = (
+            self.arrays[name][row].reshape(len(self.plan.contacts), -1) for name in ("swings_on", "thrown_back")
+        )
+        quiet = ~(swings | thrown)
         names = [contact.name for contact in self.plan.contacts]
         by_contact = dict(zip(names, quiet.mean(axis=1).tolist(), strict=True))
-        largest = float(np.nanmax(self.arrays["largest_force_n"][row]))
-        return ContactShares(law, float(quiet.all(axis=0).mean()), largest, by_contact)
+        force = float(np.nanmax(self.arrays["largest_force_n"][row]))
+        fastest = float(np.fmax.reduce(self.arrays["returns"][row], axis=None))
+        return ContactShares(
+            law, float(quiet.all(axis=0).mean()), float(thrown.any(axis=0).mean()), fastest, force, by_contact
+        )
 
     def shares(self, law: str) -> Shares:
         """Shares of all settings for a law."""

@@ -137,8 +137,8 @@ def _softened(plan: Plan, as_programmed: NDArray[np.bool_], threads: int) -> tup
     return tuple(SoftenedShares.of(*row, limits.share) for row in zip(plan.laws, as_programmed, passes, strict=True))
 
 
-_NEVER = -2
-"""Code of a setting that is unstable beforehand, which in contact none is."""
+_NEVER, _SWINGS_ON, _THROWN_BACK = -2, 1, 2
+"""Codes of a setting that is unstable beforehand, which in contact none is, and of those that are not quiet."""
 
 
 def _touch(
@@ -149,22 +149,26 @@ def _touch(
     advance: Callable[[int], None],
     data: dict[str, Any],
 ) -> None:
-    """Add to the arrays which settings swing on in which contact, and the largest forces."""
+    """Add to the arrays which settings swing on in which contact, what a stop throws back, and the largest forces and rates."""
     over = ("law", "contact", *AXES)
     shape = (len(laws), len(plan.contacts), *plan.settings.shape)
-    swings = np.full((len(laws), len(plan.contacts), len(feel)), UNKNOWN, dtype=np.int8)
-    forces, margins = np.full(swings.shape, np.nan), np.full(swings.shape, np.nan, dtype=np.float32)
+    codes = np.full((len(laws), len(plan.contacts), len(feel)), UNKNOWN, dtype=np.int8)
+    forces, returns = np.full(codes.shape, np.nan), np.full(codes.shape, np.nan)
+    margins = np.full(codes.shape, np.nan, dtype=np.float32)
     for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
         # Of views, which share their memory.
-        outcome, margin = (array[k, j].reshape(1, *plan.settings.shape) for array in (swings, margins))
+        outcome, margin = (array[k, j].reshape(1, *plan.settings.shape) for array in (codes, margins))
         wanted = rounds(outcome, margin, _NEVER, SMALL_STRIDES) if plan.inferring else [np.ones(outcome.shape, bool)]
         for each in wanted:
             which = np.flatnonzero(each)
             touched = touch(plan.loader, law.some(which), feel[which], contact, threads)
-            swings[k, j, which], forces[k, j, which] = touched.swings_on, touched.largest_force_n
+            codes[k, j, which] = np.where(touched.swings_on, _SWINGS_ON, np.where(touched.thrown_back, _THROWN_BACK, 0))
+            forces[k, j, which], returns[k, j, which] = touched.largest_force_n, touched.returns
             margins[k, j, which] = touched.margin
         advance(plan.contact_releases)
-    data["swings_on"] = over, swings.astype(bool).reshape(shape)
+    data["swings_on"] = over, (codes == _SWINGS_ON).reshape(shape)
+    data["thrown_back"] = over, (codes == _THROWN_BACK).reshape(shape)
+    data["returns"] = over, returns.reshape(shape)
     data["contact_inferred"] = over, np.isnan(forces).reshape(shape)
     data["largest_force_n"] = over, forces.reshape(shape)
 

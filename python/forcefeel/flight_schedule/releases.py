@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.envelope.cases import NOMINAL
-from forcefeel.envelope.contact import swings_on_in_few
+from forcefeel.envelope.contact import quiet_in_few
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
@@ -24,9 +24,9 @@ from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
-PASSES, DIVERGES, NOT_JUDGED, SWINGS_ON = "passes", "diverges", "not judged", "swings on in contact"
+PASSES, DIVERGES, NOT_JUDGED, NOT_QUIET = "passes", "diverges", "not judged", "not quiet in contact"
 """Outcomes other than the first failing figure. ``NOT_JUDGED``: the feel's damping is below the range of an envelope.
-``SWINGS_ON``: the release passes, but the column swings on in one of ``envelope.contact.FEW_CONTACTS``."""
+``NOT_QUIET``: the release passes, but the column is not quiet in one of ``envelope.contact.FEW_CONTACTS``."""
 
 _BAND = np.log(2) / 2
 """Feels within half an octave have the same record."""
@@ -53,7 +53,7 @@ class ReleaseTest:
         return cls(rules, throw.release_rad(rules), throw.travel_rad)
 
     def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> list[str]:
-        """Outcome for each feel (settings, 3) with its law: ``passes``, the first failing figure, or ``SWINGS_ON``."""
+        """Outcome for each feel (settings, 3) with its law: ``passes``, the first failing figure, or ``NOT_QUIET``."""
         frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
         judged = np.flatnonzero(damping >= AXES["damping"].low)
@@ -66,7 +66,7 @@ class ReleaseTest:
                 outcome[some] = self._judged(loader, feel[some], laws.some(some), record, threads)
         if len(good := np.flatnonzero(outcome == PASSES)):
             law = Law.of(laws.some(good), loader)
-            outcome[good[swings_on_in_few(loader, law, feel[good], threads=threads)]] = SWINGS_ON
+            outcome[good[~quiet_in_few(loader, law, feel[good], threads=threads)]] = NOT_QUIET
         return outcome.tolist()
 
     def _judged(

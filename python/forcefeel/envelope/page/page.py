@@ -13,6 +13,7 @@ from forcefeel.envelope.page import plots as envelope_plots
 from forcefeel.envelope.page import tables as envelope_tables
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.envelope.result import COLORS, Envelope
+from forcefeel.envelope.strike import RATE_RAD_PER_S, THROWN_BACK
 from forcefeel.json_values import json_text
 from forcefeel.loader.axes import PROJECT_AXES
 from forcefeel.page import machine
@@ -20,7 +21,7 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.page.render import drawing, render
 from forcefeel.page.setting_maps import SettingMaps, picture, spans
 from forcefeel.page.typography import quantity_text
-from forcefeel.units import ANGLE, FORCE, UnitSystem
+from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, UnitSystem
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,8 @@ def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, comman
             name: quantity_text(force, FORCE, units, 2)
             for name, force in (("tap", TAP_N), ("push", PUSH_N), ("quiet", QUIET_N))
         },
+        strike=quantity_text(RATE_RAD_PER_S, ANGULAR_VELOCITY, units, 2),
+        thrown=f"{THROWN_BACK:g}",
         spans=spans(nominal, units),
         nominal=picture(nominal, units, worst),
         worst=picture(worst, units, nominal),
